@@ -56,8 +56,8 @@ class Film:
     ... )
     >>> y = (np.arange(80) + 0.5) / 80
     >>> thickness = np.broadcast_to(10e-6 * (2.0 - y), (4, 80))
-    >>> outputs = film.start(thickness, -8.0)
-    >>> outputs = film.step(thickness, -8.0, 1e-3)
+    >>> outputs = film.start(thickness, sliding_velocity=-8.0)
+    >>> outputs = film.step(thickness, 1e-3, sliding_velocity=-8.0)
     >>> load = outputs["nodal_pressure_force"].sum() / (2 * np.pi * 28.25e-3)
     >>> exact = 6 * 0.02 * 8.0 * (27e-3 / 10e-6) ** 2 * (np.log(2) - 2 / 3)
     >>> print(f"{load / exact:.3f}")
@@ -95,18 +95,22 @@ class Film:
     def start(
         self,
         film_thickness: Array | float,
-        sliding_velocity: Array | float,
-        circumferential_velocity: Array | float = 0.0,
+        *,
+        sliding_velocity: Array | float | None = None,
+        circumferential_velocity: Array | float | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
         """Begin with a full film at rest.
 
         Parameters
         ----------
-        film_thickness, sliding_velocity : float or ndarray, shape `grid`
-            Bore minus skirt [m]; axial velocity of skirt minus bore [m/s].
+        film_thickness : float or ndarray, shape `grid`
+            Bore minus skirt [m].
+        sliding_velocity : float or ndarray, shape `grid`
+            Axial velocity of skirt minus bore [m/s]. A skirt needs it; default of a bearing: 0.
         circumferential_velocity : float or ndarray, shape `grid`
-            Of a bearing: that of journal minus shell, positive with ascending i [m/s].
+            Velocity of journal minus shell, positive with ascending i [m/s]. A bearing needs it; a
+            skirt has none.
         **conditions
             What holds at the edges, in place of the parameter of that name [SI], and
             `oil_temperature` [K], a number or of shape `grid`.
@@ -120,12 +124,13 @@ class Film:
         Raises
         ------
         BadInput
-            If an array has another shape, or what holds at the edges is impossible.
+            If the velocity that the surface needs is missing, an array has another shape, or what
+            holds at the edges is impossible.
         """
-        motion = self._field(film_thickness), self._field(sliding_velocity)
-        turning = self._turning(circumferential_velocity)
+        film = self._field(film_thickness)
+        sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
         try:
-            self.state, outputs = self.model.start(*motion, turning, **conditions)
+            self.state, outputs = self.model.start(film, sliding, turning, **conditions)
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
         return outputs
@@ -133,9 +138,10 @@ class Film:
     def step(
         self,
         film_thickness: Array | float,
-        sliding_velocity: Array | float,
         step: float,
-        circumferential_velocity: Array | float = 0.0,
+        *,
+        sliding_velocity: Array | float | None = None,
+        circumferential_velocity: Array | float | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
         """One step of length `step` [s] to the given film and velocity; otherwise as `start`.
@@ -151,11 +157,11 @@ class Film:
             raise BadInput("the film has not been started: call start first")
         if not 0.0 < step < np.inf:
             raise BadInput(f"step = {step:g} s: must be positive and finite")
-        motion = self._field(film_thickness), self._field(sliding_velocity)
-        turning = self._turning(circumferential_velocity)
+        film = self._field(film_thickness)
+        sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
         try:
             self.state, outputs = self.model.advance(
-                self.state, *motion, step, turning, **conditions
+                self.state, film, sliding, step, turning, **conditions
             )
         except NotConverged as trouble:
             raise Discard(str(trouble)) from None
@@ -164,26 +170,40 @@ class Film:
     def tangent(
         self,
         dfilm_thickness: Array | float,
-        dsliding_velocity: Array | float,
-        dcircumferential_velocity: Array | float = 0.0,
+        *,
+        dsliding_velocity: Array | float = 0.0,
+        dcircumferential_velocity: Array | float | None = None,
     ) -> tuple[Array, ...]:
         """Change of `nodal_pressure_force` and `nodal_friction_force` [N], of a bearing also of
         `nodal_circumferential_force`, at the end of the last step for a change of the inputs there
         [m], [m/s]; exact.
         """
-        return self.model.tangent(
-            self._field(dfilm_thickness),
-            self._field(dsliding_velocity),
-            self._turning(dcircumferential_velocity),
-        )
+        turning = dcircumferential_velocity
+        if turning is None and self._is_bearing:
+            turning = 0.0
+        velocities = self._velocities(dsliding_velocity, turning)
+        return self.model.tangent(self._field(dfilm_thickness), *velocities)
 
-    def _turning(self, velocity: Array | float) -> Array | None:
-        """Circumferential velocity of a bearing; a skirt has none."""
-        if self.model.parameters.surface == "bearing":
-            return self._field(velocity)
-        if np.any(velocity):
+    @property
+    def _is_bearing(self) -> bool:
+        return self.model.parameters.surface == "bearing"
+
+    def _velocities(
+        self, sliding: Array | float | None, turning: Array | float | None
+    ) -> tuple[Array, Array | None]:
+        """Axial and circumferential velocity; BadInput unless they fit the surface."""
+        if self._is_bearing:
+            if turning is None:
+                raise BadInput(
+                    "circumferential_velocity: a bearing needs the velocity of journal minus shell "
+                    "[m/s]; a journal at rest has 0.0"
+                )
+            return self._field(0.0 if sliding is None else sliding), self._field(turning)
+        if sliding is None:
+            raise BadInput("sliding_velocity: a skirt needs the velocity of skirt minus bore [m/s]")
+        if turning is not None:
             raise BadInput("circumferential_velocity: only surface = bearing slides around")
-        return None
+        return self._field(sliding), None
 
     def _field(self, values: Array | float) -> Array:
         """An array of the grid."""

@@ -46,7 +46,7 @@ from .dynamics.floating_pin import (
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
-from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
+from .dynamics.parameters import CRANK_PARAMETERS, GAS_TWICE, Parameters, PinParameters
 from .dynamics.pin_instant import EYE, PinStepEnd, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
@@ -252,6 +252,7 @@ FAULTS = (
     NO_PIN_MASS,
     *OTHER_FRICTION.values(),
     *NO_ROD.values(),
+    GAS_TWICE,
 )
 (
     ROD_TOO_SHORT,
@@ -267,6 +268,10 @@ FAULTS = (
 ) = range(10)
 FRICTION_SPEED = FRICTION_OF_PIN + 1
 FRICTION_DAMPING = FRICTION_OF_PIN + 2
+GIVEN_TWICE = len(FAULTS) - 1
+GAS_EITHER, GAS_TABLE, GAS_INPUT = range(1, 4)
+"""Numbers of the choices in `GAS_SOURCES`."""
+CHOSEN_GAS = SETTING.index("gas_source")
 ROD_IN_BIG_END = FRICTION_OF_PIN + len(OTHER_FRICTION)
 ROD_IN_BEARING = ROD_IN_BIG_END + 2
 ROD_IN_BOTH = ROD_IN_BIG_END + 4
@@ -437,6 +442,7 @@ def _places(slave):
     places += _reserved(slave, SEED, SEEDED) + _reserved(slave, PRODUCT, PRODUCED)
     places += [slave.references.get(name, NOWHERE) for name in PIN_OUTPUTS]
     places[SETTING.index("crank_free")] = NOWHERE  # no real number; 0 is all that is covered
+    # `gas_source` is a choice: its place is among the whole numbers
     return np.array(places, dtype=float)
 
 
@@ -521,6 +527,14 @@ def refuse(memory, number, a, b, c, d):
         one[FAULT_B] = b
         one[FAULT_C] = c
         faults[0] = at + 1.0
+
+
+@compiled
+def remark(memory, number):
+    """Note a warning in the place of the first fault: below 0, and no fault is counted."""
+    faults = part(memory, FAULTS_AT)
+    if faults[0] == 0.0:
+        faults[1 + FAULT] = -1.0 - number
 
 
 @compiled
@@ -671,12 +685,14 @@ def widen(memory, p):
 
 
 @compiled
-def prepare(real, memory):
+def prepare(real, integer, memory):
     """What follows from the parameters, as `assembly.assemble`."""
     settings = part(memory, SETTINGS)
     for k in range(SETTING_COUNT):
         at = place(memory, k)
-        settings[k] = real[at] if at >= 0 else 0.0
+        settings[k] = 0.0
+        if at >= 0:
+            settings[k] = float(integer[at]) if k == CHOSEN_GAS else real[at]
     p = settings_of(memory)
     x = part(memory, CONSTANTS)
     machine(memory, p)
@@ -854,6 +870,20 @@ class End(NamedTuple):
 
 
 @compiled
+def crown_pressure(real, memory, p, crank_angle):
+    """Gas pressure by input and table [Pa], as `gas_source` says; a remark if it is given twice."""
+    given = number_at(real, memory, OF_INPUTS + GAS)
+    angle = part(memory, GAS_ANGLE)
+    if len(angle) and given != 0.0 and p.gas_source == GAS_EITHER:
+        remark(memory, GIVEN_TWICE)
+    pressure = 0.0 if p.gas_source == GAS_TABLE else given
+    if len(angle) and p.gas_source != GAS_INPUT:
+        table = GasAtAngle(angle, part(memory, GAS_PRESSURE), part(memory, CONSTANTS)[GAS_CYCLE])
+        pressure += gas_pressure(table, crank_angle)
+    return pressure
+
+
+@compiled
 def solve(real, integer, memory, c, before, auxiliary, at):
     """The `End` of a step as `model.PistonInBore._solve`, state and outputs. A fault is noted where
     it is not found, and the state stays.
@@ -865,10 +895,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     x = part(memory, CONSTANTS)
     p = settings_of(memory)
     system = system_of(memory)
-    pressure = number_at(real, memory, OF_INPUTS + GAS)
-    if len(part(memory, GAS_ANGLE)):
-        table = GasAtAngle(part(memory, GAS_ANGLE), part(memory, GAS_PRESSURE), x[GAS_CYCLE])
-        pressure += gas_pressure(table, crank.angle)
+    pressure = crown_pressure(real, memory, p, crank.angle)
     ride = carried_at(real, memory, OF_INPUTS + CARRIED)
     others = others_of(
         np.pi * x[BORE_RADIUS] ** 2,
@@ -1048,7 +1075,7 @@ def change_with_pin(real, memory, system):
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """State and outputs at the start; `numbers` unused."""
     part(memory, FAULTS_AT)[0] = 0.0
-    prepare(real, memory)
+    prepare(real, integer, memory)
     check(memory)
     if refused(memory):
         return

@@ -206,6 +206,10 @@ class Body(BaseModel):
     """Number of modes (0: rigid), or the largest expected share of the deflection that they may
     miss, e.g. "1 %" (smooth_pressure_modes and trained). trained adds its own to them.
     """
+    modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
+    """Number of lowest modes from which `modes` are selected by their part in the deflection under
+    smooth pressures (craig_bampton, characteristic_constraint_modes). Default: no selection.
+    """
     modes_off: list[Annotated[int, Field(ge=1)]] = []
     """Modes switched off, by their number in the table of modes."""
 
@@ -223,6 +227,8 @@ class Body(BaseModel):
                 f"modes = {self.modes:g}: basis = '{self.basis}' needs a number of modes; an error "
                 "chooses it for 'smooth_pressure_modes' and 'trained' only"
             )
+        if self.modes_from is not None:
+            self._check_selection(self.modes_from)
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
@@ -233,6 +239,14 @@ class Body(BaseModel):
         if self.mesh is not None and missing:
             raise ValueError(f"{what} needs {', '.join(missing)}")
         return self
+
+    def _check_selection(self, candidates: int) -> None:
+        """Raise ValueError unless `modes` can be selected from the lowest modes of the basis."""
+        lowest = ("craig_bampton", "characteristic_constraint_modes")
+        if self.basis not in lowest:
+            raise ValueError(f"modes_from: needs basis = {' or '.join(map(repr, lowest))}")
+        if candidates < self.modes:
+            raise ValueError(f"modes_from = {candidates}: expected at least modes = {self.modes}")
 
     def most_modes(self) -> int:
         """Return the largest number of modes that the body can have, before it is reduced."""
@@ -299,8 +313,8 @@ class Table(BaseModel):
 
 
 class Gas(Table):
-    """Gas pressure over crank angle, see `tables.gas_table`; it adds to the input
-    `gas_pressure`.
+    """Gas pressure over crank angle, see `tables.gas_table`; the parameter `gas_source` says
+    whether it adds to the input `gas_pressure`.
     """
 
     angle_unit: Annotated[Angle, Field(gt=0)]
@@ -531,7 +545,7 @@ class Common(BaseModel):
     grid: tuple[Count, Count] = (40, 40)
     """Cells around and along the skirt."""
     gas: Gas | None = None
-    """Gas pressure over crank angle; it adds to the input gas_pressure."""
+    """Gas pressure over crank angle; by default it adds to the input gas_pressure (gas_source)."""
     speed: Speed | None = None
     """Crank speed over time or crank angle, in place of the input crank_speed."""
     start: str | None = None

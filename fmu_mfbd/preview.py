@@ -25,6 +25,7 @@ from .build import (
 from .dynamics.assembly import bore_shape, eye_faults, faults, pin_beam, pin_radius, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
+from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
@@ -47,6 +48,7 @@ HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
 """Parameters that heat brings."""
+CENTRE_FROM_PIN = "from the pin's axis to the centre of mass: compare, rocking depends on it"
 FEWEST = 3
 """Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
 
@@ -60,13 +62,13 @@ class Sized(NamedTuple):
         Without modes.
     skirt : ndarray of bool, shape (c, a), or None
         Cells of the film grid with the skirt under them, where that is known.
-    nodes : int
-        Of the mesh; 0 without one.
+    mesh : Mesh, optional
+        None without one.
     """
 
     body: Any
-    skirt: np.ndarray | None
-    nodes: int
+    skirt: np.ndarray | None = None
+    mesh: Mesh | None = None
 
 
 class Eye(NamedTuple):
@@ -184,7 +186,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
     """The piston, rigid."""
     options = build.piston
     if options.rigid:
-        return Sized(rigid_piston(options, build.grid), None, 0)
+        return Sized(rigid_piston(options, build.grid))
     if options.reduced:
         skirt = None
         body = piston_about_pin(options, Path(options.reduced))
@@ -192,7 +194,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
             skirt = load(Anatomy, Path(options.reduced)).skirt
         except ValueError:  # without its anatomy
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
-        return Sized(body, skirt, 0)
+        return Sized(body, skirt)
     mesh = _mesh(options, ("skirt", "crown", "pin_bore"), remarks)
     mass = mass_properties(mesh, options.density) if options.density else None
     if mass:
@@ -201,7 +203,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         found = cylinder_faults(mesh, "skirt")
     _refuse(found, options)
     angle, height, lower, upper = _grid(build, mesh)
-    faults_of_modes(mesh, options, "pin_bore", "skirt", len(angle) * len(height))
+    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     if films := boss_films(build):
         axis, _ = pin_bore(mesh)
         boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
@@ -215,7 +217,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return Sized(rigid_piston(rigid, build.grid), there, len(mesh.points))
+    return Sized(rigid_piston(rigid, build.grid), there, mesh)
 
 
 def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
@@ -230,18 +232,19 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     """The block, rigid."""
     options = build.block
     if options.rigid:
-        return Sized(rigid_block(options, build.grid), None, 0)
+        return Sized(rigid_block(options, build.grid))
     if options.reduced:
-        return Sized(load(ReducedBlock, Path(options.reduced)), None, 0)
+        return Sized(load(ReducedBlock, Path(options.reduced)))
     mesh = _mesh(options, ("bore", "bolts"), remarks)
     _refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
-    around, _ = build.grid
-    faults_of_modes(mesh, options, "bolts", "bore", around * options.stations)
+    angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)
+    heights = np.linspace(lower, upper, options.stations)
+    faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
     x, _, z = mesh.points[mesh.nodes("bore")].T
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
-    return Sized(rigid_block(rigid, build.grid), None, len(mesh.points))
+    return Sized(rigid_block(rigid, build.grid), None, mesh)
 
 
 def _mesh(options: Piston | Block, names: Sequence[str], remarks: list[str]) -> Mesh:
@@ -306,10 +309,14 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
     body = piston.body
     centre = body.S / body.mass
     about_centre = body.I0 - body.mass * float(centre @ centre)
-    source = f"of {piston.nodes} nodes" if piston.nodes else "of a data sheet or a reduced body"
+    source = "of a data sheet or a reduced body"
+    if piston.mesh:
+        source = f"of {len(piston.mesh.points)} nodes"
     figures = [
         Figure("piston", "mass", body.mass, "kg", source),
         Figure("piston", "centre_above_pin", centre[1], "m"),
+        Figure("piston", "centre_from_pin", float(np.hypot(*centre)), "m", CENTRE_FROM_PIN),
+        *_of_mesh("piston", piston),
         Figure("piston", "inertia", about_centre, "kg.m2", "about its centre of mass"),
         Figure("piston", "pin_offset", build.piston.pin_offset, "m"),
         Figure("skirt", "skirt_radius", body.radius, "m"),
@@ -317,8 +324,18 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
         Figure("skirt", "skirt_lower", body.skirt_lower, "m", "above the pin's axis"),
         Figure("skirt", "skirt_upper", body.skirt_upper, "m", "above the pin's axis"),
     ]
-    modes = 0 if build.piston.rigid else build.piston.modes
-    return [*figures, Figure("modes", "piston_modes", modes, "1", _basis(build.piston))]
+    return [*figures, _modes_of("piston", build.piston)]
+
+
+def _of_mesh(part: str, sized: Sized) -> list[Figure]:
+    """Quality of a body's mesh, if it has tetrahedra."""
+    if sized.mesh is None or not len(sized.mesh.tets):
+        return []
+    ratios = aspect_ratios(sized.mesh.points, sized.mesh.tets)
+    worst = int(ratios.argmax())
+    x, y, z = 1e3 * sized.mesh.points[sized.mesh.tets[worst, :4]].mean(axis=0)
+    source = f"1 is regular; element {worst + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    return [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
 
 
 def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
@@ -385,18 +402,22 @@ def _of_axis(
     return figures
 
 
-def _basis(body: Piston | Block) -> str:
-    return "rigid" if body.rigid or not body.modes else body.basis
+def _modes_of(name: str, body: Piston | Block) -> Figure:
+    """Return the number of modes, or the expected error that chooses it."""
+    if body.rigid or not body.modes:
+        return Figure("modes", f"{name}_modes", 0, "1", "rigid")
+    entry = "expected_error" if isinstance(body.modes, float) else "modes"
+    return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis)
 
 
 def _of_block(build: Build, block: Sized) -> list[Figure]:
     body = block.body
-    modes = 0 if build.block.rigid else build.block.modes
     return [
+        *_of_mesh("block", block),
         Figure("bore", "bore_radius", body.radius, "m"),
         Figure("bore", "bore_lower", body.heights[0], "m", "above the crank axis"),
         Figure("bore", "bore_upper", body.heights[-1], "m", "above the crank axis"),
-        Figure("modes", "block_modes", modes, "1", _basis(build.block)),
+        _modes_of("block", build.block),
     ]
 
 

@@ -1,6 +1,6 @@
 """The body FMU: a table of variables and a step."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -27,6 +27,7 @@ from .dynamics.model import (
 )
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    GAS_TWICE,
     AxisParameters,
     Parameters,
     PinParameters,
@@ -65,6 +66,7 @@ class Mfbd(FieldSlave):
         "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
     )
     state_type = State
+    _gas_told = False
 
     @cached_property
     def built(self) -> BuildOptions:
@@ -104,6 +106,9 @@ class Mfbd(FieldSlave):
         returns (state, outputs).
         """
         options = self.built
+        self._gas_told = False
+        if options.gas and values["gas_source"] == "input":
+            options = replace(options, gas=None)
         parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
         piston = load(ReducedPiston, self.resources / options.piston.file)
         block = load(ReducedBlock, self.resources / options.block.file)
@@ -154,6 +159,13 @@ class Mfbd(FieldSlave):
                 Fmi2Status.warning,
             )
 
+    def _tell_of_gas(self, values: dict[str, Any]) -> None:
+        """Log once that input and table both give the gas pressure, unless that was chosen."""
+        twice = self.built.gas and values["gas_pressure"] and values["gas_source"] == "either"
+        if twice and not self._gas_told:
+            self._gas_told = True
+            self.log(GAS_TWICE, Fmi2Status.warning)
+
     def _begin(
         self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]
     ) -> tuple[State, dict[str, Any]]:
@@ -176,6 +188,7 @@ class Mfbd(FieldSlave):
         self, state: State, values: dict[str, Any], time: float, step: float
     ) -> tuple[State, dict[str, Any]]:
         """One step; returns (state, outputs)."""
+        self._tell_of_gas(values)
         try:
             return self.model.advance(state, self._inputs(values), step)
         except NotConverged as error:
@@ -201,7 +214,7 @@ class Mfbd(FieldSlave):
         pressure, friction = (self._stacked(values, name) for name in FORCES)
         return Inputs(
             values["crank_speed"],
-            values["gas_pressure"],
+            0.0 if values["gas_source"] == "table" else values["gas_pressure"],
             pressure,
             friction,
             _rings(values),

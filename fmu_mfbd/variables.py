@@ -75,7 +75,8 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
         input_variable(
             "gas_pressure",
             "Pa",
-            "Gauge pressure on the piston crown and on the bore above the top ring",
+            "Gauge pressure on the piston crown and on the bore above the top ring; gas_source "
+            "says whether it adds to the built-in table or replaces it",
             0.0,
             1e6,
         ),

@@ -40,7 +40,9 @@ from .reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
     craig_bampton,
+    expected_pressure,
     orthonormal_modes,
+    pressure_modes,
     static_answers,
 )
 from .reduction.interpolation import SurfaceReading, interpolation, radial_and_axial
@@ -498,15 +500,46 @@ def deflection_error(body, read, shapes, loads, full):
 
 BOUNDS = {
     ("piston", "craig_bampton"): (0.20, 0.11, 0.05),
-    ("piston", "smooth_pressure_modes"): (0.08, 0.025, 0.01),
+    ("piston", "pressure_modes"): (0.08, 0.025, 0.01),
+    ("piston", "smooth_pressure_modes"): (0.16, 0.06, 0.035),
     ("piston", "characteristic_constraint_modes"): (0.19, 0.09, 0.04),
     ("block", "craig_bampton"): (0.30, 0.20, 0.18),
-    ("block", "smooth_pressure_modes"): (0.10, 0.04, 0.025),
+    ("block", "pressure_modes"): (0.10, 0.04, 0.025),
+    ("block", "smooth_pressure_modes"): (0.16, 0.095, 0.055),
     ("block", "characteristic_constraint_modes"): (0.30, 0.15, 0.09),
 }
 """Largest error with 20, 40, 60 modes: measured on these meshes, with a quarter to spare for others
-alike.
+alike. These patches press on the thrust sides, for which `pressure_modes` are made. A film presses
+near the pin too.
 """
+
+
+COUNTS = (20, 40, 60)
+"""Numbers of modes."""
+
+
+def bases_of(name, mesh, body, reading, angle, height, extra):
+    """Yield basis, number of modes and shapes of every basis of a body; the last is the default."""
+    surface = BODIES[name]["surface"]
+    weight = expected_pressure(angle, len(height))
+    for modes in COUNTS:
+        first = static_answers(body, extra, modes)
+        yield "pressure_modes", modes, pressure_modes(body, reading.radial, weight, modes, first)
+    root = pressure_root(angle, height, ALONG[surface], np.ones(len(weight), dtype=bool))
+    answers = surface_answers(body, reading, root)
+    smooth = smooth_pressure_modes(
+        body, reading.radial, answers, max(COUNTS), static_answers(body, extra, max(COUNTS))
+    )
+    nested = {
+        "craig_bampton": craig_bampton(body, max(COUNTS)),
+        "characteristic_constraint_modes": characteristic_constraint_modes(
+            body, mesh.nodes(surface), max(COUNTS)
+        ),
+        "smooth_pressure_modes": np.roll(smooth, extra.shape[1], axis=1),
+    }
+    for basis, shapes in nested.items():
+        for modes in COUNTS:
+            yield basis, modes, shapes[:, :modes]
 
 
 def deflection_checks():
@@ -521,28 +554,15 @@ def deflection_checks():
         extra = (
             rigid_loads(mesh, M)[body.free] if name == "piston" else np.empty((len(body.free), 0))
         )
-        wet = mesh.nodes(BODIES[name]["surface"])
-        along = ALONG[BODIES[name]["surface"]]
-        there = np.ones(len(angle) * len(height), dtype=bool)
-        answers = surface_answers(body, reading, pressure_root(angle, height, along, there))
-        first = static_answers(body, extra, 60)
-        smooth = smooth_pressure_modes(body, read, answers, 60, first)
-        nested = {
-            "craig_bampton": craig_bampton(body, 60),
-            "characteristic_constraint_modes": characteristic_constraint_modes(body, wet, 60),
-            "smooth_pressure_modes": np.roll(smooth, first.shape[1], axis=1),
-        }
-        for basis, all_shapes in nested.items():
-            for modes, bound in zip((20, 40, 60), BOUNDS[name, basis]):
-                shapes = all_shapes[:, :modes]
-                yield at_most(
-                    f"{name}, {modes} {basis}",
-                    "deflection under film patches, error [-]",
-                    deflection_error(body, read, shapes, loads, full),
-                    bound,
-                    "full model",
-                    "truncation of the basis",
-                )
+        for basis, modes, shapes in bases_of(name, mesh, body, reading, angle, height, extra):
+            yield at_most(
+                f"{name}, {modes} {basis}",
+                "deflection under film patches, error [-]",
+                deflection_error(body, read, shapes, loads, full),
+                BOUNDS[name, basis][COUNTS.index(modes)],
+                "full model",
+                "truncation of the basis",
+            )
         if name == "piston":
             yield from load_checks(body, mesh, read, shapes, extra)
 

@@ -18,8 +18,9 @@ def pad(cells, ratio=1.0):
     film = pc.Film((4, cells), bore_radius=RADIUS, skirt_length=LENGTH, viscosity=VISCOSITY)
     y = (np.arange(cells) + 0.5) / cells
     thickness = np.broadcast_to(LEAST * (1.0 + ratio * (1.0 - y)), (4, cells))
-    film.start(thickness, -SPEED)
-    outputs = film.step(thickness, -SPEED, 1e-3)  # nothing moves apart: steady at once
+    film.start(thickness, sliding_velocity=-SPEED)
+    # nothing moves apart: the film is steady at once
+    outputs = film.step(thickness, 1e-3, sliding_velocity=-SPEED)
     return y, outputs["pressure"][0], outputs["nodal_pressure_force"].sum() / (2 * np.pi * RADIUS)
 
 
@@ -59,9 +60,9 @@ figure.suptitle("Inclined pad")
 film = pc.Film(
     (4, 40), viscosity="20 mPa s", roughness_rms="0.5 um", flow_factors="patir_cheng_1978"
 )
-film.start(1e-5, 0.0)
+film.start(1e-5, sliding_velocity=0.0)
 for thickness in (8e-6, 9e-6, 11e-6):
-    outputs = film.step(thickness, 0.0, 1e-2)
+    outputs = film.step(thickness, 1e-2, sliding_velocity=0.0)
     filled = outputs["film_fraction"].mean()
     print(
         f"h = {1e6 * thickness:.0f} um: {filled:.3f} filled, "

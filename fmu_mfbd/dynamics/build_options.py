@@ -183,7 +183,7 @@ class BuildOptions:
     piston : PistonOptions
     block : BlockOptions
     gas : GasTable, optional
-        Added to the input `gas_pressure`.
+        Added to the input `gas_pressure`, unless the parameter `gas_source` chooses one of both.
     speed : SpeedTable, optional
         In place of the input `crank_speed`.
     start : StartState, optional

@@ -16,6 +16,15 @@ def _declared(
     return field(default=start, metadata=metadata)
 
 
+GAS_SOURCES = ("either", "table", "input", "sum")
+"""Values of `gas_source`; a native FMU knows them by their numbers from 1 on."""
+GAS_TWICE = (
+    "gas_pressure: the input and the built-in table are both used and add up; set gas_source to "
+    "table, input or sum"
+)
+"""Warning of a body whose gas pressure is given twice without a choice."""
+
+
 @dataclass(frozen=True)
 class Parameters:
     """Values of all parameters in SI. This is their one declaration: the table of variables
@@ -100,6 +109,15 @@ class Parameters:
         0.0,
         0.0,
         1.0,
+    )
+    gas_source: str = field(
+        default=GAS_SOURCES[0],
+        metadata=dict(
+            unit="1",
+            description="Gas pressure on the piston: table (built in), input (gas_pressure), their "
+            "sum, or either: also their sum, with a warning if both are used",
+            choices=GAS_SOURCES,
+        ),
     )
     crank_unbalance: float = _declared(
         "kg.m",

@@ -13,13 +13,11 @@ import numpy as np
 
 from .abaqus import read_abaqus
 from .ansys import read_ansys
+from .connections import mesh_faults, outer_faces
 from .deck import Deck, MeshFault
-from .element import EDGES, NODES, jacobian_determinants, quadrature
+from .element import EDGES
 from .nastran import read_nastran
 from .regions import Region
-
-FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
-"""Nodes of a tetrahedron's four faces: corners, then the middles of their edges 01, 12, 20."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +87,7 @@ def read_mesh(
     Raises
     ------
     MeshFault
-        Names every missing surface, wrong element types, the first inverted element, loose pieces,
-        an absurd size.
+        Names every missing surface, wrong element types, and what `mesh_faults` finds.
     """
     raw = read_raw(Path(path))
     if not len(raw.tets):
@@ -130,7 +127,7 @@ def read_mesh(
     ]
     labels = None if linear or raw.labels is None else raw.labels[used]
     mesh = Mesh(points, tets, faces, labels=labels)
-    faults += mesh_faults(mesh, path)
+    faults += mesh_faults(points, tets, path)
     if faults:
         raise MeshFault(faults)
     return mesh
@@ -268,44 +265,3 @@ def _called(table, name):
         return table[name]
     same = [known for known in table if known.casefold() == name.casefold()]
     return table[same[0]] if len(same) == 1 else None
-
-
-def outer_faces(tets: np.ndarray) -> np.ndarray:
-    """6-node faces that belong to one tetrahedron only, normals outwards, shape (t, 6)."""
-    faces = tets[:, FACES].reshape(-1, 6)
-    corners = np.sort(faces[:, :3], axis=1)
-    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[count == 1])]
-
-
-def mesh_faults(mesh: Mesh, where: Path | str) -> list[str]:
-    """Sentences about an absurd size, inverted elements and loose pieces; `where` begins each."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    faults = []
-    size = float(np.ptp(mesh.points, axis=0).max())
-    if not 5e-3 < size < 5.0:
-        faults.append(
-            f"{where}: the body is {size:.3g} m long; mesh_unit should say "
-            f"what a length of 1 in the file means (e.g. '1 mm')"
-        )
-    position = np.vstack([quadrature(3).position, NODES[:4]])
-    least = jacobian_determinants(mesh.points, mesh.tets, position).min(axis=1)
-    bad = np.flatnonzero(least <= 0.0)
-    if len(bad):
-        x, y, z = mesh.points[mesh.tets[bad[0], :4]].mean(axis=0)
-        faults.append(
-            f"{where}: {len(bad)} inverted elements, the first is number {bad[0] + 1} at "
-            f"({x:.4g}, {y:.4g}, {z:.4g}) m with Jacobian {least[bad[0]]:.3g} m3"
-        )
-    rows = np.repeat(mesh.tets[:, 0], 9)
-    columns = mesh.tets[:, 1:].ravel()
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(mesh.points),) * 2)
-    pieces, label = connected_components(graph, directed=False)
-    if pieces > 1:
-        largest = ", ".join(str(n) for n in sorted(np.bincount(label), reverse=True)[:6])
-        faults.append(
-            f"{where}: {pieces} unconnected pieces, of {largest} nodes: merge coincident nodes"
-        )
-    return faults

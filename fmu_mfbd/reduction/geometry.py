@@ -17,6 +17,7 @@ LEAST_DENSITY, MOST_DENSITY = 100.0, 9000.0  # of a piston's mass in the cylinde
 OFF_AXIS = 0.01  # of the radius: how far a cylinder's axis may lie beside y
 OUT_OF_ROUND = 0.02  # of the radius: profiles belong into the film
 TILTED = np.radians(1.0)
+TILTED_PATCHES = np.radians(5.0)  # of a pin on patches, whose nodes need not be symmetric
 PIN_HEIGHT = 0.02  # of the skirt's radius: of the pin bore's axis above the origin
 PIN_BY_CENTROID = 0.1  # likewise where the pin bore is no cylinder
 
@@ -88,12 +89,27 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     return faults
 
 
+def pin_direction(mesh: Mesh) -> tuple[np.ndarray, float]:
+    """Return the direction of a piston's pin and how far it may be off z [rad].
+
+    It is that of the bores, or of the line between patches of the skirt's inside.
+    """
+    axis, tilt = axis_of(mesh, "pin_bore"), TILTED
+    if abs(axis[1]) > np.cos(TILTED):  # patches inside the skirt: from one to the other
+        points = mesh.points[mesh.nodes("pin_bore")]
+        _, _, lines = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+        axis, tilt = lines[0], TILTED_PATCHES
+    return axis, tilt
+
+
 def pin_bore(mesh: Mesh) -> tuple[Circle, bool]:
-    """Return the axis of a piston's pin bores, and whether they are a cylinder.
+    """Return where the pin's axis crosses z = 0, and whether the pin bores are a cylinder.
 
     Bores that are no cylinder have their nodes' mean as axis. Its x is rounded to the nanometre.
     """
-    x, y, _ = mesh.points[mesh.nodes("pin_bore")].T
+    x, y, z = mesh.points[mesh.nodes("pin_bore")].T
+    axis, _ = pin_direction(mesh)
+    x, y = x - z * axis[0] / axis[2], y - z * axis[1] / axis[2]
     circle = circle_through(x, y)
     round_enough = circle.scatter <= 0.1 * circle.radius
     if not round_enough:
@@ -102,12 +118,17 @@ def pin_bore(mesh: Mesh) -> tuple[Circle, bool]:
 
 
 def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
-    """What is wrong with a piston's pin bores; `radius`: of the skirt [m]."""
-    x, y, z = mesh.points[mesh.nodes("pin_bore")].T
-    if max(np.ptp(x), np.ptp(y)) > np.ptp(z):
+    """Return the faults of a piston's pin bores, whose axis may be off z by `TILTED`.
+
+    radius : of the skirt [m].
+    """
+    axis, tilt = pin_direction(mesh)
+    if abs(axis[2]) < np.cos(tilt):
+        along = ", ".join(f"{part:.3f}" for part in axis * np.copysign(1.0, axis[2]))
+        degrees = np.degrees(np.arccos(min(abs(axis[2]), 1.0)))
         return [
-            f"surface 'pin_bore': reaches over {1e3 * np.ptp(x):.3g} mm of x and "
-            f"{1e3 * np.ptp(z):.3g} mm of z; the pin lies along z: axes must name thrust, head, pin"
+            f"surface 'pin_bore': its axis is along ({along}), {degrees:.3g} deg off z; the pin is "
+            "along z: axes must name thrust, head, pin, and the mesh must not be turned"
         ]
     circle, round_enough = pin_bore(mesh)
     height = PIN_HEIGHT if round_enough else PIN_BY_CENTROID

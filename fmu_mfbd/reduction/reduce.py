@@ -50,6 +50,7 @@ from .reduced_body import (
 from .smooth_prior import (
     ALONG,
     SurfaceAnswers,
+    pattern_count,
     pressure_root,
     smooth_pressure_modes,
     surface_answers,
@@ -244,8 +245,8 @@ def reduce_piston(
         position @ Z.T,
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
+    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     root = pressure_root(angle, height, ALONG["skirt"], there.ravel())
-    faults_of_modes(mesh, options, "pin_bore", "skirt", root)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
@@ -315,8 +316,8 @@ def reduce_block(
     heights = np.linspace(lower, upper, options.stations)
     surface = film_surface(mesh, "bore", angle, heights)
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
+    faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
     root = pressure_root(angle, heights, ALONG["bore"], everywhere)
-    faults_of_modes(mesh, options, "bolts", "bore", root)
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
@@ -443,10 +444,11 @@ def _modes(
     progress(f"modes = {wanted:.3g}, basis {options.basis}")
     reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
     answers = surface_answers(elastic, reading, film.root)
+    candidates = options.modes_from or int(wanted)
     if options.basis == "craig_bampton":
-        shapes = craig_bampton(elastic, int(wanted))
+        shapes = craig_bampton(elastic, candidates)
     elif options.basis == "characteristic_constraint_modes":
-        shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), int(wanted))
+        shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), candidates)
     else:
         more = film.boss_films.modes if film.boss_films else 0
         shapes = _film_shapes(
@@ -459,11 +461,26 @@ def _modes(
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
-    classed = _switched_on(symmetric_modes(elastic, modes, mesh.points), options.modes_off)
+    classed = symmetric_modes(elastic, modes, mesh.points)
+    if options.modes_from:
+        classed = _selected(classed, film, int(wanted))
+    classed = _switched_on(classed, options.modes_off)
     progress(f"{len(classed.omega)} modes")
     radial, axial = (one @ classed.shapes for one in film.reading)
     left = left_out(answers, StaticModes(classed.omega, radial, axial), film.there)
     return Basis(classed, left)
+
+
+def _selected(modes: ClassedModes, film: FilmSide, count: int) -> ClassedModes:
+    """Return the modes with the largest part in the deflection under the prior.
+
+    Eq. (J35):  part_k = |R phi_k| |S^T R phi_k| / omega_k^2
+    """
+    radial = film.reading.radial @ modes.shapes
+    felt = np.linalg.norm(film.root.T @ radial, axis=0)
+    part = np.linalg.norm(radial, axis=0) * felt / modes.omega**2  # Eq. (J35)
+    best = np.sort(np.argsort(-part, kind="stable")[:count])
+    return ClassedModes(modes.shapes[:, best], modes.omega[best], modes.kind[best])
 
 
 def _switched_on(modes: ClassedModes, off: list[int]) -> ClassedModes:
@@ -502,7 +519,12 @@ def _film_shapes(
 
 
 def faults_of_modes(
-    mesh: Mesh, options: Piston | Block, held: str, surface: str, root: np.ndarray
+    mesh: Mesh,
+    options: Piston | Block,
+    held: str,
+    surface: str,
+    angle: np.ndarray,
+    height: np.ndarray,
 ) -> None:
     """Refuse, before anything is factorised, supports that let the body move and more modes than
     there are shapes.
@@ -513,16 +535,17 @@ def faults_of_modes(
     options : Piston or Block
     held, surface : str
         Names of the surface that holds the body, and of the one that the film touches.
-    root : ndarray, shape (grid points, n)
-        `pressure_root`.
+    angle, height : ndarray
+        Lines of the film grid [rad], [m].
 
     Raises
     ------
     MeshFault
         Names the surface, or the number of modes that can be.
     """
-    count = options.modes
-    grid_points, patterns = root.shape
+    count = options.modes_from or options.modes
+    grid_points = len(angle) * len(height)
+    patterns = pattern_count(angle, height, ALONG[surface])
     faults = []
     held_nodes = mesh.nodes(held)
     arms = mesh.points[held_nodes] - mesh.points.mean(axis=0)
@@ -543,7 +566,8 @@ def faults_of_modes(
     }[options.basis]
     if count > most:
         faults.append(
-            f"modes = {count}: {options.basis} of this body on this grid gives at most {most}"
+            f"{'modes_from' if options.modes_from else 'modes'} = {count}: {options.basis} of this "
+            f"body on this grid gives at most {most}"
         )
     if count and faults:
         raise MeshFault(faults)

@@ -65,27 +65,35 @@ def pressure_root(
     ndarray, shape (c a, n)
         S, strongest patterns first.
     """
-    apart = np.remainder(angle[:, None] - angle + np.pi, 2 * np.pi) - np.pi
-    length = along * np.ptp(height) * len(height) / (len(height) - 1)
-    around = _spectrum(np.exp(-((apart / AROUND) ** 2) / 2))
-    axial = _spectrum(np.exp(-(((height[:, None] - height) / length) ** 2) / 2))
-    variance = np.multiply.outer(around.value, axial.value)
-    strength = np.sort(variance[variance > NEGLIGIBLE * variance.max()])[::-1]
+    around, axial, variance = _prior(angle, height, along)
+    strength = np.sort(variance, axis=None)[::-1]
+    strength = strength[strength > NEGLIGIBLE * strength[0]]
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
-    patterns = around.vector[:, None, i] * axial.vector[None, :, j]
+    patterns = around[:, None, i] * axial[None, :, j]
     # Eq. (J31)
     return patterns.reshape(-1, len(strength)) * np.sqrt(strength) * there[:, None]
 
 
-class Spectrum(NamedTuple):
-    """Eigenvalues, (n,), and eigenvectors, (n, n), of a covariance."""
+def pattern_count(angle: np.ndarray, height: np.ndarray, along: float) -> int:
+    """Return the number of columns of `pressure_root`, which has the same arguments."""
+    variance = _prior(angle, height, along).variance
+    return int(np.count_nonzero(variance > NEGLIGIBLE * variance.max()))
 
-    value: np.ndarray
-    vector: np.ndarray
+
+class _Prior(NamedTuple):
+    """Eigenvectors of C_theta, (c, c), and of C_y, (a, a), and products of eigenvalues, (c, a)."""
+
+    around: np.ndarray
+    axial: np.ndarray
+    variance: np.ndarray
 
 
-def _spectrum(covariance: np.ndarray) -> Spectrum:
-    return Spectrum(*la.eigh(covariance))
+def _prior(angle, height, along):
+    apart = np.remainder(angle[:, None] - angle + np.pi, 2 * np.pi) - np.pi
+    length = along * np.ptp(height) * len(height) / (len(height) - 1)
+    around, ring = la.eigh(np.exp(-((apart / AROUND) ** 2) / 2))
+    axial, line = la.eigh(np.exp(-(((height[:, None] - height) / length) ** 2) / 2))
+    return _Prior(ring, line, np.multiply.outer(around, axial))
 
 
 def surface_answers(body: Elastic, reading: SurfaceReading, root: np.ndarray) -> SurfaceAnswers:

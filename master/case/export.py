@@ -70,10 +70,10 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         if not table.package
     ]
     given += [
-        f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}; "
-        "inside one FMU inputs are held"
+        f"wire {wire.source} -> {wire.target}: interpolation = {kind!r}; inside one FMU inputs "
+        "are held"
         for wire in case.wires
-        if wire.interpolation != "held"
+        if (kind := wire.interpolation or case.coupling.inputs) != "held"
     ]
     given += _uncovered_ahead(case, platforms) if platforms else []
     if given:

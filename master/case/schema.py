@@ -20,11 +20,12 @@ from pydantic import (
 from ...models import MODELS
 from ..coupling.methods import METHODS
 from ..fmi.errors import BadInput
+from ..fmi.fields import base_of
 from ..fmi.option_classes import near, near_key, with_meanings
 from ..fmi.quantities import from_si, is_angle, registry, to_si
 from ..participants.plugins import names
 
-Port = Annotated[str, Field(pattern=r"^\w+\.\S(.*\S)?$")]
+Port = Annotated[str, Field(pattern=r"^\w+\.[\s\S]*$")]
 """A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
 brackets and all.
 """
@@ -200,9 +201,9 @@ class WireTable(Table):
     """Local error allowed in a macro step, root mean square over the field; with it on any wire,
     steps are as long as it allows.
     """
-    interpolation: Literal["held", "linear", "hermite"] = "held"
-    """The input inside a macro step: held at its end's value, linear, or a cubic by the slopes that
-    the source declares.
+    interpolation: Literal["held", "mean", "linear", "hermite"] | None = None
+    """The input inside a macro step: held at its value at the end, held at the mean of both ends,
+    linear, or a cubic by the slopes that the source declares. Default: coupling.inputs.
     """
     conjugate: Port | None = None
     """Output whose product with the field is work or power; both sides' account of it is compared
@@ -227,7 +228,13 @@ class Coupling(Table):
     parallel: bool = False
     """Jacobi's order in place of Gauss-Seidel's: all wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
-    """Order of the extrapolation that begins a macro step, 0 for the last values."""
+    """Order of the extrapolation that begins a macro step, 0 for the last values. Default of
+    explicit: 0, a plain exchange.
+    """
+    inputs: Literal["held", "mean", "linear"] = "held"
+    """Inputs of real numbers inside a macro step, for wires without an interpolation. `mean` gives
+    second order with every FMU, `linear` with FMUs that declare canInterpolateInputs.
+    """
     max_iterations: int = Field(20, ge=1)
     """Iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
@@ -248,6 +255,14 @@ class Coupling(Table):
     """Products by differences of evaluations, not by the participants' derivatives."""
     halvings: int = Field(6, ge=0)
     """How often a macro step that fails may be halved."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def plain_exchange(cls, table):
+        """Explicit exchange extrapolates only if the case says so."""
+        if isinstance(table, dict) and table.get("method") == "explicit":
+            return {"predictor": 0} | table
+        return table
 
     @field_validator("method")
     @classmethod
@@ -605,6 +620,13 @@ class Case(Table):
         for loop in self.report.loops.values():
             ports += [loop.x, *loop.y]
         return ports
+
+    def elements_of(self, participant: str) -> set[str]:
+        """Return the single elements of arrays, "name[2]", that the file names of a participant."""
+        ports = (port.partition(".") for port in self._ports())
+        names = {name for owner, _, name in ports if owner == participant}
+        names |= self.participants[participant].parameters.keys()
+        return {name for name in names if base_of(name) != name}
 
     def unrecorded(self, picture: Picture) -> list[str]:
         """Fields that a picture wants and the case does not record."""

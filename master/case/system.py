@@ -3,6 +3,7 @@ found before the run.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from ..coupling.work import conjugates
 from ..fmi.builder import build_fmu, build_fmu_of_file
 from ..fmi.builder_native import build_native_fmu, make_iteration_library, this_platform
 from ..fmi.errors import BadInput
-from ..fmi.fields import NO_NUMBERS
+from ..fmi.fields import NO_NUMBERS, base_of
 from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.clones import ClonedParticipant
@@ -161,13 +162,13 @@ def open_system(case, folder, progress, own=None):
     if case.native:
         make_iteration_library(progress)
     builds = build_options(case, folder, progress)
-    for name, table in case.participants.items():
+    for name in case.participants:
         try:
             make = (own or {}).get(name)
             participants[name] = (
                 make()
                 if make
-                else _participant(name, table, builds[name], folder, progress, name in native)
+                else _participant(name, case, builds[name], folder, progress, name in native)
             )
         except BadInput as error:
             faults += [f"participants.{name}: {line}" for line in error.faults]
@@ -178,6 +179,7 @@ def open_system(case, folder, progress, own=None):
         for name in participants
     }
     _check_sources(case.wires, faults)
+    _check_elements(case.wires, participants, faults)
     opened = participants
     joined = [_wire(table, participants, case.coupling, faults) for table in case.wires]
     wires = [wire for wire in joined if isinstance(wire, Wire)]
@@ -187,12 +189,12 @@ def open_system(case, folder, progress, own=None):
     held = [wire for wire in handed if wire.target not in of_clocks]
     conversions = {} if faults else _conversions(reals, participants)
     _in_units_of_wires(parameters, conversions)
-    participants = _interpolating(case, _converting(participants, conversions), faults)
+    participants = _able(case, _converting(participants, conversions), faults)
+    participants = _interpolating(case, participants, {wire.target for wire in wires}, faults)
     try:
         conjugates(wires, case.wires)
     except BadInput as error:
         faults += error.faults
-    participants = _able(case, participants, faults)
     _check_fixed(case, participants, faults)
     _check_ports(case, participants, faults)
     outside = [("observers", name) for name in case.observers]
@@ -266,15 +268,18 @@ def _of_machine_code(case, folder):
     return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
 
 
-def _participant(name, table, build, folder, progress, native):
+def _participant(name, case, build, folder, progress, native):
+    table = case.participants[name]
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
-    participant = open_fmu(name, path, step=_own_step(table))
+    elements = case.elements_of(name)
+    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
+    participant = open_with()
     if sizes := _sizes(participant, table.parameters):
-        participant = open_fmu(name, path, sizes, _own_step(table))
+        participant = open_with(sizes)
     timeout = duration("timeout", table.timeout)
     if table.host:
         return RemoteParticipant(participant, timeout, table.host)
@@ -424,6 +429,18 @@ def _check_sources(tables, faults):
     ]
 
 
+def _check_elements(tables, participants, faults):
+    """Append a fault for each element of an input array that is wired next to its array."""
+    targets = {table.target for table in tables}
+    for target in sorted(targets):
+        owner, name = port_of(target)
+        whole = participants[owner].fields.get(base_of(name))
+        if base_of(target) in targets - {target} and whole is not None and whole.shape:
+            faults.append(
+                f"wire to {target}: {base_of(target)} is wired too; wire the array or its elements"
+            )
+
+
 OF_NUMBERS = (
     "tolerance",
     "relative_tolerance",
@@ -493,7 +510,7 @@ def _clock_kind(port, participants):
 def _held_wire(table, source, target, where, faults):
     """A wire of integers, booleans, enumerations, texts, bytes or clocks, or to a clocked input."""
     said = [key for key in OF_NUMBERS if getattr(table, key)]
-    said += ["interpolation"] if table.interpolation != "held" else []
+    said += ["interpolation"] if table.interpolation not in (None, "held") else []
     if said:
         faults.append(
             f"{where}: {', '.join(said)}: a wire of type {source.type}"
@@ -601,23 +618,24 @@ def _difference(given, named):
     return _quantity(given, replace(named, definition=replace(named.definition, offset=0.0)))
 
 
-def _interpolating(case, participants, faults):
+def _interpolating(case, participants, reals, faults):
     """The participants, those with interpolated inputs wrapped; faults of those that cannot are
-    appended.
+    appended. `reals` holds the inputs of wires of real numbers.
     """
     kinds = {}
     for wire in case.wires:
         (owner, name), (target, inlet) = port_of(wire.source), port_of(wire.target)
-        if wire.interpolation == "held":
+        kind = wire.interpolation or case.coupling.inputs
+        if kind == "held" or (target, inlet) not in reals:
             continue
-        kinds.setdefault(target, {})[inlet] = wire.interpolation
-        where = f"wire {wire.source} -> {wire.target}: interpolation = {wire.interpolation!r}"
+        kinds.setdefault(target, {})[inlet] = kind
+        where = f"wire {wire.source} -> {wire.target}: interpolation = {kind!r}"
         if case.participants[target].clones:
             faults.append(f"{where}: clones probe held inputs alone")
-        if not participants[target].can_interpolate:
+        if kind != "mean" and not participants[target].can_interpolate:
             faults.append(
                 f"{where}: {participants[target].path.name} cannot follow inputs over a step "
-                "(canInterpolateInputs of FMI 2.0); write held, or take shorter macro steps"
+                "(canInterpolateInputs of FMI 2.0); write mean or held"
             )
         if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(

@@ -12,6 +12,7 @@ os.environ.setdefault("MPLBACKEND", "Agg")  # pictures are files, also where the
 
 import sys
 import time
+from contextlib import suppress
 
 from cyclopts import App, CycloptsError
 from rich.console import Console
@@ -66,6 +67,7 @@ app.register_install_completion_command(help="Teach this shell to complete comma
 
 def main():
     """Run the command line; turn what users can mend into messages and exit codes."""
+    separate_output()
     try:
         app(exit_on_error=False, print_error=True)
     except CycloptsError:
@@ -82,6 +84,18 @@ def main():
     else:
         return
     sys.exit(1)
+
+
+def separate_output():
+    """Send what FMUs print to the error stream: standard output has what the commands print."""
+    out = sys.stdout
+    with suppress(OSError, ValueError, AttributeError):
+        if out is sys.__stdout__ and out.fileno() == 1:
+            out.flush()
+            buffering = 1 if out.isatty() else -1
+            kept = open(os.dup(1), "w", buffering, encoding=out.encoding, errors=out.errors)
+            os.dup2(2, 1)
+            sys.stdout = kept
 
 
 def say_faults(title, lines):

@@ -11,7 +11,7 @@ from ..engine.answer import answer
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..results.file import Results
-from ..runs.checkpoint import Checkpoint
+from ..runs.checkpoint import Checkpoint, check_code
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
 from .common import console, print_answers, say
@@ -37,6 +37,7 @@ def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())
         raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
     kept = Checkpoint.read(checkpoint)
     output = checkpoint.with_suffix("")
+    check_code(kept, say)
     case = check_case(kept.tree, checkpoint)
     system = open_system(case, Path(kept.folder), say)
     log = say if verbose else lambda line: None

@@ -53,7 +53,8 @@ def command(
     workers
         Local processes, by default one a processor.
     dask
-        Address of a Dask scheduler whose workers see the same folders, in place of local processes.
+        Address of a Dask scheduler, tls://HOST:PORT, whose workers see the same folders, instead of
+        local processes. tcp:// works too, but anyone who reaches the scheduler can then run code.
     reports
         Write a report of every point that is done, to which the points of the page lead. Each takes
         seconds and 2 MB or more, so not by default: called again with it, a sweep that is done runs
@@ -62,6 +63,8 @@ def command(
         Longest time for one point, for example "20 min"; it fails then. Of local processes only.
     """
     limit = _seconds(time_limit, dask)
+    if dask and not dask.startswith("tls://"):
+        say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
     path = find_case(case)
     changes = [parse_change(text) for text in set_]
     tree = read_tree(path, changes)

@@ -7,6 +7,7 @@ from math import ceil
 from typing import Any
 
 import numpy as np
+from pythonfmu.enums import Fmi2Status
 
 from ..fmi.errors import Discard
 from ..fmi.slave import FieldSlave
@@ -213,10 +214,20 @@ class Coupled(FieldSlave):
 
     def _reached(self, values, again):
         """State and outputs where the participants stand now, noted with how to come here again."""
+        self._pass_on()
         self.standing = self._state()
         outputs = self._outputs()
         self.last = Last(values, outputs, again)
         return self.standing, outputs
+
+    def _pass_on(self):
+        """Log what the participants have logged as warnings."""
+        for name, participant in self.system.participants.items():
+            queue = participant.slave.log_queue
+            for message in queue:
+                if message.status == Fmi2Status.warning:
+                    self.log(f"{name}: {message.msg}", Fmi2Status.warning)
+            queue.clear()
 
     def directional_derivative(self, seeds):
         """Change of all real outputs at the end of the last step, or at the start, for inputs

@@ -3,6 +3,7 @@ equal bytes.
 """
 
 from ..participants.plain import NotPlain, pack, unpack
+from .methods.explicit import Growth
 from .methods.krylov import RecycledGmres
 from .methods.quasi_newton import Memory
 from .methods.secants import (
@@ -22,6 +23,7 @@ REMEMBERED = (
     Ageing,
     AgeingMemory,
     Decomposed,
+    Growth,
     LeastSquares,
     LeastSquaresMemory,
     Memory,

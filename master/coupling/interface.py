@@ -1,15 +1,19 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
+from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, read_each, write_each
 from .wiring import Wire, is_unknown, rms
+
+SMALL = 16
+"""Scalar wires up to which a loop in Python is faster than operations on arrays."""
 
 
 class Evaluation(NamedTuple):
@@ -24,6 +28,15 @@ class Evaluation(NamedTuple):
     used: np.ndarray
     outputs: np.ndarray
     residual: np.ndarray
+
+
+class Last(NamedTuple):
+    """An evaluation, time and length of its macro step [s], and the states that it began with."""
+
+    at: Evaluation
+    time: float
+    step: float
+    saved: Mapping[str, Any]
 
 
 class End(NamedTuple):
@@ -162,9 +175,12 @@ class Interface:
             name: Ends(participant, self.inputs[name], self.outputs[name], self.feedback)
             for name, participant in participants.items()
         }
+        self._last: Last | None = None
         self.starts = [part.start for part in self.parts]
         tolerance = np.array([wire.tolerance for wire in wires], float)
         self.tolerance = np.repeat(tolerance, np.array(sizes, int))
+        is_small = 0 < self.size <= SMALL and set(sizes) == {1} and tolerance.all()
+        self._scalar_tolerances = tolerance.tolist() if is_small and not self.relative else None
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
@@ -182,6 +198,12 @@ class Interface:
             [name for name in self.participants if depth[name] == k]
             for k in range(max(depth.values(), default=-1) + 1)
         ]
+
+    @cached_property
+    def limited(self) -> list[tuple[Wire, slice]]:
+        """Wires with a `largest_decrease`, each with its part of the vector."""
+        pairs = zip(self.wires, self.parts)
+        return [(wire, part) for wire, part in pairs if wire.largest_decrease is not None]
 
     def begin(self) -> None:
         """A macro step is tried."""
@@ -213,7 +235,9 @@ class Interface:
         def act(stage: Sequence[str]) -> None:
             self._step(stage, time, step)
 
-        return self.answer(x, act, saved)
+        at = self.answer(x, act, saved)
+        self._last = Last(at, time, step, saved)
+        return at
 
     def answer(
         self,
@@ -238,7 +262,8 @@ class Interface:
             for name in stage:
                 self.ends[name].hear(used, y)
             self.spent["transport"] += fed - begun + perf_counter() - acted
-        return Evaluation(used, y, np.where(self.feedback, y - used, used - x))
+        # an element that is fed back was used as in x, another one as in y
+        return Evaluation(used, y, y - x)
 
     def _step(self, stage: Sequence[str], time: float, step: float) -> None:
         """Step the participants of a stage, those apart while the others step here; every one is
@@ -276,6 +301,9 @@ class Interface:
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """The evaluation linearised at the last step of every participant.
 
+        A participant without derivatives takes its step once more with changed inputs, and is left
+        there: evaluate again before its state is used.
+
         Parameters
         ----------
         change : ndarray, shape (size,)
@@ -292,15 +320,46 @@ class Interface:
         for name, participant in self.participants.items():
             if not (self.inputs[name] and self.outputs[name]):
                 continue  # nothing depends on it, or it depends on nothing
-            seeds = {end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]}
+            ends = self.ends[name]
             begun = perf_counter()
-            products = participant.derivative(seeds, [end.variable for end in self.outputs[name]])
+            if participant.has_derivatives or name in self.apart or self._last is None:
+                seeds = {
+                    end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]
+                }
+                variables = [end.variable for end in self.outputs[name]]
+                products = participant.derivative(seeds, variables)
+                for variable, part, _ in self.outputs[name]:
+                    result[part] = np.ravel(products[variable])
+            else:
+                result[ends.out] = self._difference(name, self._last, seen[ends.into])
             self.spent[name] += perf_counter() - begun
-            for variable, part, _ in self.outputs[name]:
-                result[part] = np.ravel(products[variable])
-                if not self.feedback[part.start]:
-                    seen[part] = result[part]
+            if ends.forward is not None:
+                seen[ends.forward] = result[ends.forward]
         return result
+
+    def _difference(self, name: str, last: Last, change: np.ndarray) -> np.ndarray | float:
+        """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
+        ends = self.ends[name]
+        given = last.at.used[ends.into]
+        largest = 0.0
+        first = 0
+        for variable, part, _ in self.inputs[name]:
+            end = first + part.stop - part.start
+            size = max(map(abs, change[first:end].tolist()))
+            if size:
+                nominal = self.participants[name].fields[variable].nominal
+                scale = nominal or max(map(abs, given[first:end].tolist())) or 1.0
+                largest = max(largest, size / scale)
+            first = end
+        if largest == 0.0:
+            return 0.0
+        share = DIFFERENCE / largest
+        self.participants[name].restore(last.saved[name])
+        ends.write(ends.inputs, given + share * change)
+        self.participants[name].step(last.time, last.step)
+        moved = np.empty(self.size)
+        ends.collect(moved)
+        return (moved[ends.out] - last.at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
         """Residual that counts as converged, per element, for given values; shape (size,)."""
@@ -325,6 +384,8 @@ class Interface:
     def _measures(self, residual: np.ndarray, values: np.ndarray) -> list[float]:
         if not self.size:
             return []
+        if self._scalar_tolerances:
+            return [abs(r) / t for r, t in zip(residual.tolist(), self._scalar_tolerances)]
         if not self.relative:
             shares = np.abs(residual) / self.tolerance
             return np.maximum.reduceat(shares, self.starts).tolist()
@@ -334,19 +395,45 @@ class Interface:
         ]
 
     def worst(self, residual: np.ndarray, values: np.ndarray) -> str:
-        """Sentence naming the worst wire and its largest residual."""
+        """Return a sentence with the worst wire and its largest residual."""
         measures = self._measures(residual, values)
         k = int(np.argmax(np.where(np.isnan(measures), np.inf, measures)))
         wire = self.wires[k]
         r = residual[self.parts[k]]
         element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
-        at = np.unravel_index(element, wire.shape) if wire.shape else ()
-        index = ",".join(str(i + 1) for i in at)
         allowed = wire.allowed(values[self.parts[k]], self.first[k])
+        unit = "" if wire.unit == "1" else f" {wire.unit}"
         return (
-            f"{'.'.join(wire.target)}[{index}]: {r[element]:.3g} {wire.unit} "
-            f"(allowed {allowed:.3g})"
+            f"{_element(wire.target, element, wire.shape)}: expected a residual of at most "
+            f"{allowed:.3g}{unit}, got {r[element]:.3g}{unit}"
         )
+
+    def not_finite(self, evaluation: Evaluation) -> str:
+        """Return a sentence with the first output that is not finite in the order of stepping.
+
+        A participant whose inputs are finite is the origin; the others pass on what they received.
+        """
+        origins: list[str] = []
+        for name in self.participants:
+            finite = all(np.isfinite(evaluation.used[end.part]).all() for end in self.inputs[name])
+            for variable, part, shape in self.outputs[name]:
+                bad = np.flatnonzero(~np.isfinite(evaluation.outputs[part]))
+                if len(bad):
+                    port = _element((name, variable), int(bad[0]), shape)
+                    value = evaluation.outputs[part][bad[0]]
+                    sentence = f"{port}: expected a finite output, got {value}"
+                    if finite:
+                        return f"{sentence}; its inputs are finite, the cause is in {name}"
+                    origins.append(sentence)
+        return origins[0] if origins else "expected finite outputs"
+
+
+def _element(port: tuple[str, str], element: int, shape: tuple[int, ...]) -> str:
+    """Return the name of an element of a port, "body.force[3]"; indices count from 1."""
+    if not shape:
+        return ".".join(port)
+    index = ",".join(str(i + 1) for i in np.unravel_index(element, shape))
+    return f"{'.'.join(port)}[{index}]"
 
 
 def largest(measures: Sequence[float]) -> float:

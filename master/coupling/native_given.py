@@ -308,7 +308,8 @@ class Layout:
             name = f"{wire.target[0]}: {wire.target[1]}"
             index = "[{i},{j}]" if len(v.shape) > 1 else "[{i}]" if v.shape else ""
             of_wires += [
-                f"worst {'.'.join(wire.target)}{index}: {{a}}{unit} (allowed {{b}})",
+                f"{'.'.join(wire.target)}{index}: expected a residual of at most "
+                f"{{b}}{unit}, got {{a}}{unit}",
                 f"{name}{index} = {{a}}{unit}: must be finite",
                 f"{name} = {{a}}{unit}: allowed is {{b}} to {{c}}{unit}",
             ]

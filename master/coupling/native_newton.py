@@ -160,6 +160,8 @@ def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
     for k in range(found):
         one = memory[first + 1 + k * OF_A_FAULT : first + 1 + (k + 1) * OF_A_FAULT]
         note(faults, row[SENTENCE] + one[FAULT], numbers_of(one))
+    if found == 0 and faults[0] == 0.0 and memory[first + 1 + FAULT] < 0.0:  # a remark
+        faults[1 + FAULT] = memory[first + 1 + FAULT] - row[SENTENCE]
     return found == 0
 
 

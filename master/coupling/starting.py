@@ -7,41 +7,65 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import BadInput, ParticipantFault
-from ..participants.interpolated import InterpolatedParticipant
 from ..participants.participant import Participant
 from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
-from .wiring import System, carry
+from .methods.newton import SINGULAR
+from .methods.probing import ProbedStep
+from .wiring import System, Wire, carry
 
 START_ITERATIONS = 50
 """Evaluations of a start loop; Newton needs two where outputs are linear in inputs."""
+LARGEST_CHECKED = 20
+"""Unknowns of a start loop that is checked for being singular: an evaluation for each."""
 
 
 def start(
     system: System, trial: Callable[[Participant], Iterable[str]] = lambda participant: ()
 ) -> None:
-    """Initialise the participants in the system's order; inputs fed by an already started one
-    begin with its outputs.
+    """Initialise the participants with start values that agree.
 
-    Where inputs are interpolated the first step begins with what is there at the start, so that
-    start values which depend on one another are solved for: in Initialization Mode outputs follow
-    inputs, and the wires are iterated as in a macro step. Held inputs are set anew before the first
-    step; where all are held those against that order keep the start values they were
-    given, from which the shipped engine begins at rest.
+    In Initialization Mode outputs follow inputs, so that the wires are iterated there as in a macro
+    step. The inputs of the first macro step are the outputs at the start.
 
-    `trial` is called with each participant that has started, and returns what is wrong with it.
-    Raises BadInput with all that is refused, or if no start values agree.
+    Parameters
+    ----------
+    system : System
+        The participants start in its order.
+    trial : callable
+        Called with each participant that has started; returns its faults.
+
+    Raises
+    ------
+    BadInput
+        With all faults of the participants, or if no start values agree.
     """
     for participant in system.participants.values():
         if getattr(participant, "runs_apart", False):
             participant.launch()
-    if any(isinstance(one, InterpolatedParticipant) for one in system.participants.values()):
-        faults, started = _solved(system)
-    else:
-        faults, started = _one_by_one(system)
+    faults: list[str] = []
+    entered = _each(
+        system.participants,
+        lambda name: system.participants[name].enter(
+            system.parameters[name], system.begin, system.stop
+        ),
+        faults,
+    )
+    if faults:
+        raise BadInput(faults)
+    readable = [wire for wire in system.wires if not _is_clocked(entered, wire)]
+    _agree(Interface(entered, readable))
+    started: dict[str, Participant] = {}
+
+    def leave(name: str) -> None:
+        for variable, value in _fed(system, name, started).items():
+            entered[name].set(variable, value)
+        entered[name].leave()
+        started[name] = entered[name]
+
+    _each(entered, leave, faults)
     if not faults:
         carry(started, system.held)
-    # where inputs are interpolated the first step begins with what its sources say
     for c in system.wires:
         if c.source[0] in started and c.target[0] in started:
             started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
@@ -50,43 +74,18 @@ def start(
         raise BadInput(faults)
 
 
-def _one_by_one(system: System) -> tuple[list[str], dict[str, Participant]]:
-    """Faults, and the participants that have started, each fed by those before it."""
-    faults: list[str] = []
-    started: dict[str, Participant] = {}
-    for name, participant in system.participants.items():
-        fed = _fed(system, name, started)
+def _each(
+    participants: Mapping[str, Participant], action: Callable[[str], object], faults: list[str]
+) -> dict[str, Participant]:
+    """Participants for which the action succeeds; the faults of the others are appended."""
+    succeeded: dict[str, Participant] = {}
+    for name, participant in participants.items():
         try:
-            participant.start({**system.parameters[name], **fed}, system.begin, system.stop)
-            started[name] = participant
+            action(name)
+            succeeded[name] = participant
         except BadInput as error:
             faults += error.faults
-    return faults, started
-
-
-def _solved(system: System) -> tuple[list[str], dict[str, Participant]]:
-    """The same with all wires in agreement before any participant leaves Initialization Mode."""
-    faults: list[str] = []
-    entered: dict[str, Participant] = {}
-    for name, participant in system.participants.items():
-        try:
-            participant.enter(system.parameters[name], system.begin, system.stop)
-            entered[name] = participant
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        return faults, {}
-    _agree(Interface(entered, system.wires))
-    started: dict[str, Participant] = {}
-    for name, participant in entered.items():
-        for variable, value in _fed(system, name, started).items():
-            participant.set(variable, value)
-        try:
-            participant.leave()
-            started[name] = participant
-        except BadInput as error:
-            faults += error.faults
-    return faults, started
+    return succeeded
 
 
 def _fed(system: System, name: str, started: Mapping[str, Participant]) -> dict[str, Any]:
@@ -98,16 +97,61 @@ def _fed(system: System, name: str, started: Mapping[str, Participant]) -> dict[
     }
 
 
+def _is_clocked(participants: Mapping[str, Participant], wire: Wire) -> bool:
+    """Return whether the source of a wire has no value before its clock ticks."""
+    owner, name = wire.source
+    return bool(getattr(participants[owner].fields[name], "clocked", False))
+
+
 def _agree(interface: Interface) -> None:
-    """Bring the wires of participants in Initialization Mode to agreement."""
+    """Bring the wires of participants in Initialization Mode to agreement, if there are loops."""
+    if not interface.feedback.any():
+        return
     newton = Newton(START_ITERATIONS, differences=True)
+    begin = Start(interface)
     try:
-        newton.solve(Start(interface), interface.read(), newton.memory())
+        first = begin.evaluate(interface.read())
+        solution = newton.solve(begin, first.outputs, newton.memory())
     except NotConverged as failure:
         raise BadInput(
             f"no start values of the wires agree with one another: {failure}; give start values "
-            "nearer to a solution in participants.NAME.parameters, or hold the inputs"
+            "nearer to a solution in participants.NAME.parameters"
         ) from None
+    if names := _undetermined(begin, solution.x):
+        raise BadInput(
+            f"{', '.join(names)}: expected a loop that determines its values, got a singular one; "
+            "every value is a solution at the start: break the loop or change an equation of it"
+        )
+
+
+def _undetermined(begin: "Start", x: np.ndarray) -> list[str]:
+    """Return the inputs on unknown wires that the start loop leaves open.
+
+    Eq. (Q12):  (I - J) v = s v',   singular where s < SINGULAR,   J by differences
+
+    Loops of more than LARGEST_CHECKED unknowns are not checked.
+    """
+    interface = begin.interface
+    unknowns = np.flatnonzero(interface.feedback)
+    if not 0 < len(unknowns) <= LARGEST_CHECKED:
+        return []
+    probed = ProbedStep(begin)
+    probed.evaluate(x)
+    scale = interface.nominal[unknowns]
+    matrix = np.eye(len(unknowns))
+    for k, element in enumerate(unknowns):
+        seed = np.zeros(interface.size)
+        seed[element] = scale[k]
+        matrix[:, k] -= probed.derivative(seed)[unknowns] / scale
+    probed.evaluate(x)
+    _, sizes, directions = np.linalg.svd(matrix)  # Eq. (Q12)
+    open_ones = np.abs(directions[sizes < SINGULAR]).max(axis=0, initial=0.0)
+    named = {int(unknowns[k]) for k in np.flatnonzero(open_ones > 0.1)}
+    return [
+        ".".join(wire.target)
+        for wire, part in zip(interface.wires, interface.parts)
+        if named & set(range(part.start, part.stop))
+    ]
 
 
 class Start:

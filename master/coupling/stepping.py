@@ -21,7 +21,7 @@ class StepFailed(Stopped):
     stays.
     """
 
-    headline = "a macro step did not converge, and no halving is left"
+    headline = "a macro step failed"
 
 
 class EnergyCreated(RuntimeError):
@@ -165,7 +165,8 @@ class Stepper:
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
-        self.memory = method.memory()
+        self.memory = self.method.memory()
+        self._was_not_finite = False
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
 
@@ -272,6 +273,7 @@ class Stepper:
 
     def _accept(self, time: float, step: float, solution: Solution) -> None:
         self.observer.attempted(time, step, self.interface.trail, None)
+        self._was_not_finite = False
         self.counters.accept(solution)
         self.predictor.keep(time + step, solution.x)
         self.observer.accepted(time + step, solution)
@@ -300,7 +302,11 @@ class Stepper:
         self.predictor.clear()
         self.memory = self.method.memory()
         self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
-        if not may_halve:
+        # the inputs of a first evaluation are accepted values: a second NaN is no accident
+        not_finite = getattr(failure, "is_not_finite", False)
+        is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
+        self._was_not_finite = not_finite
+        if is_final or not may_halve:
             raise StepFailed(self.failures[-1]) from failure
         self.counters.halved_steps += 1
 

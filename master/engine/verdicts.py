@@ -144,13 +144,14 @@ def _of_truncation(summary):
         )
         return
     colour = _colour(share, TRUNCATION_AMBER, TRUNCATION_RED)
-    hint = "" if colour == "green" else "; give " + " and ".join(f"{one}.modes" for one in bodies)
+    keys = " and ".join(f"{one}.modes" for one in bodies)
+    hint = "" if colour == "green" else f"; increase {keys}"
     yield Verdict(
         colour,
         "truncation",
         f"the modes miss at most {share:.2g} of the local film thickness at any recorded instant, "
         f"allowed {TRUNCATION_AMBER:g}; {shares} of the deflection over the run"
-        f"{hint and hint + ' more'}",
+        f"{hint}",
     )
 
 

@@ -102,25 +102,25 @@ class Field:
         return self.type == "Real" and self.native != "Float32"
 
 
-def gather_fields(description, sizes=None):
-    """Fields of an FMPy model description. The elements of an array are counted from 1 or from 0.
+def gather_fields(description, sizes=None, elements=()):
+    """Return the fields of an FMPy model description.
+
+    FMI 2.0 has no arrays. Variables `name[i,j]` become one array `name` if they fill a rectangle
+    that begins at 0 or 1, and have the same type, causality and unit. All others stay scalars.
 
     Parameters
     ----------
     description : fmpy.model_description.ModelDescription
     sizes : dict of str to int, optional
-        Values of structural parameters, by which arrays of FMI 3 are as large; start values for
-        the rest.
+        Values of structural parameters, which set the size of arrays in FMI 3.0. Default: start
+        values.
+    elements : iterable of str, optional
+        Elements of arrays ("name[2]") that become scalar fields too, next to their array.
 
     Returns
     -------
     dict of str to Field
         In the order of first appearance.
-
-    Raises
-    ------
-    ValueError
-        If the elements of an array do not fill a rectangle; names the array.
     """
     units = {unit.name: _definition(unit.baseUnit) for unit in description.unitDefinitions}
     if description.fmiVersion.startswith("3"):
@@ -139,7 +139,22 @@ def gather_fields(description, sizes=None):
             else (variable.name, ())
         )
         groups.setdefault(base, []).append((index, variable))
-    return {base: _field(base, members, units) for base, members in groups.items()}
+    fields = {}
+    for base, members in groups.items():
+        members.sort(key=lambda member: member[0])
+        variables = [variable for _, variable in members]
+        shape = _shape([index for index, _ in members], variables)
+        if shape is not None:
+            fields[base] = _described(base, shape, variables, variables[0].type, units)
+        singled = {v.name: v for v in variables if shape is None or v.name in elements}
+        fields |= {name: _described(name, (), [v], v.type, units) for name, v in singled.items()}
+    return fields
+
+
+def base_of(name: str) -> str:
+    """Return the array's name of an element "name[i,j]"; the name itself of any other variable."""
+    match = ELEMENT.match(name)
+    return match["base"] if match else name
 
 
 def _definition(base):
@@ -157,26 +172,20 @@ def _definition(base):
     )
 
 
-def _field(base, members, units):
-    members.sort(key=lambda member: member[0])
-    indices = [index for index, _ in members]
+def _shape(indices, variables):
+    """Return the shape of the array that sorted elements make, None if they make none."""
+    if not indices[0]:
+        return () if len(indices) == 1 else None
     if len({len(index) for index in indices}) > 1:
-        raise ValueError(f"{base}: its elements have different numbers of indices")
-    first = int(np.min(indices)) if indices[0] else 1
-    shape = tuple(int(n) + 1 - first for n in np.max(indices, axis=0)) if indices[0] else ()
-    size = int(np.prod(shape))
-    if (
-        first not in (0, 1)
-        or size != len(indices)
-        or indices != [tuple(k + first for k in index) for index in np.ndindex(*shape)]
-    ):
-        raise ValueError(
-            f"{base}: its elements do not fill an array of shape {shape} that begins at 0 or 1"
-        )
-    kinds = {variable.type for _, variable in members}
-    if len(kinds) > 1:
-        raise ValueError(f"{base}: its elements are of types {', '.join(sorted(kinds))}")
-    return _described(base, shape, [v for _, v in members], members[0][1].type, units)
+        return None
+    if len({(v.type, v.causality, v.unit, v.relativeQuantity) for v in variables}) > 1:
+        return None
+    first = min(map(min, indices))
+    shape = tuple(max(axis) + 1 - first for axis in zip(*indices))
+    filled = len(indices) == np.prod(shape, dtype=float) and indices == [
+        tuple(k + first for k in index) for index in np.ndindex(*shape)
+    ]
+    return shape if first in (0, 1) and filled else None
 
 
 def _array(variable, units, sizes, events):
@@ -224,7 +233,7 @@ def _described(name, shape, variables, kind, units):
         number["max"],
         first.start,
         first.description or "",
-        _derivative_of(first),
+        _derivative_of(first, shape),
         definition,
         _choices(first) if kind == "Enumeration" else {},
     )
@@ -236,9 +245,9 @@ def _choices(variable):
     return {item.name: int(item.value) for item in items or ()}
 
 
-def _derivative_of(variable):
-    """Name of the field that a variable is the time derivative of, or None."""
+def _derivative_of(variable, shape):
+    """Return the name of the field that a variable is the time derivative of, or None."""
     if variable.derivative is None:
         return None
-    match = ELEMENT.match(variable.derivative.name)
-    return match["base"] if match else variable.derivative.name
+    name = variable.derivative.name
+    return base_of(name) if shape else name

@@ -78,8 +78,8 @@ class ClockedFmu3(Fmu3Participant):
 
     has_clocks = True
 
-    def __init__(self, name, path, sizes=None):
-        super().__init__(name, path, sizes)
+    def __init__(self, name, path, sizes=None, elements=()):
+        super().__init__(name, path, sizes, elements)
         try:
             described = [_clock(node) for node in self._model_description().iter("Clock")]
         except (TypeError, ValueError, ArithmeticError) as error:

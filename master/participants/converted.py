@@ -42,8 +42,13 @@ class ConvertedParticipant(FieldByField):
 
     def start(self, parameters, start_time, stop_time):
         """See `FmuParticipant.start`; converted inputs begin in the wire's unit too."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+    def enter(self, parameters, start_time, stop_time):
+        """First half of `start`."""
         values = {name: self._given(name, value) for name, value in parameters.items()}
-        self.participant.start(values, start_time, stop_time)
+        self.participant.enter(values, start_time, stop_time)
 
     def _given(self, name, value):
         conversion = self.conversions.get(name)

@@ -98,8 +98,15 @@ def difference(
             name: (participant.get(name) - before[name]) / size for name in products
         }  # Eq. (P1)
     finally:
-        participant.restore(end)
+        _put_back(participant, end, {name: before[name] for name in seeds})
         participant.free(end)
+
+
+def _put_back(participant: Participant, saved: Any, inputs: Mapping[str, Any]) -> None:
+    """Restore a state and set its inputs: what was set counts, and never what an FMU answers."""
+    participant.restore(saved)
+    for name, value in inputs.items():
+        participant.set(name, value)
 
 
 def scales(
@@ -210,8 +217,8 @@ def _tried(
     their scale; None if no output responds. The participant is left as it was.
     """
     begin = participant.save()
+    start = {name: participant.get(name) for name in inputs}
     try:
-        start = {name: participant.get(name) for name in inputs}
         scale = scales(participant, start, inputs)
         unit = {name: scale[name] * _pattern(participant, name) for name in inputs}
         participant.restore(begin)
@@ -232,7 +239,7 @@ def _tried(
             responds = responds or verdict
         return responds
     finally:
-        participant.restore(begin)
+        _put_back(participant, begin, start)
         participant.free(begin)
 
 

@@ -9,6 +9,7 @@ import warnings
 import zipfile
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import gather_fields
 from .derivatives import difference
+from .exits import guard_exit
 from .kept import keep_description, kept_description
 from .participant import read_each, write_each
 from .printf import Logger, printed
@@ -32,6 +34,7 @@ from .printf import Logger, printed
 REAL = ctypes.POINTER(ctypes.c_double)
 WHOLE = 1e-9
 """Of a step: what is left of it counts as nothing."""
+TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
@@ -48,6 +51,8 @@ class FmuParticipant:
         for it is kept.
     sizes : dict of str to int, optional
         Values of its structural parameters.
+    elements : iterable of str, optional
+        Elements of arrays ("y[2]") that are fields too, next to their array.
 
     Raises
     ------
@@ -58,9 +63,17 @@ class FmuParticipant:
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
     _is_kept = True  # what is read of its description
+    _whole_numbers = {
+        "Integer": "fmi2GetInteger",
+        "Enumeration": "fmi2GetInteger",
+        "Boolean": "fmi2GetBoolean",
+    }
+    """Functions that read whole numbers of 32 bits, by type."""
 
-    def __init__(self, name, path, sizes=None):
+    def __init__(self, name, path, sizes=None, elements=()):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
+        self.elements = frozenset(elements)
+        self._is_kept = self._is_kept and not self.elements
         if self._is_kept and (kept := kept_description(self.path)):
             self.description, self.fields = kept
         else:
@@ -69,9 +82,12 @@ class FmuParticipant:
         self.log = []
         root = self._before_the_variables()
         self._vectors: dict[str, Block] = {}
-        self._pairs: dict[tuple[str, ...], Block] = {}
+        self._pairs: dict[tuple[str, tuple[str, ...]], Block] = {}
+        self._input_values: dict[str, np.ndarray] = {}
+        self._written: Block | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
+        self._functions: Functions | None = None
         self._derivative = self._reserved_references(root)
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
@@ -97,7 +113,7 @@ class FmuParticipant:
         ):
             raise BadInput(f"{one} is no FMI {self.version}.0 FMU for co-simulation")
         try:
-            self.fields = gather_fields(self.description, self.sizes)
+            self.fields = gather_fields(self.description, self.sizes, self.elements)
         except ValueError as error:
             raise BadInput(f"{one}: {error}") from None
         if self._is_kept:
@@ -153,7 +169,9 @@ class FmuParticipant:
         """Instantiate, set `parameters` and enter Initialization Mode, as the first half of
         `start`: outputs there follow the inputs that are set.
         """
+        guard_exit(self)
         self.log.clear()
+        self._forget_inputs()
         self._begun = self._broken = False
         with self._refusing():
             self._instantiate(start_time, stop_time)
@@ -196,12 +214,14 @@ class FmuParticipant:
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
+        self._chosen.clear()
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._logger = Logger(self._note)
         self._callbacks.logger = ctypes.cast(self._logger, fmi2.fmi2CallbackLoggerTYPE)
         self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._functions = Functions(self._fmu)
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
 
     def _configure(self):
@@ -238,12 +258,17 @@ class FmuParticipant:
             block = self._vector(name)
             block.values[:] = np.ravel(value)
             self._write(block)
+            if field.causality == "input":
+                self._remember(block)
         else:
             values = (
                 np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
             )
             self._check_fit(field, values)
             self._access()[field.native or field.type][1](list(field.references), values)
+            if field.causality == "input" and field.type == "Real":
+                self._input_values[name] = np.array(values, dtype=float)
+                self._written = None
 
     def _check_fit(self, field, values):
         """ParticipantFault where a whole number does not fit the type: C would cut it short."""
@@ -277,14 +302,31 @@ class FmuParticipant:
         )
 
     def get(self, name):
-        """Value of a field: array of its shape, or a Python scalar."""
+        """Return the value of a field: array of its shape, or a Python scalar.
+
+        A real input has the value that it was set to: FMUs may answer anything else.
+        """
         field = self.fields[name]
-        if not field.is_double:
+        values = self._input_values.get(name)
+        if values is None and not field.is_double:
             values = self._listed(field)
             return np.array(values).reshape(field.shape) if field.shape else values[0]
-        block = self._vector(name)
-        self._read(block)
-        return block.values.reshape(field.shape).copy() if field.shape else float(block.values[0])
+        if values is None:
+            block = self._vector(name)
+            self._read(block)
+            values = block.values
+        return values.reshape(field.shape).copy() if field.shape else float(values[0])
+
+    def _remember(self, block):
+        """Note that the inputs of a block have been set to its values."""
+        if block is not self._written:
+            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
+            self._written = block
+
+    def _forget_inputs(self):
+        """Read inputs from the FMU until they are set again."""
+        self._input_values.clear()
+        self._written = None
 
     def _listed(self, field):
         """Values of all elements of a field that is not real."""
@@ -293,20 +335,25 @@ class FmuParticipant:
 
     def write(self, names, values):
         """Set several real fields, one behind the other in `values`."""
-        if not self._are_double(names):
-            write_each(self, names, values)
-            return
-        block = self._pair(names)
+        block = self._pairs.get(("written", names))
+        if block is None:
+            if not self._are_double(names):
+                write_each(self, names, values)
+                return
+            block = self._pair(names, "written")
         block.values[:] = values
         self._write(block)
+        self._remember(block)
 
     def read(self, names):
         """Several real fields, one behind the other; overwritten by the next reading of the
         same.
         """
-        if not self._are_double(names):
-            return read_each(self, names)
-        block = self._pair(names)
+        block = self._pairs.get(("read", names))
+        if block is None:
+            if not self._are_double(names):
+                return read_each(self, names)
+            block = self._pair(names)
         self._read(block)
         return block.values
 
@@ -315,14 +362,18 @@ class FmuParticipant:
         return True
 
     def _write(self, block):
-        self._call("fmi2SetReal", self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2SetReal", *block.arguments)
 
     def _read(self, block):
-        self._call("fmi2GetReal", self._fmu.component, block.references, block.count, block.pointer)
+        self._call("fmi2GetReal", *block.arguments)
 
     def _call(self, function, *arguments):
-        """Call the FMU without FMPy's own layers, which cost more than a small FMU."""
-        status = getattr(self._fmu.dll, function)(*arguments)
+        """Call the FMU without FMPy's own layers, which cost more than a small FMU.
+
+        All arguments are objects of ctypes, so that nothing is converted.
+        """
+        assert self._functions is not None, "the FMU is not instantiated"
+        status = self._functions[function](self._functions.component, *arguments)
         if status > fmi2.fmi2Warning:
             raise FMICallException(function, status)
 
@@ -339,23 +390,39 @@ class FmuParticipant:
 
     def get_many(self, names):
         """Values of several scalars, a call for each type: dict of name to number."""
+        names = tuple(names)
+        if (getters := self._chosen.get(names)) is None:
+            getters = self._chosen[names] = self._getters(names)
         values = {}
-        for kind, chosen, references in self._sorted(tuple(names)):
-            if kind in ("Real", "Float64"):
-                values |= zip(chosen, self.read(chosen).tolist())
-            else:
-                values |= zip(chosen, self._access()[kind][0](references))
+        for chosen, getter in getters:
+            values |= zip(chosen, getter())
         return values
 
-    def _sorted(self, names):
-        """Names and references of scalars by type, made once."""
-        if names not in self._chosen:
-            self._chosen[names] = [
-                (kind, chosen, [self.fields[name].references[0] for name in chosen])
-                for kind in self._access()
-                if (chosen := tuple(name for name in names if self._kind(name) == kind))
-            ]
-        return self._chosen[names]
+    def _getters(self, names):
+        """Return names of scalars by type, each with a function that returns their values."""
+        getters = []
+        for kind in self._access():
+            chosen = tuple(name for name in names if self._kind(name) == kind)
+            if chosen:
+                references = [self.fields[name].references[0] for name in chosen]
+                getters.append((chosen, self._getter(kind, chosen, references)))
+        return getters
+
+    def _getter(self, kind, names, references):
+        """Return a function that returns the values of several scalars of a type."""
+        if kind in ("Real", "Float64"):
+            return lambda: self.read(names).tolist()
+        if kind not in self._whole_numbers:
+            return partial(self._access()[kind][0], references)
+        count = len(references)
+        values = (ctypes.c_int * count)()
+        arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
+
+        def listed():
+            self._call(self._whole_numbers[kind], *arguments)
+            return list(values)
+
+        return listed
 
     def _kind(self, name):
         """Type of a field in the FMU's version of the standard."""
@@ -393,26 +460,26 @@ class FmuParticipant:
         does not say.
         """
         answer = ctypes.c_double(time)
-        kind, component = fmi2.fmi2LastSuccessfulTime, self._fmu.component
+        kind = ctypes.c_int(fmi2.fmi2LastSuccessfulTime)
         with suppress(FMICallException):
-            self._call("fmi2GetRealStatus", component, kind, ctypes.byref(answer))
+            self._call("fmi2GetRealStatus", kind, ctypes.byref(answer))
         return answer.value
 
     def _wants_to_end(self):
         """Whether the step was discarded because the FMU asks for the end of the simulation."""
         answer = ctypes.c_int(0)
         with suppress(FMICallException):
-            self._call(
-                "fmi2GetBooleanStatus",
-                self._fmu.component,
-                fmi2.fmi2Terminated,
-                ctypes.byref(answer),
-            )
+            kind = ctypes.c_int(fmi2.fmi2Terminated)
+            self._call("fmi2GetBooleanStatus", kind, ctypes.byref(answer))
         return bool(answer.value)
 
     def _do_step(self, time, step):
-        """The call itself; states before its beginning may be asked for again."""
-        self._call("fmi2DoStep", self._fmu.component, time, step, fmi2.fmi2False)
+        """Call the FMU's step.
+
+        noSetFMUStatePriorToCurrentPoint is true: the master restores the state at `time`, never an
+        earlier one. FMUs that are told false may take their last step back.
+        """
+        self._call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), TRUE)
 
     def _words(self, failure):
         """What the FMU logged in the call that failed, or the call's name and status."""
@@ -421,7 +488,7 @@ class FmuParticipant:
     def save(self):
         """A handle on the FMU's state; `free` it when it is no longer needed."""
         state = ctypes.c_void_p()
-        self._call("fmi2GetFMUstate", self._fmu.component, ctypes.byref(state))
+        self._call("fmi2GetFMUstate", ctypes.byref(state))
         return state
 
     def restore(self, saved):
@@ -430,10 +497,10 @@ class FmuParticipant:
         self._set_state(saved)
 
     def _set_state(self, saved):
-        self._call("fmi2SetFMUstate", self._fmu.component, saved)
+        self._call("fmi2SetFMUstate", saved)
 
     def free(self, saved):
-        self._call("fmi2FreeFMUstate", self._fmu.component, ctypes.byref(saved))
+        self._call("fmi2FreeFMUstate", ctypes.byref(saved))
 
     def serialise(self, saved):
         """The saved state as bytes."""
@@ -465,7 +532,7 @@ class FmuParticipant:
                 if self._derivative
                 else self._difference(seeds, products)
             )
-        known, unknown = self._pair(tuple(seeds)), self._pair(tuple(products))
+        known, unknown = self._pair(tuple(seeds), "seeds"), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
         self.log.clear()
@@ -503,7 +570,8 @@ class FmuParticipant:
         return ctypes.addressof(block.references), block.count
 
     def stepped(self, saved, time, step):
-        """Compiled code has taken this step [s] from a saved state."""
+        """Note that compiled code has set inputs and taken this step [s] from a saved state."""
+        self._forget_inputs()
         self._begin = saved
         self.ended = ""
         self._last_step = (time, step)
@@ -520,11 +588,11 @@ class FmuParticipant:
         self._broken |= function == "fmi2DoStep"
         return ParticipantFault(f"{self.name}: {self._words(failure)}")
 
-    def _pair(self, names):
-        """References of several fields in one block, made once."""
-        if names not in self._pairs:
-            self._pairs[names] = _block({name: self.fields[name] for name in names})
-        return self._pairs[names]
+    def _pair(self, names, use="read"):
+        """References of several fields in one block, made once for each use of it."""
+        if (use, names) not in self._pairs:
+            self._pairs[use, names] = _block({name: self.fields[name] for name in names})
+        return self._pairs[use, names]
 
     def _cut(self, block):
         return {
@@ -614,7 +682,7 @@ class FmuParticipant:
 @dataclass(frozen=True)
 class Block:
     """Fields moved in one call: C array of their references, their number, values with a pointer,
-    each field's part.
+    each field's part; arguments of the call.
     """
 
     references: ctypes.Array
@@ -622,6 +690,24 @@ class Block:
     values: np.ndarray
     pointer: Any
     parts: dict[str, slice]
+
+    @cached_property
+    def arguments(self):
+        """References, their number and the pointer to the values."""
+        return self.references, ctypes.c_size_t(self.count), self.pointer
+
+
+class Functions(dict):
+    """Functions of an FMU's library by name, without declared types; its instance."""
+
+    def __init__(self, fmu):
+        super().__init__()
+        self.library = fmu.dll
+        self.component = ctypes.c_void_p(fmu.component)
+
+    def __missing__(self, name):
+        self[name] = function = self.library[name]
+        return function
 
 
 def _block(fields):

@@ -8,7 +8,7 @@ from functools import cached_property
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant
+from .fmi2 import WHOLE, FmuParticipant, Functions
 
 LARGEST_ITERATION = 1000
 """Calls of fmi3UpdateDiscreteStates at one event."""
@@ -18,6 +18,7 @@ class Fmu3Participant(FmuParticipant):
     """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
+    _whole_numbers = {}
     _is_kept = False  # arrays are whole, and as large as `sizes` makes them
 
     @property
@@ -27,12 +28,14 @@ class Fmu3Participant(FmuParticipant):
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)
+        self._chosen.clear()
         self._fmu.instantiate(
             loggingOn=True,
             logMessage=fmi3.fmi3LogMessageCallback(self._note_3),
             eventModeUsed=self._has_events,
             earlyReturnAllowed=self._has_events,
         )
+        self._functions = Functions(self._fmu)
 
     def _note_3(self, _environment, status, _category, message):
         self.log.append((status, (message or b"").decode(errors="replace")))
@@ -41,24 +44,10 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.enterInitializationMode(startTime=start_time, stopTime=stop_time)
 
     def _write(self, block):
-        self._call(
-            "fmi3SetFloat64",
-            self._fmu.component,
-            block.references,
-            block.count,
-            block.pointer,
-            block.values.size,
-        )
+        self._call("fmi3SetFloat64", *block.arguments, ctypes.c_size_t(block.values.size))
 
     def _read(self, block):
-        self._call(
-            "fmi3GetFloat64",
-            self._fmu.component,
-            block.references,
-            block.count,
-            block.pointer,
-            block.values.size,
-        )
+        self._call("fmi3GetFloat64", *block.arguments, ctypes.c_size_t(block.values.size))
 
     def _access(self) -> dict[str, tuple]:
         one = self._fmu
@@ -132,7 +121,8 @@ class Fmu3Participant(FmuParticipant):
         reached = ctypes.c_double()
         references = [ctypes.byref(answer) for answer in (*flags, reached)]
         while True:
-            self._call("fmi3DoStep", self._fmu.component, at, end - at, False, *references)
+            times = ctypes.c_double(at), ctypes.c_double(end - at)
+            self._call("fmi3DoStep", *times, ctypes.c_bool(True), *references)
             event, finished, early = (flag.value for flag in flags)
             if event and self._has_events and not finished:
                 finished = self._meet(reached.value, end, step)

@@ -1,6 +1,4 @@
-"""Inputs that move inside a macro step: told to the FMU as a polynomial through what the master
-knows at both ends.
-"""
+"""Inputs that follow the values at both ends of a macro step: as a polynomial, or as their mean."""
 
 from typing import Any
 
@@ -57,8 +55,13 @@ def hermite(begin, end, begin_slope, end_slope, step):
 
 
 class InterpolatedParticipant(FieldByField):
-    """A participant some of whose inputs are interpolated; what is set is their value at the end of
-    the step, as ever.
+    """A participant some of whose inputs follow both ends of a macro step; what is set is their
+    value at its end.
+
+    An input of the kind "mean" is held at the mean of both ends, which needs no capability of the
+    FMU. Its value at the end is set after the step, before outputs are read.
+
+    Eq. (P10):  u(s) = (u0 + u1)/2,   0 <= s < H,   u(H) = u1
 
     Inputs with a cubic get a companion `der(name)`, set like an input: the slope at the end. Values
     and slopes at the beginning are those that were set when the state was saved from which the step
@@ -67,8 +70,8 @@ class InterpolatedParticipant(FieldByField):
     Parameters
     ----------
     participant : Participant
-        One that `can_interpolate`.
-    interpolation : dict of str to {"linear", "hermite"}
+        One that `can_interpolate` if an input is "linear" or "hermite".
+    interpolation : dict of str to {"mean", "linear", "hermite"}
         By input.
     """
 
@@ -127,17 +130,32 @@ class InterpolatedParticipant(FieldByField):
         """One step [s] along the inputs' courses."""
         self._tell_courses(time, step)
         self.participant.step(time, step)
+        self._set_ends()
 
     def begin_step(self, time, step):
         """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
         self._tell_courses(time, step)
         self.participant.begin_step(time, step)
 
+    def end_step(self):
+        """Wait for the step that has begun; see `IsolatedParticipant.end_step`."""
+        self.participant.end_step()
+        self._set_ends()
+
+    def _set_ends(self):
+        """Set the inputs that were held at their mean to their values at the end."""
+        for name, kind in self.interpolation.items():
+            if kind == "mean":
+                self.participant.set(name, self.now[name])
+
     def _tell_courses(self, time, step):
         """Tell the participant the inputs' courses over the step to come."""
         self._last_step = time, step
         begin = self._begin[1]
         for name, kind in self.interpolation.items():
+            if kind == "mean":
+                self.participant.set(name, (begin[name] + self.now[name]) / 2)  # Eq. (P10)
+                continue
             if kind == "hermite":
                 slope = slope_of(name)
                 course = hermite(begin[name], self.now[name], begin[slope], self.now[slope], step)

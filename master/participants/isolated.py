@@ -5,22 +5,14 @@ Fields lie in memory that both processes share; commands go through a pipe, as m
 one message; an answer that does not come in time ends the FMU's process.
 """
 
-import multiprocessing
-import os
-import signal
-import threading
 import traceback
 from contextlib import suppress
 from itertools import count
 from typing import Any
 
-import numpy as np
-
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .open import open_fmu
-
-FAMILY = multiprocessing.get_context("spawn")
-"""A fresh interpreter: what the host has loaded, its threads and its locks, is not the FMU's."""
+from .worker import Worker, shared_file, shared_numbers
 
 
 class IsolatedParticipant:
@@ -66,14 +58,13 @@ class IsolatedParticipant:
 
     def launch(self):
         """Start the process, which takes its time; to be called before `start`."""
-        memory = FAMILY.RawArray("d", 2 * sum(field.size for field in self.fields.values()))
-        self._values, self._changes = _views(memory, self.fields)
-        self._pipe, other = FAMILY.Pipe()
+        memory = shared_file(2 * sum(field.size for field in self.fields.values()))
         described = self.described
-        recipe = self.name, self.path, described.sizes, getattr(described, "length", None)
-        self._process = FAMILY.Process(target=_serve, args=(other, memory, recipe), daemon=True)
-        self._process.start()
-        other.close()
+        length = getattr(described, "length", None)
+        recipe = self.name, self.path, described.sizes, length, described.elements
+        self._process = Worker(_serve, memory, recipe, files=[memory])
+        self._pipe = self._process.pipe
+        self._values, self._changes = _views(shared_numbers(memory), self.fields)
 
     def start(self, parameters, start_time, stop_time):
         """Instantiate and initialise in the process; see `FmuParticipant.start`."""
@@ -253,23 +244,16 @@ class IsolatedParticipant:
         self._awaited = None
         self._process.join(self.timeout)
         return ParticipantFault(
-            f"{self.name}: its process has ended ({_end(self._process.exitcode)}) before or in "
+            f"{self.name}: its process has ended ({self._process.end}) before or in "
             f"{method}{arguments if method == 'step' else ''}"
         )
 
 
-def _end(code):
-    """What an exit code means."""
-    return (
-        f"by {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
-    )
-
-
-def _views(memory, fields):
+def _views(storage, fields):
     """Two arrays a field in the shared memory: its value, and the change a derivative is asked for
     or answers.
     """
-    storage, offset, values, changes = np.frombuffer(memory), 0, {}, {}
+    offset, values, changes = 0, {}, {}
     for name, field in fields.items():
         for views in (values, changes):
             views[name] = storage[offset : offset + field.size].reshape(field.shape)
@@ -324,12 +308,8 @@ class Server:
 
 
 def _serve(pipe, memory, recipe):
-    """Answer commands until the master is gone or `close` is done; Ctrl-C is the master's
-    business.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_follow, daemon=True).start()
-    server = Server(open_fmu(*recipe), memory)
+    """Answer commands until the master is gone or `close` is done."""
+    server = Server(open_fmu(*recipe), shared_numbers(memory))
     with suppress(EOFError, OSError):  # a master that was killed closes or resets the pipe
         while True:
             queue = pipe.recv()
@@ -350,10 +330,3 @@ def answered(server, queue):
         name = server.participant.name
         answer = True, ParticipantFault(f"{name}: {traceback.format_exc()}")
     return answer
-
-
-def _follow():
-    """End this process when the master's has ended, even where the FMU hangs."""
-    if master := multiprocessing.parent_process():
-        master.join()
-    os._exit(1)

@@ -9,7 +9,7 @@ from .substeps import Substeps
 EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
-def open_fmu(name, path, sizes=None, step=None):
+def open_fmu(name, path, sizes=None, step=None, elements=()):
     """Participant for an FMU of either version of the standard.
 
     Parameters
@@ -21,8 +21,10 @@ def open_fmu(name, path, sizes=None, step=None):
         Values of structural parameters.
     step : float, optional
         Longest step [s] that it takes inside a macro step.
+    elements : iterable of str, optional
+        Elements of arrays ("y[2]") that are fields too, next to their array.
     """
-    participant = _kind(path)(name, path, sizes)
+    participant = _kind(path)(name, path, sizes, elements)
     if step is None and participant.can_vary_steps:
         return participant
     return Substeps(participant, step, fixed=not participant.can_vary_steps)

@@ -40,6 +40,7 @@ class Instance(ctypes.Structure):
         ("calls", ctypes.c_int64),  # of this macro step
         ("failed", ctypes.c_int64),
         ("status", ctypes.c_int64),
+        ("is_called", ctypes.c_int64),
     ]
 
 

@@ -72,7 +72,7 @@ class RemoteParticipant(IsolatedParticipant):
         BUSY[self._worker] += 1
         self._values = {}
         described = self.described
-        recipe = described.sizes, getattr(described, "length", None)
+        recipe = described.sizes, getattr(described, "length", None), described.elements
         data = Path(self.path).read_bytes()
         made = (RemoteFmu, self.name, Path(self.path).name, data, recipe)
         place = {"workers": [self._worker], "actor": True, "pure": False}

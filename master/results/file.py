@@ -61,13 +61,15 @@ class Later:
 NEAR = 1e-6
 """Share of a period that a row may be off its beginning by round-off."""
 SLASH = "\u2215"
-"""Stands for / in the names of datasets, where HDF5 would take / for a group."""
+"""Replaces / in the names of datasets, where HDF5 would take / for a group."""
+NAMELESS = {"": "\u2205", ".": "\u2024"}
+"""Names of variables that HDF5 does not allow, and the names of their datasets."""
 
 
 def dataset_path(port: str) -> str:
     """Where a results file holds "participant.name", or "time"."""
     owner, dot, name = port.partition(".")
-    return f"{owner}/{name.replace('/', SLASH)}" if dot else owner
+    return f"{owner}/{NAMELESS.get(name, name.replace('/', SLASH))}" if dot else owner
 
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -90,7 +92,9 @@ def open_unfinished(path: Path) -> Any:
 
 
 def _port(path: str) -> str:
-    return path.replace("/", ".", 1).replace(SLASH, "/")
+    owner, slash, name = path.partition("/")
+    names = {written: allowed for allowed, written in NAMELESS.items()}
+    return f"{owner}.{names.get(name, name.replace(SLASH, '/'))}" if slash else owner
 
 
 class Results:

@@ -8,7 +8,7 @@ import threading
 import zipfile
 from collections import Counter
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
@@ -88,7 +88,8 @@ class Checkpoint:
     """State of a run after a macro step.
 
     tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor,
-    method (see `freezing`); fmus : participant -> SHA-256 of its FMU's content.
+    method (see `freezing`); fmus : participant -> SHA-256 of its FMU's content; sources :
+    participant -> SHA-256 of its Python file.
 
     The file holds the line "piston-cosim checkpoint", 4 bytes with the version of this layout, the
     SHA-256 of all that follows, and then plain data (see `participants.plain`): no code. Its size
@@ -101,6 +102,7 @@ class Checkpoint:
     frozen: bytes
     account: Account
     fmus: dict
+    sources: dict = field(default_factory=dict)
 
     @staticmethod
     def path(output):
@@ -159,6 +161,61 @@ def _unbounded(account):
     """The list of iterations again, in another order, which nobody asks for."""
     counted = account.counters.iterations
     account.counters.iterations = [int(k) for k, count in counted.items() for _ in range(count)]
+
+
+def code_files(tree, folder, key):
+    """Return the files with code that a case names: participant -> path.
+
+    key : "file" for Python files, "fmu" for FMUs.
+    """
+    tables = tree.get("participants", {}).items()
+    named = {name: table[key] for name, table in tables if table.get(key)}
+    return {
+        name: Path(folder) / (text.rpartition(":")[0] if key == "file" else text)
+        for name, text in named.items()
+    }
+
+
+def source_hashes(tree, folder):
+    """Return the SHA-256 of the Python files that a case names: participant -> text."""
+    files = code_files(tree, folder, "file")
+    return {name: sha256(path.read_bytes()).hexdigest() for name, path in files.items()}
+
+
+def check_code(checkpoint, say):
+    """Compare the code that a checkpoint names with what its run had; nothing is executed.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+    say : callable(line)
+        Receives a line for each file whose code the run will execute.
+
+    Raises
+    ------
+    BadInput
+        With every file that is missing or has another content.
+    """
+    faults, files = [], []
+    for key, expected in (("file", checkpoint.sources), ("fmu", checkpoint.fmus)):
+        for name, path in code_files(checkpoint.tree, checkpoint.folder, key).items():
+            try:
+                content = sha256(path.read_bytes()).hexdigest() if key == "file" else None
+                same = (content or _content_hash(path)) == expected.get(name)
+            except (OSError, zipfile.BadZipFile) as error:
+                faults.append(f"participants.{name}.{key}: {path}: {error}")
+                continue
+            if not same:
+                kind = "Python file" if key == "file" else "FMU"
+                faults.append(
+                    f"participants.{name}.{key}: {path}: the run had another {kind} of {name}: its "
+                    "content has changed since; run again from the start"
+                )
+            files.append(f"executes participants.{name}.{key} = {path}")
+    if faults:
+        raise BadInput(faults)
+    for line in files:
+        say(line)
 
 
 def fingerprints(participants):

@@ -1,16 +1,20 @@
 """A run on a page of this machine while it goes on: curves, pausing, stopping with a checkpoint.
 
-The page answers on 127.0.0.1 alone, under an address that holds a secret, so that neither another
-machine nor another page of the browser can stop the run.
+The page answers on 127.0.0.1 only, under an address that holds a secret. It rejects requests with
+another Host or Origin, so that neither another machine nor another page of the browser can read or
+stop the run.
 """
 
 import json
 import os
+import re
 import secrets
 import signal
 import threading
 import time as clock
+from base64 import b64encode
 from contextlib import contextmanager
+from hashlib import sha256
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -94,10 +98,47 @@ def serving(live):
         server.server_close()
 
 
+def _headers(page):
+    """Return the headers of every answer: the page runs its own script and style, nothing else."""
+    sources = {
+        kind: f"'sha256-{b64encode(sha256(text).digest()).decode()}'"
+        for kind, text in re.findall(rb"<(script|style)>(.*?)</\1>", page, re.DOTALL)
+    }
+    policy = (
+        f"default-src 'none'; script-src {sources[b'script']}; style-src {sources[b'style']}; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    return {
+        "Content-Security-Policy": policy,
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",  # the address holds the secret
+        "Cache-Control": "no-store",
+    }
+
+
 def _handler(live, secret):
     page = Path(__file__).with_name("live.html").read_bytes()
+    headers = _headers(page)
 
     class Handler(BaseHTTPRequestHandler):
+        def parse_request(self):
+            """Read a request; reject one from another page or for another host."""
+            if not super().parse_request():
+                return False
+            port = self.server.server_address[1]
+            hosts = [f"{name}:{port}" for name in ("127.0.0.1", "localhost")]
+            origin = self.headers.get("Origin")
+            own = origin is None or origin in [f"http://{host}" for host in hosts]
+            if self.headers.get("Host") in hosts and own:
+                return True
+            self.send_error(403)
+            return False
+
+        def end_headers(self):
+            for name, text in headers.items():
+                self.send_header(name, text)
+            super().end_headers()
+
         def do_GET(self):
             place, _, query = self.path.partition("?")
             if place == f"/{secret}/":

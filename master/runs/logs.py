@@ -30,7 +30,7 @@ class CouplingLog:
     def __init__(self, output, wires, counters):
         self.windows = windows = counters.steps
         self.total = counters.residual_evaluations
-        targets = [".".join(wire.target) for wire in wires]
+        targets = [" ".join(".".join(wire.target).split()) for wire in wires]
         self.widths = [max(12, len(target)) for target in targets]
         self.row = "{:>6} {:>9} " + " ".join(f"{{:>{width}.4e}}" for width in self.widths) + "\n"
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)

@@ -2,15 +2,12 @@
 point with it, and nothing else.
 """
 
-import multiprocessing
 import os
 import queue
-import signal
 import threading
 from concurrent.futures import Executor, Future
 
-FAMILY = multiprocessing.get_context("spawn")
-"""Each process is started fresh: what an FMU loads in one is not seen by another."""
+from ..participants.worker import Worker
 
 
 class PointDied(RuntimeError):
@@ -63,50 +60,47 @@ class LocalPool(Executor):
 
     def _work(self):
         """A thread's work: hand calls to a process of its own."""
-        process = pipe = None
+        process = None
         while (call := self._calls.get()) is not None:
             future, work = call
             if self._closed.is_set() or not future.set_running_or_notify_cancel():
                 continue
             try:
-                if process is None or not process.is_alive():
-                    process, pipe = self._start()
+                if process is None or not process.is_alive:
+                    process = self._start()
                 if self._closed.is_set():  # since the process began: `shutdown` may not know it
                     self._end(process)
                     raise PointDied("its process was ended with the others")
-                self._answer(future, work, process, pipe)
+                self._answer(future, work, process)
             except Exception as error:
                 future.set_exception(error)
-        if process is not None and pipe is not None:
-            pipe.close()
+        if process is not None:
+            process.pipe.close()
             process.join()
             self._processes.discard(process)
 
     def _start(self):
-        pipe, other = FAMILY.Pipe()
-        process = FAMILY.Process(target=_serve, args=(other,))
-        process.start()
-        other.close()
+        process = Worker(_serve)
         self._processes.add(process)
         try:
-            pipe.recv()  # it is up: its start is not counted into any call's time
-        except EOFError:
+            process.pipe.recv()  # it is up: its start is not counted into any call's time
+        except (EOFError, OSError):
             self._end(process)
             raise PointDied("its process could not be started") from None
-        return process, pipe
+        return process
 
-    def _answer(self, future, work, process, pipe):
+    def _answer(self, future, work, process):
         try:
-            pipe.send(work)
-            if not pipe.poll(self.time_limit):
+            process.pipe.send(work)
+            if not process.pipe.poll(self.time_limit):
                 self._end(process)
                 raise PointDied(
                     f"not done within {self.time_limit:g} s; its process has been ended"
                 )
-            raised, answer = pipe.recv()
+            raised, answer = process.pipe.recv()
         except (EOFError, OSError):
             self._end(process)
-            raise PointDied(f"its process has ended ({_words(process.exitcode)})") from None
+            raise PointDied(f"its process has ended ({process.end})") from None
         if raised:
             future.set_exception(answer)
         else:
@@ -118,15 +112,8 @@ class LocalPool(Executor):
         self._processes.discard(process)
 
 
-def _words(code):
-    """What an exit code means."""
-    return f"by {signal.Signals(-code).name}" if code and code < 0 else f"exit code {code}"
-
-
 def _serve(pipe):
-    """Answer calls until the pipe closes; Ctrl-C is the master's business."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_follow, daemon=True).start()
+    """Answer calls until the pipe closes."""
     pipe.send("up")
     while True:
         try:
@@ -138,10 +125,3 @@ def _serve(pipe):
         except Exception as error:
             answer = True, RuntimeError(f"{type(error).__name__}: {error}")
         pipe.send(answer)
-
-
-def _follow():
-    """End this process when the master's has ended, even where an FMU hangs."""
-    if master := multiprocessing.parent_process():
-        master.join()
-    os._exit(1)

@@ -294,10 +294,14 @@ class Recorder:
         """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
         memory for the next `flush`.
         """
-        values = {name: self.participants[name].get_many(self.names[name]) for name in self.names}
+        values = {
+            name: self.participants[name].get_many(names)
+            for name, names in self.names.items()
+            if names
+        }
         row = [time]
         for name, found in values.items():
-            row += [found[key] for key in self.names[name]]
+            row += map(found.__getitem__, self.names[name])
         row += (
             (solution.iterations, solution.products, solution.history[-1])
             if solution
@@ -306,9 +310,8 @@ class Recorder:
         self._waiting.append(row)
         instant = self.schedule.instant(self.rows, time)
         if instant is not None:
-            ports = [port_of(port) for port in self.ports]
             crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
-            fields = [self.participants[a].get(b) for a, b in ports]
+            fields = [self.participants[a].get(b) for a, b in map(port_of, self.ports)]
             self._instants.append([instant, *crank, *fields])
         self.rows += 1
         full = len(self._instants) >= self.flush_every or len(self._waiting) >= CHUNK

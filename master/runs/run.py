@@ -30,7 +30,15 @@ from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.plugins import made
 from ..participants.rollback import rollback_faults
-from .checkpoint import Account, Checkpoint, Interrupted, fingerprints, kept, listening
+from .checkpoint import (
+    Account,
+    Checkpoint,
+    Interrupted,
+    fingerprints,
+    kept,
+    listening,
+    source_hashes,
+)
 from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, Schedule, writing
@@ -433,6 +441,7 @@ class March:
                 freeze(self.stepper),
                 self.account,
                 self.fingerprints,
+                self.sources,
             ).write(self.output)
         end = clock.perf_counter()
         self.kept_until = end + (end - begin) / CHECKPOINT_SHARE
@@ -442,6 +451,11 @@ class March:
     def fingerprints(self):
         """Hashes of the participants' FMUs."""
         return fingerprints(self.system.participants)
+
+    @cached_property
+    def sources(self):
+        """Hashes of the Python files that the case names."""
+        return source_hashes(self.tree, self.system.folder)
 
     def close(self):
         """Close the files; what they hold stays."""

@@ -1,7 +1,7 @@
 """Compare this case with the figures of the source paper: rigid bodies and 20, 40 and 60 modes.
 
-Reads the study of the modes, prints the tables of PAPER.md and draws its two pictures beside this
-script:
+Reads a study of this case and prints its findings. From the study of the modes it also draws the
+two pictures of PAPER.md next to this script:
 
 piston-cosim study numerical_example modes
 python -m piston_cosim.models.numerical_example.paper results/study_numerical_example_modes
@@ -209,14 +209,16 @@ def draw_sides(runs: dict[str, Results], path: Path) -> None:
 
 
 def main(folder: Path) -> None:
-    """Print the tables and draw the pictures of a finished study."""
+    """Print the tables of a finished study of this case; draw the pictures of that of the modes."""
     with open(folder / "sweep.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     paths = {row["run"]: folder / row["results"] for row in rows}
-    runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
-    here = Path(__file__).parent
     print(table({name: findings(Results(path)) for name, path in paths.items()}), end="\n\n")
     print(cost_table(rows))
+    if not {*SHOWN.values()} <= {*paths}:
+        return
+    runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
+    here = Path(__file__).parent
     draw_curves(runs, here / "paper_curves.png")
     draw_sides(runs, here / "paper_sides.png")
 

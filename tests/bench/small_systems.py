@@ -1,7 +1,13 @@
-"""What the master costs where FMUs cost nothing: two scalar FMUs, CPU a macro step, beside a bare
-loop of FMPy calls that exchanges the same values.
+"""Cost of the master for FMUs that cost nothing: two scalar FMUs, processor time of a macro step,
+side by side with a bare loop of FMPy calls that exchanges the same values.
 
-Run: python tests/bench/small_systems.py
+Each method is measured twice: the stepper alone, and a user's run through `pc.couple` with all
+outputs recorded. Of the latter the time of a step is the difference of a long and a short run, and
+the start is the rest. An evaluation is a step of every participant; a derivative by differences
+takes one.
+
+Run: python tests/bench/small_systems.py [--check]
+     --check exits with 1 if a user's step takes more than 4 times the bare loop for an evaluation
 """
 
 import os
@@ -13,12 +19,14 @@ import tempfile
 import tomllib
 from pathlib import Path
 from time import process_time
+from typing import NamedTuple
 
 import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+import piston_cosim as pc
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
@@ -27,7 +35,11 @@ from piston_cosim.master.coupling.stepping import Stepper
 from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, case_text, make
 
-STEPS, STEP, ROUNDS = 1000, 1e-3, 20
+STEPS, STEP, ROUNDS = 1000, 1e-3, 10
+LONG = 3
+"""Length of the long run, in short ones."""
+ALLOWED = 4.0
+"""Largest cost of an evaluation through `pc.couple`, in bare loops."""
 K, U, X = 0, 1, 2
 """Value references of the lag: its constant, input and output."""
 
@@ -78,6 +90,34 @@ def stepping(folder, method):
     return 1e6 * spent / STEPS, x, float(np.mean(stepper.counters.iterations))
 
 
+class Cost(NamedTuple):
+    """Processor time of a short and of a long run [s]; evaluations of a step."""
+
+    short: float
+    long: float
+    evaluations: float
+
+
+def through_couple(folder, method):
+    """Return the `Cost` of a user's run."""
+    spent = []
+    for steps in (STEPS, LONG * STEPS):
+        case = pc.couple(
+            {name: folder / f"{name}.fmu" for name in "ab"},
+            ["a.x -> b.u", "b.x -> a.u"],
+            stop=f"{steps * STEP} s",
+            step=f"{STEP} s",
+            method=method,
+            parameters={name: {"k": 2.0} for name in "ab"},
+        )
+        begin = process_time()
+        results = case.run(folder / "results.h5")
+        spent.append(process_time() - begin)
+    counted = results.summary
+    evaluations = counted["residual_evaluations"] + counted["derivative_products"]
+    return Cost(*spent, evaluations / counted["steps"])
+
+
 def main():
     folder = Path(tempfile.mkdtemp())
     library = folder / "counter.so"
@@ -86,24 +126,36 @@ def main():
         make(folder / f"{name}.fmu", library)
     methods = ("explicit", "aitken", "iqn_ils", "newton")
     costs = {method: [] for method in ("bare", *methods)}
+    users = {method: [] for method in methods}
     for _ in range(ROUNDS):  # turn by turn: the machine's mood is the same for all
         cost, expected = bare(folder)
         costs["bare"].append(cost)
         for method in methods:
             cost, x, iterations = stepping(folder, method)
             costs[method].append((cost, iterations))
+            users[method].append(through_couple(folder, method))
             if method == "explicit":
                 same = x == expected
     least = min(costs["bare"])
-    print(f"bare loop of FMPy calls  {least:6.1f} us of CPU a step")
+    print(f"bare loop of FMPy calls {least:6.1f} us a step")
+    print("method      stepper alone   through pc.couple   evaluations   times a bare loop   start")
+    slow = []
     for method in methods:
-        cost, iterations = min(costs[method])
+        alone, _ = min(costs[method])
+        short, long = (min(times) for times in list(zip(*users[method]))[:2])
+        step = 1e6 * (long - short) / ((LONG - 1) * STEPS)
+        start = 1e3 * (short - (long - short) / (LONG - 1))
+        evaluations = users[method][0].evaluations
+        ratio = step / evaluations / least
         print(
-            f"{method:<23} {cost:7.1f} us of CPU a step, {cost / least:5.1f} times, "
-            f"{iterations:.1f} iterations"
+            f"{method:<10} {alone:11.1f} us {step:16.1f} us {evaluations:13.2f} {ratio:21.1f} "
+            f"{start:8.0f} ms"
         )
+        if method in ("explicit", "newton") and ratio > ALLOWED:
+            slow.append(method)
     print(f"explicit gives the bits of the bare loop: {same}")
+    return 1 if "--check" in sys.argv and (slow or not same) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -254,14 +254,33 @@ def test_the_fmu_of_a_bearing_has_both_velocities_and_no_thrust_side(tmp_path):
 
 def test_a_film_in_python():
     film = pc.Film(SHAPE, surface="bearing")
-    film.start(1e-5, 0.0, 2.0)
-    outputs = film.step(1e-5, 0.0, 1e-4, 2.0)
+    film.start(1e-5, circumferential_velocity=2.0)
+    outputs = film.step(1e-5, 1e-4, circumferential_velocity=2.0)
     assert (outputs["nodal_circumferential_force"] < 0.0).all()
     with pytest.raises(BadInput, match="surface = 'journal'"):
         pc.Film(SHAPE, surface="journal")
     skirt = pc.Film(SHAPE)
     with pytest.raises(BadInput, match="only surface = bearing slides around"):
-        skirt.start(1e-5, 0.0, 2.0)
+        skirt.start(1e-5, sliding_velocity=0.0, circumferential_velocity=2.0)
+
+
+def test_a_film_called_like_the_other_surface_raises():
+    """A turning journal called like a skirt had no load."""
+    bearing, skirt = pc.Film(SHAPE, surface="bearing"), pc.Film(SHAPE)
+    with pytest.raises(BadInput, match="circumferential_velocity: a bearing needs"):
+        bearing.start(1e-5, sliding_velocity=2.0)
+    with pytest.raises(BadInput, match="sliding_velocity: a skirt needs"):
+        skirt.start(1e-5)
+    with pytest.raises(TypeError):
+        bearing.start(1e-5, 2.0)
+    bearing.start(1e-5, circumferential_velocity=0.0)
+    with pytest.raises(BadInput, match="circumferential_velocity: a bearing needs"):
+        bearing.step(1e-5, 1e-4)
+    with pytest.raises(TypeError):
+        bearing.step(1e-5, 2.0, 1e-4)
+    bearing.step(1e-5, 1e-4, circumferential_velocity=2.0)
+    of_film, *_ = bearing.tangent(1.0)
+    assert of_film.shape == SHAPE
 
 
 def test_force_of_a_short_film_is_that_of_the_closed_form():

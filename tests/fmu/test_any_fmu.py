@@ -214,8 +214,71 @@ def test_an_array_may_begin_at_0_or_1_and_nowhere_else(folder, library):
         assert results.field("a.sums", 1.0).values.tolist() == [0.0, 0.0, STEPS]
         text = case_text([], more='[summary]\nsums = "max a.sums"\n')
         assert "summary.sums: a.sums is an array of shape (3,)" in refused(folder, text)
-    make(folder / "a.fmu", library, names={"number_sum": "sums[2]", "truth_sum": "sums[3]"})
-    assert "begins at 0 or 1" in refused(folder, case_text([]))
+
+
+@pytest.mark.parametrize(
+    "names, source",
+    [
+        ({"x": "y[2]"}, "y[2]"),
+        ({"x": "y[1]", "number_sum": "y[3]"}, "y[1]"),
+        ({"x": "y", "number_sum": "y[1]"}, "y"),
+        ({"x": "y[1]", "n": "y[2]"}, "y[1]"),
+        ({"x": "y[1]", "u": "y[2]"}, "y[1]"),
+        ({"x": "y[2]", "number_sum": "y[1]"}, "y[2]"),
+    ],
+    ids=[
+        "gap at 1",
+        "gap at 2",
+        "scalar and element",
+        "types",
+        "causalities",
+        "an array's element",
+    ],
+)
+@pytest.mark.parametrize("isolated", [False, True])
+def test_elements_with_indices_are_variables(folder, library, names, source, isolated):
+    make(folder / "a.fmu", library, names=names)
+    more = "[participants.a]" + "\nisolated = true" * isolated
+    text = case_text([(f"a.{source}", "b.u", "")]).replace("[participants.a]", more)
+    _, results = solved(folder, text)
+    x = 1.1 ** -np.arange(STEPS + 1)  # Eq. (X5)
+    np.testing.assert_allclose(results.series(f"a.{source}").values, x, rtol=1e-14)
+    b = [1.0]
+    for k in range(STEPS):
+        b.append((b[-1] + H * x[k + 1]) / (1 + H))  # backward Euler on what it receives
+    # a residual of the wire is below 1e-6, and here 0: nothing depends on b
+    np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-13)
+
+
+def test_an_array_and_its_elements(folder, library):
+    sums = {"number_sum": "sums[1]", "truth_sum": "sums[2]", "x": "sums[3]"}
+    make(folder / "a.fmu", library, names=sums)
+    more = '[record]\nfields = ["a.sums", "a.sums[3]"]\n[summary]\nx = "last a.sums[3]"\n'
+    summary, results = solved(folder, case_text([], more=more))
+    assert summary["x"] == pytest.approx(1.1**-STEPS, rel=1e-14)  # Eq. (X5)
+    assert results.field("a.sums", 1.0).values.tolist() == [0.0, 0.0, summary["x"]]
+    assert "a.sums[1]" not in results.ports  # named nowhere
+    make(folder / "a.fmu", library, names={"u": "in[1]", "x": "out[1]"})
+    both = [("b.x", "a.in", ""), ("b.x", "a.in[1]", "")]
+    assert "wire to a.in[1]: a.in is wired too" in refused(folder, case_text(both))
+
+
+def test_units_that_differ_make_no_array(folder, library):
+    units = {"x": "m", "number_sum": "K"}
+    names = {"x": "y[1]", "number_sum": "y[2]"}
+    make(folder / "a.fmu", library, names=names, units=units, definitions=DEFINITIONS)
+    _, results = solved(folder, case_text([]))
+    assert results.series("a.y[1]").unit == "m" and results.series("a.y[2]").unit == "K"
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "a&#10;b"])
+def test_names_that_files_do_not_like_are_recorded_and_wired(folder, library, name):
+    make(folder / "a.fmu", library, names={"x": name})
+    written = name.replace("&#10;", "\\n")
+    _, results = solved(folder, case_text([(f"a.{written}", "b.u", "")]))
+    port = "a." + name.replace("&#10;", "\n")
+    assert port in results.ports
+    assert results.series(port).values[-1] == pytest.approx(1.1**-STEPS, rel=1e-14)  # Eq. (X5)
 
 
 def test_names_of_participants_that_results_files_cannot_hold(folder):

@@ -6,6 +6,7 @@ import os
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,13 @@ from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.checkpoint import CHECKSUM, MAGIC, Checkpoint
+from piston_cosim.master.runs.checkpoint import (
+    CHECKSUM,
+    MAGIC,
+    Checkpoint,
+    check_code,
+    source_hashes,
+)
 from piston_cosim.master.runs.run import run
 
 from .counter import case_text, library, make
@@ -168,3 +175,37 @@ def test_results_that_were_cut_are_refused_and_do_not_hang(checkpoint):
     os.truncate(partial, partial.stat().st_size // 50)
     code, text = resumed(checkpoint)
     assert code == 2 and "1.05.h5.partial: is damaged" in text and "bytes are left of" in text
+
+
+def test_code_that_a_checkpoint_names_is_compared_before_it_is_executed(folder):
+    output, _ = interrupted(folder, 1.55)
+    path = Checkpoint.path(output)
+    kept = Checkpoint.read(path)
+    evil = folder / "evil.py"
+    evil.write_text(f"open({str(folder / 'ran')!r}, 'w')\n")
+    kept.tree["participants"]["a"] = {"file": f"{evil}:Evil"}
+    kept.write(output)
+    code, text = resumed(path)
+    assert (
+        code == 2 and f"participants.a.file: {evil}: the run had another Python file of a" in text
+    )
+    assert not (folder / "ran").exists()
+
+
+def test_resume_lists_the_code_that_it_executes(folder):
+    output, _ = interrupted(folder, 1.55)
+    kept = Checkpoint.read(Checkpoint.path(output))
+    lines = []
+    check_code(kept, lines.append)
+    assert lines == [f"executes participants.{name}.fmu = {folder / name}.fmu" for name in "ab"]
+    lag = folder / "lag.py"
+    lag.write_text("class Lag: pass\n")
+    tree = {"participants": {"c": {"file": "lag.py:Lag"}}}
+    named = replace(kept, tree=tree, sources=source_hashes(tree, folder))
+    check_code(named, lines.append)
+    assert lines[-1] == f"executes participants.c.file = {lag}"
+    lag.write_text("class Lag: other = 1\n")
+    (folder / "a.fmu").unlink()
+    for changed in (named, kept):
+        with pytest.raises(BadInput):
+            check_code(changed, print)

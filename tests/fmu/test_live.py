@@ -20,10 +20,14 @@ __all__ = ["library"]
 STEPS = 200000  # more than are taken before the page stops the run
 
 
-def ask(address, method="GET"):
-    request = urllib.request.Request(address, method=method)
-    with urllib.request.urlopen(request, timeout=20) as answer:
-        return answer.read()
+def ask(address, method="GET", **headers):
+    with answer(address, method, **headers) as answered:
+        return answered.read()
+
+
+def answer(address, method="GET", **headers):
+    request = urllib.request.Request(address, method=method, headers=headers)
+    return urllib.request.urlopen(request, timeout=20)
 
 
 def state(address, known="0,0"):
@@ -85,3 +89,18 @@ def test_nobody_without_the_secret_is_heard(running):
             ask(root + place, method)
     with pytest.raises(urllib.error.HTTPError):
         ask(f"{address}explode", "POST")
+
+
+def test_other_hosts_and_origins_are_rejected_and_the_page_is_sealed(running):
+    _, address = running
+    port = address.split(":")[2].split("/")[0]
+    own = {"Host": f"localhost:{port}", "Origin": f"http://localhost:{port}"}
+    with answer(f"{address}pause", "POST", **own) as answered:
+        headers = answered.headers
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert "default-src 'none'; script-src 'sha256-" in headers["Content-Security-Policy"]
+    for other in ({"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"}):
+        for method, wish in (("GET", "state"), ("POST", "go")):
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                ask(address + wish, method, **(own | other))
+    assert state(address)["paused"]

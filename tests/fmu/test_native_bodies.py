@@ -141,6 +141,29 @@ def test_flexible_bodies_are_those_of_the_slave(flexible, rigid):
     assert max(off.values(), default=0.0) <= ROUND_OFF
 
 
+def test_gas_is_of_table_or_input_and_both_are_told_once(flexible, rigid):
+    """By the output of the gas: 0.1 MPa of the table, linear to 3 MPa at 0 and 720 deg."""
+    table, folder = flexible
+    both = build_fmu("fmu_mfbd", table, folder), build_native_fmu("fmu_mfbd", table, folder)
+    built_in, given = 0.1e6, 1e6
+    wanted = {"either": built_in + given, "table": built_in, "input": given}
+    wanted["sum"] = wanted["either"]
+    for path in both:
+        for source, pressure in wanted.items():
+            one = FmuParticipant("bodies", path)
+            number = one.fields["gas_source"].choices[source]
+            start = {"start_crank_angle": np.radians(200.0), "gas_source": number}
+            one.start(start | {"crank_speed": 0.0}, 0.0, 1.0)
+            told = []
+            for k in range(3):
+                one.set("gas_pressure", given)
+                one.step(1e-5 * k, 1e-5)
+                told += [text for _, text in one.log if "gas_source" in text]
+            assert one.get("cylinder_pressure") == pytest.approx(pressure, rel=1e-12), source
+            assert len(told) == (source == "either"), (path, source, told)
+            one.close()
+
+
 def test_fmi_3_says_the_same(native_bodies, rigid):
     path = native_bodies([12, 10], version="3.0")
     shape, answers = (12, 10), []

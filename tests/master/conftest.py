@@ -150,8 +150,11 @@ class Affine(Toy):
             values[key], vector = vector[:size].reshape(output.shape), vector[size:]
         return values
 
-    def start(self, parameters, start_time, stop_time):
+    def enter(self, parameters, start_time, stop_time):
         self.values |= {key: np.array(value, dtype=float) for key, value in parameters.items()}
+
+    def leave(self):
+        pass
 
     def get_many(self, names):
         return {name: float(self.values[name]) for name in names}

@@ -290,37 +290,39 @@ def test_a_film_tells_every_wrong_parameter():
 def test_a_film_asks_for_what_it_needs():
     film = pc.Film((8, 4))
     with pytest.raises(pc.BadInput, match="call start first"):
-        film.step(1e-5, 0.0, 1e-4)
+        film.step(1e-5, 1e-4, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match=r"shape \(4, 8\): the grid is \(8, 4\)"):
-        film.start(np.full((4, 8), 1e-5), 0.0)
-    film.start(1e-5, 0.0)
+        film.start(np.full((4, 8), 1e-5), sliding_velocity=0.0)
+    film.start(1e-5, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match="must be positive"):
-        film.step(1e-5, 0.0, 0.0)
+        film.step(1e-5, 0.0, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match="not finite"):
-        film.step(np.nan, 0.0, 1e-4)
+        film.step(np.nan, 1e-4, sliding_velocity=0.0)
     with pytest.raises(pc.Discard, match="there is no film"):
-        film.step(-1e-5, 0.0, 1e-4)
+        film.step(-1e-5, 1e-4, sliding_velocity=0.0)
 
 
 def test_a_film_set_back_repeats_its_step_and_its_tangent_is_the_difference():
     film = pc.Film((8, 16), viscosity="20 mPa s")
-    film.start(1e-5, 2.0)
+    film.start(1e-5, sliding_velocity=2.0)
     before = film.state
-    first = film.step(0.9e-5, 2.0, 1e-4)["nodal_pressure_force"]
-    change, _ = film.tangent(1.0, 0.0)
+    first = film.step(0.9e-5, 1e-4, sliding_velocity=2.0)["nodal_pressure_force"]
+    change, _ = film.tangent(1.0)
     film.state = before
-    assert np.array_equal(film.step(0.9e-5, 2.0, 1e-4)["nodal_pressure_force"], first)
+    assert np.array_equal(
+        film.step(0.9e-5, 1e-4, sliding_velocity=2.0)["nodal_pressure_force"], first
+    )
     film.state = before
     size = 1e-10
-    moved = film.step(0.9e-5 + size, 2.0, 1e-4)["nodal_pressure_force"]
+    moved = film.step(0.9e-5 + size, 1e-4, sliding_velocity=2.0)["nodal_pressure_force"]
     # of first order in 1e-5 of the film, on forces that go with its inverse cube: 1e-4
     assert (moved - first) / size == pytest.approx(change, rel=1e-3)
 
 
 def test_what_a_film_is_told_at_the_edges_counts():
     film = pc.Film((8, 16))
-    film.start(1e-5, 0.0, pressure_upper_edge=2e5)
-    outputs = film.step(1e-5, 0.0, 1e-4, pressure_upper_edge=2e5)
+    film.start(1e-5, sliding_velocity=0.0, pressure_upper_edge=2e5)
+    outputs = film.step(1e-5, 1e-4, sliding_velocity=0.0, pressure_upper_edge=2e5)
     # a film of equal thickness: pressure linear along it, in the middle of cell j (j + 1/2)/16
     assert outputs["pressure"][0] == pytest.approx(2e5 * (np.arange(16) + 0.5) / 16, rel=1e-9)
 

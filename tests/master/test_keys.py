@@ -32,7 +32,7 @@ def test_keys_of_the_file_of_the_parts_and_of_their_parameters(found):
     known = {key.path: key for key in found}
     assert known["coupling.max_iterations"].default == "20"
     assert known["coupling.max_iterations"].allowed == "1 or more"
-    assert known["wires.N.interpolation"].allowed == "held, linear, hermite"
+    assert known["wires.N.interpolation"].allowed == "held, mean, linear, hermite"
     assert known["time.step"].required and not known["time.start"].required
     density = known["participants.bodies.build.piston.density"]
     assert (density.unit, density.allowed) == ("kg/m^3", "500 to 25000")

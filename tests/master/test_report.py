@@ -154,10 +154,10 @@ def test_study_tables_are_shown(case, results, tmp_path):
     "periodic, verdict",
     [(True, '<span class="good">Periodic</span>'), (False, '<span class="fair">Not periodic')],
 )
-def test_cycles_are_judged(case, results, tmp_path, periodic, verdict):
-    cycles = {"cycles": 3, "cycle_distance": 1.2e-4, "periodic": periodic}
-    whole = {"steps": STEPS, "halved_steps": 0} | cycles
-    path = tmp_path / "cycles.h5"
+def test_periods_are_judged(case, results, tmp_path, periodic, verdict):
+    settled = {"periods": 3, "period_distance": 1.2e-4, "periodic": periodic, "settled": "in words"}
+    whole = {"steps": STEPS, "halved_steps": 0} | settled
+    path = tmp_path / "periods.h5"
     shutil.copy(results.path, path)
     with h5py.File(path, "a") as file:
         file.attrs["summary"] = json.dumps(whole)
@@ -165,10 +165,10 @@ def test_cycles_are_judged(case, results, tmp_path, periodic, verdict):
     page = write_report(case, {"run": opened}, tmp_path / "report").read_text()
     opened.close()
     assert verdict in page
-    assert "3 cycles" in page and "0.00012 of the range" in page
+    assert "</span>: in words." in page
 
 
-def test_a_plain_run_has_no_cycles_to_judge(case, results, tmp_path):
+def test_a_run_without_a_period_is_not_judged_by_it(case, results, tmp_path):
     assert "eriodic" not in write_report(case, {"run": results}, tmp_path / "r").read_text()
 
 
@@ -178,6 +178,10 @@ def test_a_plain_run_has_no_cycles_to_judge(case, results, tmp_path):
         (
             {"truncation_error_block": 0.0175, "truncation_error_block_largest": 0.031},
             "block miss 1.8 % of its deflection under the film, 3.1 % at the worst recorded",
+        ),
+        (
+            {"truncation_error_film": 0.0042},
+            "The missing gap is at most 0.42 % of the local film thickness.",
         ),
         ({"truncation_error": "not known: no forces"}, "deflection is not known: no forces."),
         ({}, None),
@@ -190,7 +194,7 @@ def test_what_the_modes_miss_is_stated(case, results, tmp_path, entries, said):
     page = write_report(case, {"run": again}, tmp_path / "page").read_text()
     again.close()
     text, _, _ = page.partition("<script")  # what is read, not what draws
-    assert ("deflection" in text) == (said is not None)
+    assert ("deflection" in text or "missing gap" in text) == (said is not None)
     assert said is None or said in " ".join(page.split())
 
 

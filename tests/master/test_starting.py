@@ -99,11 +99,12 @@ def loop(one, two, interpolated=True, parameters=None):
     return System(participants, ("one", "two"), wires, given, 1.0, 0.1)
 
 
+@pytest.mark.parametrize("interpolated", [True, False])
 @pytest.mark.parametrize("first", [-40.0, 0.0, 7.0])
-def test_a_start_loop_is_solved_from_any_start(first):
+def test_a_start_loop_is_solved_from_any_start(first, interpolated):
     """y1 = 1 - 5 u1, y2 = u2: u = 1/6, which plain passes lead away from by a factor of five."""
     one, two = Follower("one", lambda u: 1 - 5 * u), Follower("two", lambda u: u)
-    start(loop(one, two, parameters={"one": {"u": first}}))
+    start(loop(one, two, interpolated, {"one": {"u": first}}))
     # differences over 1e-5 of numbers near 1 are good to 1e-11; the tolerance is 1e-9
     assert one.left_with == pytest.approx(1 / 6, abs=1e-9)
     assert two.left_with == pytest.approx(1 / 6, abs=1e-9)
@@ -117,16 +118,22 @@ def test_a_curved_start_loop_is_solved():
 
 
 def test_a_start_without_solution_is_said():
-    """u = u^2 + 1 has no real one."""
-    one, two = Follower("one", lambda u: u**2 + 1), Follower("two", lambda u: u)
-    with pytest.raises(BadInput, match="no start values of the wires agree"):
+    """u = u^2 + 1 has no real one, u = u + 1 none, u = 1 - 2 sign(u) jumps over it."""
+    for follows, words in (
+        (lambda u: u**2 + 1, "the residual stalls"),
+        (lambda u: u + 1, "the loop has no solution near here, its equations are singular"),
+        (lambda u: -1.0 if u > 0 else 1.0, "the residual stalls; an output jumps"),
+    ):
+        with pytest.raises(BadInput, match=f"no start values of the wires agree.*{words}"):
+            start(loop(Follower("one", follows), Follower("two", lambda u: u)))
+
+
+def test_a_start_loop_that_leaves_its_values_open_is_rejected():
+    """u = u is true for every u; of u = 0.999 u differences see the unique solution 0."""
+    one, two = Follower("one", lambda u: u), Follower("two", lambda u: u)
+    with pytest.raises(BadInput, match=r"^one.u: expected a loop that determines its values"):
         start(loop(one, two))
-
-
-def test_held_inputs_start_as_given():
-    one, two = Follower("one", lambda u: 1 - 5 * u), Follower("two", lambda u: u)
-    start(loop(one, two, interpolated=False, parameters={"one": {"u": 3.0}}))
-    assert one.left_with == 3.0 and two.left_with == -14.0
+    start(loop(Follower("one", lambda u: 0.999 * u), two))
 
 
 def evaluated(kinds, wires, order, parallel=False):

@@ -325,6 +325,26 @@ def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
     assert stepper.counters.unconverged_steps == 4
 
 
+def test_explicit_coupling_that_diverges_stops_and_names_the_wire(affine):
+    """x = -50 x + 3: the residual grows 50-fold a step; ten rises are enough to stop."""
+    system = affine([[-50.0]], lambda t: 3.0, 1e-6)
+    stepper = Stepper(system, Explicit(), 6, order=0)
+    with pytest.raises(StepFailed, match=r"wire echo.w0 -> plant.u0: .* residual that grew"):
+        for k in range(30):
+            stepper.advance(float(k), 1.0)
+    # the first step has no rise behind it, and no shorter step is tried
+    assert (stepper.counters.steps, len(stepper.failures)) == (10, 1)
+
+
+def test_explicit_coupling_that_grows_slowly_warns_once(affine):
+    """x = 1.3 x + 3: a tenth of a decade a step; it may be meant, so that the run goes on."""
+    stepper = Stepper(affine([[1.3]], lambda t: 3.0, 1e-6), Explicit(), 0, order=0)
+    with pytest.warns(UserWarning, match="the residual grew 1.*e.09-fold since the start") as seen:
+        for k in range(100):
+            stepper.advance(float(k), 1.0)
+    assert len(seen) == 1
+
+
 def test_in_jacobi_s_order_a_value_takes_an_evaluation_to_each_side(affine):
     # x = 2 plainly iterated: plant says 2 at once, echo in the second, both agree in the third
     trails = Trails()
@@ -361,7 +381,7 @@ def test_a_failure_names_the_worst_element_and_every_measure(affine):
         Stepper(system, Relaxation(0.5, False, 3), 0, order=0).advance(0.0, 1.0)
     text = str(failure.value)
     assert "t = 0 s, step 1 s: no convergence in 3 iterations" in text
-    assert "worst plant.u0[2]: 0.75 m (allowed 0.1)" in text
+    assert "plant.u0[2]: expected a residual of at most 0.1 m, got 0.75 m" in text
     assert "residual/tolerance per iteration: 30 15 7.5" in text
 
 

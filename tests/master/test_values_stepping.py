@@ -260,7 +260,7 @@ def test_every_refusal_at_the_start_is_told(affine):
     def refuse(*given):
         raise BadInput(["too long", "too wide"])
 
-    system.participants["plant"].start = refuse
+    system.participants["plant"].leave = refuse
     with pytest.raises(BadInput) as refusal:
         start(system, lambda participant: [f"{participant.name}: forgets"])
     assert refusal.value.faults == ["too long", "too wide", "echo: forgets"]
@@ -396,3 +396,19 @@ def test_a_step_begins_with_the_ends_of_the_last_one(kind, first, second):
         assert told.courses[-1] == pytest.approx(course, rel=1e-14)
     assert participant.get("u") == [2.0]
     assert told.state == 2
+
+
+def test_a_mean_input_is_held_at_the_mean_and_ends_at_its_end():
+    """Eq. (P10): from 1 to 3 the step sees 2 and the outputs 3; from 3 to 2 2.5 and 2."""
+    told, seen = Told(), []
+    told.set = lambda name, value: seen.append(float(value[0]))
+    participant = InterpolatedParticipant(told, {"u": "mean"})
+    participant.start({}, 0.0, 9.0)
+    for time, end in ((0.0, 3.0), (2.0, 2.0)):
+        saved = participant.save()
+        for attempt in (99.0, end):
+            participant.restore(saved)
+            participant.set("u", [attempt])
+            participant.step(time, 2.0)
+    assert seen == [50.0, 99.0, 2.0, 3.0, 51.0, 99.0, 2.5, 2.0]
+    assert told.courses == []

@@ -6,6 +6,11 @@ import math
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.finite_elements.connections import (
+    aspect_ratios,
+    mesh_faults,
+    outer_faces,
+)
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
     quadrature,
@@ -13,13 +18,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
 )
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.finite_elements.mesh import (
-    Mesh,
-    MeshFault,
-    mesh_faults,
-    outer_faces,
-    read_mesh,
-)
+from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 from piston_cosim.fmu_mfbd.verification import box_mesh
 
@@ -91,10 +90,62 @@ def test_inverted_and_loose_elements_are_named(warped):
     points, tets = warped
     bad = tets.copy()
     bad[3] = bad[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
-    [text] = mesh_faults(Mesh(points, bad, {}), "body")
+    [text] = mesh_faults(points, bad, "body")
     assert "1 inverted elements, the first is number 4" in text
-    twice = Mesh(np.vstack([points, points + 1.0]), np.vstack([tets, tets + len(points)]), {})
-    assert "2 unconnected pieces" in mesh_faults(twice, "body")[0]
+    apart = np.vstack([points, points + 1.0]), np.vstack([tets, tets + len(points)])
+    assert "2 unconnected pieces" in mesh_faults(*apart, "body")[0]
+
+
+def two_boxes():
+    """Two boxes of 12 tetrahedra each, with a common side of 4 triangles at x = 0.1 m and nodes of
+    their own there.
+    """
+    points, tets = box_mesh((1, 2, 1), np.full(3, 0.1))
+    return np.vstack([points, points + [0.1, 0.0, 0.0]]), np.vstack([tets, tets + len(points)])
+
+
+def merged(points, tets, chosen):
+    """The boxes with common nodes where `chosen(points)` holds."""
+    half = len(points) // 2
+    apart = np.linalg.norm(points[half:, None] - points[:half], axis=2)
+    number = np.arange(len(points))
+    same = (apart.min(axis=1) < 1e-9) & chosen(points[half:])
+    number[half:][same] = apart.argmin(axis=1)[same]
+    used, tets = np.unique(number[tets], return_inverse=True)
+    return points[used], tets.reshape(-1, 10)
+
+
+def test_pieces_that_faces_do_not_connect_are_named():
+    points, tets = two_boxes()
+    assert mesh_faults(*merged(points, tets, lambda at: at[:, 0] > 0), "body") == []
+    pieces, crack = mesh_faults(points, tets, "body")
+    assert "2 unconnected pieces, of 12, 12 elements" in pieces
+    assert "4 pairs of outer faces coincide" in crack
+    hinge, _ = mesh_faults(*merged(points, tets, lambda at: at[:, 1] + at[:, 2] < 1e-9), "body")
+    assert "2 pieces, of 12, 12 elements, are connected by 1 nodes but not through faces" in hinge
+    assert "the first at (0.1, 0, 0) m" in hinge
+
+
+def test_a_crack_is_named():
+    """Nodes of their own over half the common side; faces connect the boxes over the other half."""
+    (told,) = mesh_faults(*merged(*two_boxes(), lambda at: at[:, 1] > 0.049), "body")
+    assert "2 pairs of outer faces coincide, the first at (0.1, 0.0" in told
+
+
+def test_a_duplicate_element_is_named():
+    points, tets = box_mesh((1, 1, 1), np.full(3, 0.1))
+    turned = tets[4, [1, 2, 0, 3, 5, 6, 4, 8, 9, 7]]  # another order of the same nodes
+    (told,) = mesh_faults(points, np.vstack([tets, turned]), "body")
+    x, y, z = points[tets[4, :4]].mean(axis=0)
+    assert f"1 duplicate elements, the first is number 7 at ({x:.4g}, {y:.4g}, {z:.4g}) m" in told
+
+
+def test_aspect_ratio_by_hand():
+    """1 of a regular tetrahedron; of the corner of a cube sqrt(2/3) sqrt(2) sqrt(3) = 2."""
+    regular = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
+    corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    for points, expected in ((regular, 1.0), (corner, 2.0)):
+        assert aspect_ratios(points, np.array([[0, 1, 2, 3]])) == pytest.approx(expected, rel=1e-14)
 
 
 def test_missing_surface_and_linear_elements(bodies, tmp_path):

@@ -3,6 +3,7 @@
 import meshio
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
@@ -16,6 +17,7 @@ SURFACES = dict.fromkeys(("skirt", "crown", "pin_bore"))
 TURNS = {
     "upside down": np.diag([1.0, -1.0, -1.0]),
     "swapped": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+    "20 deg about y": Rotation.from_euler("y", 20, degrees=True).as_matrix(),
     "lying": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 }
 MASS = 0.2  # [kg]
@@ -53,7 +55,8 @@ def test_shipped_meshes_lie_right(case):
     "change, words",
     [
         (dict(turn=TURNS["upside down"]), ["crown"]),
-        (dict(turn=TURNS["swapped"]), ["pin lies along z"]),
+        (dict(turn=TURNS["swapped"]), ["90 deg off z; the pin is along z"]),
+        (dict(turn=TURNS["20 deg about y"]), ["20 deg off z", "(0.342, "]),
         (dict(turn=TURNS["lying"]), ["not along y"]),
         (dict(by=(0.0, -8e-3, 0.0)), ["at y = -8 mm, not at 0"]),
         (dict(by=(3e-3, 0.0, 0.0)), ["lies at x = 3 mm", "not at pin_offset = 0 mm"]),

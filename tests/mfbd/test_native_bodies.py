@@ -210,6 +210,8 @@ def side_by_side(resources, changes):
     [
         ({}, {}),
         (SHAPED | LOADED, {"gas": GAS}),
+        (SHAPED | LOADED | dict(gas_source=2), {"gas": GAS}),
+        (SHAPED | LOADED | dict(gas_source=3), {"gas": GAS}),
         (LOADED, {"damping_bands": BANDS}),
         (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
         (SHAPED | LOADED, {"grid": [8, 10], "film_surfaces": BANDS_OF_ROWS}),

@@ -32,6 +32,8 @@ def test_mass_of_a_mesh_is_that_of_the_reduced_body(bodies, reduced):
     assert seen.figure("mass").value == pytest.approx(piston.mass, rel=1e-4)
     centre = piston.S / piston.mass
     assert seen.figure("centre_above_pin").value == pytest.approx(centre[1], rel=1e-4)
+    assert seen.figure("centre_from_pin").value == pytest.approx(np.hypot(*centre), rel=1e-4)
+    assert 1.0 < seen.figure("worst_aspect_ratio").value < 20.0
     about = piston.I0 - piston.mass * centre @ centre
     assert seen.figure("inertia").value == pytest.approx(about, rel=1e-3)
     assert seen.figure("skirt_length").value == piston.skirt_upper - piston.skirt_lower

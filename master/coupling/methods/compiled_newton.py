@@ -10,7 +10,7 @@ import ctypes
 import os
 import warnings
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -127,12 +127,16 @@ class Library:
         self._pool = whole.iteration_make()
         weakref.finalize(self, whole.iteration_free, self._pool)
 
-    def run(self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray) -> None:
-        """The entry `iterate` of `native`."""
-        lengths = np.array([real.size, 0, memory.size, numbers.size])
-        arrays = (array.ctypes.data for array in (real, memory, numbers, lengths))
-        if self._run(self._pool, *arrays):
-            raise MemoryError("not enough memory for the iteration of a macro step")
+    def call(self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray) -> Callable[[], None]:
+        """Return a call of the entry `iterate` of `native` on these arrays."""
+        arrays = real, memory, numbers, np.array([real.size, 0, memory.size, numbers.size])
+        addresses = [array.ctypes.data for array in arrays]
+
+        def run(kept: tuple[np.ndarray, ...] = arrays) -> None:
+            if self._run(self._pool, *addresses):
+                raise MemoryError("not enough memory for the iteration of a macro step")
+
+        return run
 
 
 Sizes = Mapping[Any, int]
@@ -204,6 +208,7 @@ class Iteration:
         self.block[: len(head)] = head
         self.x = np.empty(interface.size)
         self.numbers = np.zeros(4)
+        self._run = library.call(self.x, self.block, self.numbers)
         pairs = (self.kept, self.unknowns)
         self.images = self._part(IMAGES).reshape(pairs)
         self.differences = self._part(DIFFERENCES).reshape(pairs)
@@ -342,7 +347,7 @@ class Iteration:
         self.x[:] = guess
         self.numbers[:2] = macro_step.step, macro_step.time
         self.begin(macro_step)
-        self.library.run(self.x, self.block, self.numbers)
+        self._run()
         memory.oldest = int(self.oldest[0])
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()

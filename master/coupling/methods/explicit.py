@@ -1,27 +1,125 @@
 """No iteration: the loose coupling of most co-simulation tools."""
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
-from .solution import Solution, Tried, check_finite
+from ..interface import Evaluation, Interface
+from .solution import NotConverged, Solution, Tried, check_finite
+
+RISES = 10
+"""Successive macro steps in which the residual must grow before the run stops."""
+LARGEST_GROWTH = 1e9
+"""Growth of the residual, at least of one tolerance, that an exchange may have."""
+UNRESOLVED = 0.5
+"""A residual above this share of the values is not the change of a resolved signal."""
+
+
+@dataclass
+class Growth:
+    """Growth of the residual over the macro steps.
+
+    Attributes
+    ----------
+    last : float
+        Residual / tolerance of the last macro step.
+    base : float
+        The same where the residual began to grow, at least 1.
+    rises : int
+        Successive macro steps in which it has grown.
+    early : float
+        Largest of the first RISES macro steps, at least 1.
+    steps : int
+        Macro steps so far.
+    warned : bool
+        The warning has been given.
+    """
+
+    last: float = 0.0
+    base: float = 1.0
+    rises: int = 0
+    early: float = 1.0
+    steps: int = 0
+    warned: bool = False
+
+    def note(self, residual: float) -> None:
+        """Note the residual / tolerance of a macro step."""
+        self.steps += 1
+        if self.steps > 1 and residual > self.last:
+            self.rises += 1
+        else:
+            self.rises, self.base = 0, max(residual, 1.0)
+        if self.steps <= RISES:
+            self.early = max(self.early, residual)
+        self.last = residual
+
+    @property
+    def is_unstable(self) -> bool:
+        """Whether the residual has grown without a break by more than it may."""
+        return self.rises >= RISES and self.last > LARGEST_GROWTH * self.base
 
 
 @dataclass(frozen=True)
 class Explicit:
-    """One evaluation from the predicted iterate, accepted as it is; its residual tells how far the
-    wires are from agreeing. The next step is predicted from what the outputs then say.
+    """One evaluation for each macro step, without iteration.
 
-    Stable only where the coupling is weak: film and piston amplify an error some hundred-fold a
-    step.
+    A wire along the stepping order carries the output at the end of the macro step. A wire against
+    it carries the output at its beginning, or extrapolated ones with a predictor. Both are held
+    over the macro step, so that errors are of first order in the macro step.
+
+    Stable only where the coupling is weak. The run stops if the residual, which is the change of
+    the wires against the order, grows in RISES successive macro steps by LARGEST_GROWTH and is
+    more than half of the values. If it grows by as much with breaks, the run warns once.
     """
 
-    def memory(self) -> None:
-        return None
+    def memory(self) -> Growth:
+        return Growth()
 
-    def solve(self, macro_step: Tried, guess: np.ndarray, memory: None = None) -> Solution:
+    def solve(self, macro_step: Tried, guess: np.ndarray, memory: Growth) -> Solution:
         interface = macro_step.interface
         at = macro_step.evaluate(guess)
         history = (interface.measure(at.residual, at.outputs),)
-        check_finite(interface, at, history)
+        if history[0] <= 1.0:
+            memory.note(history[0])
+        else:
+            check_finite(interface, at, history)
+            memory.note(_residual(interface, at) if interface.relative else history[0])
+            if memory.last > LARGEST_GROWTH:
+                _check_growth(interface, at, history, memory)
         return Solution(at.outputs, history, held=at.used)
+
+
+def _residual(interface: Interface, at: Evaluation) -> float:
+    """Return the largest residual in units of 1e-6 nominal values."""
+    return 1e6 * float(np.max(np.abs(at.residual / interface.nominal)))
+
+
+def _check_growth(
+    interface: Interface, at: Evaluation, history: tuple[float, ...], memory: Growth
+) -> None:
+    """Raise NotConverged if the exchange is unstable; warn if it has grown by as much."""
+    sizes = np.abs(np.where(interface.feedback, at.residual, 0.0) / interface.nominal)
+    element = int(np.argmax(sizes))
+    wire = next(w for w, p in zip(interface.wires, interface.parts) if element < p.stop)
+    name = f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}"
+    hint = 'explicit exchange is unstable here; use method = "newton" or a shorter macro step'
+    values = float(np.max(np.abs(at.outputs / interface.nominal)))
+    if memory.is_unstable and sizes[element] > UNRESOLVED * values:
+        growth = memory.last / memory.base
+        raise NotConverged(
+            f"{name}: expected an exchange that stays bounded, got a residual that grew "
+            f"{growth:.2g}-fold in {memory.rises} macro steps; {hint}",
+            interface,
+            at,
+            history,
+            is_final=True,
+        )
+    if not memory.warned and memory.last > LARGEST_GROWTH * memory.early:
+        memory.warned = True
+        growth = memory.last / memory.early
+        warnings.warn(
+            f"{name}: the residual grew {growth:.2g}-fold since the start; if the values should "
+            f"stay bounded, {hint}",
+            stacklevel=2,
+        )

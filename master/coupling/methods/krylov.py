@@ -133,6 +133,10 @@ class RecycledGmres:
         size = float(np.linalg.norm(right))
         if size <= goal.size or goal.is_reached(right):
             return Solved(right.copy(), np.zeros(0))
+        if right.size == 1:
+            image = product(np.ones(1))
+            weight = right / image if image[0] else np.zeros(1)
+            return Solved(weight, weight)
         if not self.images.size:
             kept = min(KEPT, right.size)
             self.images, self.differences = np.zeros((2, kept, right.size))

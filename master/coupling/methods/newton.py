@@ -6,7 +6,13 @@ import numpy as np
 
 from .krylov import Goal, RecycledGmres
 from .probing import ProbedStep
-from .solution import NotConverged, Solution, Tried, step_length
+from .solution import NotConverged, Solution, Tried, check_finite, step_length
+
+SINGULAR = 1e-8
+"""Largest |(I - J) dx| / |dx| of a loop that counts as singular; differences are good to 1e-11."""
+STALLED = 0.5
+"""The second half of an iteration that stays above this share of the first half's best has stalled.
+"""
 
 
 @dataclass(frozen=True)
@@ -53,20 +59,22 @@ class Newton:
         at = macro_step.evaluate(guess)
         history = [interface.measure(at.residual, at.outputs)]
         products = 0
+        first = None
         while history[-1] > 1.0 or np.isnan(history[-1]):
+            check_finite(interface, at, history)
             if failure := self._failure(history):
-                raise NotConverged(failure, interface, at, history)
+                cause = _cause(macro_step, guess, first, history)
+                raise NotConverged(f"{failure}: {cause}", interface, at, history)
             allowed = interface.allowed(at.outputs)
             change, count = self._update(macro_step, at.outputs - at.used, allowed, memory)
             products += count
+            first = change if first is None else first
             at = macro_step.evaluate(at.used + step_length(interface, at.used, change) * change)
             history.append(interface.measure(at.residual, at.outputs))
         return Solution(at.used, tuple(history), len(history) - 1, products)
 
     def _failure(self, history: list[float]) -> str | None:
-        """Why the iteration should not go on, or None."""
-        if not np.isfinite(history[-1]):
-            return "a participant's output is not finite"
+        """Return why the iteration ends without a solution, or None."""
         if len(history) > 3 and history[-1] > 1e3 * min(history):
             return "the residual grows"
         if len(history) == self.max_iterations:
@@ -105,3 +113,21 @@ class Newton:
             change = changes[0]
         change[unknowns] = solution * scale
         return change, len(changes)
+
+
+def _cause(
+    macro_step: Tried, guess: np.ndarray, first: np.ndarray | None, history: list[float]
+) -> str:
+    """Return the likely cause of a failure, from the first update and the history."""
+    half = len(history) // 2
+    if first is None or not half:
+        return "there was no update"
+    unknowns = macro_step.interface.unknowns
+    scale = macro_step.interface.nominal[unknowns]
+    macro_step.evaluate(guess)
+    left = first[unknowns] - macro_step.derivative(first)[unknowns]
+    if np.linalg.norm(left / scale) <= SINGULAR * np.linalg.norm(first[unknowns] / scale):
+        return "the loop has no solution near here, its equations are singular"
+    if min(history[half:]) > STALLED * min(history[:half]):
+        return "the residual stalls; an output jumps, or the loop has no solution"
+    return "the loop is far from its solution; take a shorter macro step"

@@ -78,28 +78,41 @@ class Method(Protocol):
 
 
 class NotConverged(RuntimeError):
-    """The macro step did not reach its fixed point; says where the worst residual is and how the
-    residual went.
+    """A macro step without a fixed point: the reason, the worst residual, and its history.
+
+    Attributes
+    ----------
+    is_final : bool
+        The run stops at once, since shorter macro steps cannot help.
+    is_not_finite : bool
+        The first evaluation gave an output that is not finite.
     """
 
+    is_not_finite = False
+
     def __init__(
-        self, reason: str, interface: Interface, evaluation: Evaluation, history: Sequence[float]
+        self,
+        reason: str,
+        interface: Interface,
+        evaluation: Evaluation,
+        history: Sequence[float],
+        is_final: bool = False,
     ):
         self.iterations = len(history)
+        self.is_final = is_final
         trail = [f"{value:.2g}" for value in history]
         shown = trail if len(trail) <= 12 else [*trail[:6], "...", *trail[-5:]]
-        super().__init__(
-            f"{reason}; worst {interface.worst(evaluation.residual, evaluation.outputs)}; "
-            f"residual/tolerance per iteration: {' '.join(shown)}"
-        )
+        if isfinite(history[-1]):
+            reason = f"{reason}; {interface.worst(evaluation.residual, evaluation.outputs)}"
+        super().__init__(f"{reason}; residual/tolerance per iteration: {' '.join(shown)}")
 
 
 def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
-    """NotConverged where an output is NaN or infinite: then so is the last measure, which is looked
-    at first.
-    """
+    """Raise NotConverged if an output is NaN or infinite."""
     if not isfinite(history[-1]) and not np.isfinite(evaluation.outputs).all():
-        raise NotConverged("a participant's output is not finite", interface, evaluation, history)
+        failure = NotConverged(interface.not_finite(evaluation), interface, evaluation, history)
+        failure.is_not_finite = len(history) == 1
+        raise failure
 
 
 def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
@@ -109,9 +122,7 @@ def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> floa
     largest_decrease.
     """
     share = 1.0
-    for wire, part in zip(interface.wires, interface.parts):
-        if wire.largest_decrease is None:
-            continue
+    for wire, part in interface.limited:
         values, moves = x[part], change[part]
         down = np.flatnonzero(moves < 0.0)
         if not len(down):

@@ -30,6 +30,7 @@ typedef struct {
     double spent, carried;              /* in steps and derivatives; in setting and reading [s] */
     int64_t calls;                      /* steps and derivatives that were begun */
     int64_t failed, status;             /* the function that failed and what it returned; 0 */
+    int64_t is_called;                  /* a step or a derivative is under way */
 } Instance;
 
 static double now(void)
@@ -56,11 +57,13 @@ static int advance(Instance *one, double *real, double time, double step)
         return 1;
     if (one->input_count && !is_well(one, SET, one->set(one->component, one->inputs, one->input_count, real)))
         return 1;
+    one->is_called = 1;
     fed = now();
     one->calls++;
-    int is_taken = is_well(one, STEP, one->step(one->component, time, step, 0));
+    int is_taken = is_well(one, STEP, one->step(one->component, time, step, 1 /* no state before `time` is restored */));
     stepped = now();
     one->spent += stepped - fed;
+    one->is_called = 0;
     if (!is_taken)
         return 1;
     real += one->input_count;
@@ -73,10 +76,12 @@ static int advance(Instance *one, double *real, double time, double step)
 static int derive(Instance *one, double *real)
 {
     double begun = now(), *seeds = real + one->input_count + one->output_count;
+    one->is_called = 1;
     one->calls++;
     int status = one->derive(one->component, one->outputs, one->output_count, one->inputs, one->input_count, seeds,
                              seeds + one->input_count);
     one->spent += now() - begun;
+    one->is_called = 0;
     return !is_well(one, DERIVE, status);
 }
 

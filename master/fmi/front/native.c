@@ -44,6 +44,7 @@ typedef struct {
     double *shown, *started;            /* variables that outputs were shown for; those of the last start */
     int64_t *shown_integer, *started_integer;
     int is_shown, has_state, was_started;
+    uint64_t remarked;                  /* warnings that were logged, a bit each */
     char refused[LONGEST];              /* why there is no state, empty if nothing is wrong */
     Pool *pool;
 } Native;
@@ -387,7 +388,7 @@ static int range_faults(Native *N, int inputs_alone, char *text)
 static int run(Native *N, Entering *entry, double step, double time, char *text, const char *between)
 {
     double numbers[4] = {step, time, 0.0, 0.0};
-    N->memory[N->first_fault] = 0.0;
+    N->memory[N->first_fault] = N->memory[N->first_fault + 1] = 0.0;
     if (pool_run(N->pool, entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
         append(text, "there is not enough memory for a step");
         return 0;
@@ -405,6 +406,18 @@ static void remember(Native *N, double *real, int64_t *integer)
     memcpy(integer, N->integer, integer_bytes(N));
 }
 
+/* Logs what an entry that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
+static void log_remark(Instance *I)
+{
+    Native *N = I->slave;
+    double remark = N->memory[N->first_fault + 1];
+    uint64_t bit = 1ull << ((int64_t)(-1.0 - remark) & 63);
+    if (!(remark < 0.0) || N->remarked & bit)
+        return;
+    N->remarked |= bit;
+    front_log(I, WARNING, "%s", N->fault[(int64_t)(-1.0 - remark)]);
+}
+
 /* State at the start with its outputs published; a fault is logged, and every later step refused. */
 static int checked_start(Instance *I)
 {
@@ -414,8 +427,10 @@ static int checked_start(Instance *I)
     N->was_started = 1;
     N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, 0.0, text, "\n");
     snprintf(N->refused, sizeof N->refused, "%s", text);
-    if (N->has_state)
+    if (N->has_state) {
+        log_remark(I);
         return OK;
+    }
     front_log(I, ERROR, "%s", text);
     return ERROR;
 }
@@ -474,6 +489,7 @@ int front_step(Instance *I, double time, double step)
         double when[FAULT_NUMBERS] = {0.0, 0.0, 0.0, time + step, 0.0, 0.0};
         if (run(N, native_advance, step, time, refused, "; ")) {
             I->reached = time + step;
+            log_remark(I);
             return OK;
         }
         append_fault(text, N->refusal, when);

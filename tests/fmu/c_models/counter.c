@@ -3,7 +3,8 @@
    Lag:     dx/dt = -k x + u                      by backward Euler
    Counter: n <- n + 1, odd = n mod 2, phase = 1 + n mod 3, words = "step n", each step
    Sums:    sum of what the integer, truth and phase inputs were, a step each; heard: the text input
-   Trouble: at the step `trouble_at` what `trouble` says (1 hang, 2 discard); always: change of the working directory
+   Trouble: at the step `trouble_at` what `trouble` says (1 hang, 2 discard, 3 exit(0), 4 print a line); always: change of
+            the working directory
    Time:    a step waits WAIT microseconds and computes for BURN microseconds of processor time, 0 unless defined */
 
 #include <stdio.h>
@@ -45,6 +46,12 @@ int fmi2DoStep(Model *m, double time, double step, int last)
         pause();
     if (m->trouble == 2 && m->n == m->trouble_at)
         return 2;
+    if (m->trouble == 3 && m->n == m->trouble_at)
+        exit(0);
+    if (m->trouble == 4 && m->n == m->trouble_at) {
+        printf("a banner of the FMU\n");
+        fflush(stdout);
+    }
     if (WAIT)
         usleep(WAIT);
     if (BURN) {

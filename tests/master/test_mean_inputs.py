@@ -1,0 +1,139 @@
+"""Inputs held at the mean of both ends of a macro step: second order with participants that know
+nothing of it.
+
+The pair is a crane and its controller: a trolley with a hanging load, dx/dt = A x + B u, y = C x +
+D u, each side exact for the input that it holds. The controller passes part of its input on at
+once (D is not 0), so that its output at the end of a step needs the input's value there.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import piston_cosim as pc
+
+TROLLEY, LOAD, ROPE, GRAVITY, FRICTION = 10.0, 4.0, 2.0, 9.81, 3.0
+"""[kg], [kg], [m], [m/s2], [N s/m]."""
+CRANE = (  # trolley's position and velocity, load's angle and rate; force in, position out
+    np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, -FRICTION / TROLLEY, LOAD * GRAVITY / TROLLEY, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+            [0.0, FRICTION / TROLLEY / ROPE, -(TROLLEY + LOAD) * GRAVITY / TROLLEY / ROPE, 0.0],
+        ]
+    ),
+    np.array([0.0, 1.0 / TROLLEY, 0.0, -1.0 / TROLLEY / ROPE]),
+    np.array([1.0, 0.0, 0.0, 0.0]),
+    0.0,
+)
+CONTROLLER = (  # lead filter of 0.2 s: force = -20 N/m (position + 2 s (position - filtered)/0.2 s)
+    np.array([[-1.0 / 0.2]]),
+    np.array([1.0 / 0.2]),
+    np.array([20.0 * 2.0 / 0.2]),
+    -20.0 * (1.0 + 2.0 / 0.2),
+)
+
+
+def field(name, causality):
+    return SimpleNamespace(
+        name=name,
+        shape=(),
+        nominal=1.0,
+        unit="1",
+        causality=causality,
+        type="Real",
+        description="",
+        minimum=None,
+        maximum=None,
+        derivative_of=None,
+    )
+
+
+class Linear:
+    """dx/dt = A x + B u with u held, exactly; y = C x + D u whenever it is read."""
+
+    has_derivatives = can_redo = can_serialise = declares_units = True
+    can_interpolate = False
+    path = SimpleNamespace(name="linear")
+
+    def __init__(self, name, matrices, begin):
+        self.name, self.x, self.u = name, np.array(begin), 0.0
+        self.a, self.b, self.c, self.d = matrices
+        self.fields = {"u": field("u", "input"), "y": field("y", "output")}
+
+    def enter(self, parameters, start_time, stop_time):
+        pass
+
+    def leave(self):
+        pass
+
+    def set(self, name, value):
+        self.u = float(value)
+
+    def get(self, name):
+        if name == "u":
+            return self.u
+        return float(self.c @ self.x + self.d * self.u)
+
+    def get_many(self, names):
+        return {name: self.get(name) for name in names}
+
+    def step(self, time, step):
+        size = len(self.x)
+        whole = np.zeros((size + 1, size + 1))
+        whole[:size, :size], whole[:size, size] = step * self.a, step * self.b
+        self.x = expm(whole)[:size] @ np.append(self.x, self.u)
+
+    def save(self):
+        return self.x, self.u
+
+    def restore(self, saved):
+        self.x, self.u = saved
+
+    def free(self, saved):
+        pass
+
+    def close(self):
+        pass
+
+
+def position(tmp_path, step, **coupling):
+    """Trolley's position [m] at 1 s, the load let go at 0.1 rad."""
+    run = pc.couple(
+        {
+            "crane": lambda: Linear("crane", CRANE, [0.5, 0.0, 0.1, 0.0]),
+            "controller": lambda: Linear("controller", CONTROLLER, [0.5]),
+        },
+        ["crane.y -> controller.u", "controller.y -> crane.u"],
+        stop="1 s",
+        step=f"{step} s",
+        **coupling,
+    )
+    return float(run.run(tmp_path / "r.h5").series("crane.y")[0][-1])
+
+
+def exact():
+    """The same as one system: dx/dt = (A + B D2 C) x + B C2 z, dz/dt = A2 z + B2 C x."""
+    (a, b, c, _), (a2, b2, c2, d2) = CRANE, CONTROLLER
+    whole = np.block([[a + d2 * np.outer(b, c), np.outer(b, c2)], [np.outer(b2, c), a2]])
+    return float((expm(whole) @ np.array([0.5, 0.0, 0.1, 0.0, 0.5]))[0])
+
+
+@pytest.mark.parametrize("method", ["newton", "iqn_ils"])
+def test_the_mean_of_both_ends_is_of_second_order(tmp_path, method):
+    reference = exact()
+    observed = {}
+    for inputs in ("held", "mean"):
+        coarse, fine = (
+            abs(
+                position(tmp_path, step, method=method, inputs=inputs, differences=True) - reference
+            )
+            for step in (0.02, 0.01)
+        )
+        observed[inputs] = np.log2(coarse / fine)
+    # the next term of the error is 0.01 s times the fastest rate, some 10/s
+    assert observed["mean"] == pytest.approx(2.0, abs=0.1)
+    assert observed["held"] == pytest.approx(1.0, abs=0.2)
