@@ -108,8 +108,8 @@ def pin_bore(mesh: Mesh) -> tuple[Circle, bool]:
     Bores that are no cylinder have their nodes' mean as axis. Its x is rounded to the nanometre.
     """
     x, y, z = mesh.points[mesh.nodes("pin_bore")].T
-    axis, _ = pin_direction(mesh)
-    x, y = x - z * axis[0] / axis[2], y - z * axis[1] / axis[2]
+    (along_x, along_y, along_z), _ = pin_direction(mesh)
+    x, y = x - z * along_x / along_z, y - z * along_y / along_z
     circle = circle_through(x, y)
     round_enough = circle.scatter <= 0.1 * circle.radius
     if not round_enough:
@@ -123,9 +123,10 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
     radius : of the skirt [m].
     """
     axis, tilt = pin_direction(mesh)
-    if abs(axis[2]) < np.cos(tilt):
-        along = ", ".join(f"{part:.3f}" for part in axis * np.copysign(1.0, axis[2]))
-        degrees = np.degrees(np.arccos(min(abs(axis[2]), 1.0)))
+    *_, along_z = axis
+    if abs(along_z) < np.cos(tilt):
+        along = ", ".join(f"{part:.3f}" for part in axis * np.copysign(1.0, along_z))
+        degrees = np.degrees(np.arccos(min(abs(along_z), 1.0)))
         return [
             f"surface 'pin_bore': its axis is along ({along}), {degrees:.3g} deg off z; the pin is "
             "along z: axes must name thrust, head, pin, and the mesh must not be turned"

@@ -98,7 +98,7 @@ class ReducedPiston:
     def about(self, pin_offset: float) -> "ReducedPiston":
         """Return the same piston with pin point A at another x, the pin bores where they are.
 
-        Eq. (J40):  with d = pin_offset - self.pin_offset and T_x, T_y the rows of T
+        Eq. (J45):  with d the change of pin_offset and T_x, T_y the rows of T
                     S' = S - m d e_x,   I0' = I0 - 2 d S_x + m d^2,   b' = b - d T_x,
                     g' = g - d T_y
 
@@ -113,7 +113,7 @@ class ReducedPiston:
         d = pin_offset - self.pin_offset
         S_x, S_y = self.S
         T_x, T_y = self.T
-        # Eq. (J40)
+        # Eq. (J45)
         return replace(
             self,
             S=np.array([S_x - self.mass * d, S_y]),

@@ -1,4 +1,4 @@
-"""Error of `pin_offset` without a new mesh (Eq. (J40)): the mesh's pin bores stay where they are,
+"""Error of `pin_offset` without a new mesh (Eq. (J45)): the mesh's pin bores stay where they are,
 against a mesh whose bosses and bores are moved by the offset.
 
 1. Static deflection of the skirt under gas on the crown and under single patches of pressure, pin

@@ -45,7 +45,7 @@ def lump():
 
 
 def test_integrals_about_a_moved_pin(lump):
-    """Eq. (J40) against the integrals of the nodes seen from there: rounding of sums over them."""
+    """Eq. (J45) against the integrals of the nodes seen from there: rounding of sums over them."""
     points, M, modes, _ = lump
     d = 1.3e-3
     begin, expected = (
