@@ -88,10 +88,17 @@ def __getattr__(name: str) -> Any:
         return version("piston-cosim")
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import gc
     from importlib import import_module
 
     place, colon, inside = _PLACES[name].partition(":")
-    module = import_module(f"{__name__}.{place}")
+    collects = gc.isenabled()
+    gc.disable()  # modules stay: looking through them for garbage costs a tenth of an import
+    try:
+        module = import_module(f"{__name__}.{place}")
+    finally:
+        if collects:
+            gc.enable()
     value = module if colon and not inside else getattr(module, inside or name)
     globals()[name] = value
     return value

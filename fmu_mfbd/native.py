@@ -46,7 +46,13 @@ from .dynamics.floating_pin import (
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Coefficients, Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
-from .dynamics.parameters import CRANK_PARAMETERS, GAS_TWICE, Parameters, PinParameters
+from .dynamics.parameters import (
+    CRANK_PARAMETERS,
+    GAS_TWICE,
+    NO_GAS_TABLE,
+    Parameters,
+    PinParameters,
+)
 from .dynamics.pin_instant import EYE, PinStepEnd, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
 from .dynamics.slider_crank import CrankMotion, driven
@@ -252,6 +258,7 @@ FAULTS = (
     NO_PIN_MASS,
     *OTHER_FRICTION.values(),
     *NO_ROD.values(),
+    NO_GAS_TABLE,
     GAS_TWICE,
 )
 (
@@ -268,7 +275,7 @@ FAULTS = (
 ) = range(10)
 FRICTION_SPEED = FRICTION_OF_PIN + 1
 FRICTION_DAMPING = FRICTION_OF_PIN + 2
-GIVEN_TWICE = len(FAULTS) - 1
+WITHOUT_TABLE, GIVEN_TWICE = len(FAULTS) - 2, len(FAULTS) - 1
 GAS_EITHER, GAS_TABLE, GAS_INPUT = range(1, 4)
 """Numbers of the choices in `GAS_SOURCES`."""
 CHOSEN_GAS = SETTING.index("gas_source")
@@ -584,6 +591,8 @@ def check(memory):
     if p.rod_length**2 - reach**2 <= 0.0:
         refuse(memory, ROD_TOO_SHORT, p.rod_length, reach, 0.0, 0.0)
         return
+    if p.gas_source == GAS_TABLE and not len(part(memory, GAS_ANGLE)):
+        refuse(memory, WITHOUT_TABLE, 0.0, 0.0, 0.0, 0.0)
     if p.rod_centre > p.rod_length:
         refuse(memory, CENTRE_BEYOND, p.rod_centre, p.rod_length, 0.0, 0.0)
     upper = x[SKIRT_UPPER]

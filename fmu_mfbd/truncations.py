@@ -5,6 +5,8 @@ the reduction saved, so that nothing of finite elements is loaded after a run.
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from .build import Say, reduced_bodies
 from .geometry.grid import film_rows
 from .options import read_options
@@ -64,7 +66,7 @@ def truncations(
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     shape = loads.film.pressure.shape
     found = {}
-    gap = 0.0
+    gap = np.zeros(shape)
     if len(piston.omega):
         left = load(LeftOut, files["piston"])
         found["piston"] = truncation(left, static_modes(piston), loads.film)

@@ -46,6 +46,7 @@ from .instant import Block, System
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
 from .parameters import (
+    NO_GAS_TABLE,
     AxisParameters,
     BigEndParameters,
     MainBearingParameters,
@@ -428,6 +429,8 @@ def faults(
         out.append(
             "crank_free = 1: must be 0 with a table of crank speed ([speed] in the build table)"
         )
+    if parameters.gas_source == "table" and not options.gas:
+        out.append(NO_GAS_TABLE)
     if parameters.rod_centre > rod_length:
         out.append(
             f"rod_centre = {parameters.rod_centre:g} m: must lie within "

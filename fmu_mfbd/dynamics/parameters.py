@@ -23,6 +23,8 @@ GAS_TWICE = (
     "table, input or sum"
 )
 """Warning of a body whose gas pressure is given twice without a choice."""
+NO_GAS_TABLE = "gas_source = table: the build has no table of gas pressure ([gas] in its table)"
+"""Fault of a body that has no table to take its gas pressure from."""
 
 
 @dataclass(frozen=True)

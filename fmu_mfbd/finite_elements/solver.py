@@ -8,6 +8,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -204,14 +205,17 @@ class _Remembered:
         load = np.ascontiguousarray(load)
         path = self._folder / f"{_digest(load)}.npy"
         self._count += 1
-        if path.exists():
+        with suppress(FileNotFoundError):
             return np.load(path)
         if self._factors is None:
             self._factors = self._factorise()
         answer = self._factors.solve(load)
-        with open(path.with_suffix(".part"), "wb") as file:
-            np.save(file, answer)
-        os.replace(path.with_suffix(".part"), path)
+        part = path.with_suffix(f".{os.getpid()}.part")
+        # another process that reduces the same body clears the folder when it has finished
+        with suppress(FileNotFoundError):
+            with open(part, "wb") as file:
+                np.save(file, answer)
+            os.replace(part, path)
         if time.monotonic() - self._spoken > self.EVERY:
             self._spoken = time.monotonic()
             self._say(f"{self._count} solutions, {self._spoken - self._begin:.0f} s")

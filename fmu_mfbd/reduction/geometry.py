@@ -123,12 +123,12 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
     radius : of the skirt [m].
     """
     axis, tilt = pin_direction(mesh)
-    *_, along_z = axis
-    if abs(along_z) < np.cos(tilt):
-        along = ", ".join(f"{part:.3f}" for part in axis * np.copysign(1.0, along_z))
-        degrees = np.degrees(np.arccos(min(abs(along_z), 1.0)))
+    across, up, along = axis * np.copysign(1.0, axis[-1])
+    if along < np.cos(tilt):
+        degrees = np.degrees(np.arccos(along))
         return [
-            f"surface 'pin_bore': its axis is along ({along}), {degrees:.3g} deg off z; the pin is "
+            f"surface 'pin_bore': its axis is along ({across:.3f}, {up:.3f}, {along:.3f}), "
+            f"{degrees:.3g} deg off z; the pin is "
             "along z: axes must name thrust, head, pin, and the mesh must not be turned"
         ]
     circle, round_enough = pin_bore(mesh)

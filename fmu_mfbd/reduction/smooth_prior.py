@@ -17,6 +17,9 @@ ALONG = {"skirt": 5 / 27, "bore": 12 / 95}
 """Correlation length along the axis, as a share of the surface's length [-]: 5 mm of the 27 mm
 skirt, 12 mm of the 95 mm bore of models/numerical_example. Profile and edges scale with the skirt.
 The bore has one set of modes for all positions of the skirt, so that it resolves less."""
+THRUST, NEAR = 0.01, np.radians(10.0)
+"""On the thrust lines 1 % more pressure is expected, falling over 10 deg. Otherwise round-off
+would choose between equal patterns of a body that is the same about both axes."""
 NEGLIGIBLE = 1e-8
 """Patterns of less than this share of the strongest variance are not solved for."""
 AT_ONCE = 64
@@ -47,7 +50,8 @@ def pressure_root(
     Eq. (J31):  <p p^T> = D (C_theta x C_y) D = S S^T
                 C_theta = exp(-(d_theta/L_theta)^2 / 2),   C_y = exp(-(d_y/L_y)^2 / 2)
 
-    D is 1 where the surface has a film and 0 elsewhere. d_theta is the shorter way around.
+    D is 0 where the surface has no film and 1 elsewhere, apart from `THRUST`. d_theta is the
+    shorter way around.
 
     Parameters
     ----------
@@ -70,8 +74,15 @@ def pressure_root(
     strength = strength[strength > NEGLIGIBLE * strength[0]]
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
     patterns = around[:, None, i] * axial[None, :, j]
-    # Eq. (J31)
-    return patterns.reshape(-1, len(strength)) * np.sqrt(strength) * there[:, None]
+    root = patterns.reshape(-1, len(strength)) * np.sqrt(strength)
+    return _expected(angle, there)[:, None] * root  # Eq. (J31)
+
+
+def _expected(angle, there):
+    """Diagonal of D."""
+    from_thrust = np.arcsin(np.abs(np.cos(angle)))
+    weight = 1.0 + THRUST * np.exp(-((from_thrust / NEAR) ** 2) / 2)
+    return np.repeat(weight, len(there) // len(angle)) * there
 
 
 def pattern_count(angle: np.ndarray, height: np.ndarray, along: float) -> int:
@@ -114,38 +125,63 @@ def surface_answers(body: Elastic, reading: SurfaceReading, root: np.ndarray) ->
     return SurfaceAnswers(root, radial, axial)
 
 
-class ExpectedPatterns(NamedTuple):
-    """Eigenvectors v of Eq. (J32), (n, n), largest first, and the share of the deflection that is
-    expected to be missing with the first k of them, (n + 1,) [-].
-    """
-
-    vector: np.ndarray
-    missing: np.ndarray
-
-
-def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> ExpectedPatterns:
+def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> np.ndarray:
     """Return the pressure patterns to which a surface yields most under the prior.
 
     Eq. (J32):  S^T R G R^T S v_i = mu_i v_i,   G = K^-1 - Psi Psi^T,   largest mu_i first
-    Eq. (J33):  missing(k)^2 = max_j sum_(i>k) (R G R^T S v_i)_j^2 / max_j (R K^-1 R^T S)_j^2
-
-    Eq. (J33) compares the largest standard deviation of the missing radial deflection at any point
-    with the largest one of the deflection, both under the prior.
 
     Parameters
     ----------
     answers : SurfaceAnswers
     first : ndarray, shape (points, j)
         R Psi, Psi^T K Psi = 1: shapes that the basis has already.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        v_i, one a column.
     """
-    left = answers.radial - first @ (first.T @ answers.root)
-    energy = answers.root.T @ left
+    energy = answers.root.T @ _left(answers, first)
     _, vector = la.eigh((energy + energy.T) / 2)  # Eq. (J32), rising
-    vector = vector[:, ::-1]
-    square = (left @ vector) ** 2
-    tail = np.cumsum(square[:, ::-1], axis=1)[:, ::-1].max(axis=0)
-    whole = (answers.radial**2).sum(axis=1).max()
-    return ExpectedPatterns(vector, np.sqrt(np.append(tail, 0.0) / whole))  # Eq. (J33)
+    return vector[:, ::-1]
+
+
+def expected_missing(answers: SurfaceAnswers, first: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return the largest expected missing share of the deflection with the first k patterns.
+
+    Eq. (J33):  missing(k) = max_j |sum_(i>k) R G R^T S v_i v_i^T S^T e_j| / |R K^-1 R^T S S^T e_j|
+
+    The load S S^T e_j is the pressure that the prior expects, given the pressure at point j: a
+    smooth patch around that point. The share is that of the root mean squares over the surface.
+
+    Parameters
+    ----------
+    answers, first
+        As for `expected_patterns`.
+    vector : ndarray, shape (n, n)
+        Its result.
+
+    Returns
+    -------
+    ndarray, shape (n + 1,)
+        For k = 0 to n [-], never rising.
+    """
+    patches = answers.root[answers.root.any(axis=1)].T
+    whole = np.linalg.norm(answers.radial @ patches, axis=0)
+    shares = vector.T @ patches
+    # a rotation of the surface's points keeps all norms
+    answer = np.asarray(np.linalg.qr(_left(answers, first) @ vector, mode="r"))
+    missing = np.zeros(shares.shape)
+    out = [0.0]
+    for column, share in zip(answer.T[::-1], shares[::-1]):
+        missing += np.outer(column, share)
+        out.append(float((np.linalg.norm(missing, axis=0) / whole).max()))  # Eq. (J33)
+    return np.maximum.accumulate(out)[::-1]
+
+
+def _left(answers, first):
+    """R G R^T S, the radial answers that the first shapes leave."""
+    return answers.radial - first @ (first.T @ answers.root)
 
 
 def smooth_pressure_modes(
@@ -163,8 +199,8 @@ def smooth_pressure_modes(
         R [-].
     answers : SurfaceAnswers
     modes : int or float
-        Number of shapes, the first ones included; or, if a float, the share of Eq. (J33) below
-        which the expected missing deflection has to be.
+        Number of shapes, the first ones included. A float is the largest expected missing share,
+        Eq. (J33), that they may leave.
     first : ndarray, shape (free, j)
         Shapes that must be in the basis (`static_answers`).
 
@@ -184,24 +220,21 @@ def smooth_pressure_modes(
     docs/decisions/0005-pressure-modes.md.
     """
     psi = of_unit_energy(body, first)
-    patterns = expected_patterns(answers, radial @ psi)
-    count = _count(patterns, modes, first.shape[1])
-    loads = answers.root @ patterns.vector[:, :count]
+    vector = expected_patterns(answers, radial @ psi)
+    if isinstance(modes, int):
+        count = modes - psi.shape[1]
+    else:
+        missing = expected_missing(answers, radial @ psi, vector)
+        count = int(np.argmax(missing <= modes))
+        needed = count + psi.shape[1]
+        if needed > MOST_MODES:
+            raise ValueError(
+                f"modes = {modes:g}: {needed} modes are needed for this error, at most "
+                f"{MOST_MODES} are possible; give a larger error"
+            )
+    loads = answers.root @ vector[:, :count]
     shapes = [psi]
     for begin in range(0, count, AT_ONCE):
         load = radial.T @ loads[:, begin : begin + AT_ONCE]
         shapes.insert(-1, body.solve(load) - psi @ (psi.T @ load))
     return np.hstack(shapes)
-
-
-def _count(patterns: ExpectedPatterns, modes: int | float, first: int) -> int:
-    """Number of patterns that a basis takes."""
-    if isinstance(modes, int):
-        return modes - first
-    count = int(np.argmax(patterns.missing <= modes))
-    if count + first > MOST_MODES:
-        raise ValueError(
-            f"modes = {modes:.3g}: {count + first} modes are needed for this error, at most "
-            f"{MOST_MODES} are possible; give a larger error"
-        )
-    return count

@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 from ..case import changes as changes_of
 from ..case import schema
 from ..case.system import open_system
-from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..participants.participant import Participant
 from ..results.file import Results
-from ..runs import sweep as sweeps
 from ..runs.run import run as run_system
 
 log = logging.getLogger("piston_cosim")
@@ -150,11 +148,19 @@ class Case:
         StepFailed
             If a macro step cannot be converged.
         """
+        from ..engine.truncation import state_truncation
+
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         checked = schema.check_case(self.tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
-        run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
+        summary = run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
+        if summary.get("loops_stepped_explicitly"):
+            log.warning(
+                "%s: loops with an FMU that cannot go back to a saved state step without "
+                "iteration; level INFO of this logger lists them",
+                self.name,
+            )
         state_truncation(self.tree, self.path.parent, output, log.info)
         return Results(output)
 
@@ -241,6 +247,8 @@ def sweep(
     BadInput
         With every fault of every combination.
     """
+    from ..runs import sweep as sweeps  # multiprocessing is slow to import
+
     if case.own:
         raise BadInput(f"{', '.join(case.own)}: participants of this Python cannot be swept")
     combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]

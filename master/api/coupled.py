@@ -5,16 +5,17 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard, Union
 
 from ..fmi.errors import BadInput
-from ..fmi.slave import FieldSlave
 from ..participants.derivatives import Differenced
-from ..participants.local import LocalParticipant
 from ..participants.participant import Participant
 from .cases import Case
 
-Origin = type[FieldSlave] | str | Path | Callable[[], Participant]
+if TYPE_CHECKING:
+    from ..fmi.slave import FieldSlave
+
+Origin = Union["type[FieldSlave]", str, Path, Callable[[], Participant]]
 """Where a participant comes from, see `couple`."""
 
 
@@ -125,11 +126,9 @@ def couple(
             tables[name] |= _file(str(origin))
             continue
         tables[name]["plugin"] = getattr(origin, "__qualname__", type(origin).__qualname__)
-        own[name] = (
-            partial(in_process, name, origin, options.get(name, {}))
-            if isinstance(origin, type) and issubclass(origin, FieldSlave)
-            else origin
-        )
+        own[name] = origin
+        if _is_slave(origin):
+            own[name] = partial(in_process, name, origin, options.get(name, {}))
     tree = {
         "title": title or " and ".join(participants),
         "time": {"stop": stop, "step": step},
@@ -141,8 +140,19 @@ def couple(
     return Case(tree, Path.cwd() / "coupled.toml", own)
 
 
-def in_process(name: str, slave: type[FieldSlave], options: Mapping[str, Any]) -> Any:
+def _is_slave(origin: Origin) -> TypeGuard["type[FieldSlave]"]:
+    """Return whether an origin is a class derived from `Slave`."""
+    if not isinstance(origin, type):
+        return False
+    from ..fmi.slave import FieldSlave  # pythonfmu is slow to import
+
+    return issubclass(origin, FieldSlave)
+
+
+def in_process(name: str, slave: "type[FieldSlave]", options: Mapping[str, Any]) -> Any:
     """A slave of this Python as a participant, without an FMU around it."""
+    from ..participants.local import LocalParticipant
+
     with tempfile.TemporaryDirectory() as folder:  # asked for its options alone, at once
         (Path(folder) / "build.json").write_text(json.dumps(dict(options)))
         participant = LocalParticipant(name, slave(instance_name=name, resources=folder))

@@ -5,16 +5,19 @@ whether they speak of the same engine.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short
 from ..fmi.tree import import_part
 from .contract import contract, interface
 from .keys import declared_variables
 from .schema import Case, check_case, find_case, read_tree
-from .system import declared_participants, faults_ahead, parameters_ahead
+from .system import declared_participants, faults_ahead, open_system, parameters_ahead
+
+if TYPE_CHECKING:
+    from ..coupling.loops import Loop
 
 APART = 2e-3
 """Of a length or volume: what two parts may say differently of it. A mesh of straight edges lies
@@ -26,7 +29,8 @@ class CheckedCase:
     """What is known of a case before it is built.
 
     path : of the case file; title : of the case; previews : what the parts say, by participant;
-    faults : all of them, remarks : what is worth a look.
+    faults : all of them, remarks : what is worth a look, loops : components of the wires, for a
+    system of FMUs.
     """
 
     path: Path
@@ -34,11 +38,16 @@ class CheckedCase:
     previews: dict[str, Preview] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
+    loops: "list[Loop]" = field(default_factory=list)
 
     def figure(self, name: str) -> Figure | None:
         """The figure "participant.name"."""
         owner, _, own = name.partition(".")
         return self.previews[owner].figure(own) if owner in self.previews else None
+
+    def loop_table(self) -> list[str]:
+        """Return the loops as lines of text, with a header."""
+        return [self.loops[0].header, *(one.line for one in self.loops)] if self.loops else []
 
     def draw(self, path: Path) -> list[Path]:
         """Write what the parts can draw; PNG files, of several ones named after their
@@ -84,7 +93,28 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         faults += [line for line in told if line not in faults]
     faults += _disagreements(case, folder, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
-    return CheckedCase(path, case.title, previews, faults, remarks)
+    found = _loops(case, folder, faults) if not faults else []
+    return CheckedCase(path, case.title, previews, faults, remarks, found)
+
+
+def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
+    """Loops of a system of finished FMUs, measured at its start; faults are appended."""
+    tables = case.participants.values()
+    if not case.wires or any(table.package or table.host for table in tables):
+        return []  # to be built first, or not on this machine
+    from ..coupling.loops import loops  # slow to import, and most cases have no use for it
+    from ..coupling.starting import closing, start
+
+    try:
+        system = open_system(case, folder, lambda text: None)
+        with closing(system.participants.values()):
+            start(system)
+            return loops(system)
+    except BadInput as error:
+        faults += error.faults
+    except ParticipantFault as fault:
+        faults.append(str(fault))
+    return []
 
 
 def _previews(case: Case, folder: Path) -> dict[str, Preview]:

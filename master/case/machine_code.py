@@ -5,9 +5,7 @@ Python, in a third of the time.
 from pathlib import Path
 from typing import Any
 
-from ..fmi.builder_native import cannot_build, is_made_ahead, part_of, this_platform
 from ..fmi.errors import BadInput
-from ..fmi.native_parts import uncovered_values
 from .keys import declared_variables
 
 
@@ -29,6 +27,10 @@ def of_machine_code(
         What the case gives participants, in SI, by their names, as far as it is known.
     """
     packages = {name: table.package for name, table in case.participants.items() if table.package}
+    if case.native is None and not packages:
+        return set(), []
+    from ..fmi.builder_native import is_made_ahead  # slow to import, and foreign FMUs need none
+
     if case.native is None:
         chosen = {
             name
@@ -50,6 +52,9 @@ def of_machine_code(
 
 def _uncovered(table, folder, given):
     """Why a participant cannot be machine code here."""
+    from ..fmi.builder_native import cannot_build, part_of, this_platform
+    from ..fmi.native_parts import uncovered_values
+
     platform = this_platform()
     if platform is None:
         return ["there is no machine code for this kind of machine"]

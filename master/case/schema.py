@@ -132,6 +132,10 @@ class ParticipantTable(Table):
     """Of a table's columns between its rows; linear without it."""
     step: str | None = None
     """The FMU takes steps of its own inside a macro step, equal ones no longer than this time."""
+    event_mode: bool = True
+    """Use the Event Mode and the clocks that an FMI 3.0 FMU declares; false for one that rejects
+    them.
+    """
     build: dict[str, Any] = {}
     """What is decided when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}
@@ -216,7 +220,8 @@ class Coupling(Table):
 
     method: str = "newton"
     """newton (directional derivatives and GMRES), iqn_ils, iqn_imvj, iqn_ageing (secants), aitken,
-    constant, explicit (not iterated), or a method of another installed package.
+    constant, explicit (not iterated), or a method of another installed package. Loops among the
+    wires are iterated one by one; one with an FMU without saved states is not iterated.
     """
     step_control: str | None = None
     """Step control of another installed package (participants/plugins.py)."""

@@ -16,6 +16,7 @@ from hashlib import sha256
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder
 from ..fmi.description import BASE_UNITS, VENDOR
 from ..fmi.errors import BadInput
-from ..fmi.fields import ELEMENT
+from ..fmi.fields import base_of
 from ..fmi.quantities import pint_unit
 
 SPACE = {
@@ -328,14 +329,7 @@ def read_ssp(path):
         }
         for node in components
     }
-    wires = dict.fromkeys(
-        (
-            f"{c.get('startElement')}.{_base(c.get('startConnector'))}",
-            f"{c.get('endElement')}.{_base(c.get('endConnector'))}",
-        )
-        for c in root.iter(_q("ssd:Connection"))
-        if c.get("startElement") and c.get("endElement")  # else a connector of the system itself
-    )
+    wires = _wires(root, {name: table["fmu"] for name, table in participants.items()})
     experiment = root.find(_q("ssd:DefaultExperiment"))
     own = root.find(f".//{_q('ssc:Annotation')}[@type='{VENDOR}']/case")
     tree = (
@@ -356,9 +350,36 @@ def read_ssp(path):
     }
 
 
-def _base(connector):
-    match = ELEMENT.match(connector)
-    return match["base"] if match else connector
+def _wires(root, fmus):
+    """Return the (source, target) of all connections between components.
+
+    Connections of elements become one wire of the whole arrays if they join all elements of both in
+    the same order; else each is a wire.
+    """
+    groups: dict[tuple, list] = {}
+    for c in root.iter(_q("ssd:Connection")):
+        if c.get("startElement") and c.get("endElement"):  # else a connector of the system itself
+            ends = c.get("startConnector"), c.get("endConnector")
+            bases = tuple(map(base_of, ends))
+            groups.setdefault((c.get("startElement"), c.get("endElement"), *bases), []).append(ends)
+    wires = []
+    for (source, target, first, second), pairs in groups.items():
+        whole = all(one.removeprefix(first) == two.removeprefix(second) for one, two in pairs)
+        for owner, base in ((source, first), (target, second)):
+            whole = whole and _elements(fmus.get(owner), base) in (0, len(pairs))
+        chosen = [(first, second)] if whole else pairs
+        wires += [(f"{source}.{one}", f"{target}.{two}") for one, two in chosen]
+    return wires
+
+
+def _elements(fmu, base):
+    """Return how many variables of an FMU are elements of an array; 0 if it cannot be read."""
+    try:
+        with zipfile.ZipFile(fmu or "") as archive:
+            text = archive.read("modelDescription.xml").decode(errors="replace")
+    except (OSError, KeyError, zipfile.BadZipFile):
+        return 0
+    return text.count(f'name="{escape(base)}[')
 
 
 def _read_parameters(component, folder):

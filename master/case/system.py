@@ -12,8 +12,6 @@ import numpy as np
 
 from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
-from ..fmi.builder import build_fmu, build_fmu_of_file
-from ..fmi.builder_native import build_native_fmu, make_iteration_library, this_platform
 from ..fmi.errors import BadInput
 from ..fmi.fields import NO_NUMBERS, base_of
 from ..fmi.option_classes import near
@@ -160,6 +158,8 @@ def open_system(case, folder, progress, own=None):
     participants = {}
     native = _of_machine_code(case, folder)
     if case.native:
+        from ..fmi.builder_native import make_iteration_library
+
         make_iteration_library(progress)
     builds = build_options(case, folder, progress)
     for name in case.participants:
@@ -276,7 +276,8 @@ def _participant(name, case, build, folder, progress, native):
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _fmu(table, build, folder, progress, native)
     elements = case.elements_of(name)
-    open_with = partial(open_fmu, name, path, step=_own_step(table), elements=elements)
+    how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    open_with = partial(open_fmu, name, path, **how)
     participant = open_with()
     if sizes := _sizes(participant, table.parameters):
         participant = open_with(sizes)
@@ -316,13 +317,9 @@ def _sizes(participant, given):
 
 
 def _fmu(table, build, folder, progress, native):
-    if table.package and native:
-        here = [name for name in [this_platform()] if name]
-        return build_native_fmu(table.package, build, folder, progress, platforms=here)
-    if table.package:
-        return build_fmu(table.package, build, folder, progress)
-    if table.file:
-        return build_fmu_of_file(str(folder / table.file), build, progress)
+    """Return the path of a participant's FMU, built where the case asks for it."""
+    if table.package or table.file:
+        return _built(table, build, folder, progress, native)
     path = folder / table.fmu
     try:
         if path.is_file():
@@ -330,6 +327,19 @@ def _fmu(table, build, folder, progress, native):
     except (OSError, ValueError) as error:
         raise BadInput(f"fmu = {table.fmu[:80]!r}: {error.args[-1]}") from None
     raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
+
+
+def _built(table, build, folder, progress, native):
+    """Build the FMU of a package or of a file; what builds is slow to import."""
+    from ..fmi.builder import build_fmu, build_fmu_of_file
+    from ..fmi.builder_native import build_native_fmu, this_platform
+
+    if table.package and native:
+        here = [name for name in [this_platform()] if name]
+        return build_native_fmu(table.package, build, folder, progress, platforms=here)
+    if table.package:
+        return build_fmu(table.package, build, folder, progress)
+    return build_fmu_of_file(str(folder / table.file), build, progress)
 
 
 def _parameters(participant, given, faults):
@@ -687,17 +697,14 @@ def _slopes(case, participants, wires, step):
 
 
 def _able(case, participants, faults):
-    """The participants; those that cannot go back wrapped where no step is repeated, else a
-    fault.
+    """The participants, those that cannot go back wrapped; a fault where the length of all steps
+    follows from a local error.
     """
-    once = not case.wires or case.coupling.method == "explicit"
-    controlled = any(wire.local_error is not None for wire in case.wires)
     unable = [name for name, participant in participants.items() if not participant.can_redo]
-    if not once or controlled:
+    if any(wire.local_error is not None for wire in case.wires):
         faults += [
             f"participant {name}: {participants[name].path.name} cannot save and restore its "
-            'state, so no step can be repeated; method = "explicit" without local_error repeats '
-            "none"
+            "state, so no step can be repeated; take no local_error"
             for name in unable
         ]
         return participants

@@ -12,7 +12,8 @@ from .common import Changes, console, default_folder, parse_change
 
 def command(source: str, *, set_: Changes = [], picture: Path | None = None):
     """Look at a case before anything is reduced: every fault, geometry, masses, clearance, cells
-    with a film, a picture of skirt and bore. Of an FMU: compare it with the lubrication contract.
+    with a film, a picture of skirt and bore. For a system of FMUs: its loops, with gain, condition,
+    and the method and step that suit them. Of an FMU: compare it with the lubrication contract.
 
     Example: piston-cosim check my_engine; piston-cosim check film.fmu
 
@@ -42,6 +43,8 @@ def print_checked(found: CheckedCase, picture: Path):
         for group, figures in groups.items():
             told = "   ".join(map(_told, figures))
             console.print(f"  {group:10s} {told}", highlight=False, markup=False, soft_wrap=True)
+    for line in found.loop_table():
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
     for line in found.remarks:
         console.print(f"[yellow]look[/]  {line}", highlight=False, soft_wrap=True)
     for file in found.draw(picture):

@@ -184,20 +184,21 @@ def _titles(tree):
 
 
 def print_answers(answers, verbose=False):
-    """Label -> `engine.answer.Answer` of every run, side by side, then what is amber or red of
-    each; all verdicts with `verbose`.
+    """Label -> `engine.answer.Answer` of every run, side by side, then the checks of each that
+    warn or fail; all checks with `verbose`.
     """
     table = Table("", *answers, box=None, pad_edge=False)
     for name in dict.fromkeys(line.name for one in answers.values() for line in one.lines):
         table.add_row(name, *(one.said(name) for one in answers.values()))
     wide_console().print(table, highlight=False)
     for label, one in answers.items():
-        for colour, what, said in one.verdicts:
-            if colour == "green" and not verbose:
+        for check in one.verdicts:
+            if check.colour == "green" and not verbose:
                 continue
-            colour = {"amber": "yellow"}.get(colour, colour)
+            colour = {"amber": "yellow"}.get(check.colour, check.colour)
             whose = f"{label}: " if len(answers) > 1 else ""
-            console.print(f"[{colour}]{what:11s}[/] {whose}{said}", highlight=False, soft_wrap=True)
+            shown = f"[{colour}]{check.outcome:7s} {check.what:11s}[/] {whose}{check.said}"
+            console.print(shown, highlight=False, soft_wrap=True)
 
 
 def draw_pictures(case, runs, folder, kind=None):

@@ -44,7 +44,7 @@ def command(
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
     """Run a case and the variants it names beside itself: results file, what an engineer reads of
-    it, verdicts, pictures.
+    it, checks, pictures.
 
     Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa
     s"

@@ -70,6 +70,9 @@ class Ends:
         self.read = getattr(participant, "read", None) or partial(read_each, participant)
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
+        self.fields = [participant.fields[name] for name in self.inputs]
+        ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])
+        self.starts = ends[:-1]
         self.said = _repeated(outputs)
         self.into = _places([end.part for end in inputs])
         self.out = _places([end.part for end in outputs])
@@ -218,7 +221,7 @@ class Interface:
         return y
 
     def evaluate(
-        self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any]
+        self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any] | None
     ) -> Evaluation:
         """Step every participant once from its saved state, later ones reading what earlier ones
         have just computed.
@@ -229,14 +232,15 @@ class Interface:
             Iterate; the inputs are set to its feedback elements.
         time, step : float
             Start and length of the macro step [s].
-        saved : dict of str to saved state
+        saved : dict of str to saved state, or None
+            None where the participants stand where they should.
         """
 
         def act(stage: Sequence[str]) -> None:
             self._step(stage, time, step)
 
         at = self.answer(x, act, saved)
-        self._last = Last(at, time, step, saved)
+        self._last = None if saved is None else Last(at, time, step, saved)
         return at
 
     def answer(
@@ -341,16 +345,14 @@ class Interface:
         """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
         ends = self.ends[name]
         given = last.at.used[ends.into]
-        largest = 0.0
-        first = 0
-        for variable, part, _ in self.inputs[name]:
-            end = first + part.stop - part.start
-            size = max(map(abs, change[first:end].tolist()))
-            if size:
-                nominal = self.participants[name].fields[variable].nominal
-                scale = nominal or max(map(abs, given[first:end].tolist())) or 1.0
-                largest = max(largest, size / scale)
-            first = end
+        sizes, values = np.abs(change), np.abs(given)
+        if len(ends.fields) < len(given):
+            sizes = np.maximum.reduceat(sizes, ends.starts)
+            values = np.maximum.reduceat(values, ends.starts)
+        largest = max(
+            size / (field.nominal or value or 1.0)
+            for field, size, value in zip(ends.fields, sizes.tolist(), values.tolist())
+        )
         if largest == 0.0:
             return 0.0
         share = DIFFERENCE / largest

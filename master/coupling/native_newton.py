@@ -15,6 +15,7 @@ from .native_block import (
     EVALUATIONS,
     FAILURES,
     FAULT,
+    FAULTS_AT,
     FIRST,
     FORCING,
     GRAM,
@@ -150,7 +151,9 @@ def restore(memory: np.ndarray, where: int):
 
 @compiled
 def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
-    """Whether an entry of a participant went well; else its faults are put down."""
+    """Whether an entry of a participant went well; else its faults are put down. A remark, below 0
+    in the place of its first fault, is handed on.
+    """
     if status != 0:
         note(faults, NO_MEMORY, (0.0, 0.0, 0.0, 0.0, 0.0))
         return False
@@ -160,8 +163,9 @@ def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
     for k in range(found):
         one = memory[first + 1 + k * OF_A_FAULT : first + 1 + (k + 1) * OF_A_FAULT]
         note(faults, row[SENTENCE] + one[FAULT], numbers_of(one))
-    if found == 0 and faults[0] == 0.0 and memory[first + 1 + FAULT] < 0.0:  # a remark
-        faults[1 + FAULT] = memory[first + 1 + FAULT] - row[SENTENCE]
+    own = part(memory, FAULTS_AT)
+    if found == 0 and own[0] == 0.0 and memory[first + 1 + FAULT] < 0.0:
+        own[1 + FAULT] = memory[first + 1 + FAULT] - row[SENTENCE]
     return found == 0
 
 

@@ -1,12 +1,57 @@
-"""Which participants' own derivatives Newton may use: negotiated at the start of a run, not
-believed.
+"""Which saved states and which own derivatives of participants may be used: checked at the start of
+a run, not believed.
 """
 
 from dataclasses import replace
 
+from ..fmi.errors import BadInput
 from ..participants.derivatives import Differenced, objection
+from ..participants.one_way import OneWayParticipant
+from ..participants.rollback import rollback_fault
+from .components import rolled_back
 from .methods import Method, Newton
 from .wiring import System
+
+
+def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
+    """Return why the saved states of a participant are not used, by participant.
+
+    Participants whose steps are never repeated are not checked: some FMUs go on differently from a
+    state that is restored. `iterates` tells whether the method iterates loops.
+
+    Raises
+    ------
+    BadInput
+        If there is one where the length of all steps follows from a local error, and if instances
+        of an FMU disturb one another.
+    """
+    reasons: dict[str, str] = {}
+    faults: list[str] = []
+    for name in rolled_back(system, iterates):
+        inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
+        try:
+            fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
+        except BadInput as error:
+            faults += error.faults
+            continue
+        if fault:
+            reasons[name] = fault
+    if any(wire.local_error is not None for wire in system.wires):
+        faults += [f"{name}: {why}; take no local_error" for name, why in reasons.items()]
+    if faults:
+        raise BadInput(faults)
+    return reasons
+
+
+def without_rollback(system: System, reasons: dict[str, str]) -> System:
+    """The system with participants that are not restored where there is a reason."""
+    return replace(
+        system,
+        participants={
+            name: OneWayParticipant(participant) if name in reasons else participant
+            for name, participant in system.participants.items()
+        },
+    )
 
 
 def objections(system: System, method: Method) -> dict[str, str]:
@@ -22,7 +67,7 @@ def objections(system: System, method: Method) -> dict[str, str]:
     if not isinstance(method, Newton) or method.differences:
         return {}
     reasons = {}
-    for name in system.order:
+    for name in rolled_back(system):
         participant = system.participants[name]
         inputs = [w.target[1] for w in system.wires if w.target[0] == name]
         outputs = [w.source[1] for w in system.wires if w.source[0] == name]

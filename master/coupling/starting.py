@@ -20,9 +20,7 @@ LARGEST_CHECKED = 20
 """Unknowns of a start loop that is checked for being singular: an evaluation for each."""
 
 
-def start(
-    system: System, trial: Callable[[Participant], Iterable[str]] = lambda participant: ()
-) -> None:
+def start(system: System) -> None:
     """Initialise the participants with start values that agree.
 
     In Initialization Mode outputs follow inputs, so that the wires are iterated there as in a macro
@@ -32,8 +30,6 @@ def start(
     ----------
     system : System
         The participants start in its order.
-    trial : callable
-        Called with each participant that has started; returns its faults.
 
     Raises
     ------
@@ -69,7 +65,6 @@ def start(
     for c in system.wires:
         if c.source[0] in started and c.target[0] in started:
             started[c.target[0]].set(c.target[1], started[c.source[0]].get(c.source[1]))
-    faults += [fault for participant in started.values() for fault in trial(participant)]
     if faults:
         raise BadInput(faults)
 

@@ -9,7 +9,7 @@ from ..case.schema import reduced
 from ..fmi.quantities import short
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines
-from .verdicts import RANK, Verdict, verdicts
+from .verdicts import RANK, WORDS, Verdict, verdicts
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def answer(case, results) -> Answer:
         lines.append(Headline("settled", settled))
     lines.append(Headline("computed", _computed(results.whole)))
     if judged:
-        lines.append(Headline("verdicts", _counted(judged)))
+        lines.append(Headline("checks", _counted(judged)))
     return Answer(lines, judged)
 
 
@@ -94,7 +94,7 @@ def _computed(results):
 
 
 def _counted(judged):
-    """How many of each colour."""
+    """How many passed, warn and failed."""
     colours = [one.colour for one in judged]
-    counts = [f"{colours.count(colour)} {colour}" for colour in RANK if colour in colours]
+    counts = [f"{colours.count(colour)} {WORDS[colour]}" for colour in RANK if colour in colours]
     return ", ".join(counts)

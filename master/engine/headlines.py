@@ -195,7 +195,7 @@ def contact_share(results, film) -> float | None:
     """Share of the friction work of the last period that contact took; None where the run does not
     say it.
 
-    Eq. (X18):  (s_1 W_1 - s_0 W_0) / (W_1 - W_0),   W_i = sum of H_k P(t_k) from the start on
+    Eq. (X20):  (s_1 W_1 - s_0 W_0) / (W_1 - W_0),   W_i = sum of H_k P(t_k) from the start on
                 s the share since the start, P the friction power, 0 and 1 the period's ends
     """
     ports = f"{film}.boundary_friction_share", f"{film}.friction_power"
@@ -209,7 +209,7 @@ def contact_share(results, film) -> float | None:
     work = np.concatenate([[0.0], np.cumsum(steps)])
     first = len(share) - len(results.last.time)
     spent = work[-1] - work[first]
-    # Eq. (X18)
+    # Eq. (X20)
     return float((share[-1] * work[-1] - share[first] * work[first]) / spent) if spent else 0.0
 
 

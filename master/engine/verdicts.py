@@ -37,6 +37,8 @@ OPENING = 3
 Colour = Literal["green", "amber", "red"]
 RANK: tuple[Colour, ...] = ("green", "amber", "red")
 """From good to bad."""
+WORDS: dict[Colour, str] = {"green": "pass", "amber": "warning", "red": "fail"}
+"""Outcome of a check, as it is shown."""
 
 
 class Verdict(NamedTuple):
@@ -45,6 +47,11 @@ class Verdict(NamedTuple):
     colour: Colour
     what: str
     said: str
+
+    @property
+    def outcome(self) -> str:
+        """The colour in words: pass, warning or fail."""
+        return WORDS[self.colour]
 
 
 def verdicts(case, results) -> list[Verdict]:

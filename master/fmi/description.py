@@ -8,13 +8,9 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
 
+from .fields import VENDOR
 from .requirements import PACKAGES
 from .slave import PRODUCT, SEED, element_names, reserved
-
-VENDOR = "piston-cosim"
-"""Name of the VendorAnnotations tool entry that lists the reserved directional-derivative
-references.
-"""
 
 AUTHOR = "the piston-cosim developers"
 COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"

@@ -22,6 +22,8 @@ TYPES_3 = {
     "Clock": "Clock",
 }
 """FMI 3 types by their FMI 2 names, where those have one."""
+VENDOR = "piston-cosim"
+"""Name of the VendorAnnotations tool entry that lists the reserved references of derivatives."""
 NO_NUMBERS = ("String", "Binary", "Clock")
 """Types that cannot be recorded as numbers."""
 

@@ -98,11 +98,11 @@ def difference(
             name: (participant.get(name) - before[name]) / size for name in products
         }  # Eq. (P1)
     finally:
-        _put_back(participant, end, {name: before[name] for name in seeds})
+        put_back(participant, end, {name: before[name] for name in seeds})
         participant.free(end)
 
 
-def _put_back(participant: Participant, saved: Any, inputs: Mapping[str, Any]) -> None:
+def put_back(participant: Participant, saved: Any, inputs: Mapping[str, Any]) -> None:
     """Restore a state and set its inputs: what was set counts, and never what an FMU answers."""
     participant.restore(saved)
     for name, value in inputs.items():
@@ -239,7 +239,7 @@ def _tried(
             responds = responds or verdict
         return responds
     finally:
-        _put_back(participant, begin, start)
+        put_back(participant, begin, start)
         participant.free(begin)
 
 

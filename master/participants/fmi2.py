@@ -22,9 +22,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
-from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
-from ..fmi.fields import gather_fields
+from ..fmi.fields import VENDOR, gather_fields
 from .derivatives import difference
 from .exits import guard_exit
 from .kept import keep_description, kept_description
@@ -62,6 +61,7 @@ class FmuParticipant:
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
+    event_mode = True
     _is_kept = True  # what is read of its description
     _whole_numbers = {
         "Integer": "fmi2GetInteger",
@@ -87,7 +87,7 @@ class FmuParticipant:
         self._written: Block | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
-        self._functions: Functions | None = None
+        self._functions: Any = None  # `Functions` of an instance
         self._derivative = self._reserved_references(root)
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
@@ -170,6 +170,7 @@ class FmuParticipant:
         `start`: outputs there follow the inputs that are set.
         """
         guard_exit(self)
+        self.started_with = parameters, start_time, stop_time
         self.log.clear()
         self._forget_inputs()
         self._begun = self._broken = False
@@ -187,6 +188,14 @@ class FmuParticipant:
             self._fmu.exitInitializationMode()
         self._begun = True
 
+    def another(self):
+        """Return a second instance that is not started, None where the FMU allows one only."""
+        if self.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+            return None
+        one = type(self)(f"{self.name}_trial", self.path, self.sizes, self.elements)
+        one.event_mode = self.event_mode
+        return one
+
     def warned(self):
         """What the FMU logged as warnings while it started, each once: list of texts; to be asked
         for before the first step.
@@ -199,9 +208,11 @@ class FmuParticipant:
         try:
             yield
         except Exception as error:
-            raise self._refusal() or BadInput(f"{self.name}: {error}") from error
+            raise self._refusal() or BadInput(f"{self.name}: {error}{self._hint}") from error
         if refusal := self._refusal():
             raise refusal
+
+    _hint = ""  # what to try where it does not start
 
     def _slave(self, kind):
         """FMPy's slave of this FMU."""
@@ -372,8 +383,8 @@ class FmuParticipant:
 
         All arguments are objects of ctypes, so that nothing is converted.
         """
-        assert self._functions is not None, "the FMU is not instantiated"
-        status = self._functions[function](self._functions.component, *arguments)
+        functions = self._functions
+        status = functions[function](functions.component, *arguments)
         if status > fmi2.fmi2Warning:
             raise FMICallException(function, status)
 
@@ -400,26 +411,30 @@ class FmuParticipant:
 
     def _getters(self, names):
         """Return names of scalars by type, each with a function that returns their values."""
-        getters = []
-        for kind in self._access():
-            chosen = tuple(name for name in names if self._kind(name) == kind)
-            if chosen:
-                references = [self.fields[name].references[0] for name in chosen]
-                getters.append((chosen, self._getter(kind, chosen, references)))
-        return getters
+        kinds: dict[str, list[str]] = {}
+        for name in names:
+            kind = self._kind(name)
+            kinds.setdefault(self._whole_numbers.get(kind, kind), []).append(name)
+        return [
+            (chosen, self._getter(kind, chosen, [self.fields[n].references[0] for n in chosen]))
+            for kind, chosen in ((kind, tuple(found)) for kind, found in kinds.items())
+        ]
 
     def _getter(self, kind, names, references):
-        """Return a function that returns the values of several scalars of a type."""
+        """Return a function that returns the values of several scalars.
+
+        kind : type, or the function of the FMU that reads whole numbers.
+        """
         if kind in ("Real", "Float64"):
             return lambda: self.read(names).tolist()
-        if kind not in self._whole_numbers:
+        if kind not in self._whole_numbers.values():
             return partial(self._access()[kind][0], references)
         count = len(references)
         values = (ctypes.c_int * count)()
         arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
 
         def listed():
-            self._call(self._whole_numbers[kind], *arguments)
+            self._call(kind, *arguments)
             return list(values)
 
         return listed

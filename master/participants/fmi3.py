@@ -81,7 +81,12 @@ class Fmu3Participant(FmuParticipant):
     @cached_property
     def _has_events(self):
         """Whether the FMU is used with Event Mode."""
-        return bool(self.description.coSimulation.hasEventMode)
+        return self.event_mode and bool(self.description.coSimulation.hasEventMode)
+
+    @property
+    def _hint(self):
+        tried = "; if it rejects the Event Mode that it declares, set event_mode = false"
+        return tried if self._has_events else ""
 
     @cached_property
     def _discrete(self):

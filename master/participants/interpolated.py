@@ -164,8 +164,13 @@ class InterpolatedParticipant(FieldByField):
             self.participant.set_course(name, course)
 
     def save(self):
-        """A handle on the state, the ends of the last step among it."""
-        return self.participant.save(), dict(self.now)
+        """A handle on the state, the ends of the last step among it; the next step begins there."""
+        self._begin = self.participant.save(), dict(self.now)
+        return self._begin
+
+    def begin_here(self):
+        """Let the next step begin with the ends of the last one, for one that saves no states."""
+        self._begin = None, dict(self.now)
 
     def restore(self, saved):
         """Go back to a saved state; the next step begins there."""

@@ -61,7 +61,8 @@ class IsolatedParticipant:
         memory = shared_file(2 * sum(field.size for field in self.fields.values()))
         described = self.described
         length = getattr(described, "length", None)
-        recipe = self.name, self.path, described.sizes, length, described.elements
+        how = described.elements, described.event_mode
+        recipe = self.name, self.path, described.sizes, length, *how
         self._process = Worker(_serve, memory, recipe, files=[memory])
         self._pipe = self._process.pipe
         self._values, self._changes = _views(shared_numbers(memory), self.fields)
@@ -71,8 +72,13 @@ class IsolatedParticipant:
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
+    def another(self):
+        """Return a second instance in a process of its own, not started."""
+        return type(self)(self.described, self.timeout)
+
     def enter(self, parameters, start_time, stop_time):
         """First half of `start`; see `FmuParticipant.enter`."""
+        self.started_with = parameters, start_time, stop_time
         if self._process is None:
             self.launch()
         self._ask("enter", parameters, start_time, stop_time)

@@ -9,7 +9,7 @@ from .substeps import Substeps
 EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
-def open_fmu(name, path, sizes=None, step=None, elements=()):
+def open_fmu(name, path, sizes=None, step=None, elements=(), event_mode=True):
     """Participant for an FMU of either version of the standard.
 
     Parameters
@@ -23,14 +23,17 @@ def open_fmu(name, path, sizes=None, step=None, elements=()):
         Longest step [s] that it takes inside a macro step.
     elements : iterable of str, optional
         Elements of arrays ("y[2]") that are fields too, next to their array.
+    event_mode : bool
+        Whether to use the Event Mode and the clocks of an FMU that declares them.
     """
-    participant = _kind(path)(name, path, sizes, elements)
+    participant = _kind(path, event_mode)(name, path, sizes, elements)
+    participant.event_mode = event_mode
     if step is None and participant.can_vary_steps:
         return participant
     return Substeps(participant, step, fixed=not participant.can_vary_steps)
 
 
-def _kind(path):
+def _kind(path, event_mode):
     from .clocks import ClockedFmu3  # FMPy is slow to import, and a case is checked without
     from .fmi2 import FmuParticipant
     from .fmi3 import Fmu3Participant
@@ -38,5 +41,6 @@ def _kind(path):
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
         text = archive.read("modelDescription.xml")
         if b'fmiVersion="3' in text[:2000]:
-            return ClockedFmu3 if b"<Clock" in text and EVENTS.search(text) else Fmu3Participant
+            has_clocks = event_mode and b"<Clock" in text and EVENTS.search(text)
+            return ClockedFmu3 if has_clocks else Fmu3Participant
     return FmuParticipant

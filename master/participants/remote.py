@@ -54,6 +54,10 @@ class RemoteParticipant(IsolatedParticipant):
         self._actor: Any = None
         self._kept: Any = None
 
+    def another(self):
+        """Return a second instance on the cluster, not started."""
+        return RemoteParticipant(self.described, self.timeout, self.host)
+
     def launch(self):
         """Send the FMU to the worker with the fewest participants."""
         try:
@@ -72,7 +76,8 @@ class RemoteParticipant(IsolatedParticipant):
         BUSY[self._worker] += 1
         self._values = {}
         described = self.described
-        recipe = described.sizes, getattr(described, "length", None), described.elements
+        how = described.elements, described.event_mode
+        recipe = described.sizes, getattr(described, "length", None), *how
         data = Path(self.path).read_bytes()
         made = (RemoteFmu, self.name, Path(self.path).name, data, recipe)
         place = {"workers": [self._worker], "actor": True, "pure": False}

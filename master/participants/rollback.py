@@ -1,57 +1,159 @@
-"""Trial of an FMU's rollback before the run: a step taken, undone and taken again must give the
-same bytes.
-"""
+"""Trust check of an FMU's saved states before the run: steps with and without restoring them."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from ..fmi.errors import Discard
+from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
+from .derivatives import put_back
+
+STEPS = 2
+"""Steps that are compared: what a state leaves out may show in the second one only."""
+TRUSTED = 1e-12
+"""Largest difference of an output, as a share of its size: round-off of a step."""
 
 
-def rollback_faults(participant, step, begin=0.0):
-    """What is wrong with saving and restoring a started participant's state; it is left as it was.
+def rollback_fault(
+    participant: Any, inputs: Sequence[str], step: float, begin: float = 0.0
+) -> str | None:
+    """Return why the saved states of a started participant are not to be trusted; None if they are.
+
+    Two steps are taken plainly, and again with each step repeated from a saved state. This happens
+    on a second instance where the FMU allows one. The participant is left as it was.
 
     Parameters
     ----------
     participant : Participant
+    inputs : sequence of str
+        Its inputs on wires.
     step : float
-        Macro step [s] to try.
+        Macro step [s].
     begin : float
         Where the participant stands [s].
 
     Returns
     -------
-    list of str
-        Sentences; empty if all is well, or if the participant refuses this step, which the run will
-        then hear.
+    str or None
+        None also if the FMU does not take these steps, which the run then reports.
+
+    Raises
+    ------
+    BadInput
+        If the second instance disturbs the first.
     """
+    before = _outputs(participant)
+    one = _second_instance(participant, inputs)
+    if one is not None:
+        try:
+            fault = _compared(one, inputs, step, begin)
+        finally:
+            with suppress(ParticipantFault):
+                one.close()
+        if any(
+            value.tobytes() != before[name].tobytes()
+            for name, value in _outputs(participant).items()
+        ):
+            raise BadInput(
+                f"{participant.name}: a second instance changes the outputs of the first, although "
+                "canBeInstantiatedOnlyOncePerProcess is false; set isolated = true"
+            )
+        return fault
     try:
         saved = participant.save()
-        try:
-            first = _outcome(participant, saved, begin, step)
-            second = _outcome(participant, saved, begin, step)
-        except Discard:
-            return []
-        finally:
-            participant.restore(saved)
-            participant.free(saved)
-    except FMICallException as error:
-        return [f"{participant.name}: its state cannot be saved and restored: {error}"]
-    different = [name for name, value in first.items() if value != second[name]]
-    if not different:
-        return []
-    return [
-        f"{participant.name}: a step taken again from its saved state gives another "
-        f"{', '.join(different)}"
-    ]
+    except (FMICallException, ParticipantFault) as error:
+        return f"its state cannot be saved: {error}"
+    values = {name: participant.get(name) for name in inputs}
+    fault = _compared(participant, inputs, step, begin)
+    with suppress(FMICallException, ParticipantFault):
+        put_back(participant, saved, values)
+        participant.free(saved)
+    return fault
 
 
-def _outcome(participant, saved, begin, step):
-    """Bytes of every real output after a step from a saved state."""
-    participant.restore(saved)
-    participant.step(begin, step)
+def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
+    """Another instance of the participant's FMU, started in the same way with the same inputs; None
+    if there is none.
+    """
+    while not hasattr(type(participant), "another"):  # a wrapper asks what it wraps for the rest
+        if (participant := vars(participant).get("participant")) is None:
+            return None
+    one = participant.another()
+    if one is None:
+        return None
+    try:
+        one.start(*participant.started_with)
+        for name in one.fields.keys() & inputs:
+            one.set(name, participant.get(name))
+    except (BadInput, ParticipantFault):
+        with suppress(ParticipantFault):
+            one.close()
+        return None
+    return one
+
+
+def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str | None:
+    """What differs between steps with and without saved states."""
+    values = {name: one.get(name) for name in one.fields.keys() & inputs}
+    try:
+        first = one.save()
+    except (FMICallException, ParticipantFault) as error:
+        return f"its state cannot be saved: {error}"
+    times = [begin + k * step for k in range(STEPS)]
+    try:
+        plain = [_outcome(one, time, step) for time in times]
+    except (Discard, ParticipantFault, Finished):
+        return None
+    try:
+        put_back(one, first, values)
+        repeated = [_repeated(one, time, step, values) for time in times]
+        one.free(first)
+    except (FMICallException, Discard, ParticipantFault, Finished) as error:
+        return f"a step from a saved state fails: {error}"
+    return _difference(plain, repeated)
+
+
+def _repeated(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Real outputs after a step that is taken, undone and taken again."""
+    saved = one.save()
+    one.step(time, step)
+    put_back(one, saved, values)
+    one.free(saved)
+    return _outcome(one, time, step)
+
+
+def _outcome(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
+    """Real outputs after a step."""
+    one.step(time, step)
+    return _outputs(one)
+
+
+def _outputs(one: Any) -> dict[str, np.ndarray]:
+    """Real outputs as they are."""
     return {
-        name: np.asarray(participant.get(name)).tobytes()
-        for name, field in participant.fields.items()
+        name: np.array(one.get(name), dtype=float)
+        for name, field in one.fields.items()
         if field.causality == "output" and field.type == "Real"
     }
+
+
+def _difference(
+    plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
+) -> str | None:
+    """The output that differs most, by how much, and at the end of which step."""
+    worst, words = TRUSTED, None
+    for k, (before, after) in enumerate(zip(plain, repeated), 1):
+        for name, value in before.items():
+            other = after[name]
+            is_equal = (value == other) | (np.isnan(value) & np.isnan(other))
+            apart = float(np.max(np.where(is_equal, 0.0, np.abs(other - value))))
+            share = apart / float(max(np.max(np.abs(value)), np.max(np.abs(other)))) if apart else 0
+            if not share <= worst:
+                worst = share
+                words = (
+                    f"with its state saved and restored {name} differs by {apart:.3g} "
+                    f"({share:.2g} of its size) after step {k}"
+                )
+    return words

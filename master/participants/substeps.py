@@ -59,6 +59,11 @@ class Substeps(FieldByField):
     def __getattr__(self, name):
         return getattr(self.participant, name)
 
+    def another(self):
+        """See `FmuParticipant.another`."""
+        one = self.participant.another()
+        return one and Substeps(one, self.length, self.fixed)
+
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next macro step."""
         self._courses[name] = np.array(course, dtype=float)

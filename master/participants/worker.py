@@ -42,10 +42,10 @@ class Worker:
         self, function: Callable[..., None], *arguments: Any, files: Sequence[int] = ()
     ) -> None:
         here, there = socket.socketpair()
-        text = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; "
+        text = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import spawn_main; "
         with there:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", f"{text}serve({there.fileno()})"],
+                [sys.executable, "-c", f"{text}spawn_main({there.fileno()})"],
                 pass_fds=(there.fileno(), *files),
             )
         self.pipe = Connection(here.detach())
@@ -74,7 +74,7 @@ class Worker:
         return f"exit code {code}"
 
 
-def serve(descriptor: int) -> None:
+def spawn_main(descriptor: int) -> None:
     """Call what the other side sends first; Ctrl-C is for the other side."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, args=(descriptor,), daemon=True).start()

@@ -32,7 +32,7 @@ class CouplingLog:
         self.total = counters.residual_evaluations
         targets = [" ".join(".".join(wire.target).split()) for wire in wires]
         self.widths = [max(12, len(target)) for target in targets]
-        self.row = "{:>6} {:>9} " + " ".join(f"{{:>{width}.4e}}" for width in self.widths) + "\n"
+        self.row = "%6d %9d " + " ".join(f"%{width}.4e" for width in self.widths) + "\n"
         self.iterations = _table(log_path(output, "iterations"), ATTEMPT.format(*HEADER), windows)
         self.convergence = _table(log_path(output, "convergence"), self._header(targets), windows)
 
@@ -49,7 +49,7 @@ class CouplingLog:
         self.total += len(trail)
         window = self.windows + 1
         for k, shares in enumerate(trail):
-            self.convergence.write(self.row.format(window, k + 1, *shares))
+            self.convergence.write(self.row % (window, k + 1, *shares))
         line = ATTEMPT.format(
             window, repr(time), repr(step), len(trail), self.total, int(failure is None)
         )

@@ -6,7 +6,7 @@ import json
 import platform
 import time as clock
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
@@ -15,11 +15,18 @@ import numpy as np
 
 from ..case.contract import contract, players
 from ..case.schema import reduced
+from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
 from ..coupling.methods.compiled_newton import compiled_where_it_can
-from ..coupling.negotiation import by_differences, objections, sentences
+from ..coupling.negotiation import (
+    by_differences,
+    objections,
+    sentences,
+    untrusted,
+    without_rollback,
+)
 from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
@@ -29,7 +36,6 @@ from ..fmi.errors import BadInput, Finished
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.plugins import made
-from ..participants.rollback import rollback_faults
 from .checkpoint import (
     Account,
     Checkpoint,
@@ -109,14 +115,16 @@ def run(
         try:
             if begin_at:
                 _check_resumable(begin_at, system, output)
-            start(
-                system,
-                (lambda participant: []) if begin_at else partial(_trial, system),
-            )
+            start(system)
             for line in _warnings(system):
                 say(line)
+            if not begin_at:
+                distrusted = untrusted(system, case.coupling.method != "explicit")
+                for name, why in distrusted.items():
+                    say(f"{name}: {why}; it is treated as an FMU without saved states")
+                system = without_rollback(system, distrusted)
             objected = objections(system, method_of(case.coupling))
-            for line in sentences(objected):
+            for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
             negotiated = by_differences(system, objected)
             told = Told(watch, log)
@@ -153,11 +161,6 @@ def _warnings(system):
             yield from (f"{name}: {text}" for text in warned())
 
 
-def _trial(system, participant):
-    """What is wrong with going back to a saved state, where the participant offers it."""
-    return rollback_faults(participant, system.step, system.begin) if participant.can_redo else []
-
-
 class Told(NamedTuple):
     """Who is told of a run: `watch` of every step, `log` of every period; see `run`."""
 
@@ -181,7 +184,11 @@ class March:
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
             system,
-            compiled_where_it_can(method_of(case.coupling), system),
+            by_components(
+                compiled_where_it_can(method_of(case.coupling), system),
+                system,
+                case.coupling.halvings,
+            ),
             case.coupling.halvings,
             self,
             case.coupling.predictor,
@@ -251,7 +258,7 @@ class March:
             "case": json.dumps(self.tree),
             "versions": json.dumps(versions()),
             "derivatives": json.dumps(derivatives),
-            "method": type(self.stepper.method).__name__,
+            "method": type(getattr(self.stepper.method, "method", self.stepper.method)).__name__,
             "period": json.dumps(period),
             "masks": json.dumps(self.system.masks),
         }
@@ -280,6 +287,9 @@ class March:
             summary |= self.account.repetition.summary()
         if count := sum(map(bool, self.objected.values())):
             summary["derivatives_by_differences"] = count
+        unable = sum(bool(one.fixed) for one in components(self.system))
+        if unable and self.case.coupling.method != "explicit":
+            summary["loops_stepped_explicitly"] = unable
         self.recorder.finish(summary, self._time(self.account.began))
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
@@ -302,8 +312,8 @@ class March:
         return ""
 
     def _time(self, step):
-        """When a macro step ends [s], counted from 1."""
-        return self.system.begin + (self.system.stop - self.system.begin) * step / self.steps
+        """Return when a macro step ends [s], counted from 1: the communication points of FMPy."""
+        return self.system.begin + step * self.system.step
 
     @property
     def _end_of_period(self):

@@ -5,10 +5,13 @@ Eq. (X5):  x_n = x_0 / (1 + H k)^n                  a lag alone, backward Euler
 Eq. (X6):  sum over n steps of k = n (n - 1) / 2    a counter read at the beginning of each step
 """
 
+import zipfile
+
 import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.ssp import read_ssp
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 from piston_cosim.master.results.file import Results
@@ -175,12 +178,30 @@ def test_units_of_different_kind_are_refused(folder, library):
 
 def test_without_saved_states_where_nothing_is_repeated(folder, library):
     make(folder / "b.fmu", library, can_redo=False)
-    assert "cannot save and restore" in refused(folder, case_text(LOOP))
+    summary, _ = solved(folder, case_text(LOOP, a="k = 2.0"))
+    assert summary["loops_stepped_explicitly"] == 1 and summary["unconverged_steps"] == STEPS
+    controlled = [LOOP[0], ("b.x", "a.u", "local_error = 1e-3")]
+    assert "cannot save and restore" in refused(folder, case_text(controlled))
     _, results = solved(folder, case_text([("a.x", "b.u", "")], method="explicit"))
     a = np.array([1.1**-n for n in range(STEPS + 1)])
     b = [1.0]
     for k in range(STEPS):
         b.append((b[-1] + H * a[k + 1]) / (1 + H))  # b steps after a and reads what a has computed
+    np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-14)
+
+
+@pytest.mark.parametrize("can_redo", [True, False])
+@pytest.mark.parametrize("where", ["wire", "coupling"])
+def test_the_mean_of_both_ends_needs_no_capability(folder, library, can_redo, where):
+    make(folder / "b.fmu", library, can_redo=can_redo)
+    of_wire = 'interpolation = "mean"' if where == "wire" else ""
+    of_coupling = "" if where == "wire" else 'inputs = "mean"'
+    wires = [("a.x", "b.u", of_wire), ("a.n", "b.number", "")]  # whole numbers have no mean
+    _, results = solved(folder, case_text(wires, method="explicit", more=of_coupling))
+    a = np.array([1.1**-n for n in range(STEPS + 1)])
+    b = [1.0]
+    for k in range(STEPS):
+        b.append((b[-1] + H * (a[k] + a[k + 1]) / 2) / (1 + H))  # Eq. (P10)
     np.testing.assert_allclose(results.series("b.x").values, b, rtol=1e-14)
 
 
@@ -284,3 +305,31 @@ def test_names_that_files_do_not_like_are_recorded_and_wired(folder, library, na
 def test_names_of_participants_that_results_files_cannot_hold(folder):
     text = case_text([]).replace("participants.a", "participants.fields").replace('"a"', '"fields"')
     assert "'fields' cannot name a participant" in refused(folder, text)
+
+
+@pytest.mark.parametrize(
+    "joined, wires",
+    [
+        ([("y[2]", "v[2]")], [("a.y[2]", "b.v[2]")]),
+        ([("y[1]", "v[2]"), ("y[2]", "v[1]")], [("a.y[1]", "b.v[2]"), ("a.y[2]", "b.v[1]")]),
+        ([("y[1]", "v[1]"), ("y[2]", "v[2]")], [("a.y", "b.v")]),
+        ([("y[2]", "z")], [("a.y[2]", "b.z")]),
+    ],
+)
+def test_connections_of_an_ssp_join_elements_or_whole_arrays(folder, library, joined, wires):
+    make(folder / "a.fmu", library, names={"x": "y[1]", "number_sum": "y[2]"})
+    make(folder / "b.fmu", library, names={"u": "v[1]", "k": "v[2]"})
+    ssd = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+    parts = [f'<ssd:Component name="{name}" source="resources/{name}.fmu"/>' for name in "ab"]
+    parts += [
+        f'<ssd:Connection startElement="a" startConnector="{one}" endElement="b" '
+        f'endConnector="{two}"/>'
+        for one, two in joined
+    ]
+    with zipfile.ZipFile(folder / "x.ssp", "w") as archive:
+        text = f'<ssd:System xmlns:ssd="{ssd}">{"".join(parts)}</ssd:System>'
+        archive.writestr("SystemStructure.ssd", text)
+        for name in "ab":
+            archive.write(folder / f"{name}.fmu", f"resources/{name}.fmu")
+    found = [(wire["from"], wire["to"]) for wire in read_ssp(folder / "x.ssp")["wires"]]
+    assert found == wires

@@ -18,6 +18,7 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.checkpoint import (
     CHECKSUM,
     MAGIC,
+    VERSION,
     Checkpoint,
     check_code,
     source_hashes,
@@ -121,9 +122,9 @@ def test_what_is_damaged_anywhere_is_refused(checkpoint):
 
 def test_one_of_another_layout_is_refused(checkpoint):
     whole = bytearray(checkpoint.read_bytes())
-    whole[len(MAGIC)] = 2
+    whole[len(MAGIC)] = 3
     checkpoint.write_bytes(whole)
-    with pytest.raises(BadInput, match="layout 2; this version reads 1"):
+    with pytest.raises(BadInput, match="layout 3; this version reads 2"):
         Checkpoint.read(checkpoint)
 
 
@@ -139,7 +140,7 @@ def test_a_crafted_file_runs_nothing(checkpoint, tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     trap = pickle.dumps(Trap())
-    head = MAGIC + (1).to_bytes(4, "little")
+    head = MAGIC + VERSION.to_bytes(4, "little")
     for data in (trap, head + sha256(trap).digest() + trap):
         checkpoint.write_bytes(data)
         with pytest.raises(BadInput, match="no checkpoint"):

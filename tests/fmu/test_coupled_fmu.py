@@ -16,6 +16,7 @@ from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import too_old
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -260,3 +261,31 @@ def test_fmi_3_gives_the_same_bits(tree, coupled, reference):
             participant.step(k * step, step)
         seen.append(watched(participant))
     assert seen[0] == seen[1]
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_gas_of_table_and_input_is_told_once_and_selected(native):
+    """Near firing top dead centre; the input is 1 MPa."""
+    if native and (not compiler() or too_old()):
+        pytest.skip("no C compiler, or numba is too old")
+    path = find_case("data_sheet")
+    small = [change for change in SMALL if "modes" not in change[0]]
+    case = check_case(read_tree(path, small), path)
+    engine = export_fmu(case, path.parent, print, platforms=("linux64",) if native else ())
+    shown = {}
+    for source in ("either", "table", "input", "sum"):
+        one = FmuParticipant("engine", engine)
+        number = one.fields["gas_source"].choices[source]
+        step = float(one.description.defaultExperiment.stepSize)
+        start = {"start_crank_angle": np.radians(8.0), "gas_source": number}
+        one.start(start | {"gas_pressure": 1e6}, 0.0, 1.0)
+        told = []
+        for k in range(2):
+            one.step(k * step, step)
+            told += [text for _, text in one.log if "gas_source" in text]
+        shown[source] = one.get("cylinder_pressure")
+        assert len(told) == (source == "either"), told
+        one.close()
+    assert shown["input"] == 1e6
+    assert shown["either"] == shown["sum"] == shown["table"] + shown["input"]
+    assert shown["table"] > 5e6  # near the peak of the table, 6.8 MPa at 8 deg

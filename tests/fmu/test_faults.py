@@ -167,18 +167,18 @@ def test_full_disk(whole, tmp_path):
 
 
 @pytest.mark.parametrize("isolated", ["false", "true"])
-def test_faults_of_all_participants_are_heard_at_once(tmp_path, isolated):
-    """One cannot be repeated, the other refuses a parameter; nothing runs."""
+def test_a_state_that_is_not_restored_is_reported_before_anything_is_written(tmp_path, isolated):
+    """One cannot be repeated: with steps by local error nothing runs, else the loop is explicit."""
     (tmp_path / "marker").touch()
-    done = run(
-        tmp_path,
-        "forgetful",
-        changes=["participants.good.parameters.at=inf s", f"participants.good.isolated={isolated}"],
-    )
+    changes = [f"participants.bad.isolated={isolated}", "time.stop=0.05 s"]
+    done = run(tmp_path, "forgetful", changes=[*changes, "wires.0.local_error=0.1"])
     assert done.returncode == 2
-    assert "bad: a step taken again from its saved state gives another x" in done.stderr
-    assert "good: at = inf s: must be finite" in done.stderr
+    assert "bad: with its state saved and restored x differs by " in done.stderr
     assert not (tmp_path / "base.h5.partial").exists()
+    done = run(tmp_path, "forgetful", changes=changes)
+    assert done.returncode == 0
+    assert "bad: with its state saved and restored x differs by " in done.stdout
+    assert "explicit   good, bad  (bad cannot go back to a saved state)" in done.stdout
 
 
 def test_a_timeout_that_is_none_is_bad_input(tmp_path):

@@ -10,6 +10,7 @@ from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.engine.headlines import measures
 from piston_cosim.master.participants.local import LocalParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.extrapolation import Extrapolation
@@ -64,6 +65,28 @@ def test_results_are_on_one_cycle(runs):
     angle = np.degrees(periodic.series("bodies.crank_angle").values)
     assert angle == pytest.approx(np.linspace(-360, 360, 121), abs=1e-6)
     assert periodic.time == pytest.approx(np.radians(angle + 360) / (1680 * np.pi / 30), abs=1e-9)
+
+
+def test_another_period_changes_the_numbers_by_less_than_a_hundredth(tmp_path):
+    """What is left to go is a share of the last change, which the tolerance keeps to 1e-3 of each
+    field's range; a smallest or largest value follows the fields by a factor of a few.
+    """
+    summaries = []
+    for least in (2, None):
+        more = () if least else (("time.least_periods", summaries[0]["periods"] + 1),)
+        case = {"path": find_case("numerical_example"), "grid": (16, 12), "step": "3 deg"}
+        rigid = [(f"participants.bodies.build.{body}.modes", 0) for body in ("piston", "block")]
+        summary, results = through(tmp_path, f"least{least}", *rigid, *more, **case)
+        with results:
+            tilt = results.series("bodies.rocking_angle").values
+            summaries.append(summary | measures(results) | {"tilt": np.ptp(tilt)})
+    one, other = summaries
+    assert one["periodic"] and other["periods"] == one["periods"] + 1
+    for name in (
+        *("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w"),
+        *("lateral_displacement_min_m", "lateral_displacement_max_m", "slap_energy_j", "tilt"),
+    ):
+        assert other[name] == pytest.approx(one[name], rel=0.01), name
 
 
 @pytest.mark.slow

@@ -56,7 +56,7 @@ def test_what_other_processes_have_kept_meanwhile_stays(tmp_path, monkeypatch):
     (kept,) = (tmp_path / "answers").iterdir()
     before = json.loads(kept.read_text())
     ask("to_si('7 mm', 'm')")
-    assert json.loads(kept.read_text()) == before | {'["to_si", "7 mm", "m"]': 7e-3}
+    assert json.loads(kept.read_text()) == before | {'["_by_pint", "7 mm", "m"]': 7e-3}
 
 
 def test_products_and_conversions_by_hand():

@@ -82,6 +82,50 @@ def test_angles_become_times(case_file):
     assert smallest == pytest.approx(step / 64, rel=1e-12)
 
 
+CRANK = {
+    "title": "A crank",
+    "time": {"stop": "720 deg", "step": "1 deg", "angular_speed": "bodies.crank_speed"},
+    "wires": [],
+    "coupling": {"order": ["bodies", "ehd"]},
+}
+
+
+@pytest.mark.parametrize(
+    "build, time, period",
+    [
+        ({}, {}, "360 deg"),
+        ({"gas": {"file": "gas.csv"}}, {}, "720 deg"),
+        ({"gas": {"file": "gas.csv", "strokes": 2}}, {}, "360 deg"),
+        ({"speed": {"file": "speed.csv"}}, {}, "720 deg"),
+        ({"gas": {"file": "gas.csv"}}, {"period": "1440 deg"}, "1440 deg"),
+        ({}, {"angular_speed": None}, None),
+    ],
+)
+def test_the_period_is_that_of_the_machine(build, time, period):
+    parts = {name: {"fmu": f"{name}.fmu", "build": build} for name in ("bodies", "ehd")}
+    case = check_case(CRANK | {"time": CRANK["time"] | time, "participants": parts}, "case.toml")
+    assert case.period == period
+
+
+@pytest.mark.parametrize(
+    "time, fault",
+    [
+        (
+            {"step": "7 deg"},
+            "time.period = 360 deg: is no multiple of time.step = 7 deg; 357 deg and 364 deg are",
+        ),
+        ({"angular_speed": None, "step": "1 s"}, "time.period: required with time.until_periodic"),
+        ({"period": "-1 deg"}, "time.period = -1 deg: must be positive"),
+    ],
+)
+def test_a_period_that_cannot_be_is_refused(time, fault):
+    given = {**CRANK["time"], "until_periodic": 1e-3, "stop": None, **time}
+    parts = {name: {"fmu": f"{name}.fmu"} for name in ("bodies", "ehd")}
+    case = check_case(CRANK | {"time": given, "participants": parts}, "")
+    with pytest.raises(BadInput, match=fault):
+        times(case, 1.0 if case.time.angular_speed else None)
+
+
 def test_times_in_the_wrong_dimension_are_refused(case_file):
     path = case_file(
         GOOD.replace('stop = "720 deg"', 'stop = "7 bar"').replace(

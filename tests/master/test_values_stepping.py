@@ -257,13 +257,14 @@ def test_inputs_begin_with_what_started_participants_say(affine):
 def test_every_refusal_at_the_start_is_told(affine):
     system = affine([[1.0]], square, FINE)
 
-    def refuse(*given):
-        raise BadInput(["too long", "too wide"])
+    def refuse(*faults):
+        raise BadInput([*faults])
 
-    system.participants["plant"].leave = refuse
+    system.participants["plant"].leave = lambda *given: refuse("too long", "too wide")
+    system.participants["echo"].leave = lambda *given: refuse("too high")
     with pytest.raises(BadInput) as refusal:
-        start(system, lambda participant: [f"{participant.name}: forgets"])
-    assert refusal.value.faults == ["too long", "too wide", "echo: forgets"]
+        start(system)
+    assert refusal.value.faults == ["too long", "too wide", "too high"]
 
 
 class Interface(SimpleNamespace):

@@ -219,7 +219,7 @@ def test_the_first_screen_by_hand(tmp_path):
     assert said["oil"] == "300 mm³ in the film, 2 mm³/s out over the upper edge"
     assert said["settled"] == "last period differs from the one before by 0.0002"
     assert said["computed"] == "1440 deg, 2 periods, in 10 steps, 3 s"
-    assert said["verdicts"] == "6 green"
+    assert said["checks"] == "6 pass"
     assert len(shown.lines) <= 12
 
 

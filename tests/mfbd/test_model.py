@@ -438,13 +438,13 @@ def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
 
 
 def test_static_modes_are_where_moving_ones_go(reduced):
-    """A load that rises and falls in 4.4 ms, slow for modes above 22 kHz: with and without inertia
-    they are at the same place. The gas is weak, 0.3 MPa: nothing holds A, and 3 MPa drive it 26 mm
-    aside, where the gas on the bore's axis turns the piston by 2 rad.
+    """A load that rises and falls in 4.4 ms, slow for modes above 14.5 kHz: with and without
+    inertia they are at the same place. The gas is weak, 0.3 MPa: nothing holds A, and 3 MPa drive
+    it 26 mm aside, where the gas on the bore's axis turns the piston by 2 rad.
     """
     moving, static = (
         assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02)
-        for f in (1e9, 22e3)
+        for f in (1e9, 14.5e3)
     )
     k, m = len(static.system.piston.stiffness), len(moving.system.piston.stiffness)
     fast = np.r_[
@@ -461,7 +461,7 @@ def test_static_modes_are_where_moving_ones_go(reduced):
                 state, Inputs(SPEED, 3e5 * share, share * F, share * f), STEP
             )
         places.append(out["modal_coordinate"])
-    # (load's frequency / mode's)^2 is 1e-4, 2 damping ratio (load's frequency / mode's) 4e-4;
+    # (load's frequency / mode's)^2 is 3e-4, 2 damping ratio (load's frequency / mode's) 6e-4;
     # ringing adds 1e-3
     np.testing.assert_allclose(
         places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max()

@@ -93,7 +93,8 @@ def test_faults_of_a_mesh_and_of_its_modes(bodies):
     folder, table = bodies
     turned = table | {"piston": table["piston"] | {"axes": ["y", "x", "-z"]}}
     assert "its axis lies along" in preview(turned, {}, folder).faults[0]
-    many = table | {"grid": [4, 4], "piston": table["piston"] | {"modes": 60}}
+    count = {"modes": 60, "basis": "pressure_modes"}
+    many = table | {"grid": [4, 4], "piston": table["piston"] | count}
     many["block"] = table["block"] | {"mesh": "no.msh"}
     assert "block.mesh = 'no.msh'" in preview(many, {}, folder).faults[0]
     many["block"] = table["block"]

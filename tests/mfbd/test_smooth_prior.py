@@ -14,6 +14,7 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     AROUND,
     NEGLIGIBLE,
     SurfaceAnswers,
+    expected_missing,
     expected_patterns,
     pressure_root,
     smooth_pressure_modes,
@@ -40,11 +41,16 @@ def test_the_root_has_the_covariance_of_the_equation():
         apart = min(apart, 2 * np.pi - apart)
         far = HEIGHT[i % 5] - HEIGHT[j % 5]
         expected[i, j] = np.exp(-((apart / AROUND) ** 2) / 2 - (far / length) ** 2 / 2)
-    expected[7] = expected[:, 7] = 0.0
+    # 1 % more on the thrust lines, 90 and 270 deg; three times 10 deg off them 0.011 %
+    weight = np.ones(12)
+    weight[[3, 9]] = 1.01
+    weight[[2, 4, 8, 10]] += 0.01 * np.exp(-4.5)
+    weight = np.repeat(weight, 5) * there
+    expected *= weight[:, None] * weight
     largest = np.linalg.norm(expected, 2)
     np.testing.assert_allclose(root @ root.T, expected, atol=60 * NEGLIGIBLE * largest)
     strength = (pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE) ** 2).sum(axis=0)
-    assert np.all(np.diff(strength) <= 1e-12 * strength[0])
+    assert np.all(strength[1:] <= 1.01**2 * strength[:-1])  # strongest first, but for the 1 %
 
 
 def springs(points, stiffness):
@@ -55,18 +61,22 @@ def springs(points, stiffness):
 
 
 def test_equal_springs_yield_to_the_patterns_of_the_prior():
-    """G = 1/k, so that the patterns are the columns of S and what k of them miss is their tail."""
+    """G = 1/k, so that the patterns are the singular vectors of S, and a patch S S^T e_j misses
+    what the others of them hold of it.
+    """
     body, reading = springs(60, 3.0)
     root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
     answers = surface_answers(body, reading, root)
     np.testing.assert_allclose(answers.radial, root / 3.0, rtol=1e-14)
-    found = expected_patterns(answers, np.empty((60, 0)))
-    whole = (root**2).sum(axis=1).max()
-    for k in (0, 1, 10):  # between them no two patterns are equally strong
-        tail = (root[:, k:] ** 2).sum(axis=1).max()
-        assert found.missing[k] == pytest.approx(np.sqrt(tail / whole), rel=1e-9)
-    assert found.missing[-1] == 0.0
-    assert np.all(np.diff(found.missing) <= 0.0)
+    nothing = np.empty((60, 0))
+    found = expected_missing(answers, nothing, expected_patterns(answers, nothing))
+    whole = np.linalg.norm(root @ root.T, axis=0)
+    u, size, _ = np.linalg.svd(root, full_matrices=False)
+    for k in (0, 1, 10):
+        tail = np.linalg.norm(u[:, k:] * size[k:] ** 2 @ u[:, k:].T, axis=0)
+        assert found[k] == pytest.approx((tail / whole).max(), rel=1e-9)
+    assert found[-1] == 0.0
+    assert np.all(np.diff(found) <= 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +120,8 @@ def test_shapes_leave_the_least_energy_of_the_prior(plate):
 def test_modes_are_added_until_the_expected_error_is_reached(plate):
     body, radial, answers = plate
     none = np.empty((len(body.free), 0))
-    missing = expected_patterns(answers, np.empty((60, 0))).missing
+    nothing = np.empty((60, 0))
+    missing = expected_missing(answers, nothing, expected_patterns(answers, nothing))
     for error in (0.2, 0.02):
         count = smooth_pressure_modes(body, radial, answers, error, none).shape[1]
         assert missing[count] <= error < missing[count - 1]

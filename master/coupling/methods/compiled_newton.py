@@ -50,13 +50,13 @@ def compiled_where_it_can(method: Method, system: System) -> Method:
     """The method; for `Newton` the same as machine code, where that covers the wires' norms and the
     library is there. Not where numba is told to leave kernels as they are written.
     """
-    from ...fmi.builder_native import iteration_library
-
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         return method
     relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in system.wires)
     if type(method) is not Newton or method.differences or relative or not system.wires:
         return method
+    from ...fmi.builder_native import iteration_library  # slow to import
+
     try:
         library = iteration_library()
         return CompiledNewton(method, library) if library else method

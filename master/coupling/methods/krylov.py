@@ -1,7 +1,9 @@
 """GMRES that remembers: products of the last solves precondition the next one."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from functools import cache
+from importlib import import_module
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +25,10 @@ numerical example with rigid bodies (4 directions; 180 steps from rest), `floati
 and `fired_motorcycle` (40; 120 deg) with all of `KEPT`: 504, 331 and 3076; with 2 for each and 2
 more 416, 277 and 3001; with these 416, 272 and 2824. With 60 modes a body (70) all are in use.
 """
+
+
+SMALL = 16
+"""Unknowns up to which numpy factorises: such systems need no scipy, which is slow to import."""
 
 
 Product = Callable[[np.ndarray], np.ndarray]
@@ -133,18 +139,12 @@ class RecycledGmres:
         size = float(np.linalg.norm(right))
         if size <= goal.size or goal.is_reached(right):
             return Solved(right.copy(), np.zeros(0))
-        if right.size == 1:
-            image = product(np.ones(1))
-            weight = right / image if image[0] else np.zeros(1)
-            return Solved(weight, weight)
         if not self.images.size:
             kept = min(KEPT, right.size)
             self.images, self.differences = np.zeros((2, kept, right.size))
             self.gram = np.zeros((kept, kept))
-        # slow to import
-        from scipy.linalg.lapack import dpotrs  # pyright: ignore[reportAttributeAccessIssue]
-
         rows, factor = self._in_use()
+        solved = _by_numpy if right.size <= SMALL else _by_lapack()[1]
         blocks = blocks_of(rows, len(self.images))
         most = self.largest_space
         basis = np.empty((most + 1, right.size))
@@ -159,7 +159,7 @@ class RecycledGmres:
             directions[count] = basis[count]
             if blocks:
                 self._project(basis[count], blocks, projected[count])
-                shares[rows], _ = dpotrs(factor, projected[count, rows], lower=1)
+                shares[rows] = solved(factor, projected[count, rows])
                 for block in blocks:
                     directions[count] += shares[block] @ self.differences[block]  # Eq. (Q7)
             images[count] = product(directions[count])
@@ -189,16 +189,14 @@ class RecycledGmres:
         """Rows of the pairs in use, the newest first, and the lower factor of Z' Z + n I in that
         order; what is older than Eq. (Q11) allows is out of use.
         """
-        # slow to import
-        from scipy.linalg.lapack import dpotrf, dtrtri  # pyright: ignore[reportAttributeAccessIssue]
-
         known = int(np.count_nonzero(np.diag(self.gram)))
         rows = (self.oldest - 1 - np.arange(known)) % len(self.images)
         if not known:
             return rows, np.zeros((0, 0))
         ordered = self.gram[rows].T[rows]  # it is symmetric
-        factor, _ = dpotrf(ordered + NOISE * np.eye(known), lower=1)
-        inverse, _ = dtrtri(factor, lower=1)
+        small = self.images.shape[1] <= SMALL
+        factorise = _factorise_by_numpy if small else _by_lapack()[0]
+        factor, inverse = factorise(ordered + NOISE * np.eye(known))
         directions = known - NOISE * np.sum(inverse**2)
         used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
         if used < known:
@@ -228,6 +226,29 @@ class RecycledGmres:
         self.gram[np.ix_(places, places)] = shares @ shares.T  # Eq. (Q10)
         self.gram[:, places] = self.gram[places].T
         self.oldest = int(self.oldest + len(newest)) % len(self.images)
+
+
+@cache
+def _by_lapack() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return functions for a lower Cholesky factor with its inverse, and for a solution with it."""
+    lapack: Any = import_module("scipy.linalg.lapack")  # slow to import
+
+    def factorise(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        factor, _ = lapack.dpotrf(matrix, lower=1)
+        return factor, lapack.dtrtri(factor, lower=1)[0]
+
+    return factorise, lambda factor, right: lapack.dpotrs(factor, right, lower=1)[0]
+
+
+def _factorise_by_numpy(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a lower Cholesky factor and its inverse."""
+    factor = np.linalg.cholesky(matrix)
+    return factor, np.linalg.inv(factor)
+
+
+def _by_numpy(factor: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the solution of a system by its lower Cholesky factor."""
+    return np.linalg.solve(factor.T, np.linalg.solve(factor, right))
 
 
 def blocks_of(rows: np.ndarray, pairs: int) -> list[slice]:

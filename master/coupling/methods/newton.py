@@ -101,6 +101,12 @@ class Newton:
             return reduced - changes[-1][unknowns] / scale
 
         right = residual[unknowns] / scale
+        if right.size == 1:
+            pivot = directional(np.ones(1))
+            solution = right / pivot if pivot[0] else np.zeros(1)  # Eq. (Q1)
+            change = solution * changes[0]
+            change[unknowns] = solution * scale
+            return change, 1
         goal = Goal(
             self.accuracy * allowed[unknowns] / scale,
             self.forcing * float(np.linalg.norm(right)),

@@ -25,6 +25,12 @@ class MacroStep(NamedTuple):
         """`Interface.evaluate` of this step."""
         return self.interface.evaluate(x, self.time, self.step, self.saved)
 
+    def evaluate_once(self, x: np.ndarray) -> Evaluation:
+        """The same as the only evaluation of this step, which restores no state: some FMUs go on
+        differently from a state that is restored.
+        """
+        return self.interface.evaluate(x, self.time, self.step, None)
+
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """`Interface.derivative` at the last evaluation."""
         return self.interface.derivative(change)

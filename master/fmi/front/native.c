@@ -406,7 +406,7 @@ static void remember(Native *N, double *real, int64_t *integer)
     memcpy(integer, N->integer, integer_bytes(N));
 }
 
-/* Logs what an entry that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
+/* Logs what a step that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
 static void log_remark(Instance *I)
 {
     Native *N = I->slave;
@@ -427,10 +427,8 @@ static int checked_start(Instance *I)
     N->was_started = 1;
     N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, 0.0, text, "\n");
     snprintf(N->refused, sizeof N->refused, "%s", text);
-    if (N->has_state) {
-        log_remark(I);
+    if (N->has_state)
         return OK;
-    }
     front_log(I, ERROR, "%s", text);
     return ERROR;
 }

@@ -7,6 +7,7 @@ basis and each recorded instant the deflection of the reduced body is compared w
 whole mesh. `check` is what the run itself estimates by Eqs. (J17) and (J34).
 """
 
+import itertools
 import sys
 from typing import NamedTuple
 
@@ -46,6 +47,8 @@ BASES = {
     "craig_bampton": (60,),
     "characteristic_constraint_modes": (60,),
 }
+SHIPPED = 80, 120
+"""Modes of piston and block in the case."""
 COUNTED = 0.1
 """Share of the largest deflection: points and instants with less are not compared."""
 PATCHES = {  # angles [deg], height from the middle over the length, widths [deg] and [m]
@@ -145,7 +148,7 @@ def report(name, basis, reduced, surface, whole, single):
     check = truncation(reduced.left_out, modes, surface.film)
     figures = [
         f"{100 * rms(missing, None) / rms(whole, None):7.3f}",
-        f"{100 * (lost / instants)[counted].max():7.3f}",
+        f"{100 * (lost[counted] / instants[counted]).max():7.3f}",
         f"{1e6 * np.abs(missing).max():7.4f}",
         f"{100 * check.error:10.3f} {100 * check.largest:7.3f}   ",
         *(f"{100 * bump:6.2f}" for bump in bumps),
@@ -163,7 +166,8 @@ def main(results=RUN, case="numerical_example"):
     skirt, *_ = full_model(build.piston, ("skirt", "crown", "pin_bore"), print)
     rows = film_rows(*ends(skirt, "skirt", None, None), build.grid)
     bore, *_ = full_model(build.block, ("bore", "bolts"), print)
-    stations = np.linspace(*ends(bore, "bore", None, None), build.block.stations)
+    lower, upper = ends(bore, "bore", None, None)
+    stations = np.linspace(lower, upper, build.block.stations)
     surfaces = {
         "piston": whole_surface(build.piston, build.grid, loads.film, rows),
         "block": whole_surface(
@@ -194,11 +198,11 @@ def main(results=RUN, case="numerical_example"):
                 gaps[name, basis, count] = [one.reshape(shape) for one in both]
     print("missing gap over film thickness, %: by the mesh, by the check")
     for basis, counts in BASES.items():
-        for piston in counts:
-            for block in counts:
+        for piston, block in itertools.product(counts, repeat=2):
+            if piston == block or (piston, block) == SHIPPED:
                 pairs = zip(gaps["piston", basis, piston], gaps["block", basis, block])
-                shares = [100 * share_of_film(a + b, thickness) for a, b in pairs]
-                print(f"{basis:32} {piston:3} + {block:3}  {shares[0]:6.3f} {shares[1]:6.3f}")
+                mesh, check = (100 * share_of_film(a + b, thickness) for a, b in pairs)
+                print(f"{basis:32} {piston:3} + {block:3}  {mesh:6.3f} {check:6.3f}")
 
 
 if __name__ == "__main__":

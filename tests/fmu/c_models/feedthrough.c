@@ -1,4 +1,5 @@
-/* Feedthrough of an array, an integer and a truth value as an FMI 3.0 FMU, in the manner of the Reference-FMUs. */
+/* Feedthrough of an array, an integer and a truth value as an FMI 3.0 FMU, in the manner of the Reference-FMUs. With
+   REJECTS_EVENTS it is not to be instantiated with Event Mode. */
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -19,6 +20,10 @@ void *fmi3InstantiateCoSimulation(const char *a, const char *b, const char *c, b
                                   size_t i, void *j, void *k, void *l)
 {
     (void)a, (void)b, (void)c, (void)d, (void)e, (void)f, (void)g, (void)h, (void)i, (void)j, (void)k, (void)l;
+#ifdef REJECTS_EVENTS
+    if (f)
+        return NULL;
+#endif
     Model *m = calloc(1, sizeof *m);
     m->gain = 1;
     return m;

@@ -1,0 +1,305 @@
+"""Loops among the wires: each is brought to its fixed point alone, everything else steps once.
+
+Participants that depend on one another form a strongly connected component of the wires' graph.
+Components step one after the other, each with what those before it say at the end of the step.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..fmi.errors import Discard, Ticked
+from .interface import Interface, largest
+from .methods import Explicit, MacroStep, Method, NotConverged, Solution
+from .wiring import Port, System, Wire, port_of
+
+UPSTREAM = ""
+"""Name of the participant that stands for all components before; no participant has this name."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """Participants that step together: those of a loop, or several that form none.
+
+    names : in stepping order; is_loop : whether they have to agree; fixed : those of a loop that
+    cannot go back, so that the loop steps once and its wires agree a step late.
+    """
+
+    names: tuple[str, ...]
+    is_loop: bool = False
+    fixed: tuple[str, ...] = ()
+
+    @property
+    def is_iterated(self) -> bool:
+        """Whether steps are repeated until the wires agree."""
+        return self.is_loop and not self.fixed
+
+
+def components(system: System) -> list[Component]:
+    """Return the strongly connected components of the wires in an order in which each depends on
+    none behind it; among equals that of the system.
+
+    Neighbours without a loop are one component if all or none of them can go back: those in
+    processes of their own then step at the same time. Wires that are carried at the beginning of a
+    step (`System.held`) join nothing.
+    """
+    index = {name: k for k, name in enumerate(system.order)}
+    able = {name: getattr(system.participants[name], "can_redo", True) for name in index}
+    reaches = np.eye(len(index), dtype=bool)
+    looped = {wire.source[0] for wire in system.wires if wire.source[0] == wire.target[0]}
+    for wire in system.wires:
+        reaches[index[wire.source[0]], index[wire.target[0]]] = True
+    for k in range(len(index)):
+        reaches |= np.outer(reaches[:, k], reaches[k])
+    joined = reaches & reaches.T
+    before = reaches.sum(axis=0)
+    found: list[Component] = []
+    for name in sorted(index, key=lambda name: (before[index[name]], index[name])):
+        names = [other for other in index if joined[index[name], index[other]]]
+        if len(names) > 1 or name in looped:
+            if name == names[0]:
+                found.append(Component(tuple(names), True, tuple(n for n in names if not able[n])))
+        elif found and not found[-1].is_loop and able[found[-1].names[0]] == able[name]:
+            found[-1] = Component((*found[-1].names, name))
+        else:
+            found.append(Component((name,)))
+    return found
+
+
+def rolled_back(system: System, iterates: bool = True) -> list[str]:
+    """Return the names of the participants whose steps are repeated as a matter of course.
+
+    iterates : whether the method iterates loops.
+    """
+    if any(wire.local_error is not None for wire in system.wires):
+        return list(system.order)
+    found = components(system) if iterates else []
+    return [name for one in found if one.is_iterated for name in one.names]
+
+
+def by_components(method: Method, system: System, halvings: int) -> Method:
+    """Return the method as it is for a system of one loop that can be iterated, and for one that
+    steps once; else the same for each component.
+    """
+    found = components(system)
+    if isinstance(method, Explicit) or (len(found) == 1 and found[0].is_iterated):
+        return method
+    return Componentwise(method, found, system.parallel, halvings)
+
+
+def table(system: System, method: str) -> list[str]:
+    """Return lines that list the components; none for one loop that is iterated, for a method that
+    iterates nothing, or without wires.
+
+    method : name of the method, as the case has it.
+    """
+    found = components(system)
+    if method == "explicit" or not system.wires or (len(found) == 1 and found[0].is_iterated):
+        return []
+    if not any(one.is_loop for one in found):
+        return ["the wires form no loop: every participant steps once"]
+    lines = ["components of the wires, in the order in which they step:"]
+    for one in found:
+        how = method if one.is_iterated else "explicit" if one.is_loop else "once"
+        why = f"  ({', '.join(one.fixed)} cannot go back to a saved state)" if one.fixed else ""
+        lines.append(f"  {how:10s} {', '.join(one.names)}{why}")
+    return lines
+
+
+class Upstream:
+    """All components before, as a participant that has stepped already."""
+
+    name, has_derivatives = UPSTREAM, False
+
+    def __init__(self, participants: Mapping[str, Any]):
+        self.participants = participants
+
+    def get(self, name: str) -> Any:
+        """Return the value of "participant.variable"."""
+        owner, variable = port_of(name)
+        return self.participants[owner].get(variable)
+
+    def restore(self, saved: Any) -> None:
+        """Do nothing: what is before does not change."""
+
+    def step(self, time: float, step: float) -> None:
+        """Do nothing."""
+
+
+class Part(NamedTuple):
+    """A component ready to step.
+
+    interface : its participants, `Upstream` the first of them if wires come from there, and the
+    wires that end in it; wires, elements : which of the system's these are; given : which elements
+    come from upstream; method : how it is solved.
+    """
+
+    component: Component
+    interface: Interface
+    wires: np.ndarray
+    elements: np.ndarray
+    given: np.ndarray
+    method: Method
+
+    def of(self, macro_step: MacroStep) -> MacroStep:
+        """Return a macro step of the whole as one of the component."""
+        saved = {UPSTREAM: None} | macro_step.saved
+        return macro_step._replace(interface=self.interface, saved=saved)
+
+
+def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Part:
+    """Return a component as a system of its own.
+
+    whole : all participants and wires; method : solves the component if it is iterated; parallel :
+    see `Interface`.
+    """
+    chosen = [k for k, wire in enumerate(whole.wires) if wire.target[0] in one.names]
+    wires = [_from_upstream(whole.wires[k], one.names) for k in chosen]
+    participants: dict[str, Any] = {name: whole.participants[name] for name in one.names}
+    if any(wire.source[0] == UPSTREAM for wire in wires):
+        participants = {UPSTREAM: Upstream(whole.participants)} | participants
+    indices = np.arange(whole.size)
+    elements = [indices[whole.parts[k]] for k in chosen]
+    given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
+    return Part(
+        one,
+        Interface(participants, wires, parallel and one.is_loop),
+        np.array(chosen, int),
+        np.concatenate([*elements, np.zeros(0, int)]),
+        np.concatenate([*given, np.zeros(0, bool)]),
+        copy(method) if one.is_iterated else Explicit(),
+    )
+
+
+class Componentwise:
+    """A method that solves one component of a system after the other.
+
+    A component that fails is halved by itself where an earlier one cannot go back; else the whole
+    macro step is.
+
+    Parameters
+    ----------
+    method : Method
+        For the loops that are iterated.
+    found : sequence of Component
+    parallel : bool
+        See `Interface`.
+    halvings : int
+        How often in a row the step of a component may be halved.
+    """
+
+    def __init__(self, method: Method, found: Sequence[Component], parallel: bool, halvings: int):
+        self.method, self.components, self.halvings = method, found, halvings
+        self.parallel = parallel
+        self.remembered = getattr(method, "remembered", ())
+        self._whole: Interface | None = None
+        self._parts: list[Part] = []
+
+    def memory(self) -> list[Any]:
+        """What the method remembers of each component."""
+        once = Explicit()
+        return [(self.method if one.is_iterated else once).memory() for one in self.components]
+
+    def solve(self, macro_step: Any, guess: np.ndarray, memory: list[Any]) -> Solution:
+        """The macro step, component by component; raises what the method raises."""
+        whole = macro_step.interface
+        if self._whole is not whole:
+            self._whole = whole
+            self._parts = [part(whole, one, self.method, self.parallel) for one in self.components]
+        x, held = guess.copy(), guess.copy()
+        solutions: list[Solution] = []
+        trails: list[tuple[np.ndarray, list[list[float]]]] = []
+        try:
+            for k, own in enumerate(self._parts):
+                own.interface.begin()
+                trails.append((own.wires, own.interface.trail))
+                halvings = self.halvings if self._is_past(macro_step, k) else 0
+                solution = self._solved(own, macro_step, guess, memory[k], halvings)
+                x[own.elements], held[own.elements] = solution.x, solution.inputs
+                solutions.append(solution)
+        finally:
+            whole.trail += _merged(trails, len(whole.wires))
+            self._account(whole)
+        return Solution(
+            x,
+            tuple(map(largest, whole.trail)),
+            sum(one.jacobians for one in solutions),
+            sum(one.products for one in solutions),
+            sum(one.probes for one in solutions),
+            held,
+        )
+
+    def _is_past(self, macro_step: MacroStep, k: int) -> bool:
+        """Whether a participant that cannot go back has stepped before component k does."""
+        before = (name for one in self.components[:k] for name in one.names)
+        known = macro_step.interface.participants
+        return not all(getattr(known[name], "can_redo", True) for name in before)
+
+    def _solved(
+        self, part: Part, macro_step: MacroStep, guess: np.ndarray, memory: Any, halvings: int
+    ) -> Solution:
+        """The step of a component, or its halves."""
+        component, interface = part.component, part.interface
+        own = part.of(macro_step)
+        first = guess[part.elements]
+        if part.given.any() or not component.is_iterated:
+            given = part.given if component.is_iterated else slice(None)
+            first[given] = interface.read()[given]
+        try:
+            return part.method.solve(own, first, memory)
+        except Ticked:
+            raise
+        except (NotConverged, Discard):
+            if component.fixed or not halvings:
+                raise
+        return self._halves(part, own, guess, halvings - 1)
+
+    def _halves(self, part: Part, own: MacroStep, guess: np.ndarray, halvings: int) -> Solution:
+        """The step of a component in two halves: what comes from upstream is held over both."""
+        members = {name: own.interface.participants[name] for name in part.component.names}
+        half = own.step / 2
+        for name, one in members.items():
+            one.restore(own.saved[name])
+        memory = part.method.memory()
+        begun = self._solved(part, own._replace(step=half), guess, memory, halvings)
+        middle = {name: one.save() for name, one in members.items()}
+        try:
+            second = own._replace(time=own.time + half, step=half, saved=own.saved | middle)
+            moved = guess.copy()
+            moved[part.elements] = begun.x
+            return self._solved(part, second, moved, memory, halvings)
+        finally:
+            for name, one in members.items():
+                one.free(middle[name])
+
+    def _account(self, whole: Interface) -> None:
+        """Add the times that the components took to those of the whole."""
+        for own in self._parts:
+            for name, seconds in own.interface.spent.items():
+                if name in whole.spent:
+                    whole.spent[name] += seconds
+            own.interface.spent = dict.fromkeys(own.interface.spent, 0.0)
+
+
+def _from_upstream(wire: Wire, names: Iterable[str]) -> Wire:
+    """The wire, or one that begins at `Upstream` where it comes from another component."""
+    if wire.source[0] in names:
+        return wire
+    source: Port = (UPSTREAM, ".".join(wire.source))
+    return replace(wire, source=source)
+
+
+def _merged(
+    trails: Iterable[tuple[np.ndarray, list[list[float]]]], wires: int
+) -> list[list[float]]:
+    """Measures of all wires by evaluation; one that needed fewer keeps its last ones."""
+    told = [(which.tolist(), trail) for which, trail in trails if trail]
+    merged = [[0.0] * wires for _ in range(max((len(trail) for _, trail in told), default=0))]
+    for k, row in enumerate(merged):
+        for which, trail in told:
+            for wire, measure in zip(which, trail[min(k, len(trail) - 1)]):
+                row[wire] = measure
+    return merged

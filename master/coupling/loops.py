@@ -1,0 +1,153 @@
+"""Loops of a system before its run: how strongly each answers itself, and what would solve it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..fmi.errors import Discard, ParticipantFault
+from ..fmi.quantities import short
+from ..participants.restarted import RestartedParticipant
+from .components import Component, Part, components, part
+from .interface import Interface
+from .methods import Explicit, MacroStep
+from .methods.probing import ProbedStep
+from .negotiation import untrusted, without_rollback
+from .wiring import System
+
+MOST_UNKNOWNS = 200
+"""Unknowns of a loop up to which its matrix is measured, one step of all members for each."""
+FEW_UNKNOWNS = 20
+"""Up to so many Newton by differences needs fewer evaluations than secants learn from."""
+WEAK = 0.5
+"""Gain up to which an exchange without iteration is taken to be stable and of use."""
+MOST_HALVINGS = 6
+"""How often the step is halved to find one of a weak gain."""
+
+ROW = "  {:9s} {:>8s} {:>9s} {:>9s} {:>9s}  {}"
+HEADER = ROW.format("method", "unknowns", "gain", "condition", "step", "participants")
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A component of the wires as it is at the start of a run.
+
+    Eq. (S4):  gain = max |eigenvalue of J|,   condition = (1 + |J|) / smallest singular value of
+               I - J,   J = dG/dx in nominals
+
+    unknowns : elements that the iteration looks for; gain, condition : NaN if not measured, for
+    the reason in `why`; method, step [s] : what the master would choose.
+    """
+
+    component: Component
+    unknowns: int = 0
+    gain: float = np.nan
+    condition: float = np.nan
+    method: str = "once"
+    step: float = np.nan
+    why: str = ""
+
+    header: ClassVar[str] = HEADER
+
+    @property
+    def line(self) -> str:
+        """Row of a table, see `header`."""
+        numbers = [f"{self.gain:.3g}", f"{self.condition:.3g}", short(self.step, "s")]
+        shown = ["-" if text.startswith("nan") else text for text in numbers]
+        cells = (self.method, str(self.unknowns or "-"), *shown, ", ".join(self.component.names))
+        return ROW.format(*cells) + (f"  ({self.why})" if self.why else "")
+
+
+def loops(system: System) -> list[Loop]:
+    """Return the components of a started system in the order in which they would step.
+
+    Gain and condition are those of one macro step from the start, by differences. FMUs without
+    saved states are started again for each. The participants are no longer to be run afterwards.
+    """
+    system = without_rollback(system, untrusted(system))
+    found = components(system)
+    fixed = {name for one in found for name in one.fixed}
+    known: dict[str, Any] = {
+        name: _restarted(system, name) if name in fixed else participant
+        for name, participant in system.participants.items()
+    }
+    whole = Interface({name: known[name] for name in system.order}, system.wires, system.parallel)
+    return [
+        _loop(part(whole, one, Explicit(), system.parallel), system) if one.is_loop else Loop(one)
+        for one in found
+    ]
+
+
+def _restarted(system: System, name: str) -> RestartedParticipant:
+    """A participant that begins again with the inputs that it has now."""
+    one = system.participants[name]
+    inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
+    now = {key: one.get(key) for key in inputs if key in one.fields}
+    return RestartedParticipant(one, {**system.parameters[name], **now}, system.begin, system.stop)
+
+
+def _loop(own: Part, system: System) -> Loop:
+    """What is known of a loop."""
+    unknowns = int(own.interface.feedback.sum())
+    one = Loop(own.component, unknowns, step=system.step)
+    members: Any = own.interface.participants
+    has_derivatives = all(members[name].has_derivatives for name in own.component.names)
+    secants = unknowns > FEW_UNKNOWNS and not has_derivatives
+    method = "explicit" if own.component.fixed else "iqn_ils" if secants else "newton"
+    one = replace(one, method=method)
+    if unknowns > MOST_UNKNOWNS:
+        return replace(one, why=f"not measured: more than {MOST_UNKNOWNS} unknowns")
+    try:
+        matrix = _matrix(own, system.begin, system.step)
+        one = replace(one, gain=_gain(matrix), condition=_condition(matrix))
+        return _explicit(one, own, system) if own.component.fixed else _iterated(one)
+    except (Discard, ParticipantFault) as failure:
+        return replace(one, why=f"not measured: {failure}")
+
+
+def _iterated(one: Loop) -> Loop:
+    """Say of a loop that is iterated whether it can be solved."""
+    singular = not one.condition < 1.0 / np.finfo(float).eps ** 0.5
+    return replace(one, why="singular at the start: no unique solution" if singular else "")
+
+
+def _explicit(one: Loop, own: Part, system: System) -> Loop:
+    """Look for a step with which a loop that cannot be iterated is weak."""
+    unable = f"{', '.join(one.component.fixed)} cannot go back"
+    for halvings in range(MOST_HALVINGS + 1):
+        step = system.step / 2**halvings
+        gain = one.gain if not halvings else _gain(_matrix(own, system.begin, step))
+        if gain <= WEAK:
+            return replace(one, step=step, why=unable)
+    smallest = short(step, "s")
+    return replace(one, why=f"{unable}; gain {gain:.3g} still at a step of {smallest}: may diverge")
+
+
+def _matrix(own: Part, begin: float, step: float) -> np.ndarray:
+    """J of a loop in nominals, by differences over a step from the start [s]."""
+    interface = own.interface
+    names: Sequence[str] = own.component.names
+    saved = {name: interface.participants[name].save() for name in names}
+    probed = ProbedStep(own.of(MacroStep(interface, begin, step, saved)))
+    probed.evaluate(interface.read())
+    scale = interface.nominal[interface.feedback]
+    columns = []
+    for k in np.flatnonzero(interface.feedback):
+        change = np.zeros(interface.size)
+        change[k] = interface.nominal[k]
+        columns.append(probed.derivative(change)[interface.feedback] / scale)
+    for name in names:
+        interface.participants[name].restore(saved[name])
+        interface.participants[name].free(saved[name])
+    return np.array(columns).T
+
+
+def _gain(matrix: np.ndarray) -> float:
+    return float(np.max(np.abs(np.linalg.eigvals(matrix))))  # Eq. (S4)
+
+
+def _condition(matrix: np.ndarray) -> float:
+    smallest = np.linalg.svd(np.eye(len(matrix)) - matrix, compute_uv=False)[-1]
+    whole = 1.0 + float(np.linalg.norm(matrix, 2))
+    return whole / float(smallest) if smallest else np.inf  # Eq. (S4)

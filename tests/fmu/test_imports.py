@@ -1,0 +1,43 @@
+"""What a run of foreign FMUs imports: nothing that takes long to import and that only our own
+bodies and films need.
+"""
+
+import subprocess
+import sys
+
+import pytest
+
+from .counter import library, make  # noqa: F401  (a fixture)
+
+HEAVY = ("numba", "scipy", "matplotlib", "pint", "skfem", "pandas", "cyclopts")
+PROGRAM = """
+import sys
+from time import process_time
+import piston_cosim as pc
+pc.couple
+print(process_time())
+pc.couple(
+    {"a": "a.fmu", "b": "b.fmu"}, ["a.x -> b.u", "b.x -> a.u"], stop="5 ms", step="1 ms",
+    parameters={"a": {"k": 2.0}}, method=sys.argv[1],
+).run("results.h5")
+print(*{name.partition(".")[0] for name in sys.modules})
+"""
+
+
+@pytest.mark.parametrize("method", ["explicit", "iqn_ils", "newton"])
+def test_a_run_of_foreign_fmus_imports_nothing_heavy(tmp_path, monkeypatch, library, method):  # noqa: F811
+    for name in "ab":
+        make(tmp_path / f"{name}.fmu", library)
+    # an empty cache: no answer of pint is known
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, method],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    seconds, modules = done.stdout.splitlines()
+    assert set(HEAVY) & set(modules.split()) == set()
+    # 0.25 s on a quiet machine; the limit is the promise of docs/python.md, doubled for a busy one
+    assert float(seconds) < 1.0
