@@ -51,6 +51,7 @@ from .reduction.reduced_body import (
     ReducedPiston,
     ReducedSmallEnd,
     load,
+    offset_faults,
     save,
 )
 from .reduction.rigid import rigid_block, rigid_piston
@@ -131,7 +132,7 @@ def prepare(
     build = read_options(options, folder)
     tables = read_tables(build)
     bodies = _bodies(build, progress)
-    piston = load(ReducedPiston, bodies["piston"])
+    piston = piston_about_pin(build.piston, bodies["piston"])
     block = load(ReducedBlock, bodies["block"])
     piston_file = _carried("piston", piston)
     block_file = _carried("block", block)
@@ -174,6 +175,21 @@ def prepare(
     return prepared.to_json(), files
 
 
+def piston_about_pin(options: Piston, path: Path) -> ReducedPiston:
+    """Return the reduced piston of an .npz with pin point A at the case's `pin_offset`.
+
+    Raises
+    ------
+    BadInput
+        The pin bores of its mesh are too far from there.
+    """
+    piston = load(ReducedPiston, path)
+    faults = offset_faults(piston.pin_offset, piston.radius, options.pin_offset)
+    if faults:
+        raise BadInput([f"piston: {fault}" for fault in faults])
+    return piston.about(options.pin_offset)
+
+
 def bore_from_outside(build: Build) -> BoreGrid | None:
     """Grid of a bore whose deflection comes from outside."""
     given = build.block.bore_from_outside
@@ -203,6 +219,7 @@ def in_space(build: Build, piston: Path) -> InSpace:
             mass, centre, about_centre = mass_properties(load(Anatomy, piston))
         except ValueError as error:
             raise BadInput([f"motion_in_space: {error}"]) from None
+        centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset
     else:
         assert build.motion_in_space
         x, y = sheet.centre

@@ -360,7 +360,9 @@ class Piston(Body):
     skirt_upper: Length | None = None
     """Upper edge likewise."""
     pin_offset: Length = 0.0
-    """x of pin point A from the skirt's axis, positive towards the thrust side."""
+    """x of pin point A from the skirt's axis, positive towards the thrust side; at most 0.05 skirt
+    radii from the mesh's pin bores, which stay where they are (docs/limits.md). No new reduction.
+    """
     profiles: list[ShapeTable] = []
     """Measured gaps that add to barrel and ovality."""
 

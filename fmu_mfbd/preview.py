@@ -19,6 +19,7 @@ from .build import (
     film_surfaces,
     floating_pin,
     in_space_ahead,
+    piston_about_pin,
     read_tables,
 )
 from .dynamics.assembly import bore_shape, eye_faults, faults, pin_beam, pin_radius, skirt_gap
@@ -33,10 +34,10 @@ from .geometry.profile import BoreOrder
 from .options import Block, Build, Piston, RigidBlock, RigidPiston, read_options
 from .preview_picture import Shapes, draw_shapes
 from .reduction.bosses import boss_readings
-from .reduction.geometry import block_faults, cylinder_faults, piston_faults
+from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
-from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import Anatomy, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.small_end import eye_shell, read_small_end
 
@@ -188,7 +189,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         return Sized(rigid_piston(options, build.grid))
     if options.reduced:
         skirt = None
-        body = load(ReducedPiston, Path(options.reduced))
+        body = piston_about_pin(options, Path(options.reduced))
         try:
             skirt = load(Anatomy, Path(options.reduced)).skirt
         except ValueError:  # without its anatomy
@@ -204,7 +205,8 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
     angle, height, lower, upper = _grid(build, mesh)
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     if films := boss_films(build):
-        boss_readings(mesh, mesh.points - np.array([options.pin_offset, 0.0, 0.0]), films)
+        axis, _ = pin_bore(mesh)
+        boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
     x, _, z = mesh.points[mesh.nodes("skirt")].T
     radius = float(np.hypot(x, z).mean())
     there = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..finite_elements.mesh import Mesh
+from .reduced_body import offset_faults
 
 SMALLEST_RADIUS, LARGEST_RADIUS = 5e-3, 0.6  # [m], from models to ships
 LEAST_DENSITY, MOST_DENSITY = 100.0, 9000.0  # of a piston's mass in the cylinder around it [kg/m3]
@@ -18,7 +19,6 @@ OUT_OF_ROUND = 0.02  # of the radius: profiles belong into the film
 TILTED = np.radians(1.0)
 TILTED_PATCHES = np.radians(5.0)  # of a pin on patches, whose nodes need not be symmetric
 PIN_HEIGHT = 0.02  # of the skirt's radius: of the pin bore's axis above the origin
-PIN_OFFSET = 0.05  # likewise beside `pin_offset`, which may differ from the mesh in a study
 PIN_BY_CENTROID = 0.1  # likewise where the pin bore is no cylinder
 
 
@@ -89,19 +89,40 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     return faults
 
 
+def pin_direction(mesh: Mesh) -> tuple[np.ndarray, float]:
+    """Return the direction of a piston's pin and how far it may be off z [rad].
+
+    It is that of the bores, or of the line between patches of the skirt's inside.
+    """
+    axis, tilt = axis_of(mesh, "pin_bore"), TILTED
+    if abs(axis[1]) > np.cos(TILTED):  # patches inside the skirt: from one to the other
+        points = mesh.points[mesh.nodes("pin_bore")]
+        _, _, lines = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+        axis, tilt = lines[0], TILTED_PATCHES
+    return axis, tilt
+
+
+def pin_bore(mesh: Mesh) -> tuple[Circle, bool]:
+    """Return where the pin's axis crosses z = 0, and whether the pin bores are a cylinder.
+
+    Bores that are no cylinder have their nodes' mean as axis. Its x is rounded to the nanometre.
+    """
+    x, y, z = mesh.points[mesh.nodes("pin_bore")].T
+    (along_x, along_y, along_z), _ = pin_direction(mesh)
+    x, y = x - z * along_x / along_z, y - z * along_y / along_z
+    circle = circle_through(x, y)
+    round_enough = circle.scatter <= 0.1 * circle.radius
+    if not round_enough:
+        circle = circle._replace(first=float(x.mean()), second=float(y.mean()))
+    return circle._replace(first=round(circle.first, 9)), round_enough
+
+
 def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
     """Return the faults of a piston's pin bores, whose axis may be off z by `TILTED`.
 
-    The axis is that of the bores, or the line between patches of the skirt's inside.
-
     radius : of the skirt [m].
     """
-    points = mesh.points[mesh.nodes("pin_bore")]
-    axis, tilt = axis_of(mesh, "pin_bore"), TILTED
-    if abs(axis[1]) > np.cos(TILTED):  # patches inside the skirt: from one to the other
-        _, _, lines = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
-        axis, tilt = lines[0], TILTED_PATCHES
-    x, y, z = points.T
+    axis, tilt = pin_direction(mesh)
     across, up, along = axis * np.copysign(1.0, axis[-1])
     if along < np.cos(tilt):
         degrees = np.degrees(np.arccos(along))
@@ -110,25 +131,15 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
             f"{degrees:.3g} deg off z; the pin is "
             "along z: axes must name thrust, head, pin, and the mesh must not be turned"
         ]
-    x, y = x - z * across / along, y - z * up / along  # where its lines cross z = 0
-    circle = circle_through(x, y)
-    height = PIN_HEIGHT
-    beside = PIN_OFFSET
-    if circle.scatter > 0.1 * circle.radius:
-        circle = circle._replace(first=x.mean(), second=y.mean())
-        height = beside = PIN_BY_CENTROID
+    circle, round_enough = pin_bore(mesh)
+    height = PIN_HEIGHT if round_enough else PIN_BY_CENTROID
     faults = []
     if abs(circle.second) > height * radius:
         faults.append(
             f"surface 'pin_bore': its axis lies at y = {1e3 * circle.second:.3g} mm, not at 0: "
             "origin must lie at the height of the pin"
         )
-    if abs(circle.first - pin_offset) > beside * radius:
-        faults.append(
-            f"surface 'pin_bore': its axis lies at x = {1e3 * circle.first:.3g} mm, not at "
-            f"pin_offset = {1e3 * pin_offset:.3g} mm"
-        )
-    return faults
+    return faults + offset_faults(circle.first, radius, pin_offset)
 
 
 def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:

@@ -36,7 +36,7 @@ from .bases import (
 )
 from .bosses import Shells, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
-from .geometry import block_faults, piston_faults
+from .geometry import block_faults, pin_bore, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import (
     Anatomy,
@@ -199,6 +199,8 @@ def reduce_piston(
 ) -> Reduced:
     """Reduced piston: mass properties, modes and their values on the skirt grid.
 
+    Pin point A is on the axis of the mesh's pin bores; `ReducedPiston.about` moves it.
+
     Parameters
     ----------
     options : Piston
@@ -224,7 +226,8 @@ def reduce_piston(
     _refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
-    position = mesh.points - np.array([options.pin_offset, 0.0, 0.0])
+    axis, _ = pin_bore(mesh)
+    position = mesh.points - np.array([axis.first, 0.0, 0.0])
     around, along = grid
     angle, height = cell_centres(around, along, lower, upper)
     surface = film_surface(mesh, "skirt", angle, height)
@@ -264,6 +267,7 @@ def reduce_piston(
         radius=surface.radius,
         skirt_lower=lower,
         skirt_upper=upper,
+        pin_offset=axis.first,
     )
     anatomy = _anatomy(mesh, position, M, shapes, options, there)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None

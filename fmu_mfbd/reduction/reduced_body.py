@@ -3,11 +3,32 @@ pictures and recovery need besides.
 """
 
 import zipfile
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+
+FARTHEST_PIN = 0.05
+"""Largest distance of pin point A from the mesh's pin bores, as a share of the skirt's radius."""
+
+
+def offset_faults(bore: float, radius: float, pin_offset: float) -> list[str]:
+    """Return a sentence if pin point A is too far from the pin bores of a mesh.
+
+    Parameters
+    ----------
+    bore, radius, pin_offset : float
+        x of the bores' axis, radius of the skirt, x of A, all from the skirt's axis [m].
+    """
+    largest = FARTHEST_PIN * radius
+    if abs(bore - pin_offset) <= largest:
+        return []
+    return [
+        f"surface 'pin_bore': its axis lies at x = {1e3 * bore:.3g} mm, not at "
+        f"pin_offset = {1e3 * pin_offset:.3g} mm; expected a distance of at most "
+        f"{1e3 * largest:.3g} mm"
+    ]
 
 
 class BossFilms(NamedTuple):
@@ -52,6 +73,8 @@ class ReducedPiston:
         Of the skirt [m].
     skirt_lower, skirt_upper : float
         Its edges above A [m].
+    pin_offset : float
+        x of A from the skirt's axis [m].
     """
 
     mass: float
@@ -70,6 +93,35 @@ class ReducedPiston:
     radius: float
     skirt_lower: float
     skirt_upper: float
+    pin_offset: float
+
+    def about(self, pin_offset: float) -> "ReducedPiston":
+        """Return the same piston with pin point A at another x, the pin bores where they are.
+
+        Eq. (J45):  with d the change of pin_offset and T_x, T_y the rows of T
+                    S' = S - m d e_x,   I0' = I0 - 2 d S_x + m d^2,   b' = b - d T_x,
+                    g' = g - d T_y
+
+        This is exact for mass and modes of the given mesh. The approximation is the mesh: its
+        bosses and pin bores stay where they are while the rod acts at A.
+
+        Parameters
+        ----------
+        pin_offset : float
+            x of A from the skirt's axis, positive towards the thrust side [m].
+        """
+        d = pin_offset - self.pin_offset
+        S_x, S_y = self.S
+        T_x, T_y = self.T
+        # Eq. (J45)
+        return replace(
+            self,
+            S=np.array([S_x - self.mass * d, S_y]),
+            I0=self.I0 - 2.0 * d * S_x + self.mass * d**2,
+            b=self.b - d * T_x,
+            g=self.g - d * T_y,
+            pin_offset=pin_offset,
+        )
 
 
 @dataclass(frozen=True)

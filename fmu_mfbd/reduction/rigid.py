@@ -42,6 +42,7 @@ def rigid_piston(options: Piston, grid: tuple[int, int]) -> ReducedPiston:
         radius=sheet.radius,
         skirt_lower=lower,
         skirt_upper=upper,
+        pin_offset=options.pin_offset,
     )
 
 

@@ -44,7 +44,7 @@ def kept_body(
     bosses: BossFilms | None = None,
 ) -> Path:
     """Path of the reduced body's .npz, made unless one of the same file contents, options, training
-    and code (`code_digest`) lies in `folder`.
+    and code (`code_digest`) lies in `folder`. A piston's `pin_offset` needs no new reduction.
 
     The file is written under another name and moved into place, so that an interrupted run leaves
     nothing half-written; its solutions wait in `folder` for the next try.
@@ -61,7 +61,8 @@ def kept_body(
         Films in a piston's bosses.
     """
     name = "piston" if isinstance(options, Piston) else "block"
-    decided = options.model_dump(mode="json", exclude={"profiles", "orders", "reduced", "train_on"})
+    later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
+    decided = options.model_dump(mode="json", exclude=later)
     for key in FILES:
         if decided[key]:
             decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()

@@ -84,6 +84,8 @@ def thinnest_place(case, results, film) -> Place | None:
         return None
     rows = np.searchsorted(results.time, results.instants - 1e-12)
     own = results.series(smallest).values[rows]
+    if not own.size:
+        return None
     row = int(own.argmin())
     gap = results.dataset(port)[row]
     i, j = np.unravel_index(np.abs(gap - own[row]).argmin(), gap.shape)

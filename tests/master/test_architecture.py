@@ -134,7 +134,7 @@ def test_a_case_is_checked_without_what_runs_it(tmp_path):
     """Each takes 0.05 to 0.6 s to import; together they were half of the time of a check."""
     avoided = ("numba", "matplotlib.pyplot", "fmpy", "h5py", "plotly", "pandas", "sympy", "jinja2")
     avoided += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integrate", "gmsh")
-    arguments = ["check", "fired_motorcycle", "--picture", str(tmp_path / "check.png")]
+    arguments = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
     assert loaded(avoided, arguments) == []
     assert (tmp_path / "check.png").read_bytes().startswith(b"\x89PNG")
 

@@ -61,6 +61,11 @@ def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
     assert said
     said.clear()
     assert prepare(small, folder, said.append)[1] == first and not said
+    offset = small | {"piston": small["piston"] | {"pin_offset": "0.7 mm"}}
+    moved = prepare(offset, folder, said.append)[1]
+    assert moved[0] != first[0] and moved[1:] == first[1:] and not said
+    with pytest.raises(BadInput, match="pin_offset = 7 mm; expected a distance of at most"):
+        prepare(small | {"piston": small["piston"] | {"pin_offset": "7 mm"}}, folder, said.append)
     assert prepare(small | {"grid": [16, 10]}, folder, said.append)[1] != first and said
     assert not list(tmp_path.rglob("*partial*"))
 

@@ -24,6 +24,7 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, 
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
 from piston_cosim.fmu_mfbd.verification import bar, beam_in_frame, box_mesh, flexible_body
 
 
@@ -41,6 +42,21 @@ def lump():
     modes = body.full(modes).reshape(len(points), 3, -1)
     integrals = floating_frame_integrals(M, points, modes)
     return points, M, modes, flexible_body(integrals, omega)
+
+
+def test_integrals_about_a_moved_pin(lump):
+    """Eq. (J45) against the integrals of the nodes seen from there: rounding of sums over them."""
+    points, M, modes, _ = lump
+    d = 1.3e-3
+    begin, expected = (
+        floating_frame_integrals(M, points - [shift, 0.0, 0.0], modes) for shift in (0.0, d)
+    )
+    rest = dict.fromkeys(("omega", "kind", "gas_force", "radial", "axial", "radius"))
+    rest |= dict.fromkeys(("skirt_lower", "skirt_upper"))
+    moved = ReducedPiston(**begin._asdict(), **rest, pin_offset=0.2e-3).about(0.2e-3 + d)
+    for name, value in expected._asdict().items():
+        np.testing.assert_allclose(getattr(moved, name), value, rtol=1e-11, atol=1e-14)
+    assert moved.pin_offset == 0.2e-3 + d
 
 
 def kinetic_energy(points, M, modes, coordinates, rates):

@@ -92,6 +92,7 @@ def bodies():
         radius=54.95e-3,
         skirt_lower=-45.5e-3,
         skirt_upper=37.3e-3,
+        pin_offset=0.0,
     )
     heights = np.linspace(90e-3, 360e-3, 64)
     table = np.zeros((GRID[0], len(heights), 0))

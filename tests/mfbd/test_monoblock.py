@@ -374,6 +374,7 @@ def piston():
         radius=54.95e-3,
         skirt_lower=-45.5e-3,
         skirt_upper=37.3e-3,
+        pin_offset=5e-4,
     )
 
 

@@ -68,6 +68,7 @@ def bodies(tmp_path, monkeypatch):
             radius=BORE - 1e-4,
             skirt_lower=LOW,
             skirt_upper=HIGH,
+            pin_offset=PIN_OFFSET,
         )
         np.savez(tmp_path / "piston.npz", **(PISTON | held | (piston or {})))
         held = dict(
@@ -316,6 +317,7 @@ def test_gas_acts_on_the_axis_of_the_bore(bodies):
     for offset, moment in ((PIN_OFFSET, 3.6557143), (0.0, 0.21504202)):
         slave = bodies(
             {"piston": {"pin_offset": f"{offset} m"}},
+            piston=dict(pin_offset=offset),
             crank_speed=0.0,
             crank_offset=offset + lateral,
             start_lateral_displacement=lateral,
@@ -345,7 +347,7 @@ def test_rigid_slider_crank(bodies, degrees, side):
         push[6, 2] = -side
     slave = bodies(
         {"piston": {"pin_offset": "0 mm"}},
-        piston=dict(mass=0.315, S=np.zeros(2), I0=3e-4),
+        piston=dict(mass=0.315, S=np.zeros(2), I0=3e-4, pin_offset=0.0),
         crank_offset=0.0,
         rod_centre=30e-3,
         pin_mass=0.0,
