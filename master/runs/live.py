@@ -125,7 +125,7 @@ def _handler(live, secret):
             """Read a request; reject one from another page or for another host."""
             if not super().parse_request():
                 return False
-            port = self.server.server_address[1]
+            _, port, *_ = self.connection.getsockname()
             hosts = [f"{name}:{port}" for name in ("127.0.0.1", "localhost")]
             origin = self.headers.get("Origin")
             own = origin is None or origin in [f"http://{host}" for host in hosts]
