@@ -89,11 +89,34 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     return faults
 
 
+def axis_of_nodes(points: np.ndarray) -> np.ndarray:
+    """Return the direction of a cylinder near z through nodes, of length 1, (3,).
+
+    Eq. (M21):  x^2 + y^2 = 2 a x z + 2 b y z + 2 x_0 x + 2 y_0 y + c z^2 + d z + e
+                axis along (a, b, 1)
+
+    It is the circle about (x_0 + a z, y_0 + b z) at each z, which a tilted cylinder is to first
+    order.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        [m]
+    """
+    x, y, z = (points / np.ptp(points, axis=0).max()).T
+    columns = np.column_stack([2 * x * z, 2 * y * z, x, y, z**2, z, np.ones_like(z)])
+    (a, b, *_), *_ = np.linalg.lstsq(columns, x**2 + y**2, rcond=None)  # Eq. (M21)
+    return np.array([a, b, 1.0]) / np.sqrt(a**2 + b**2 + 1.0)
+
+
 def pin_direction(mesh: Mesh) -> tuple[np.ndarray, float]:
     """Return the direction of a piston's pin and how far it may be off z [rad].
 
-    It is that of the bores, or of the line between patches of the skirt's inside.
+    It is that of the bores, or of the line between patches of the skirt's inside. The triangles of
+    a body known by its nodes alone are too coarse for normals, so that its nodes count.
     """
+    if not len(mesh.tets):
+        return axis_of_nodes(mesh.points[mesh.nodes("pin_bore")]), TILTED
     axis, tilt = axis_of(mesh, "pin_bore"), TILTED
     if abs(axis[1]) > np.cos(TILTED):  # patches inside the skirt: from one to the other
         points = mesh.points[mesh.nodes("pin_bore")]

@@ -165,41 +165,44 @@ def state_in(memory):
 
 
 @compiled
-def begin(real, integer, memory):
-    """Start every participant, as `starting.start`; False where one of them refuses, all that is
-    refused put down.
-    """
-    faults = part(memory, FAULTS_AT)
+def load(memory, p):
+    """Memory of a participant as before its start; its variables stay."""
+    row = row_of(memory, p)
+    at = int(row[CONTENT])
+    first = int(row[MEMORY])
+    given_length = int(row[CONTENT_OF_MEMORY])
+    own = memory[first : first + int(row[MEMORIES])]
+    clear(own)
+    keep(own[:given_length], part(memory, CONTENTS)[at : at + given_length])
+
+
+@compiled
+def load_variables(memory, p):
+    """Start values of a participant's variables."""
+    row = row_of(memory, p)
     contents = part(memory, CONTENTS)
-    participants = count(memory, PARTICIPANTS)
-    wires = count(memory, WIRE_COUNT)
-    for p in range(participants):
-        row = row_of(memory, p)
-        at = int(row[CONTENT])
-        first = int(row[MEMORY])
-        given_length = int(row[CONTENT_OF_MEMORY])
-        reals = int(row[REALS])
-        own = memory[first : first + int(row[MEMORIES])]
-        clear(own)
-        keep(own[:given_length], contents[at : at + given_length])
-        at += given_length
-        keep(real_of(memory, p), contents[at : at + reals])
-        at += reals
-        integers = int(row[INTEGERS])
-        own_integer = integer_of(memory, p)
-        start_integer = contents[at : at + integers].view(np.int64)
-        for k in range(integers):
-            own_integer[k] = start_integer[k]
-    take(real, integer, memory, IS_PARAMETER)
-    take(real, integer, memory, IS_INPUT)
-    numbers = np.zeros(4)
-    y = np.zeros(count(memory, SIZE))
-    started = np.zeros(participants)
+    at = int(row[CONTENT]) + int(row[CONTENT_OF_MEMORY])
+    reals = int(row[REALS])
+    keep(real_of(memory, p), contents[at : at + reals])
+    at += reals
+    integers = int(row[INTEGERS])
+    own = integer_of(memory, p)
+    start_integer = contents[at : at + integers].view(np.int64)
+    for k in range(integers):
+        own[k] = start_integer[k]
+
+
+@compiled
+def start_each(memory, started, y):
+    """Start every participant, fed by those that have started."""
+    faults = part(memory, FAULTS_AT)
     starting = part(memory, STARTING)
-    for k in range(participants):
+    numbers = np.zeros(4)
+    for k in range(count(memory, PARTICIPANTS)):
         p = int(starting[k])
+        load(memory, p)
         is_fed = True
-        for w in range(wires):
+        for w in range(count(memory, WIRE_COUNT)):
             wire = wire_of(memory, w)
             if int(wire[TARGET]) == p:
                 if started[int(wire[SOURCE])] != 0.0:
@@ -209,10 +212,28 @@ def begin(real, integer, memory):
                     is_fed = False
         if is_fed and answered(memory, p, native_calls.call(memory, p, START, numbers), faults):
             started[p] = 1.0
-    if faults[0] != 0.0:
-        return False
+
+
+@compiled
+def begin(real, integer, memory):
+    """Start every participant, as `starting.start`; False where one of them refuses, all that is
+    refused put down.
+
+    They start twice: a film's forces at the start follow from the gap of the bodies, whose
+    accelerations follow from these forces, and nothing else at a start depends on an input.
+    """
+    for p in range(count(memory, PARTICIPANTS)):
+        load_variables(memory, p)
+    take(real, integer, memory, IS_PARAMETER)
+    take(real, integer, memory, IS_INPUT)
+    y = np.zeros(count(memory, SIZE))
+    started = np.zeros(count(memory, PARTICIPANTS))
+    for _ in range(2):
+        start_each(memory, started, y)
+        if part(memory, FAULTS_AT)[0] != 0.0:
+            return False
     read(memory, y)
-    for w in range(wires):
+    for w in range(count(memory, WIRE_COUNT)):
         feed(memory, w, y)
     part(memory, TIMES)[0] = 0.0
     accept(memory, 0.0, y)

@@ -109,8 +109,8 @@ def _agree(interface: Interface) -> None:
         solution = newton.solve(begin, first.outputs, newton.memory())
     except NotConverged as failure:
         raise BadInput(
-            f"no start values of the wires agree with one another: {failure}; give start values "
-            "nearer to a solution in participants.NAME.parameters"
+            f"no start values of the wires agree with one another: {failure.explained()}; give "
+            "start values nearer to a solution in participants.NAME.parameters"
         ) from None
     if names := _undetermined(begin, solution.x):
         raise BadInput(

@@ -297,16 +297,19 @@ class Stepper:
         """Roll back a step that failed and forget what led there; StepFailed if it may not be
         halved.
         """
-        self._roll_back(time, step, saved, failure)
-        self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {failure}")
-        self.predictor.clear()
-        self.memory = self.method.memory()
-        self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
         # the inputs of a first evaluation are accepted values: a second NaN is no accident
         not_finite = getattr(failure, "is_not_finite", False)
         is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
+        is_final = is_final or not may_halve
+        explain = is_final and isinstance(failure, NotConverged)
+        said = failure.explained() if explain else str(failure)
+        self._roll_back(time, step, saved, failure)
+        self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
+        self.predictor.clear()
+        self.memory = self.method.memory()
+        self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
         self._was_not_finite = not_finite
-        if is_final or not may_halve:
+        if is_final:
             raise StepFailed(self.failures[-1]) from failure
         self.counters.halved_steps += 1
 

@@ -559,7 +559,8 @@ def in_whole_ticks(changes, step, tick):
         (f"time.{key}", f"{to_si(getattr(time, key), 'rad') * ticked / step!r} rad")
         for key in ("step", "stop")
     ]
-    return [*changes, *longer], ticked
+    # a period is no whole number of these steps
+    return [*changes, *longer, ("time.until_periodic", 0)], ticked
 
 
 def verify_importers(console, say, changes=()):

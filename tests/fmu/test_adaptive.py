@@ -20,6 +20,7 @@ def command(folder, *more):
     settings = (
         "time.stop=180 deg",
         f"time.step={STEP} deg",
+        "participants.bodies.parameters.ovality=20 um",  # the bounds below were measured so
         "participants.bodies.build.grid=[20,16]",
         "participants.ehd.build.grid=[20,16]",
         *more,

@@ -57,7 +57,7 @@ def test_a_change_reaches_into_a_list():
 
 
 def test_unknown_study_names_those_there_are():
-    with pytest.raises(BadInput, match="modes, grid"):
+    with pytest.raises(BadInput, match="modes, choice, grid"):
         study_points(PATH, [], "mode")
 
 

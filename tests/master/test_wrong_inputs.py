@@ -181,8 +181,8 @@ def test_a_mesh_that_is_none(tmp_path, monkeypatch, capsys):
     text = (folder / "case.toml").read_text().replace("piston.msh.xz", "piston.msh")
     (tmp_path / "case.toml").write_text(text)
     (tmp_path / "piston.msh").write_text("no mesh")
-    (tmp_path / "block.msh.xz").write_bytes((folder / "block.msh.xz").read_bytes())
-    (tmp_path / "gas_pressure.csv").write_bytes((folder / "gas_pressure.csv").read_bytes())
+    for name in ("block.msh.xz", "gas_pressure.csv", "skirt_profile.csv"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
     code, printed = answer(["check", "."], monkeypatch, capsys)
     assert code == 2 and "no mesh that can be read" in printed and "Traceback" not in printed
 

@@ -31,7 +31,7 @@ VALUES = {
             start_rocking_angle=1e-4,
         )
     ).items()
-    if name != "crank_free"
+    if name not in ("crank_free", "gas_source")  # a choice, by its number
 }
 """Offsets of pin and crank, and every body with a mass."""
 CRANK = (CrankBearing("big_end", (10, 3), 30e-3), CrankBearing("main_bearing", (8, 4), 30e-3))

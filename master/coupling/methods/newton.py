@@ -1,6 +1,7 @@
 """Interface Newton-Krylov: the fixed point of a macro step by directional derivatives."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -63,8 +64,9 @@ class Newton:
         while history[-1] > 1.0 or np.isnan(history[-1]):
             check_finite(interface, at, history)
             if failure := self._failure(history):
-                cause = _cause(macro_step, guess, first, history)
-                raise NotConverged(f"{failure}: {cause}", interface, at, history)
+                stop = NotConverged(failure, interface, at, history)
+                stop.cause = partial(_cause, macro_step, guess, first, history)
+                raise stop
             allowed = interface.allowed(at.outputs)
             change, count = self._update(macro_step, at.outputs - at.used, allowed, memory)
             products += count

@@ -2,7 +2,7 @@
 update.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
@@ -92,9 +92,13 @@ class NotConverged(RuntimeError):
         The run stops at once, since shorter macro steps cannot help.
     is_not_finite : bool
         The first evaluation gave an output that is not finite.
+    cause : callable, optional
+        Returns the likely cause. It evaluates the participants again, so that it is asked only if
+        the run stops.
     """
 
     is_not_finite = False
+    cause: Callable[[], str] | None = None
 
     def __init__(
         self,
@@ -111,6 +115,10 @@ class NotConverged(RuntimeError):
         if isfinite(history[-1]):
             reason = f"{reason}; {interface.worst(evaluation.residual, evaluation.outputs)}"
         super().__init__(f"{reason}; residual/tolerance per iteration: {' '.join(shown)}")
+
+    def explained(self) -> str:
+        """Return the message with the likely cause."""
+        return f"{self}; {self.cause()}" if self.cause else str(self)
 
 
 def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence[float]) -> None:
