@@ -182,9 +182,11 @@ def test_fmi_3_says_the_same(native_bodies, rigid):
 BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]
 """Unequal, a row between them without a film."""
 DIFFERENCED = 1e-8
-"""Of the largest value. Derivatives of forces on the block are differences of forces of 10 kN over
-a change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N.
+"""Of the largest value. Derivatives of forces and moment on the block are differences of forces of
+10 kN over a change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N. On some
+processors the moment's differ by 2e-10 of 2.9 N m.
 """
+ON_BLOCK = ("of force_on_block", "of moment_on_block")
 SHAKEN = (
     "block_acceleration_x",
     "block_acceleration_y",
@@ -245,7 +247,7 @@ def test_several_films_in_a_block_that_moves_are_those_of_the_slave(flexible, ri
     assert largest["lateral_displacement"] > 1e-6 and largest["moment_on_block"] > 1.0
     assert np.shape(answers[1]["up.film_thickness"]) == (12, 5)
     for name, error in off.items():
-        allowed = DIFFERENCED if name.startswith("of force_on_block") else ROUND_OFF
+        allowed = DIFFERENCED if name.startswith(ON_BLOCK) else ROUND_OFF
         assert error <= allowed * largest[name], name
 
 
