@@ -183,8 +183,8 @@ BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]
 """Unequal, a row between them without a film."""
 DIFFERENCED = 1e-8
 """Of the largest value. Derivatives of forces and moment on the block are differences of forces of
-10 kN over a change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N. On some
-processors the moment's differ by 2e-10 of 2.9 N m.
+10 kN over a change of newtons (Eq. (D20)): each FMU's own add up to 1.5e-8 N alone, of 20 N. On
+some processors the moment's differ by 2e-10 of 2.9 N m.
 """
 ON_BLOCK = ("of force_on_block", "of moment_on_block")
 SHAKEN = (
