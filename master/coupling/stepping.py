@@ -301,8 +301,9 @@ class Stepper:
         not_finite = getattr(failure, "is_not_finite", False)
         is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
         is_final = is_final or not may_halve
-        explain = is_final and isinstance(failure, NotConverged)
-        said = failure.explained() if explain else str(failure)
+        said = str(failure)
+        if is_final and isinstance(failure, NotConverged):
+            said = failure.explained()
         self._roll_back(time, step, saved, failure)
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
         self.predictor.clear()
