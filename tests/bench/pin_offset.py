@@ -101,8 +101,9 @@ def runs(mesh, offset):
         "kept": {f"{piston}.pin_offset": f"{offset} mm"},
         "none": {f"{piston}.pin_offset": "0 mm"},
     }.items():
-        results = pc.open_case("fired_motorcycle", changes | change).run()
-        out[name] = {port: np.asarray(results[port]) for port in ("time", *CURVES)}
+        results = pc.open_case("fired_motorcycle", changes | change).run().whole
+        out[name] = {port: results.series(port).values for port in CURVES}
+        out[name]["time"] = results.time
     return out
 
 
