@@ -327,8 +327,8 @@ class Picture(Table):
     """lines: `y` over `x`, panels one below the other; map: `fields` at a time; section: `fields`
     at a time along their first index.
     """
-    x: Port | None = None
-    """Of lines: what they are drawn over."""
+    x: Port | Literal["time"] | None = None
+    """Of lines: output that they are drawn over, or "time"."""
     y: list[list[Port]] = []
     """Of lines: a list of outputs for each panel."""
     fields: list[Port] = []
@@ -366,6 +366,12 @@ class Picture(Table):
         """The output whose smallest or largest value is the picture's instant; "" without one."""
         kind, port = reduced(self.time or "")
         return port if kind in ("min", "max") else ""
+
+    @property
+    def outputs(self) -> list[str]:
+        """Scalar outputs of participants that the picture needs, without time and `coupling`."""
+        ports = filter(None, (self.x, self.marker, *sum(self.y, [])))
+        return [port for port in ports if port.partition(".")[0] not in TAKEN]
 
     @model_validator(mode="after")
     def complete(self):
@@ -617,9 +623,7 @@ class Case(Table):
         if self.time.angular_speed:
             ports.append(self.time.angular_speed)
         for picture in self.pictures:
-            ports += filter(None, (picture.x, picture.marker))
-            ports += picture.fields
-            ports += [port for panel in picture.y for port in panel]
+            ports += picture.outputs + picture.fields
         for entries in (self.summary.values(), self.monitor.values(), self.window):
             ports += [reduced(text).port for text in entries]
         for loop in self.report.loops.values():

@@ -751,8 +751,7 @@ def _curves(case):
     for text in case.window:
         yield f"window.{text}", reduced(text).port
     for picture in case.pictures:
-        panels = (port for panel in picture.y for port in panel)
-        for port in filter(None, (picture.x, picture.marker, *panels)):
+        for port in picture.outputs:
             yield f"pictures.{picture.file}", port
     for name, loop in case.report.loops.items():
         for port in (loop.x, *loop.y):

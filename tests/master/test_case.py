@@ -211,6 +211,16 @@ def test_a_picture_lacks_what_its_kind_needs(case_file):
         check_case(read_tree(path), path)
 
 
+def test_a_picture_shows_the_coupling_over_time(case_file):
+    """Only outputs of participants are looked up in the FMUs."""
+    lines = '[[pictures]]\nfile = "a.png"\ntitle = "A"\nkind = "lines"\nx = "time"\n'
+    path = case_file(GOOD + lines + 'y = [["coupling.iterations", "a.y"]]\n')
+    (picture,) = check_case(read_tree(path), path).pictures
+    assert picture.outputs == ["a.y"]
+    with pytest.raises(BadInput, match="pictures.0.x"):
+        check_case(read_tree(case_file(GOOD + lines.replace('"time"', '"tim"'))), path)
+
+
 @pytest.mark.parametrize(
     "given, ends, title",
     [
