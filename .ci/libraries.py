@@ -1,4 +1,4 @@
-"""Libraries of native FMUs for all platforms, into the checkout's package: what a wheel brings."""
+"""Build the libraries of native FMUs for all platforms in the package folder of this checkout."""
 
 from piston_cosim.master.fmi.builder_native import (
     AHEAD,
@@ -8,16 +8,19 @@ from piston_cosim.master.fmi.builder_native import (
     PLATFORMS,
     libraries,
     library_name,
+    newer_symbols,
 )
 
-SLAVES = (("fmu_ehd",), ("fmu_mfbd",), ("master.coupling", "fmu_ehd", "fmu_mfbd"))
-OF_THE_MASTER = [name for name in PLATFORMS if name != "win64"]  # it runs on POSIX systems
-MADE = [(packages, version, list(PLATFORMS)) for packages in SLAVES for version in FRONTS]
-MADE.append(((ITERATING,), ITERATION, OF_THE_MASTER))
+MODELS = (("fmu_ehd",), ("fmu_mfbd",), ("master.coupling", "fmu_ehd", "fmu_mfbd"))
+POSIX = [name for name in PLATFORMS if name != "win64"]  # `run` iterates on POSIX systems only
+BUILDS = [(packages, version, list(PLATFORMS)) for packages in MODELS for version in FRONTS]
+BUILDS.append(((ITERATING,), ITERATION, POSIX))
 
 AHEAD.mkdir(exist_ok=True)
-for packages, version, platforms in MADE:
+for packages, version, platforms in BUILDS:
     for platform, library in libraries(packages, platforms, version, print).items():
         name = library_name(packages, platform, version)
+        if newer := newer_symbols(library):
+            raise SystemExit(f"{name}: expected symbols up to GLIBC_2.17, got {', '.join(newer)}")
         (AHEAD / name).write_bytes(library)
         print(f"{name}: {len(library) / 1e3:.0f} kB")

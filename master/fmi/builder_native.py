@@ -10,6 +10,7 @@ import fcntl
 import json
 import os
 import platform as machine
+import re
 import shutil
 import struct
 import subprocess
@@ -70,22 +71,22 @@ ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack")
 MACH_O = ("-fPIC", "-fvisibility=hidden")
 PLATFORMS = {
     "linux64": Platform(
-        ((os.environ.get("CC", "cc"),), _zig("x86_64-linux-gnu.2.17")),
+        (_zig("x86_64-linux-gnu.2.17"), (os.environ.get("CC", "cc"),)),
         ELF,
         ".so",
         {"2.0": "linux64", "3.0": "x86_64-linux"},
     ),
     "win64": Platform(
         (
-            ("x86_64-w64-mingw32-gcc", "-static-libgcc", "-static"),
             _zig("x86_64-windows-gnu"),
+            ("x86_64-w64-mingw32-gcc", "-static-libgcc", "-static"),
         ),
         ("-D__USE_MINGW_ANSI_STDIO=1",),
         ".dll",
         {"2.0": "win64", "3.0": "x86_64-windows"},
     ),
     "aarch64-linux": Platform(
-        (("aarch64-linux-gnu-gcc",), _zig("aarch64-linux-gnu.2.17")),
+        (_zig("aarch64-linux-gnu.2.17"), ("aarch64-linux-gnu-gcc",)),
         ELF,
         ".so",
         {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
@@ -104,6 +105,9 @@ PLATFORMS = {
     ),
 }
 """By the names of `native_code.TARGETS`."""
+
+OLDEST_GLIBC = (2, 17)
+"""Version of glibc that release libraries are linked against: that of RHEL 7."""
 
 AHEAD = Path(__file__).parent / "libraries"
 """Where a release has libraries made ahead, `library_name` each."""
@@ -527,6 +531,14 @@ def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
         if done.returncode:
             raise RuntimeError(f"{command[0]} could not link a native FMU:\n{done.stderr}")
         return library.read_bytes()
+
+
+def newer_symbols(library: bytes) -> list[str]:
+    """Return the symbol versions of an ELF library that are newer than `OLDEST_GLIBC`."""
+    versions = {
+        tuple(map(int, text.split(b"."))) for text in re.findall(rb"GLIBC_(\d+(?:\.\d+)*)", library)
+    }
+    return [f"GLIBC_{'.'.join(map(str, v))}" for v in sorted(versions) if v > OLDEST_GLIBC]
 
 
 # ---- the file that says what the slave is like
