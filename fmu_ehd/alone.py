@@ -3,6 +3,7 @@ inside is that of the FMU.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -20,6 +21,11 @@ from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
 
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
 """Every parameter of a film, as its FMU declares it."""
+
+LONGEST, SHORTEST, AFTERWARDS = 1e9, 1e-9, 1e-6
+"""Lengths of the steps to a steady film, and of the one whose outputs `steady` returns [s]."""
+MOST_STEPS = 100
+SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
 
 
 class Film:
@@ -161,11 +167,101 @@ class Film:
         sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
         try:
             self.state, outputs = self.model.advance(
-                self.state, film, sliding, step, turning, **conditions
+                self.state, film, sliding, float(step), turning, **conditions
             )
         except NotConverged as trouble:
             raise Discard(str(trouble)) from None
         return outputs
+
+    def steady(
+        self,
+        film_thickness: Array | float,
+        *,
+        sliding_velocity: Array | float | None = None,
+        circumferential_velocity: Array | float | None = None,
+        tolerance: float = 1e-9,
+        **conditions: Any,
+    ) -> dict[str, Any]:
+        """Return the outputs of the steady film for a fixed film thickness and velocity.
+
+        The film starts full. Steps of 1e9 s follow until pressure and film fraction stay. A step
+        without solution is repeated with a shorter one, which then grows again.
+
+        Parameters
+        ----------
+        film_thickness, sliding_velocity, circumferential_velocity, **conditions
+            As for `start`.
+        tolerance : float
+            Largest change in the last step: of `film_fraction`, and of `pressure` as a fraction of
+            its maximum. Default: 1e-9.
+
+        Returns
+        -------
+        dict
+            Outputs as those of `step`. The next step begins with the steady film.
+
+        Raises
+        ------
+        BadInput
+            As `start`, and if the oil supply follows the stroke.
+        Discard
+            If the film does not become steady. The state remains as it was.
+
+        Examples
+        --------
+        >>> film = pc.Film((60, 20), surface="bearing", bore_radius="25 mm", skirt_length="25 mm")
+        >>> theta = np.arange(60) * 2 * np.pi / 60
+        >>> thickness = np.repeat(25e-6 * (1 + 0.5 * np.cos(theta))[:, None], 20, axis=1)
+        >>> outputs = film.steady(
+        ...     thickness, circumferential_velocity=5.0,
+        ...     pressure_lower_edge=1e5, pressure_upper_edge=1e5,
+        ... )
+        >>> bool(outputs["pressure"].max() > 1e5)
+        True
+        """
+        supply = self.model.parameters.oil_supply
+        if supply != "edges":
+            raise BadInput(f"oil_supply: a steady film expects edges, got {supply}")
+        before = self.state
+        velocities: dict[str, Any] = dict(
+            sliding_velocity=sliding_velocity, circumferential_velocity=circumferential_velocity
+        )
+        try:
+            outputs = self.start(film_thickness, **velocities, **conditions)
+            self._settle(outputs, tolerance, film_thickness, velocities | conditions)
+            assert self.state is not None
+            self.state = replace(self.state, friction_work=0.0, boundary_work=0.0)
+            return self.step(film_thickness, AFTERWARDS, **velocities, **conditions)
+        except Discard:
+            self.state = before
+            raise
+
+    def _settle(
+        self,
+        outputs: dict[str, Any],
+        tolerance: float,
+        film_thickness: Array | float,
+        inputs: dict[str, Any],
+    ) -> None:
+        """Step until the film stays; Discard if it does not."""
+        length, change = LONGEST, np.inf
+        for _ in range(MOST_STEPS):
+            last = outputs
+            try:
+                outputs = self.step(film_thickness, length, **inputs)
+            except Discard as trouble:
+                length /= 1e3
+                if length < SHORTEST:
+                    raise Discard(f"the film does not become steady: {trouble}") from None
+                continue
+            change = _change(last, outputs)
+            if change <= tolerance and length == LONGEST:
+                return
+            length = min(10.0 * length, LONGEST)
+        raise Discard(
+            f"the film does not become steady: expected a change of at most {tolerance:g}, got "
+            f"{change:g} in the last of {MOST_STEPS} steps; try a larger tolerance or another grid"
+        )
 
     def tangent(
         self,
@@ -213,6 +309,13 @@ class Film:
         if not np.isfinite(array).all():
             raise BadInput("an array is not finite")
         return np.ascontiguousarray(np.broadcast_to(array, self.grid))
+
+
+def _change(before: Mapping[str, Any], after: Mapping[str, Any]) -> float:
+    """Return the larger change of film fraction and of pressure over its maximum [-]."""
+    largest = max(np.abs(after["pressure"]).max(), SCALE)
+    pressure = np.abs(after["pressure"] - before["pressure"]).max() / largest
+    return max(pressure, np.abs(after["film_fraction"] - before["film_fraction"]).max())
 
 
 def _read(parameters: Mapping[str, str | float]) -> dict[str, Any]:
