@@ -24,7 +24,6 @@ TEXTS = {
     "README.md": "index.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
-    "models/TUTORIAL.md": "tutorials/own_mesh.md",
     "models/lubrication_template/README.md": "tutorials/own_film.md",
     "models/engine/README.md": "tutorials/engine.md",
     "models/numerical_example/README.md": "cases/numerical_example.md",
