@@ -1,5 +1,5 @@
 """Reduce bodies and put everything about them into a folder; recover displacement and stress on
-their meshes: the commands `reduce` and `recover`, and as a library.
+their meshes: the commands `reduce` and `results recover`, and as a library.
 """
 
 import csv

@@ -549,7 +549,7 @@ class Common(BaseModel):
     speed: Speed | None = None
     """Crank speed over time or crank angle, in place of the input crank_speed."""
     start: str | None = None
-    """File of `piston-cosim snapshot` in place of the parameters start_*."""
+    """File of `piston-cosim results snapshot` in place of the parameters start_*."""
     film_surfaces: list[FilmSurface] = []
     """Bands of the skirt, from below, each with a film of its own; rows between them have none.
     Without it the whole skirt is one surface, and its variables have plain names.

@@ -1,5 +1,6 @@
-"""Start from where another run stood: its outputs at an instant, as `piston-cosim snapshot` writes
-them.
+"""Start from the state of another run.
+
+The state is the file of outputs at one instant that `piston-cosim results snapshot` writes.
 """
 
 import json
@@ -73,7 +74,8 @@ def read_start(path: Path | str) -> StartState:
         outputs = None
     if not isinstance(outputs, dict):
         raise ValueError(
-            f"start: {name} is no JSON table of outputs (make one with piston-cosim snapshot)"
+            f"start: {name} is not a JSON table of outputs; "
+            "write one with `piston-cosim results snapshot`"
         )
     missing = [key for key in SCALARS if key not in outputs]
     if missing:

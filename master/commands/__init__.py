@@ -1,3 +1,5 @@
-"""The command line: `app` (what there is, exit codes), `common` (what several commands do), and a
-file for each command.
+"""The command line.
+
+`app` lists the commands and sets exit codes. `common` holds what several commands use. Each command
+is a file; the folders `results` and `fmu` hold the commands of these groups.
 """

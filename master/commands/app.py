@@ -1,15 +1,11 @@
-"""The command line `piston-cosim`; each command is a file of this room. Exit codes: 0 done, 1
-failed honestly, 2 bad input.
+"""The command line `piston-cosim`: one file per command, one folder per group.
+
+Exit codes: 0 success, 1 a run that failed or was stopped, 2 bad input.
 """
 
 import gc
 import os
-
-# dense algebra here is small: a second BLAS thread costs up to a factor 7
-for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_threads, "1")
-os.environ.setdefault("MPLBACKEND", "Agg")  # pictures are files, also where there is a display
-
+import shlex
 import sys
 import time
 from contextlib import suppress
@@ -20,56 +16,80 @@ from rich.console import Console
 from ..fmi.errors import BadInput, Stopped
 
 STARTED = time.perf_counter()
-COMMANDS = {
-    "list": "List the cases that come with the tool.",
-    "new": "Write a case of an own engine, from a few lengths, a mesh or a STEP file.",
-    "keys": "List every key of a case: unit, default, allowed values, meaning.",
-    "check": "Look at a case before it runs, or at an FMU beside the contract.",
-    "run": "Run a case and its variants: results file, summary, pictures.",
-    "resume": "Go on with an interrupted run, with the same bits.",
-    "plot": "Draw runs side by side.",
-    "movie": "Draw recorded fields of a run as a moving picture.",
-    "report": "Write one self-contained HTML page about runs.",
-    "scalars": "Write all scalar outputs of a run as CSV.",
-    "fields": "Write recorded fields as CSV, HDF5 or VTU.",
-    "snapshot": "Write a participant's outputs at an instant, for another run to start from.",
-    "compare": "Score curves of runs against one another or against measured ones.",
-    "study": "Run a study of a case: cost, and distance from its reference run.",
-    "sweep": "Run a case over values of its keys.",
-    "reduce": "Reduce bodies from meshes or matrices; their modes as tables and pictures.",
-    "recover": "Displacement and stress on the meshes at chosen instants of a run.",
-    "noise": "What the block would radiate in a run: power by angle, frequency and side.",
-    "build": "Build the FMU of one participant of a case.",
-    "info": "Print what an FMU offers.",
-    "pack": "Make an FMU of a slave written in one file.",
-    "export": "Export a case as one FMU or as an SSP.",
-    "verify": "Compute every verification figure beside its reference.",
-    "bench": "Run the benchmarks of a source checkout.",
+SUMMARY = "Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
+GROUPS = {
+    "results": "Draw, report and export results files.",
+    "fmu": "Build, export and inspect FMUs.",
 }
-"""What there is, in the order of use; a command's own file is imported when it is called."""
-
-# modules, XML and descriptions stay: looking through them for what may go costs a fifth of a start
-gc.set_threshold(100_000, 20, 20)
+COMMANDS = {
+    "run": "Run a case and its variants.",
+    "resume": "Continue an interrupted run from its checkpoint.",
+    "new": "Write a case of your own engine.",
+    "check": "Check a case without a run.",
+    "keys": "List the keys of a case file.",
+    "list": "List the shipped cases.",
+    "sweep": "Run a case over values of its keys.",
+    "study": "Run a study of a case.",
+    "reduce": "Reduce flexible bodies and list their modes.",
+    "verify": "Compute the verification figures next to their references.",
+    "bench": "Run the benchmarks of a source checkout.",
+    "compare": "Compare lubrication models on a case.",
+    "results plot": "Draw the pictures of results files.",
+    "results report": "Write an HTML report about results files.",
+    "results movie": "Write an animation of a results file.",
+    "results scalars": "Write all scalar outputs as CSV.",
+    "results fields": "Write recorded fields as CSV, HDF5 or VTU.",
+    "results snapshot": "Write the state of a participant at one instant.",
+    "results recover": "Write displacement and stress of the bodies as VTU.",
+    "results noise": "Compute the sound power that the block radiates.",
+    "results compare": "Score curves of results files.",
+    "fmu build": "Build the FMU of one participant of a case.",
+    "fmu export": "Export a case as one FMU.",
+    "fmu export ssp": "Export a case as an SSP.",
+    "fmu pack": "Build an FMU from a single-file model class.",
+    "fmu info": "Print the interface of an FMU.",
+    "fmu check": "Compare an FMU with the contract of its role.",
+}
+"""Words of a command -> the summary of its docstring. A call imports only its own command."""
+MOVED = {words.split()[1]: words for words in COMMANDS if words.count(" ") == 1}
+"""Former name of a command -> its words."""
 
 app = App(
     name="piston-cosim",
-    help="Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation.",
+    help=SUMMARY,
     version_flags=["--version"],
-    # the list of commands needs no markdown, which takes a quarter of its time to import
-    help_format="markdown" if sys.argv[1:2] and sys.argv[1] in COMMANDS else "plaintext",
+    help_format="markdown",
+    version_format="plaintext",
 )
-for _order, (_name, _line) in enumerate(COMMANDS.items()):
-    # the command called explains itself by its docstring
-    _help = {} if sys.argv[1:2] == [_name] else {"help": _line}
-    app.command(f"{__package__}.{_name}:command", name=_name, sort_key=_order, **_help)
+_PACKAGE = __name__.rpartition(".")[0]
+_apps = {"": app} | {name: App(name=name, help=text) for name, text in GROUPS.items()}
+for _order, _words in enumerate(COMMANDS):
+    _group, _, _name = _words.rpartition(" ")
+    if _group in _apps:  # a command below a command is registered by the file of that command
+        _module = ".".join([_PACKAGE, *_words.split()])
+        _apps[_group].command(f"{_module}:command", name=_name, sort_key=_order)
+for _order, _name in enumerate(GROUPS):
+    _apps[_name].sort_key = len(COMMANDS) + _order
+    app.command(_apps[_name])
 app.register_install_completion_command(help="Teach this shell to complete commands and options.")
 
 
 def main():
-    """Run the command line; turn what users can mend into messages and exit codes."""
+    """Run the command line; print errors of the user's input and set the exit code."""
+    # dense algebra here is small: a second BLAS thread costs up to a factor 7
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")
+    # modules, XML and descriptions stay: looking through them costs a fifth of a start
+    gc.set_threshold(100_000, 20, 20)
     separate_output()
+    words = sys.argv[1:]
     try:
-        app(exit_on_error=False, print_error=True)
+        if (listed := overview(words)) is not None:
+            print(listed)
+            return
+        if moved := new_spelling(words):
+            raise BadInput(f"{words[0]}: this command was renamed; type: {moved}")
+        app(words, exit_on_error=False, print_error=True)
     except CycloptsError:
         sys.exit(2)
     except BadInput as error:
@@ -86,8 +106,47 @@ def main():
     sys.exit(1)
 
 
+def overview(words):
+    """Return the list of all commands, or of a group, if `words` ask for one; None otherwise."""
+    asked = [word for word in words if word not in ("--help", "-h")]
+    if asked and (asked[0] not in GROUPS or len(asked) > 1):
+        return None
+    groups = {asked[0]: GROUPS[asked[0]]} if asked else {"": "Run cases."} | GROUPS
+    lines = [
+        f"Usage: {' '.join(['piston-cosim', *asked])} COMMAND",
+        *([] if asked else ["", SUMMARY]),
+    ]
+    width = max(map(len, COMMANDS))
+    for group, title in groups.items():
+        lines += ["", title]
+        for command, summary in COMMANDS.items():
+            if command.partition(" ")[0] == group or not (group or " " in command):
+                lines.append(f"  {command:{width}s}  {summary}")
+    lines += ["", "Type `piston-cosim COMMAND --help` for the options of a command."]
+    if not asked:
+        lines += [
+            "Type `piston-cosim --version` for the version.",
+            "Type `piston-cosim --install-completion` to complete commands in your shell.",
+        ]
+    return "\n".join(lines)
+
+
+def new_spelling(words):
+    """Return the current spelling of a call that uses a former one; None otherwise."""
+    name, *rest = words
+    if (
+        name not in MOVED
+        or (name == "compare" and not any(word.endswith(".h5") for word in rest))
+        or (name == "check" and not any(word.endswith(".fmu") for word in rest))
+    ):
+        return None
+    if name == "export" and rest[:1] == ["fmu"]:
+        del rest[0]
+    return shlex.join(["piston-cosim", *MOVED[name].split(), *rest])
+
+
 def separate_output():
-    """Send what FMUs print to the error stream: standard output has what the commands print."""
+    """Send what FMUs print to the error stream; standard output holds what the commands print."""
     out = sys.stdout
     with suppress(OSError, ValueError, AttributeError):
         if out is sys.__stdout__ and out.fileno() == 1:

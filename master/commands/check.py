@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from ..case.check import CheckedCase, check
-from ..case.contract import check_fmu
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
@@ -11,24 +10,22 @@ from .common import Changes, console, default_folder, parse_change
 
 
 def command(source: str, *, set_: Changes = [], picture: Path | None = None):
-    """Look at a case before anything is reduced: every fault, geometry, masses, clearance, cells
-    with a film, a picture of skirt and bore. For a system of FMUs: its loops, with gain, condition,
-    and the method and step that suit them. Of an FMU: compare it with the lubrication contract.
+    """Check a case without a run: faults, geometry, masses, clearance, cells with a film.
 
-    Example: piston-cosim check my_engine; piston-cosim check film.fmu
+    The command also draws skirt and bore. For a system of FMUs it prints every loop with its gain,
+    its condition, and the method and step that suit it.
+
+    Example: piston-cosim check my_engine
 
     Parameters
     ----------
     source
-        Name of a case, its folder or its file; or an FMU.
+        Name of a case, its folder or its file.
     set_
         Change of the case, KEY=VALUE.
     picture
         PNG file of skirt and bore; default results/CASE/check.png.
     """
-    if Path(source).suffix == ".fmu":
-        _check_fmu(Path(source))
-        return
     found = check(source, [parse_change(text) for text in set_])
     print_checked(found, picture or default_folder(found.path) / "check.png")
 
@@ -78,15 +75,3 @@ def _shown(figure: Figure) -> str:
     if figure.unit == "1":
         return f"{figure.value:g}"
     return short(figure.value, figure.unit)
-
-
-def _check_fmu(fmu: Path):
-    """Compare an FMU with the contract."""
-    if not fmu.is_file():
-        raise BadInput(f"{fmu}: no such file")
-    role, breaches, remarks = check_fmu(fmu)
-    for line in remarks:
-        console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
-    if breaches:
-        raise BadInput([f"{fmu}, as {role}: {line}" for line in breaches])
-    console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)

@@ -33,7 +33,7 @@ def pack(thing: Any, classes: Iterable[type] = ()) -> bytes:
 
 
 def unpack(data: bytes, classes: Iterable[type] = ()) -> Any:
-    """What `pack` has made into bytes; NotPlain if they are anything else."""
+    """What `fmu pack` has made into bytes; NotPlain if they are anything else."""
     try:
         end = LENGTH + int.from_bytes(data[:LENGTH], "little")
         reader = _Reader(data[end:], {kind.__name__: kind for kind in classes})

@@ -3,7 +3,7 @@ Coulomb friction.
 
 To compare with a lubricated run:
 
-piston-cosim pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
+piston-cosim fmu pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
 """
 
 from dataclasses import dataclass

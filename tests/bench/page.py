@@ -4,7 +4,8 @@
 with the bodies before the eyes, and the processor time of a frame; of a made-up report of two runs
 in 361 instants on a grid of 40 x 40 with bodies of the shipped ones' size, if none is given. Asked
 are 2 s and 30 a second, and 15 MB. Of a machine that is otherwise quiet; beside other work the
-processor time tells. A real page: `piston-cosim run numerical_example`, then `piston-cosim report`.
+processor time tells. A real page: `piston-cosim run numerical_example`, then `piston-cosim results
+report`.
 """
 
 import os

@@ -90,7 +90,10 @@ def test_every_command_and_every_option_is_in_the_reference(site):
     for command in COMMANDS:
         assert f"piston-cosim {command}" in text
         part = text.split(f"piston-cosim {command}")[-1]
-        for argument in app[command].assemble_argument_collection():
+        found = app
+        for word in command.split():
+            found = found[word]
+        for argument in found.assemble_argument_collection():
             missing += [
                 (command, n) for n in argument.names if n.startswith("--") and n not in part
             ]

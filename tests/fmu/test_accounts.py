@@ -79,7 +79,7 @@ def test_scalars_as_structured_array_and_csv(finished, tmp_path):
         records["left.displacement"], results.series("left.displacement")[0]
     )
     with pytest.raises(SystemExit) as done:
-        app(["scalars", str(folder / "base.h5"), "--output", str(tmp_path / "run.csv")])
+        app(["results", "scalars", str(folder / "base.h5"), "--output", str(tmp_path / "run.csv")])
     assert not done.value.code
     read = read_csv(tmp_path / "run.csv")
     assert read.dtype.names == records.dtype.names

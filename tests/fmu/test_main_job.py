@@ -153,7 +153,7 @@ def test_pictures_are_drawn(job):
 
 def test_plot_again_from_the_files(job):
     run = piston_cosim(
-        "plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job
+        "results", "plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job
     )
     assert run.returncode == 0, run.stderr
     assert {path.stem for path in (job / "again").glob("*.png")} == set(PICTURES)
@@ -205,8 +205,8 @@ def test_bad_input_is_named(tmp_path, change, words):
 
 def test_unknown_case_and_missing_files(tmp_path):
     assert piston_cosim("run", "nonsense", folder=tmp_path).returncode == 2
-    assert piston_cosim("plot", "nonsense.h5", folder=tmp_path).returncode == 2
-    assert piston_cosim("info", "nonsense.fmu", folder=tmp_path).returncode == 2
+    assert piston_cosim("results", "plot", "nonsense.h5", folder=tmp_path).returncode == 2
+    assert piston_cosim("fmu", "info", "nonsense.fmu", folder=tmp_path).returncode == 2
     assert piston_cosim("run", folder=tmp_path).returncode == 2
 
 

@@ -200,7 +200,7 @@ def test_a_run_with_native_bodies_is_the_run_in_python(both, tmp_path):
 
 
 def test_bodies_and_four_films_in_one_native_fmu_are_those_of_the_fmu_in_python(tmp_path):
-    """`export fmu floating_pin --native` stepped beside the same without it."""
+    """`fmu export floating_pin --native` stepped beside the same without it."""
     tree = small(stop="12 deg", skirt=(12, 10), pin=(24, 4))
     results = computed(tree, tmp_path / "run.h5")
     case = check_case(tree, PATH)

@@ -66,7 +66,7 @@ def test_five_commands_to_a_report(place):
     screen = piston_cosim(place, "run", "own", "--set", "participants.bodies.build.piston.modes=20")
     for word in ("thinnest film", "FMEP", "gas and inertia ask for", "slap", "checks"):
         assert word in screen
-    report = piston_cosim(place, "report", "results/own/base.h5")
+    report = piston_cosim(place, "results", "report", "results/own/base.h5")
     assert "report" in report and (place / "report/report.html").is_file()
     with Results(place / "results/own/base.h5") as results:
         found = friction_pressure(check_case(results.case, "own"), results)

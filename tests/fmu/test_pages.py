@@ -16,8 +16,9 @@ from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.commands import movie, sweep
+from piston_cosim.master.commands import sweep
 from piston_cosim.master.commands.common import body_skins, page_of
+from piston_cosim.master.commands.results import movie
 from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.pictures import names_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.commands.compare import print_scores
+from piston_cosim.master.commands.results.compare import print_scores
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import Row, Score, read_measured, score
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.master.commands.app import COMMANDS, app
+from piston_cosim.master.commands.app import COMMANDS, GROUPS, app
 
 ROOT = Path(__file__).parents[2]
 LABEL = r"\(([A-Z]\d+[a-z]?)\)"
@@ -111,15 +111,24 @@ def test_cases_in_documents_are_toml():
         tomllib.loads(code)
 
 
+def arguments(command):
+    """Arguments of a command, e.g. "results plot", with their descriptions."""
+    found = app
+    for word in command.split():
+        found = found[word]
+    return found.assemble_argument_collection(parse_docstring=True)
+
+
 def test_commands_in_documents_are_there_with_their_options():
     wrong = []
     for name, code in [*blocks(""), *blocks("bash")]:
         for words in re.findall(r"(?m)piston-cosim (\w+.*)$", code):
-            command, rest = re.match(r"(\w+)(.*)", words.partition("   ")[0]).groups()
-            options = set(re.findall(r"(?<!\S)--[a-z-]+", rest))
+            typed = re.sub("`.*", "", words.partition("   ")[0]).split()
+            command = " ".join(typed[:2] if typed[0] in GROUPS else typed[:1])
+            options = {word for word in typed if word.startswith("--")}
             known = {"--help"}
             if command in COMMANDS:
-                known |= {n for a in app[command].assemble_argument_collection() for n in a.names}
+                known |= {name for argument in arguments(command) for name in argument.names}
             if command not in COMMANDS or options - known:
                 wrong.append((name, words))
     assert wrong == []
@@ -134,7 +143,8 @@ def test_the_citation_names_the_version_that_is_built():
 
 def test_the_shell_completes_every_command():
     script = app.generate_completion(shell="bash")
-    assert [command for command in COMMANDS if command not in script] == []
+    names = {name for command in COMMANDS for name in command.split()}
+    assert [name for name in names if name not in script] == []
     assert "--summary-json" in script
 
 
@@ -142,7 +152,7 @@ def test_every_option_has_words():
     silent = [
         (command, argument.name)
         for command in COMMANDS
-        for argument in app[command].assemble_argument_collection(parse_docstring=True)
+        for argument in arguments(command)
         if not argument.parameter.help and argument.name != "*"  # a group of options, none itself
     ]
     assert silent == []

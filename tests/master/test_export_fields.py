@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import find_case, read_tree
-from piston_cosim.master.commands.fields import _size
+from piston_cosim.master.commands.results.fields import _size
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import (
     chosen,

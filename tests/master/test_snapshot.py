@@ -1,4 +1,4 @@
-"""`piston-cosim snapshot`: outputs at one instant, as a file that another run starts from."""
+"""`piston-cosim results snapshot`: a file of outputs from which another run starts."""
 
 import json
 
@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.commands.snapshot import command
+from piston_cosim.master.commands.results.snapshot import command
 from piston_cosim.master.fmi.errors import BadInput
 
 

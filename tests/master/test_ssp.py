@@ -13,7 +13,7 @@ from lxml import etree
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.ssp import SPACE, export_ssp
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.commands.export import built
+from piston_cosim.master.commands.fmu.export import built
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results

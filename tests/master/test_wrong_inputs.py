@@ -114,15 +114,24 @@ COMMANDS = [
     (["sweep", CASE, "--vary", "radial_clearance"], "write KEY=LOW..HIGH:COUNT"),
     (["sweep", CASE, "--vary", "radial_clearance=1um..3s:3"], "units of one kind"),
     (["sweep", CASE, "--vary", "radial_clearanse=1um;2um"], "did you mean radial_clearance"),
-    (["plot", "no.h5"], "no such file"),
-    (["report", "no.h5"], "no such file"),
-    (["fields", "no.h5", "--field", "ehd.pressure", "--output", "p.csv"], "no such file"),
-    (["recover", "no.h5", "--time", "1 ms"], "no such file"),
-    (["snapshot", "no.h5", "--participant", "bodies", "--output", "s.json"], "no.h5"),
-    (["check", "no.fmu"], "no such file"),
-    (["info", "no.fmu"], "no such file"),
-    (["build", "engine"], "the case builds"),
-    (["build", "ehd", "--grid", "40"], "CIRCUMFERENTIALxAXIAL"),
+    (["results", "plot", "no.h5"], "no such file"),
+    (["results", "report", "no.h5"], "no such file"),
+    (
+        ["results", "fields", "no.h5", "--field", "ehd.pressure", "--output", "p.csv"],
+        "no such file",
+    ),
+    (["results", "recover", "no.h5", "--time", "1 ms"], "no such file"),
+    (["results", "snapshot", "no.h5", "--participant", "bodies", "--output", "s"], "no.h5"),
+    (["fmu", "check", "no.fmu"], "no such file"),
+    (["fmu", "info", "no.fmu"], "no such file"),
+    (["fmu", "build", "engine"], "the case builds"),
+    (["fmu", "build", "ehd", "--grid", "40"], "CIRCUMFERENTIALxAXIAL"),
+    (["plot", "a b.h5", "--format", "svg"], "results plot 'a b.h5' --format svg"),
+    (["compare", "a.h5", "b.h5"], "piston-cosim results compare a.h5 b.h5"),
+    (["check", "film.fmu"], "piston-cosim fmu check film.fmu"),
+    (["export", "fmu", "x", "--output", "y"], "piston-cosim fmu export x --output y"),
+    (["export", "ssp", "x", "--output", "y"], "piston-cosim fmu export ssp x --output y"),
+    (["results", "plott"], 'Did you mean "plot"'),
     (["verify", "rings"], "there are ehd"),
     (["new", "e"], "--bore is needed"),
     (["new", "e", "--bore", "86", "--stroke", "86", "--rod", "40"], "must be longer"),
@@ -172,7 +181,7 @@ def test_wrong_files(text, said, tmp_path, monkeypatch, capsys):
 
 def test_wrong_results(tmp_path, monkeypatch, capsys):
     (tmp_path / "text.h5").write_text("no results")
-    code, printed = answer(["report", "text.h5"], monkeypatch, capsys)
+    code, printed = answer(["results", "report", "text.h5"], monkeypatch, capsys)
     assert code == 2 and "Traceback" not in printed
 
 

@@ -146,7 +146,16 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
         file["time"] = file["fields/time"] = [0.0, 1e-3, 2e-3]
         file["fields/bodies/modal_coordinate"] = coordinates
         file["fields/bodies/modal_coordinate"].attrs.update(unit="1", description="")
-    call = [sys.executable, "-m", "piston_cosim", "recover", "run.h5", "--case", str(folder)]
+    call = [
+        sys.executable,
+        "-m",
+        "piston_cosim",
+        "results",
+        "recover",
+        "run.h5",
+        "--case",
+        str(folder),
+    ]
     done = subprocess.run([*call, "--time", "1.1 ms"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (

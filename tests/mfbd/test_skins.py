@@ -1,4 +1,4 @@
-"""Surfaces that pages draw: corners of outer faces, with the displacement that `recover` has."""
+"""Surfaces that pages draw: corners of outer faces, with the displacement of `results recover`."""
 
 from dataclasses import fields
 

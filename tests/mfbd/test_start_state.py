@@ -40,8 +40,8 @@ def test_whole_cycles_are_left_out(write, angle, reduced):
 @pytest.mark.parametrize(
     "content, message",
     [
-        ("no json", "no JSON table of outputs"),
-        ("[1]", "no JSON table of outputs"),
+        ("no json", "not a JSON table of outputs"),
+        ("[1]", "not a JSON table of outputs"),
         (
             {k: v for k, v in WHOLE.items() if k not in ("rocking_angle", "lateral_velocity")},
             "lacks rocking_angle, lateral_velocity",

@@ -1,21 +1,21 @@
-"""`piston-cosim snapshot`."""
+"""`piston-cosim results snapshot`."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 
-from ..fmi.errors import BadInput
-from ..results.file import Results
-from ..results.instants import instant, told
-from .common import console
+from ...fmi.errors import BadInput
+from ...results.file import Results
+from ...results.instants import instant, told
+from ..common import console
 
 
 def command(file: Path, *, participant: str, output: Path, time: str | None = None):
     """Write all that a run recorded of a participant at one instant, to start another run from
     there.
 
-    Example: piston-cosim snapshot results/fired_motorcycle/flexible.h5 --participant bodies
+    Example: piston-cosim results snapshot results/fired_motorcycle/flexible.h5 --participant bodies
     --output models/mine/start.json; the case then says start = "start.json" in
     [participants.bodies.build]
 

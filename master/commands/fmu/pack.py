@@ -1,15 +1,16 @@
-"""`piston-cosim pack`."""
+"""`piston-cosim fmu pack`."""
 
 from pathlib import Path
 
-from ..api.fmus import build_fmu
-from .common import console, parse_grid, say
+from ...api.fmus import build_fmu
+from ..common import console, parse_grid, say
 
 
 def command(slave: str, *, grid: str = "40x40", output: Path):
     """Make an FMU of a slave written in one file, e.g. of the template of a lubrication model.
 
-    Example: piston-cosim pack models/lubrication_template/axial_film.py:AxialFilm --output film.fmu
+    Example: piston-cosim fmu pack models/lubrication_template/axial_film.py:AxialFilm
+    --output film.fmu
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
-"""`piston-cosim report`."""
+"""`piston-cosim results report`."""
 
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..fmi.errors import BadInput
-from ..results.compare import check_measured, measured_section, read_measured
-from .common import console, open_runs, page_of
+from ...fmi.errors import BadInput
+from ...results.compare import check_measured, measured_section, read_measured
+from ..common import console, open_runs, page_of
 
 
 def command(
@@ -20,7 +20,7 @@ def command(
 ):
     """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
 
-    Example: piston-cosim report results/fired_motorcycle/flexible.h5
+    Example: piston-cosim results report results/fired_motorcycle/flexible.h5
     results/fired_motorcycle/rigid.h5 --output report
 
     Parameters

@@ -1,16 +1,16 @@
-"""`piston-cosim fields`."""
+"""`piston-cosim results fields`."""
 
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..case.contract import players
-from ..fmi.errors import BadInput
-from ..fmi.quantities import to_si
-from ..results import fields_export as exports
-from ..results.instants import instant
-from .common import console, open_runs
+from ...case.contract import players
+from ...fmi.errors import BadInput
+from ...fmi.quantities import to_si
+from ...results import fields_export as exports
+from ...results.instants import instant
+from ..common import console, open_runs
 
 
 def command(
@@ -26,8 +26,8 @@ def command(
 ):
     """Write recorded fields as CSV, HDF5 or VTU (for ParaView), by the ending of --output.
 
-    Example: piston-cosim fields results/numerical_example/flexible.h5 --field ehd.pressure --time
-    "18 ms" --output p.csv
+    Example: piston-cosim results fields results/numerical_example/flexible.h5 --field ehd.pressure
+    --time "18 ms" --output p.csv
 
     Parameters
     ----------

@@ -1,14 +1,14 @@
-"""`piston-cosim noise`."""
+"""`piston-cosim results noise`."""
 
 from pathlib import Path
 
 import numpy as np
 
-from ..api.bodies import OFFLINE, build_tables
-from ..case.contract import players
-from ..fmi.errors import BadInput
-from ..fmi.tree import import_part
-from .common import case_folder, console, open_runs, say
+from ...api.bodies import OFFLINE, build_tables
+from ...case.contract import players
+from ...fmi.errors import BadInput
+from ...fmi.tree import import_part
+from ..common import case_folder, console, open_runs, say
 
 
 def command(file: Path, *, case: str | None = None, output: Path | None = None):
@@ -19,7 +19,7 @@ def command(file: Path, *, case: str | None = None, output: Path | None = None):
     with radiation efficiency 1 in air: an upper bound at low frequencies, made to compare designs.
     The run must have recorded the modal velocities, evenly.
 
-    Example: piston-cosim noise results/fired_motorcycle/flexible.h5
+    Example: piston-cosim results noise results/fired_motorcycle/flexible.h5
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def command(file: Path, *, case: str | None = None, output: Path | None = None):
     output
         Folder for the files; default the folder of the results.
     """
-    from ..engine.noise import level, noise, write_noise
+    from ...engine.noise import level, noise, write_noise
 
     _, runs = open_runs((file,))
     (results,) = runs.values()

@@ -1,18 +1,18 @@
-"""`piston-cosim info`."""
+"""`piston-cosim fmu info`."""
 
 from pathlib import Path
 
 from rich.table import Table
 
-from ..fmi.errors import BadInput
-from ..participants.open import open_fmu
-from .common import console, wide_console
+from ...fmi.errors import BadInput
+from ...participants.open import open_fmu
+from ..common import console, wide_console
 
 
 def command(fmu: Path):
     """Print what an FMU offers: capabilities, parameters with ranges, inputs, outputs.
 
-    Example: piston-cosim info film.fmu
+    Example: piston-cosim fmu info film.fmu
 
     Parameters
     ----------

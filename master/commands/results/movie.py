@@ -1,12 +1,12 @@
-"""`piston-cosim movie`."""
+"""`piston-cosim results movie`."""
 
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..fmi.errors import BadInput
-from .common import body_skins, console, open_runs, say
+from ...fmi.errors import BadInput
+from ..common import body_skins, console, open_runs, say
 
 
 def command(
@@ -24,9 +24,9 @@ def command(
     Pictures show recorded fields at instants evenly chosen among the recorded ones, colours over
     one range for all of them. The model holds every recorded instant; the series is at true scale.
 
-    Example: piston-cosim movie results/numerical_example/flexible.h5 --field ehd.pressure
+    Example: piston-cosim results movie results/numerical_example/flexible.h5 --field ehd.pressure
 
-    Example: piston-cosim movie results/numerical_example/flexible.h5 --output piston.glb
+    Example: piston-cosim results movie results/numerical_example/flexible.h5 --output piston.glb
 
     Parameters
     ----------
@@ -46,17 +46,17 @@ def command(
         The file: .gif; .mp4 with the extra "movie" or ffmpeg installed; .glb; .pvd with its files
         in a folder of that name; by default the results' name with .gif.
     """
-    from ..results.movie import chosen_instants, write_movie
+    from ...results.movie import chosen_instants, write_movie
 
     described, runs = open_runs((file,))
     ((label, results),) = runs.items()
     target = output or file.with_suffix(".gif")
     if target.suffix in (".glb", ".pvd"):
-        from ..engine.sections import special
-        from ..engine.stands import side_by_side
-        from ..engine.surfaces import films_of
-        from ..results.gltf import write_gltf
-        from ..results.series import write_series
+        from ...engine.sections import special
+        from ...engine.stands import side_by_side
+        from ...engine.surfaces import films_of
+        from ...results.gltf import write_gltf
+        from ...results.series import write_series
 
         if not times > 0:
             raise BadInput(f"--times {times:g}: more than 0")

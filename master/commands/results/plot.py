@@ -1,9 +1,9 @@
-"""`piston-cosim plot`."""
+"""`piston-cosim results plot`."""
 
 from pathlib import Path
 from typing import Literal
 
-from .common import draw_pictures, open_runs
+from ..common import draw_pictures, open_runs
 
 
 def command(
@@ -14,7 +14,8 @@ def command(
     """Draw the pictures of one or several results files, side by side, as the first one's case
     describes them.
 
-    Example: piston-cosim plot results/numerical_example/base.h5 results/numerical_example/rigid.h5
+    Example: piston-cosim results plot results/numerical_example/base.h5
+    results/numerical_example/rigid.h5
 
     Parameters
     ----------

@@ -1,16 +1,17 @@
-"""`piston-cosim scalars`."""
+"""`piston-cosim results scalars`."""
 
 from pathlib import Path
 
 from fmpy.util import write_csv
 
-from .common import console, open_runs
+from ..common import console, open_runs
 
 
 def command(file: Path, *, output: Path):
     """Write all scalar outputs of a run as CSV, in SI, as FMPy and the FMI cross-check read them.
 
-    Example: piston-cosim scalars results/numerical_example/flexible.h5 --output flexible.csv
+    Example: piston-cosim results scalars results/numerical_example/flexible.h5
+    --output flexible.csv
 
     Parameters
     ----------

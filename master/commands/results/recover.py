@@ -1,15 +1,15 @@
-"""`piston-cosim recover`."""
+"""`piston-cosim results recover`."""
 
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..api.bodies import OFFLINE, build_table
-from ..fmi.errors import BadInput
-from ..fmi.tree import import_part
-from ..results.instants import instant, told
-from .common import case_folder, console, open_runs, say
+from ...api.bodies import OFFLINE, build_table
+from ...fmi.errors import BadInput
+from ...fmi.tree import import_part
+from ...results.instants import instant, told
+from ..common import case_folder, console, open_runs, say
 
 PORT = "{}.modal_coordinate"
 
@@ -24,7 +24,7 @@ def command(
     """Displacement and stress of the flexible bodies at chosen instants of a run, on their meshes,
     as VTU files (ParaView).
 
-    Example: piston-cosim recover results/numerical_example/flexible.h5 --time "18 ms"
+    Example: piston-cosim results recover results/numerical_example/flexible.h5 --time "18 ms"
 
     Parameters
     ----------

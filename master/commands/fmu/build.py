@@ -1,12 +1,12 @@
-"""`piston-cosim build`."""
+"""`piston-cosim fmu build`."""
 
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from ..api.fmus import build_fmu
-from .common import console, parse_grid, say
+from ...api.fmus import build_fmu
+from ..common import console, parse_grid, say
 
 
 def command(
@@ -22,7 +22,7 @@ def command(
 ):
     """Build the FMU of one participant of a case.
 
-    Example: piston-cosim build ehd --grid 60x30 --output film.fmu
+    Example: piston-cosim fmu build ehd --grid 60x30 --output film.fmu
 
     Parameters
     ----------

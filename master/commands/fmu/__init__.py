@@ -1,0 +1,1 @@
+"""The commands `piston-cosim fmu`, one file each."""

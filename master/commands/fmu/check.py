@@ -1,0 +1,27 @@
+"""`piston-cosim fmu check`."""
+
+from pathlib import Path
+
+from ...case.contract import check_fmu
+from ...fmi.errors import BadInput
+from ..common import console
+
+
+def command(fmu: Path):
+    """Compare an FMU with the contract of its role in a case.
+
+    Example: piston-cosim fmu check film.fmu
+
+    Parameters
+    ----------
+    fmu
+        File of the FMU.
+    """
+    if not fmu.is_file():
+        raise BadInput(f"{fmu}: no such file")
+    role, breaches, remarks = check_fmu(fmu)
+    for line in remarks:
+        console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
+    if breaches:
+        raise BadInput([f"{fmu}, as {role}: {line}" for line in breaches])
+    console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)

@@ -1,0 +1,1 @@
+"""The commands `piston-cosim results`, one file each."""

@@ -1,0 +1,74 @@
+"""`piston-cosim results compare`."""
+
+from pathlib import Path
+
+import numpy as np
+from rich.markup import escape
+from rich.table import Table
+
+from ...fmi.errors import BadInput
+from ...results import compare as curves
+from ..common import console, open_runs
+
+
+def command(
+    *files: Path,
+    x: str | None = None,
+    y: list[str] = [],
+    period: str | None = None,
+    measured: Path | None = None,
+    output: Path = Path("measured.png"),
+):
+    """Score curves of results files against the first file, an earlier period or a measurement.
+
+    The table shows the ratio of ranges (amplitude), the shift (phase) and the rms difference. A
+    positive phase is a later curve. The rms difference is divided by the range of the reference.
+
+    Example: piston-cosim results compare results/fired_motorcycle/flexible.h5 --period "720 deg"
+
+    Parameters
+    ----------
+    files
+        Results files.
+    x
+        Abscissa, PARTICIPANT.VARIABLE; default: the abscissa of the case's first line picture.
+    y
+        Curve, PARTICIPANT.VARIABLE; repeatable; default: the curves of that picture.
+    period
+        Compare the last period of each run with the period before, e.g. "720 deg".
+    measured
+        CSV file of a measurement. Its header is "participant.variable [unit]", abscissa first. The
+        columns "participant.variable low [unit]" and "participant.variable high [unit]" are a band.
+    output
+        Picture of runs and measured points; default: measured.png.
+    """
+    case, runs = open_runs(files)
+    lines = [picture for picture in case.pictures if picture.kind == "lines"]
+    if not lines and not (x and y):
+        raise BadInput("the case has no picture with lines: give --x and --y")
+    x = x or lines[0].x
+    y = y or [port for panel in lines[0].y for port in panel]
+    assert x is not None  # a picture with lines has one
+    if measured:
+        columns = curves.read_measured(measured)
+        x = next(iter(columns))
+        rows = curves.against_measured(runs, columns)
+        drawn = curves.draw_measured(runs, columns, output)
+        console.print(f"picture  {drawn}", highlight=False, soft_wrap=True)
+    elif period:
+        rows = curves.against_last_cycle(case, runs, x, y, period)
+    elif len(runs) > 1:
+        rows = curves.against_first(runs, x, y)
+    else:
+        raise BadInput("one run alone: give --period or --measured, or a second run")
+    print_scores(rows, next(iter(runs.values())).series(x).unit)
+
+
+def print_scores(rows, unit):
+    """Print the table of scores; the phase is in the SI `unit` of the abscissa, or in degrees."""
+    shown, factor = ("deg", np.degrees(1.0)) if unit == "rad" else (unit, 1.0)
+    table = Table("run", "curve", "amplitude [-]", escape(f"phase [{shown}]"), "rms [-]", box=None)
+    for label, port, scored in rows:
+        phase = f"{scored.phase * factor:+.4g}"
+        table.add_row(label, port, f"{scored.amplitude:.4f}", phase, f"{scored.rms:.4f}")
+    console.print(table)
