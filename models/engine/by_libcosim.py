@@ -3,7 +3,11 @@
 python by_libcosim.py engine.ssp STEPS
 """
 
+import re
 import sys
+import tempfile
+import zipfile
+from pathlib import Path
 
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
@@ -11,9 +15,20 @@ from libcosimpy.CosimObserver import CosimObserver
 STEP = 25_000  # ns
 
 
+def components_only(ssp, folder):
+    """Copy an SSP without connections to the system's own connectors, which libcosim rejects."""
+    system_end = rb'<ssd:Connection (?![^>]*Element="[^>]*Element=")[^>]*/>'
+    with zipfile.ZipFile(ssp) as source, zipfile.ZipFile(Path(folder) / "engine.ssp", "w") as copy:
+        for name in source.namelist():
+            copy.writestr(name, re.sub(system_end, b"", source.read(name)))
+    return Path(copy.filename)
+
+
 def simulate(ssp, steps):
     """(crank speed [rad/s], lateral displacement [m], friction power [W]) after the last step."""
-    execution = CosimExecution.from_ssp_file(ssp_path=ssp, step_size=STEP)
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(components_only(ssp, folder))
+        execution = CosimExecution.from_ssp_file(ssp_path=path, step_size=STEP)
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
     execution.step(step_count=steps)
