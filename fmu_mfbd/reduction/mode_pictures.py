@@ -5,8 +5,9 @@ normal; and where the skirt is.
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from ..geometry.grid import cell_centres
@@ -33,7 +34,7 @@ def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> 
     """
     largest = sorted(table, key=lambda row: -row.film_share)[: COLUMNS * ROWS]
     corners = anatomy.skin[:, :3]
-    figure = plt.figure(figsize=(3.2 * COLUMNS, 3.4 * ROWS), layout="constrained")
+    figure = Figure(figsize=(3.2 * COLUMNS, 3.4 * ROWS), layout="constrained")
     for k, row in enumerate(sorted(largest, key=lambda row: row.number)):
         axes = figure.add_subplot(ROWS, COLUMNS, k + 1, projection="3d", proj_type="ortho")
         _draw(axes, anatomy.points, corners, anatomy.shapes[:, :, row.number - 1])
@@ -43,7 +44,6 @@ def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> 
             fontsize=9,
         )
     figure.savefig(path, dpi=110)
-    plt.close(figure)
 
 
 def _draw(axes, points, corners, shape):
@@ -52,7 +52,7 @@ def _draw(axes, points, corners, shape):
     deformed = points + shape * (LARGEST * size / np.linalg.norm(shape, axis=1).max())
     normal = _normals(deformed[corners])
     outwards = np.einsum("ta,ta->t", shape[corners].mean(axis=1), _normals(points[corners]))
-    colour = plt.get_cmap("RdBu_r")(0.5 + 0.5 * outwards / np.abs(outwards).max())
+    colour = colormaps["RdBu_r"](0.5 + 0.5 * outwards / np.abs(outwards).max())
     colour[:, :3] *= (0.55 + 0.45 * np.abs(normal @ LIGHT) / np.linalg.norm(LIGHT))[:, None]
     turned = deformed[corners][:, :, [2, 0, 1]]  # y, towards the head, upwards on paper
     axes.add_collection3d(
@@ -85,11 +85,11 @@ def draw_skirt(skirt: np.ndarray, path: Path | str) -> None:
     angles, rows = skirt.shape
     theta, _ = cell_centres(angles, rows, 0.0, 1.0)
     first = np.degrees(theta[0]) - 180.0 / angles
-    figure, axes = plt.subplots(figsize=(8, 3), layout="constrained")
+    figure = Figure(figsize=(8, 3), layout="constrained")
+    axes = figure.subplots()
     extent = (first, first + 360.0, 0.0, 1.0)
     axes.imshow(skirt.T, origin="lower", aspect="auto", extent=extent, cmap="Greys", vmin=0, vmax=1)
     axes.set_xticks([0, 90, 180, 270], ["0", "90\nthrust", "180", "270\nanti-thrust"])
     axes.set(xlabel="angle from the pin axis [deg]", ylabel="height / film length")
     axes.set_title(f"{skirt.mean():.0%} of the film grid has the skirt under it")
     figure.savefig(path, dpi=110)
-    plt.close(figure)

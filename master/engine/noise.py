@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from fmpy.util import write_csv
 from scipy.interpolate import make_interp_spline
 
 from ..fmi.errors import BadInput
+from ..results.figures import subplots
 from ..results.file import Results
 from ..results.instants import crank_angle
 
@@ -162,13 +162,12 @@ def write_noise(found: Noise, path: Path) -> list[Path]:
         write_csv(file, rows)
     figure = draw(found)
     figure.savefig(picture, dpi=110)
-    plt.close(figure)
     return [over, by, picture]
 
 
 def draw(found: Noise) -> Any:
     """Level over crank angle and by frequency, all sides and each."""
-    figure, (over, by) = plt.subplots(2, 1, figsize=(11, 7.5), layout="constrained")
+    figure, (over, by) = subplots(2, 1, figsize=(11, 7.5))
     degrees = np.degrees(found.angle)
     for side, power in {"all sides": found.total, **found.power}.items():
         bold = side == "all sides"

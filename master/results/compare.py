@@ -6,7 +6,6 @@ from itertools import cycle
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ..case.contract import players
@@ -14,6 +13,7 @@ from ..fmi.errors import BadInput
 from ..fmi.option_classes import near
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
+from .figures import subplots
 from .instants import CRANK_ANGLE
 from .judgement import last_period
 from .pictures import PALETTE, name_of
@@ -288,12 +288,11 @@ def against_last_cycle(case, runs, x_port, ports, period):
 def draw_measured(runs, measured, path):
     """The measured points over the runs' curves, in the measured units."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(columns),
         1,
         sharex=True,
         squeeze=False,
-        layout="constrained",
         figsize=(11, 1.2 + 2.6 * len(columns)),
     )
     for panel, (port, (y, unit, low, high)) in zip(panels[:, 0], columns):
@@ -315,5 +314,4 @@ def draw_measured(runs, measured, path):
         panel.legend(frameon=False, fontsize="small")
     panels[-1, 0].set_xlabel(f"{name_of(x_port)} [{x_unit}]")
     figure.savefig(path, dpi=130)
-    plt.close(figure)
     return path

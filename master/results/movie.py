@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from ..case.schema import Case
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import near
+from .figures import subplots
 from .file import Results
 from .instants import told
 from .pictures import colour_norm, draw_map, labelled, name_of, scaled, where_there
@@ -71,11 +72,10 @@ def write_movie(
         raise BadInput(faults)
     units = {port: unit for picture in maps for port, unit in picture.units.items()}
     chosen = chosen_instants(results, frames)
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(ports),
         1,
         squeeze=False,
-        layout="constrained",
         figsize=(6.1, 1 + 2.6 * len(ports)),
     )
     drawn = []
@@ -95,7 +95,6 @@ def write_movie(
                 draw_map(panel, images[k], norm, axes)
             figure.suptitle(told(results, float(results.instants[instant])))
             film.grab_frame()
-    plt.close(figure)
     return chosen
 
 
@@ -115,4 +114,4 @@ def _use_packaged_ffmpeg():
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
         return
-    plt.rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
+    rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
@@ -15,6 +14,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..case.schema import reduced
 from ..fmi.errors import BadInput
 from ..fmi.quantities import one_micro, pint_unit, registry, to_si
+from .figures import subplots
 from .instants import instant, told
 
 PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
@@ -83,8 +83,9 @@ def _is_passed(results, text):
 
 
 def figures(case, runs):
-    """Every picture of the case that can be drawn of the runs, with its figure, one after the
-    other; a figure is closed when the next is asked for. `left_out` says why others cannot.
+    """Yield every picture of the case that can be drawn of the runs, with its figure.
+
+    `left_out` returns the reasons for the others.
     """
     without = left_out(case, runs)
     for picture in case.pictures:
@@ -94,7 +95,6 @@ def figures(case, runs):
         width, _ = figure.get_size_inches()
         figure.suptitle(textwrap.fill(picture.title, int(LETTERS * width)))
         yield picture, figure
-        plt.close(figure)
 
 
 def scaled(values, unit: str, wanted: str | None):
@@ -172,12 +172,11 @@ def draw_lines(case, picture, runs):
     """
     first = next(iter(runs.values()))
     plane = all(first.series(port).unit == "m" for port in (picture.x, *sum(picture.y, [])))
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(picture.y),
         1,
         sharex=True,
         squeeze=False,
-        layout="constrained",
         figsize=(11, 1.2 + (6.0 if plane else 2.3) * len(picture.y)),
     )
     x_unit = ""
@@ -236,11 +235,10 @@ def draw_maps(case, picture, runs):
     """One row per field, one column per run, one colour scale per row; axes are what the case says
     the field's two indices run along.
     """
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(picture.fields),
         len(runs),
         squeeze=False,
-        layout="constrained",
         figsize=(1.5 + 4.6 * len(runs), 1 + 3.1 * len(picture.fields)),
     )
     for row, port in zip(panels, picture.fields):
@@ -335,12 +333,11 @@ def draw_sections(case, picture, runs):
     """One panel per field, runs in one panel: the field along its first index at one share of the
     second and one instant.
     """
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(picture.fields),
         1,
         sharex=True,
         squeeze=False,
-        layout="constrained",
         figsize=(9, 1.2 + 2.6 * len(picture.fields)),
     )
     begin, end = (to_si(text, "rad") / (2 * np.pi) for text in picture.angles)

@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.pyplot as plt
-
 from ..case.schema import Case, Picture
 from ..fmi.errors import BadInput
 from .coordinates import crank_angle_port
@@ -102,7 +100,6 @@ class Plots:
         figure = DRAWN[picture.kind](self._case, picture, runs)
         if picture.title:
             figure.suptitle(picture.title)
-        plt.close(figure)  # pyplot forgets it: a notebook shows what is returned, and once
         return figure
 
 

@@ -12,16 +12,17 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 from markdown_it import MarkdownIt
+from matplotlib import colormaps
 from plotly.offline import get_plotlyjs
 
 from ..case.schema import reduced
 from ..fmi.quantities import short
 from .charts import Phase, Section, as_data, field_data, health_section, picture_section
 from .coordinates import crank_angle_port
+from .figures import subplots
 from .instants import crank_angle
 from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
 from .packing import Columns, packed
@@ -217,13 +218,12 @@ def _save(figure, stem):
     """Save a figure as PNG and SVG, and close it."""
     figure.savefig(stem.with_suffix(".png"), dpi=130)
     figure.savefig(stem.with_suffix(".svg"))
-    plt.close(figure)
 
 
 def draw_loop(case, runs, name):
     """The loop `name` of every run."""
     loop = case.report.loops[name]
-    figure, panel = plt.subplots(figsize=(7, 4.5), layout="constrained")
+    figure, panel = subplots(figsize=(7, 4.5))
     x_unit = y_unit = ""
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         x, x_unit, y, y_unit = loop_curve(case, results, loop)
@@ -247,7 +247,7 @@ def draw_loop(case, runs, name):
 def draw_health(runs):
     """Iterations, derivative products and residual over time."""
     names = ("iterations", "derivative_products", "residual")
-    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(11, 6), layout="constrained")
+    figure, panels = subplots(3, 1, sharex=True, figsize=(11, 6))
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
         for panel, name in zip(panels, names):
             panel.plot(
@@ -370,7 +370,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
 
 def _table(name):
     """256 colours of a map of matplotlib's, 0 to 255."""
-    return (plt.get_cmap(name)(np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
+    return (colormaps[name](np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
 
 
 def monitor_words(case, results, rows):

@@ -7,12 +7,12 @@ By what they are held against each other, the contract says for each role (`Curv
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ..case.contract import Curve, contract, in_place_of, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
+from .figures import subplots
 from .file import Results
 from .judgement import mean_over
 from .pictures import PALETTE
@@ -214,12 +214,11 @@ def draw_rivals(
         The PNG file.
     """
     curves = [curve for curve in contract()[role].curves if curve.title]
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(curves) + 1,
         1,
         sharex=True,
         squeeze=False,
-        layout="constrained",
         figsize=(11, 2.0 * (len(curves) + 1)),
     )
     *upper, lowest = panels[:, 0]
@@ -239,4 +238,3 @@ def draw_rivals(
     lowest.set_ylabel("iterations")
     lowest.set_xlabel("time [ms]")
     figure.savefig(path, dpi=130)
-    plt.close(figure)

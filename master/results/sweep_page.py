@@ -6,9 +6,9 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
+from matplotlib import colormaps
 
 from .pictures import entry_in_words
 from .sweep_pictures import magnitude
@@ -47,7 +47,7 @@ def write_sweep_page(
         and np.ptp([float(point.row[name]) for point in done]) > 0
     ]
     chosen = [next((name for name in entries if word in name), None) for word in WORDS]
-    colours = (plt.get_cmap("viridis")(np.linspace(0, 1, 64))[:, :3] * 255).round().astype(int)
+    colours = (colormaps["viridis"](np.linspace(0, 1, 64))[:, :3] * 255).round().astype(int)
     data = {
         "axes": [_axis(name, done) for name in axes],
         "entries": entries,

@@ -2,9 +2,8 @@
 combination of the others.
 """
 
-import matplotlib.pyplot as plt
-
 from ..fmi.quantities import registry
+from .figures import subplots
 from .pictures import PALETTE, entry_in_words
 
 
@@ -40,9 +39,7 @@ def draw_sweep(rows, axes, entries, path):
     done = [row for row in rows if row["status"] == "done"]
     entries = [entry for entry in entries if done]
     lines = max(1, -(-len(entries) // 2))
-    figure, panels = plt.subplots(
-        lines, 2, squeeze=False, layout="constrained", figsize=(11, 1 + 2.6 * lines)
-    )
+    figure, panels = subplots(lines, 2, squeeze=False, figsize=(11, 1 + 2.6 * lines))
     for panel, entry in zip(panels.flat, entries):
         for k, key in enumerate(
             dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)
@@ -74,7 +71,6 @@ def draw_sweep(rows, axes, entries, path):
             frameon=False,
         )
     figure.savefig(path, dpi=130)
-    plt.close(figure)
     return path
 
 

@@ -6,12 +6,12 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput
 from ..results.compare import score
+from ..results.figures import subplots
 from ..results.file import Results
 from ..results.pictures import PALETTE, labelled, name_of, scaled
 from .sweep import resolved
@@ -137,12 +137,11 @@ def draw_study(study, case, rows, runs, path):
     """Left the curves of all runs, right their rms distance from the reference."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
     distances = {row.run: row.distances for row in rows}
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(study.curves),
         2,
         squeeze=False,
         sharex="col",
-        layout="constrained",
         figsize=(13, 1 + 2.6 * len(study.curves)),
         width_ratios=(3, 1),
     )
@@ -167,7 +166,6 @@ def draw_study(study, case, rows, runs, path):
     panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
     figure.suptitle(study.title)
     figure.savefig(path, dpi=120)
-    plt.close(figure)
     return path
 
 
@@ -175,12 +173,11 @@ def draw_cost(title, rows, path):
     """Bars of what each run has cost, a panel per counter, in the order of the study."""
     costs = {row.run: row.cost for row in reversed(rows) if row.cost}
     counted = [name for name in Cost._fields if any(getattr(c, name) for c in costs.values())]
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         1,
         len(counted),
         sharey=True,
         squeeze=False,
-        layout="constrained",
         figsize=(14, 1.2 + 0.32 * len(costs)),
     )
     for panel, name, colour in zip(panels[0], counted, PALETTE):
@@ -191,5 +188,4 @@ def draw_cost(title, rows, path):
         panel.spines[["top", "right"]].set_visible(False)
     figure.suptitle(title)
     figure.savefig(path, dpi=120)
-    plt.close(figure)
     return path

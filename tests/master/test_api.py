@@ -333,6 +333,7 @@ def test_pictures_of_a_run(skirt):
     assert list(drawn) == [p["file"] for p in results.case["pictures"]]
     lines = results.plot.lines("ehd.minimum_film_thickness")
     assert lines.axes[0].get_xlabel() == "crank angle [rad]"
+    assert lines._repr_png_().startswith(b"\x89PNG")  # what a notebook shows
     shown = results.plot.map("ehd.pressure", time="0 s", units={"ehd.pressure": "kPa"})
     assert shown.axes[-1].get_ylabel() == "pressure [kPa]"
     section = results.plot.section("bodies.film_thickness", time="0 s", beside={"again": results})

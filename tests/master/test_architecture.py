@@ -141,8 +141,26 @@ def test_a_case_is_checked_without_what_runs_it(tmp_path):
 
 def test_a_run_begins_without_what_looks_at_it():
     """What answers, judges and draws is imported when a run is done: a second of its start."""
-    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib.pyplot", "plotly")
+    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib", "plotly")
     assert loaded((*avoided, "numba"), ["run", "--help"]) == []
+
+
+def test_importing_the_package_does_not_change_the_environment():
+    """Matplotlib's backend stays the caller's: a notebook shows pictures by its own."""
+    code = """
+import os, pkgutil, sys
+before = dict(os.environ)
+import piston_cosim
+import piston_cosim.master as master
+for name in piston_cosim.__all__:
+    getattr(piston_cosim, name)
+for module in pkgutil.walk_packages(master.__path__, "piston_cosim.master."):
+    __import__(module.name)
+assert dict(os.environ) == before, os.environ.items() ^ before.items()
+assert "matplotlib.pyplot" not in sys.modules
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
 
 
 def loaded(names, arguments):

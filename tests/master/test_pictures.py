@@ -2,12 +2,12 @@
 
 from types import SimpleNamespace
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Axis, Picture
+from piston_cosim.master.results.figures import subplots
 from piston_cosim.master.results.file import RecordedField, Series
 from piston_cosim.master.results.pictures import (
     colour_norm,
@@ -110,7 +110,7 @@ def test_a_turn_is_closed():
         first=Axis(label="angle", unit="deg", range=(0, 360), centred=0),
         second=Axis(label="height"),
     )
-    panel = plt.figure().subplots()
+    panel = subplots(figsize=(6, 4))[1]
     draw_map(panel, np.ma.array(np.arange(20.0).reshape(5, 4)), colour_norm([np.ones(2)]), axes)
     shown = panel.images[0]
     assert shown.get_array()[0].tolist() == [16.0, 0.0, 4.0, 8.0, 12.0, 16.0, 0.0]
