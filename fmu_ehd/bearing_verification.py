@@ -175,7 +175,7 @@ def table_checks() -> Checks:
                 0.016,
                 kind="relative",
                 source="published table (Raimondi and Boyd 1958)",
-                reason="three digits on a coarse grid of 1958; re-solved by others within 1.5 %",
+                reason="three digits on a coarse grid of 1958, recomputed by others within 1.5 %",
             )
         yield at_most(
             case,
@@ -265,7 +265,7 @@ def butenschoen_checks() -> Checks:
                     0.04,
                     kind="relative",
                     source=source,
-                    reason="the fit itself is up to 3.9 % from the table of 1958",
+                    reason="the fit differs by up to 3.9 % from the table of 1958",
                 )
             yield Check(
                 case,
@@ -275,7 +275,7 @@ def butenschoen_checks() -> Checks:
                 2.5,
                 kind="absolute",
                 source=source,
-                reason="the fit itself is up to 2.2 deg from the table of 1958",
+                reason="the fit differs by up to 2.2 deg from the table of 1958",
             )
 
 
@@ -296,7 +296,7 @@ def long_bearing_checks() -> Checks:
     moment = 4.0 * np.pi * stress * CLEARANCE * (1.0 + 2.0 * e**2) / ((2.0 + e**2) * s)
     for name, value, reference in (
         ("load F/L [N/m]", np.hypot(x, y), load),
-        ("moment of friction M/L [N]", outputs["friction_power"] * radius / SPEED / length, moment),
+        ("friction moment M/L [N]", outputs["friction_power"] * radius / SPEED / length, moment),
     ):
         yield Check(
             case,
@@ -343,7 +343,7 @@ def short_bearing_checks() -> Checks:
         for name, value, reference in (
             ("load F [N]", found.load, load),
             ("attitude angle [deg]", found.attitude, np.degrees(angle)),
-            ("moment of friction M [N m]", found.moment, moment),
+            ("friction moment M [N m]", found.moment, moment),
         ):
             yield Check(
                 case,
@@ -367,13 +367,13 @@ def balance_checks() -> Checks:
     lever = CLEARANCE * e * np.sin(step) / step  # the cosine by differences over two cells
     yield Check(
         "Journal bearing L/D=0.5, e=0.7, jfo, 90x12",
-        "power over speed against the moment about the journal's axis [N m]",
+        "friction power over speed, compared with the moment about the journal [N m]",
         found.moment,
         -found.outputs["friction_torque"] - lever * y,
         1e-9,
         kind="relative",
         source="moment balance",
-        reason="round-off: summation by parts",
+        reason="round-off of a summation by parts",
     )
 
 
@@ -403,7 +403,7 @@ def circumferential_groove_checks() -> Checks:
         1e-9,
         kind="relative",
         source="closed form",
-        reason="pressure straight along each land: exact on the grid",
+        reason="the pressure is linear along each land, so the grid is exact",
     )
 
 
@@ -484,7 +484,7 @@ def fed_checks() -> Checks:
                 tolerance,
                 kind="relative",
                 source="independent sparse solution",
-                reason="other means of the film at faces: second order in the cell size",
+                reason="second order in the cell size: faces use another mean of the film",
             )
 
 
@@ -508,7 +508,7 @@ def misalignment_checks() -> Checks:
             2e-3,
             kind="relative",
             source="independent sparse solution",
-            reason="other means of the film at faces: second order in the cell size",
+            reason="second order in the cell size: faces use another mean of the film",
         )
 
 
@@ -582,7 +582,7 @@ class Rotor:
                 room = 0.3 * (CLEARANCE - np.hypot(*position))
                 position = position + change * min(1.0, room / np.hypot(*change))
             else:
-                raise NotConverged(f"journal at {k * step:g} s: forces {missing} N are left")
+                raise NotConverged(f"journal at {k * step:g} s: forces {missing} N remain")
             state = after
             total = sum_of_forces
             imbalance = max(imbalance, outputs["mass_imbalance"])
@@ -671,7 +671,7 @@ def orbit_checks() -> Checks:
         exact = mobility_orbit(length, load, motion.times, start)
         distance = np.linalg.norm(motion.positions - exact, axis=1)
         yield Check(
-            f"Short journal bearing L/D=1/25, {name} load, two turns, half Sommerfeld, 90x16",
+            f"Short journal bearing L/D=1/25, {name} load, two revolutions, half Sommerfeld, 90x16",
             "largest eccentricity [m]",
             np.linalg.norm(motion.positions, axis=1).max(),
             np.linalg.norm(exact, axis=1).max(),
@@ -681,7 +681,7 @@ def orbit_checks() -> Checks:
             reason="second order in the cell size, length over diameter squared",
         )
         yield at_most(
-            f"Short journal bearing L/D=1/25, {name} load, two turns, half Sommerfeld, 90x16",
+            f"Short journal bearing L/D=1/25, {name} load, two revolutions, half Sommerfeld, 90x16",
             "distance of the orbits, rms over the clearance [-]",
             np.sqrt(np.mean(distance**2)) / CLEARANCE,
             6e-3,
@@ -749,13 +749,13 @@ def whirl_checks() -> Checks:
         load = short_load(length, e)
         yield Check(
             f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 360x24",
-            "onset of whirl: omega (m C / W)^(1/2) [-]",
+            "onset of whirl, omega sqrt(m C / W) [-]",
             omega * np.sqrt(found * CLEARANCE / load),
             omega * np.sqrt(critical_mass(stiffness, damping) * CLEARANCE / load),
             1e-2,
             kind="relative",
             source="short bearing by quadrature",
-            reason="the kink where pressure is cut off lies in a cell: first order",
+            reason="first order, because the pressure is cut off inside a cell",
         )
 
 

@@ -170,7 +170,7 @@ def inclined_pad_checks() -> Checks:
     best: Any = minimize_scalar(
         lambda ratio: -inclined_pad(320, ratio).load, bounds=(1.0, 1.4), method="bounded"
     )
-    case = "Infinite inclined pad of highest load, 320 cells"
+    case = "Infinite inclined pad with the highest load, 320 cells"
     yield Check(
         case,
         "film ratio K [-]",
@@ -200,7 +200,7 @@ def inclined_pad_checks() -> Checks:
         0.05,
         kind="absolute",
         source="theory",
-        reason="leading error term alone from 40 cells on",
+        reason="the leading error term dominates from 40 cells on",
     )
 
 
@@ -215,7 +215,7 @@ def coarse_checks() -> Checks:
         1.2e-3,
         kind="relative",
         source="closed form",
-        reason=SECOND_ORDER + ": 64 times the error at 320 cells",
+        reason=SECOND_ORDER + ", 64 times the error at 320 cells",
     )
     yield Check(
         "Square parallel squeeze plate, 40x40",
@@ -236,12 +236,12 @@ def coarse_checks() -> Checks:
         0.1,
         kind="absolute",
         source="theory",
-        reason="leading error term; the corners add a logarithm",
+        reason="leading error term, and a logarithm at the corners",
     )
     squeeze = oscillating_squeeze(40, 5e-4)
     yield Check(
         "Oscillating squeeze, 40 cells, step 5e-4",
-        "complete reformation time [-]",
+        "time of complete reformation [-]",
         squeeze.times[squeeze.width < 0.5][-1] + 5e-4,
         0.7324,
         4e-3,
@@ -274,7 +274,7 @@ def finite_pad_checks() -> Checks:
                 reference,
                 tolerance,
                 kind="relative",
-                source="re-solved table",
+                source="recomputed table",
                 reason=SECOND_ORDER + " and four printed digits",
             )
 
@@ -376,7 +376,7 @@ def oscillating_squeeze_checks() -> Checks:
     )
     yield Check(
         case,
-        "complete reformation time [-]",
+        "time of complete reformation [-]",
         times[ruptured[-1]] + 2e-4,
         0.7324,
         2e-3,
@@ -386,7 +386,7 @@ def oscillating_squeeze_checks() -> Checks:
     )
     yield Check(
         case,
-        "smallest full width [-]",
+        "minimum width of the full film [-]",
         width.min(),
         0.02301,
         4e-3,
@@ -403,7 +403,7 @@ def oscillating_squeeze_checks() -> Checks:
     ):
         yield Check(
             case,
-            f"full width at t = {time} [-]",
+            f"width of the full film at t = {time} [-]",
             np.interp(time, times, width),
             reference,
             4e-3,
@@ -413,7 +413,7 @@ def oscillating_squeeze_checks() -> Checks:
         )
     yield at_most(
         case,
-        "mass imbalance of a step [-]",
+        "largest mass imbalance of a step [-]",
         imbalance,
         1e-12,
         source="conservation",
@@ -433,7 +433,7 @@ def oscillating_squeeze_checks() -> Checks:
             "pressure after reformation",
             [run.pressure for run in runs],
             0.1,
-            "leading error term alone",
+            "the leading error term dominates",
         ),
     ):
         yield Check(
@@ -481,7 +481,7 @@ def motored_order(parameters: Parameters, name: str, uneven: float) -> float:
 
 def step_order_checks() -> Checks:
     """Order in the time step of a film that is full, and of one that ruptures and reforms."""
-    for uneven, steps in ((0.0, "equal steps"), (1.0 / 3.0, "steps 2:1 in turn")):
+    for uneven, steps in ((0.0, "equal steps"), (1.0 / 3.0, "alternating steps 2:1")):
         case = f"Motored skirt 12x10, {steps}, 2 to 0.5 degrees"
         for what, field, model, tolerance, reason in (
             (
@@ -489,7 +489,7 @@ def step_order_checks() -> Checks:
                 "nodal_pressure_force",
                 "full_film",
                 0.05,
-                "leading error term alone",
+                "the leading error term dominates",
             ),
             (
                 "film fraction of a ruptured film",
@@ -548,7 +548,7 @@ def pocket_slider_checks() -> Checks:
     for sliding in (1.0, -1.0):
         case = f"Pocket slider, 2000 cells, sliding {sliding:+g} m/s"
         for name, value, reference, tolerance in zip(
-            ("flow [m2/s]", "reformation [m]", "highest pressure [Pa]", "load [N/m]"),
+            ("flow [m2/s]", "position of reformation [m]", "highest pressure [Pa]", "load [N/m]"),
             pocket_slider(2000, sliding),
             (5.0020833e-7, 4.212927e-3, 475e3, 2779.753),
             (2e-6, 1e-3, 3e-3, 5e-3),
@@ -561,7 +561,7 @@ def pocket_slider_checks() -> Checks:
                 tolerance,
                 kind="relative",
                 source="closed form",
-                reason="the film ruptures one cell before the pocket: first order",
+                reason="first order, because the film ruptures one cell before the pocket",
             )
 
 
@@ -615,7 +615,7 @@ def parabolic_slider_checks() -> Checks:
                 tolerance,
                 kind="relative",
                 source="closed form by quadrature",
-                reason="second order; the exit within a fifth of a cell",
+                reason="second order, and the exit within a fifth of a cell",
             )
 
 
@@ -663,7 +663,7 @@ def journal_bearing_checks() -> Checks:
             load,
             3e-3,
             kind="relative",
-            source="re-solved table",
+            source="recomputed table",
             reason=SECOND_ORDER,
         )
         if attitude:
@@ -674,7 +674,7 @@ def journal_bearing_checks() -> Checks:
                 attitude,
                 0.1,
                 kind="absolute",
-                source="re-solved table",
+                source="recomputed table",
                 reason=SECOND_ORDER,
             )
 
@@ -711,7 +711,7 @@ def oil_checks() -> Checks:
         1e-12,
         kind="relative",
         source="definition",
-        reason="half of the way from 1 to 0.74",
+        reason="the mean of 1 and 0.74",
     )
 
 
@@ -781,7 +781,7 @@ def roughness_checks() -> Checks:
             1e-9,
             kind="relative",
             source="definition",
-            reason="a point of the table",
+            reason="an entry of the table",
         )
 
 
@@ -850,16 +850,16 @@ def motored_checks() -> Checks:
     )
     yield at_most(
         case,
-        "mean factorisations a step [-]",
+        "mean factorisations per step [-]",
         np.mean([o["solver_iterations"] for o in history]),
         2.0,
         source="design target",
-        reason="extrapolated pattern as first guess",
+        reason="the extrapolated pattern is the initial guess",
     )
     for name, changes in physics((12, 10)).items():
         yield at_most(
-            "Motored skirt 12x10, tangent against central differences",
-            f"{name} [-]",
+            "Motored skirt 12x10, tangent compared with central differences",
+            f"largest error, {name} [-]",
             tangent_error(Parameters((12, 10), **changes)),
             1e-7,
             source="definition",
@@ -940,7 +940,7 @@ def slow_checks() -> Checks:
         failures,
         0.0,
         source="design target",
-        reason="none may fail",
+        reason="no step may fail",
     )
     yield at_most(
         case,
@@ -948,7 +948,7 @@ def slow_checks() -> Checks:
         iterations,
         100.0,
         source="termination",
-        reason="from a random guess; a few patterns wander and end by switching singly",
+        reason="the start is random, and a few patterns converge by single changes only",
     )
     yield at_most(
         case,

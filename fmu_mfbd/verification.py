@@ -77,8 +77,8 @@ def slow_checks():
 def slider_crank_checks():
     """Rigid slider-crank at 3000 rpm, no gas, piston guided on the bore axis."""
     names = (
-        "height of A [m]",
-        "acceleration of A [m/s2]",
+        "height of the pin point [m]",
+        "acceleration of the pin point [m/s2]",
         "side force [N]",
         "pin force along y [N]",
         "crank torque [N m]",
@@ -99,7 +99,7 @@ def slider_crank_checks():
                     2.5e-7,
                     "relative",
                     "closed form",
-                    "printed with seven to eight digits; tests/mfbd holds the equations to 1e-9",
+                    "printed with seven to eight digits: tests/mfbd checks the equations to 1e-9",
                 )
 
 
@@ -143,7 +143,7 @@ def element_checks():
         ("moment of inertia about the corner [kg m2]", integrals.I0, mass * (0.1**2 + 0.2**2) / 3),
     ):
         yield Check(
-            "Box of TET10",
+            "Box of ten-node tetrahedra",
             name,
             computed,
             reference,
@@ -155,8 +155,8 @@ def element_checks():
     points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
     K = stiffness(points, tets, **STEEL)
     yield at_most(
-        "Warped TET10",
-        "force of rigid-body motions / norm of K [-]",
+        "Warped ten-node tetrahedron",
+        "force of rigid-body motions over norm of K [-]",
         np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
         1e-12,
         "closed form",
@@ -164,8 +164,8 @@ def element_checks():
     )
     eigenvalues = np.linalg.eigvalsh(K.toarray())
     yield Check(
-        "Warped TET10",
-        "rigid-body modes",
+        "Warped ten-node tetrahedron",
+        "number of rigid-body modes [-]",
         np.sum(eigenvalues < 1e-10 * eigenvalues[-1]),
         6,
         0.0,
@@ -175,12 +175,12 @@ def element_checks():
     )
     for name, difference in felupe_difference(points, tets):
         yield at_most(
-            "Warped TET10",
-            f"{name} against FElupe [-]",
+            "Warped ten-node tetrahedron",
+            f"{name}, difference from FElupe [-]",
             difference,
             1e-12,
             "independent code",
-            "same quadrature, sums in another order",
+            "same quadrature, other order of the sums",
         )
 
 
@@ -265,33 +265,33 @@ def bar_checks():
     fixed = orthonormal_modes(body, craig_bampton(body, 8))[1] / (2 * np.pi)
     for computed, reference in zip(fixed, (213.041, 422.001, 585.289, 1142.306)):
         yield Check(
-            "Bar, both ends held",
+            "Bar with fixed ends",
             "fixed-interface frequency [Hz]",
             computed,
             reference,
             1.5e-3,
             "relative",
             "independent code",
-            "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3",
+            "another mesh of ten-node tetrahedra: half as many elements change these by 1.5e-3",
         )
     exact = craig_bampton_free(points, K, M, ends, 120)[6:9]
     for computed, reference in zip(exact, (212.374, 422.909, 583.981)):
         yield Check(
-            "Bar, free",
+            "Free bar",
             "free-free frequency, full model [Hz]",
             computed,
             reference,
             1.5e-3,
             "relative",
             "independent code",
-            "another mesh of 10-node tetrahedra; a mesh of half as many changes these by 1.5e-3",
+            "another mesh of ten-node tetrahedra: half as many elements change these by 1.5e-3",
         )
     reduced = craig_bampton_free(points, K, M, ends, 8)[6:9]
     for k, bound in enumerate((0.043e-2, 0.053e-2, 0.10e-2)):
         excess = reduced[k] / exact[k] - 1
         yield Check(
-            "Bar, 12 + 8 coordinates",
-            f"f{k + 7} above the full model [-]",
+            "Bar reduced to 12 + 8 coordinates",
+            f"frequency f{k + 7}, excess over the full model [-]",
             excess,
             bound,
             0.02,
@@ -417,7 +417,7 @@ def pendulum_checks():
         np.ptp(levels) / levels[0],
         1e-10,
         "conservation",
-        "spectral radius 1 keeps the energy; what is left falls with the fourth power of the step",
+        "spectral radius 1 conserves energy, and the error falls with the fourth power of the step",
     )
 
 
@@ -433,14 +433,14 @@ def order_check():
         ends.append(last.position[1:])
     order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[-1]))
     return Check(
-        "Flexible pendulum, steps halved",
+        "Flexible pendulum, halved steps",
         "observed order [-]",
         order,
         2.0,
         0.02,
         "absolute",
         "order of the method",
-        "finite steps: the next order is 1/40 of the leading one",
+        "the next order is 1/40 of the leading one at these steps",
     )
 
 
@@ -557,7 +557,7 @@ def deflection_checks():
         for basis, modes, shapes in bases_of(name, mesh, body, reading, angle, height, extra):
             yield at_most(
                 f"{name}, {modes} {basis}",
-                "deflection under film patches, error [-]",
+                "error of the deflection under film patches [-]",
                 deflection_error(body, read, shapes, loads, full),
                 BOUNDS[name, basis][COUNTS.index(modes)],
                 "full model",
@@ -593,11 +593,11 @@ def load_checks(body, mesh, read, shapes, extra):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
             yield at_most(
                 f"piston, {name}",
-                f"deflection of the {part}, error [-]",
+                f"error of the deflection of the {part} [-]",
                 error,
                 1e-6,
                 "full model",
-                "the load's own static shape is in the basis",
+                "the basis contains the static shape of the load",
             )
 
 
@@ -639,7 +639,7 @@ def step_checks():
         errors.append(out["interface_work_error"])
     yield at_most(
         "60 + 60 modes, 20 steps",
-        "work of the interface forces, difference [-]",
+        "difference in the work of the interface forces [-]",
         max(errors),
         1e-10,
         "conservation",
@@ -655,16 +655,16 @@ def step_checks():
         difference = (ends[0][name] - ends[1][name]) / (2 * apart)
         yield at_most(
             "60 + 60 modes, one step",
-            f"derivative of {name} against differences [-]",
+            f"derivative of {name}, compared with differences [-]",
             np.abs(product - difference).max() / np.abs(difference).max(),
             1e-7,
             "central differences",
-            "affine in the forces but for the pin's friction: the difference's own error",
+            "error of the differences: only the friction of the pin is not affine in the forces",
         )
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
     yield Check(
-        "60 + 60 modes, one step redone",
-        "bytes that differ",
+        "60 + 60 modes, one repeated step",
+        "number of different bytes [-]",
         np.sum(first.position.tobytes() != again.position.tobytes()),
         0,
         0.0,
@@ -713,7 +713,7 @@ def exudyn_checks():
         own = own_motion(piston, step, steps, 0.8)
         other = exudyn_motion(full, piston, step, steps, 0.8)
         difference = np.abs(own - other)
-        case = f"Piston against Exudyn, {step * 1e6:g} us"
+        case = f"Piston compared with Exudyn, {step * 1e6:g} us"
         apart.append(difference[:, 0].max())
         yield at_most(
             case,
@@ -721,7 +721,7 @@ def exudyn_checks():
             apart[-1],
             bound,
             "independent code",
-            "differences that two such codes had before at these steps",
+            "differences between these codes at these steps in an earlier run",
         )
         for name, columns in (
             ("rocking angle", slice(1, 2)),
@@ -736,15 +736,15 @@ def exudyn_checks():
                 sizes[0] / sizes[1],
                 2e-4 * (step / 1e-5) ** 2,
                 "independent code",
-                "both integrators err with the square of the step, not alike",
+                "the errors of both integrators are of second order with different factors",
             )
     yield Check(
-        "Piston against Exudyn, steps quartered",
-        "order of the difference",
+        "Piston compared with Exudyn, quartered steps",
+        "order of the difference [-]",
         np.log2(apart[0] / apart[-1]) / 2,
         2.0,
         0.2,
         "absolute",
         "independent code",
-        "both are of order 2; a step of 10 us does not resolve the highest modes yet",
+        "both are of order 2, but a step of 10 us does not resolve the highest modes",
     )

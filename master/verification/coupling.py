@@ -43,28 +43,28 @@ def checks():
     """Elastic tube with the settings of preCICE's tutorial, whose own log needs 846 iterations."""
     yield at_most(
         "Elastic tube, 100 windows",
-        "IQN-ILS iterations",
+        "iterations of IQN-ILS [-]",
         tube_iterations(),
         870,
-        "preCICE's reference log: 846",
-        "same method and settings; rounding alone (threads, last digits of the inflow) moves ours "
+        "reference log of preCICE (846)",
+        "same method and settings: rounding in threads and inflow changes the number "
         "from 838 to 849",
     )
     yield at_most(
         "Elastic tube, 100 windows",
-        "IQN-ILS iterations, quadratic predictor",
+        "iterations of IQN-ILS with quadratic predictor [-]",
         tube_iterations(("coupling.predictor", 2)),
         700,
         "design target",
-        "a better start saves iterations",
+        "a better initial guess reduces the iterations",
     )
     yield at_most(
         "Elastic tube, 100 windows",
-        "iterations with ageing secants",
+        "iterations of ageing secants [-]",
         tube_iterations(("coupling.method", "iqn_ageing")),
         846,
-        "preCICE's reference log: 846",
-        "secants that are trusted less the older they are need no filter",
+        "reference log of preCICE (846)",
+        "secants that lose weight with age need no filter",
     )
     yield from oscillator_checks()
 
@@ -96,7 +96,7 @@ def oscillator_checks():
     """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to
     0.005 s.
     """
-    source = "solution in closed form"
+    source = "closed form"
     for kind, order, reference, tolerance, reason in (
         (
             "held",
@@ -111,15 +111,15 @@ def oscillator_checks():
             2,
             1.32e-2,
             0.01,
-            "the deviation from linear inputs adds the error of these once more",
+            "the deviation from linear inputs adds their error again",
         ),
-        ("linear", 2, 6.6e-3, 0.01, "two digits are given"),
-        ("hermite", 4, 3.4e-6, 0.015, "two digits are given"),
+        ("linear", 2, 6.6e-3, 0.01, "the reference has two digits"),
+        ("hermite", 4, 3.4e-6, 0.015, "the reference has two digits"),
     ):
         coarse, fine = (oscillator_error(kind, step) for step in (0.01, 0.005))
         yield Check(
             "Two-mass oscillator",
-            f"largest error, inputs {kind}",
+            f"largest error with {kind} inputs [m]",
             coarse,
             reference,
             tolerance,
@@ -129,13 +129,13 @@ def oscillator_checks():
         )
         yield Check(
             "Two-mass oscillator",
-            f"observed order, inputs {kind}",
+            f"observed order with {kind} inputs [-]",
             np.log2(coarse / fine),
             order,
             0.05,
             "absolute",
             source,
-            "the next term of the error at these steps",
+            "next term of the error at these steps",
         )
 
 
@@ -145,34 +145,34 @@ def slow_checks():
     """
     yield at_most(
         "Elastic tube, window 1",
-        "plain Gauss-Seidel converges (1) or not (0)",
+        "convergence of plain Gauss-Seidel, 1 or 0 [-]",
         plain_converges(),
         0,
-        "known to fail",
+        "known divergence",
         "unrelaxed iteration diverges on this tube",
     )
     for modes in (0, 20, 200):
         yield at_most(
-            f"Numerical example, {modes} modes a body",
-            "mean iterations",
+            f"Numerical example, {modes} modes per body",
+            "mean iterations per step [-]",
             summary_of("numerical_example", TWO_TURNS, *modes_a_body(modes))["mean_iterations"],
             2.5,
             "design target",
-            "iterations do not grow with modes",
+            "the iterations do not grow with the number of modes",
         )
     flexible = summary_of("numerical_example", TWO_TURNS, look=films)
-    case = "Numerical example, 60 modes a body"
+    case = "Numerical example, 60 modes per body"
     yield at_most(
         case,
-        "mean iterations",
+        "mean iterations per step [-]",
         flexible["mean_iterations"],
         2.5,
         "design target",
-        "Newton: the second evaluation of most steps is below the tolerance",
+        "Newton's second evaluation of most steps is below the tolerance",
     )
     yield at_most(
         case,
-        "largest mass imbalance",
+        "largest mass imbalance [-]",
         flexible["mass_imbalance_max"],
         1e-12,
         "conservation",
@@ -180,15 +180,15 @@ def slow_checks():
     )
     yield at_most(
         case,
-        "interface work that both sides disagree on / exchanged",
+        "difference in interface work over exchanged work [-]",
         abs(flexible["interface_work_imbalance"]),
         1e-6,
         "conservation",
-        "films of some um agree to 1 nm",
+        "films of some micrometres agree to 1 nm",
     )
     yield at_most(
         case,
-        "largest interface work error",
+        "largest interface work error [-]",
         flexible["interface_work_error_max"],
         1e-10,
         "conservation",
@@ -197,7 +197,7 @@ def slow_checks():
     aged = summary_of("numerical_example", TWO_TURNS, *WITHOUT_DERIVATIVES, look=films)
     yield at_most(
         case,
-        "steps without derivatives, unconverged",
+        "unconverged steps without derivatives [-]",
         aged["unconverged_steps"],
         0,
         "design target",
@@ -205,7 +205,7 @@ def slow_checks():
     )
     yield at_most(
         case,
-        "mean evaluations without derivatives, probes counted",
+        "mean evaluations per step without derivatives, with probes [-]",
         aged["residual_evaluations"] / aged["steps"],
         8.0,
         "design target",
@@ -214,11 +214,11 @@ def slow_checks():
     apart = float(np.max(np.abs(aged["films"] - flexible["films"])))
     yield at_most(
         case,
-        "film, with against without derivatives [m]",
+        "film thickness, difference with and without derivatives [m]",
         apart,
         1e-9,
-        "the tolerance of the film",
-        "both converge to it in every step",
+        "tolerance of the film thickness",
+        "both converge to this tolerance in every step",
     )
     yield from convergence_checks()
     yield from adaptive_checks()
@@ -259,7 +259,7 @@ def convergence_checks():
             "smooth_pressure_modes 200",
             0.01,
             (trained, ()),
-            "60 modes and those of the run instead of",
+            "60 modes and modes of the run instead of",
         )
 
 
@@ -280,7 +280,7 @@ def _convergence(case, name, standard, finer, share, changes=((), ()), words=Non
     for port in study.curves:
         yield at_most(
             f"Numerical example, {words or name} {standard}",
-            f"{port.split('.')[1]}: rms distance from {finer} / range",
+            f"{port.split('.')[1]}, rms difference from {finer} over range [-]",
             score(*runs[0][port], *runs[1][port]).rms,
             share,
             "finer run",
@@ -321,19 +321,19 @@ def adaptive_checks():
     case = "Fired engine, two cycles, steps by local error"
     yield at_most(
         case,
-        "macro steps / those of 1 deg",
+        "macro steps over those of 1 deg [-]",
         adaptive["steps"] / fixed["steps"],
         0.5,
         "design target",
-        "long steps between the slaps",
+        "steps between impacts are long",
     )
     yield at_most(
         case,
-        "evaluations, of rejected steps too / those of 1 deg",
+        "evaluations with rejected steps over those of 1 deg [-]",
         adaptive["residual_evaluations"] / fixed["residual_evaluations"],
         1.0,
         "steps of 1 deg",
-        "fewer steps cost less",
+        "fewer steps need fewer evaluations",
     )
     ours, theirs = (distances(run, fine, fine["time"][-1] * 30 / 1440) for run in (adaptive, fixed))
     worst = [
@@ -342,21 +342,21 @@ def adaptive_checks():
     ]
     yield at_most(
         case,
-        "largest error of a curve over its range / that of 1 deg",
+        "largest error of all curves over that of 1 deg [-]",
         worst[0] / worst[1],
         1.0,
         "design target",
-        "the same accuracy of the worst of all curves and instants",
+        "the same accuracy for the worst curve and instant",
     )
     for port in study.curves:
         for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port]):
             yield at_most(
                 case,
-                f"{kind} error of {port.split('.')[1]} / that of 1 deg",
+                f"{kind} error of {port.split('.')[1]} over that of 1 deg [-]",
                 own / other,
                 2.4**2,
                 "steps of 0.125 deg",
-                "second order: no step is longer than 2.4 deg",
+                "second order, and no step is longer than 2.4 deg",
             )
 
 

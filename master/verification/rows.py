@@ -28,13 +28,11 @@ def checks(parts, slow):
             yield part, check
 
 
-HEADS = ("", "case", "quantity", "computed", "reference", "error", "allowed", "source")
+HEADS = ("", "case", "quantity", "computed", "reference", "error", "tolerance", "source")
 
 
 def verify(parts, slow, console, page=None):
-    """Print every check as it is computed, and write them all to the Markdown file `page`, if one
-    is given; returns the number that failed.
-    """
+    """Print every check and return the number of failed ones; write all to `page` if present."""
     failed = 0
     table = Table(*HEADS, box=None)
     rows = []
@@ -52,7 +50,7 @@ def verify(parts, slow, console, page=None):
 
 
 def _cells(check):
-    """What is said of a check, as texts."""
+    """Return the cells of a check's row."""
     return (
         check.case,
         check.quantity,
@@ -65,12 +63,18 @@ def _cells(check):
 
 
 def _page(rows, failed):
-    """Markdown of all rows, a table a part."""
+    """Return the Markdown page of all rows, one table per part."""
     lines = [
         "# Figures and their references",
         "",
-        f"Written by `piston-cosim verify --output`, version {version('piston-cosim')}: "
-        f"{len(rows)} figures, {failed} of them outside what is allowed.",
+        f"`piston-cosim verify --output` of version {version('piston-cosim')} writes this page. "
+        f"It has {len(rows)} figures, and {failed} of them exceed their tolerance.",
+        "",
+        "- An asterisk marks dimensionless values. K is the inclination of a pad, e an "
+        "eccentricity, and c a curvature.",
+        "- B/D and L/D are length over diameter of a bearing. H is separation over roughness.",
+        "- The error is relative or absolute, as the tolerance is. Without a reference, the figure "
+        "itself must not exceed the tolerance.",
         "",
     ]
     for part, several in itertools.groupby(rows, lambda row: row[0]):
