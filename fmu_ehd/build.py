@@ -22,24 +22,28 @@ POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]
 
 
 class CaseOptions(BaseModel):
-    """Build options as the case file gives them."""
+    """Build options of the lubrication FMU in a case file."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
     grid: tuple[int, int] = (40, 40)
-    """Cells around and along the skirt, or the bearing."""
+    """Number of cells around and along the skirt or bearing."""
     surface: Literal["skirt", "bearing"] = "skirt"
-    """skirt: slides along its bore; bearing: journal and shell, slides around and along."""
+    """Type of film surface. A skirt slides along its bore. A bearing slides around and along its
+    shell.
+    """
     no_fields: bool = False
-    """Leave out pressure, asperity_pressure and film_fraction."""
+    """Omit the outputs pressure, asperity_pressure and film_fraction."""
     inputs: list[str] = []
     """Conditions that are inputs instead of parameters."""
     oil: str | None = None
-    """Name in the oil library; its numbers become the start values of the oil's parameters."""
+    """Name of an oil in the oil library. Its values become the start values of the oil parameters.
+    """
     oil_library: str | None = None
-    """TOML file relative to the case's folder; the one shipped without it."""
+    """TOML file of oils, relative to the case folder. Default: the shipped library."""
     mask: str | list[list[int]] | None = None
-    """CSV file relative to the case's folder, or its rows, one a circumferential cell: 1 film, 0
-    cut-out; "none": film everywhere; without it the body's mesh gives it.
+    """Mask of the film: a CSV file relative to the case folder, or its rows, one per
+    circumferential cell. 1: film, 0: cut-out. "none": film everywhere. Default: mask of the body's
+    mesh.
     """
 
     @field_validator("grid")

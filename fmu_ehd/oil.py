@@ -177,43 +177,63 @@ class Oil:
     and meaning.
     """
 
-    viscosity_law: str = choice("Viscosity by temperature", VISCOSITY_LAWS)
-    pressure_viscosity_law: str = choice("Viscosity by pressure", PRESSURE_VISCOSITY_LAWS)
-    shear_thinning_law: str = choice("Viscosity by shear rate", SHEAR_THINNING_LAWS)
+    viscosity_law: str = choice("Dependence of the viscosity on temperature", VISCOSITY_LAWS)
+    pressure_viscosity_law: str = choice(
+        "Dependence of the viscosity on pressure", PRESSURE_VISCOSITY_LAWS
+    )
+    shear_thinning_law: str = choice(
+        "Dependence of the viscosity on shear rate", SHEAR_THINNING_LAWS
+    )
 
     # Eqs. (O1) to (O3)
-    viscosity: float = declared("Pa.s", 0.01, 1e-5, 1e3, "Dynamic viscosity (constant)")
+    viscosity: float = declared("Pa.s", 0.01, 1e-5, 1e3, "Dynamic viscosity for the law constant")
     vogel_viscosity: float = declared(
-        "Pa.s", 6.51457e-5, 1e-9, 1e2, "K of mu = K exp(B/(t + C)) (vogel_1921)"
+        "Pa.s", 6.51457e-5, 1e-9, 1e2, "Constant K of the law vogel_1921: mu = K exp[B/(t + C)]"
     )
-    vogel_b: float = declared("K", 1009.863, 0.0, 1e4, "B (vogel_1921)")
-    vogel_c: float = declared("K", 109.047, 50.0, 300.0, "C, t in degrees Celsius (vogel_1921)")
+    vogel_b: float = declared("K", 1009.863, 0.0, 1e4, "Constant B of the law vogel_1921")
+    vogel_c: float = declared(
+        "K",
+        109.047,
+        50.0,
+        300.0,
+        "Constant C of the law vogel_1921, with the temperature t in degrees Celsius",
+    )
     walther_a: float = declared(
-        "1", 8.0, 1.0, 20.0, "A of lg lg(nu + 0.7) = A - M lg T (walther_1931)"
+        "1", 8.0, 1.0, 20.0, "Constant A of the law walther_1931: lg lg(nu + 0.7) = A - M lg T"
     )
-    walther_m: float = declared("1", 3.1, 0.1, 8.0, "M (walther_1931)")
-    density: float = declared("kg/m3", 850.0, 500.0, 2000.0, "Density (walther_1931, two_point)")
-    viscosity_40: float = declared("Pa.s", 0.06, 1e-3, 1e2, "Dynamic viscosity at 40 C (two_point)")
+    walther_m: float = declared("1", 3.1, 0.1, 8.0, "Constant M of the law walther_1931")
+    density: float = declared(
+        "kg/m3", 850.0, 500.0, 2000.0, "Density for the laws walther_1931 and two_point"
+    )
+    viscosity_40: float = declared(
+        "Pa.s", 0.06, 1e-3, 1e2, "Dynamic viscosity at 40 degC for the law two_point"
+    )
     viscosity_100: float = declared(
-        "Pa.s", 0.009, 5e-4, 1e1, "Dynamic viscosity at 100 C (two_point)"
+        "Pa.s", 0.009, 5e-4, 1e1, "Dynamic viscosity at 100 degC for the law two_point"
     )
 
     # Eqs. (O4), (O5)
     pressure_viscosity_coefficient: float = declared(
-        "1/Pa", 1.5e-8, 1e-10, 1e-7, "alpha = d ln mu/dp at p = 0"
+        "1/Pa", 1.5e-8, 1e-10, 1e-7, "Pressure-viscosity coefficient alpha = d ln mu/dp at p = 0"
     )
 
     # Eqs. (O7) to (O9)
     high_shear_ratio: float = declared(
-        "1", 0.74, 1e-3, 1.0, "Viscosity at high over low shear rate"
+        "1", 0.74, 1e-3, 1.0, "Ratio of the viscosity at high shear rate to that at low shear rate"
     )
     shear_thinning_exponent: float = declared(
-        "1", 1.0, 0.1, 4.0, "n of the shear thinning law, below 1 in carreau_1972"
+        "1", 1.0, 0.1, 4.0, "Exponent n of the shear-thinning law; below 1 for carreau_1972"
     )
     critical_shear_rate_a: float = declared(
-        "1", 2.5, -5.0, 15.0, "a of lg g_c = a + b t, g_c critical shear rate in 1/s"
+        "1", 2.5, -5.0, 15.0, "Constant a of the critical shear rate g_c [1/s]: lg g_c = a + b t"
     )
-    critical_shear_rate_b: float = declared("1/K", 0.0213, -0.1, 0.1, "b, t in degrees Celsius")
+    critical_shear_rate_b: float = declared(
+        "1/K",
+        0.0213,
+        -0.1,
+        0.1,
+        "Constant b of the critical shear rate, with the temperature t in degrees Celsius",
+    )
 
     @property
     def thinning(self) -> Thinning:

@@ -41,23 +41,23 @@ class Parameters:
     oil: Oil = field(default_factory=Oil)
 
     # laws
-    cavitation_model: str = choice("Cavitation", CAVITATION)
-    cavity_shear: str = choice("Share of the cavitated film that shears", CAVITY_SHEAR)
-    flow_factors: str = choice("Average flow between rough surfaces", FLOW_FACTORS)
-    contact_law: str = choice("Asperity contact", CONTACT_LAWS)
+    cavitation_model: str = choice("Cavitation model", CAVITATION)
+    cavity_shear: str = choice("Part of the cavitated film that transmits shear", CAVITY_SHEAR)
+    flow_factors: str = choice("Flow factor model for rough surfaces", FLOW_FACTORS)
+    contact_law: str = choice("Asperity contact law", CONTACT_LAWS)
 
     # skirt and film
     bore_radius: float = declared("m", 28.25e-3, 1e-3, 1.0, "Radius of the cylinder bore")
     skirt_length: float = declared("m", 27e-3, 1e-3, 2.0, "Axial length of the lubricated skirt")
     cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8, "Cavitation pressure, gauge")
     minimum_flow_film: float = declared(
-        "m", 5e-8, 1e-9, 1e-5, "Film thickness below which the oil sees no thinner film"
+        "m", 5e-8, 1e-9, 1e-5, "Lower limit of the film thickness in the flow equations"
     )
 
     # roughness and contact: gamma and Y of `roughness`; eta beta sigma, sigma/beta, E*, mu_b, tau_0
     # of `asperity`
     roughness_rms: float = declared(
-        "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0 = smooth, no contact"
+        "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0: smooth, without contact"
     )
     peklenik_number_skirt: float = declared(
         "1",
@@ -74,14 +74,16 @@ class Parameters:
         "Correlation length of the bore's roughness along / across the axis",
     )
     roughness_share_skirt: float = declared(
-        "1", 0.8, 0.0, 1.0, "Skirt's share of the roughness variance"
+        "1", 0.8, 0.0, 1.0, "Fraction of the roughness variance that the skirt has"
     )
     asperity_product: float = declared(
         "1", 0.04, 1e-4, 1.0, "Asperity density x tip radius x rms height (eta beta sigma)"
     )
-    asperity_slope: float = declared("1", 1e-3, 1e-6, 1.0, "Rms height / tip radius (sigma/beta)")
+    asperity_slope: float = declared(
+        "1", 1e-3, 1e-6, 1.0, "Ratio of rms height to tip radius of the asperities (sigma/beta)"
+    )
     contact_modulus: float = declared(
-        "Pa", 6e10, 1e6, 1e12, "Contact modulus E*, 1/E* = sum of (1-nu^2)/E of both bodies"
+        "Pa", 6e10, 1e6, 1e12, "Contact modulus E*, with 1/E* = sum of (1-nu^2)/E of both bodies"
     )
     boundary_friction_coefficient: float = declared(
         "1", 0.12, 0.0, 2.0, "Friction coefficient of asperity contact"
@@ -90,48 +92,61 @@ class Parameters:
         "Pa", 0.0, 0.0, 1e9, "Shear strength of the boundary layer in contact"
     )
     friction_rounding_velocity: float = declared(
-        "m/s", 1e-3, 1e-9, 1.0, "Velocity below which asperity friction fades"
+        "m/s", 1e-3, 1e-9, 1.0, "Sliding velocity below which asperity friction decreases to zero"
     )
 
     # soft layer: d, E, nu of `coating`
     coating_thickness: float = declared(
-        "m", 0.0, 0.0, 1e-3, "Thickness of a soft coating; 0 = none"
+        "m", 0.0, 0.0, 1e-3, "Thickness of a soft coating; 0: no coating"
     )
     coating_modulus: float = declared("Pa", 1e9, 1e6, 1e12, "Young's modulus of the coating")
     coating_poisson: float = declared("1", 0.3, 0.0, 0.45, "Poisson's ratio of the coating")
 
     # oil outside the film, `oil_layer`
-    oil_supply: str = choice("Where oil at the edges comes from", OIL_SUPPLIES)
+    oil_supply: str = choice("Source of the oil at the edges", OIL_SUPPLIES)
     initial_film_fraction: float = declared(
-        "1", 1.0, 0.0, 1.0, "Film fraction at the start; below 1 without pressure"
+        "1",
+        1.0,
+        0.0,
+        1.0,
+        "Film fraction at the start; below 1, the film has no pressure at the start",
     )
     initial_oil_layer: float = declared(
-        "m", 1e-5, 0.0, 1e-2, "Oil on the bore outside the skirt at the start"
+        "m", 1e-5, 0.0, 1e-2, "Oil layer on the bore outside the skirt at the start"
     )
     stroke: float = declared(
-        "m", 0.1, 1e-3, 4.0, "Farthest that the skirt moves along the bore from where it starts"
+        "m", 0.1, 1e-3, 4.0, "Maximum travel of the skirt along the bore from its start position"
     )
     chamfer_capacity: float = declared(
-        "m2", 1e-7, 0.0, 1.0, "Cross-section of the oil that an edge of the skirt can push along"
+        "m2",
+        1e-7,
+        0.0,
+        1.0,
+        "Maximum cross-section of the oil that an edge of the skirt pushes along",
     )
     largest_oil_layer: float = declared(
-        "m", 3e-4, 1e-6, 1e-1, "Oil on the bore from which splash runs off: what a wall holds"
+        "m", 3e-4, 1e-6, 1e-1, "Maximum oil layer on the bore; splash above it runs off"
     )
     oil_ring_layer: float = declared(
-        "m", 2e-6, 0.0, 1e-3, "Oil that the oil ring leaves above the skirt", condition=True
+        "m",
+        2e-6,
+        0.0,
+        1e-3,
+        "Oil layer that the oil ring leaves on the bore above the skirt",
+        condition=True,
     )
     oil_splash: float = declared(
         "m/s",
         0.0,
         0.0,
         10.0,
-        "Oil thrown onto the bore below the skirt, thickness a second",
+        "Growth rate of the oil layer below the skirt due to splash",
         condition=True,
     )
 
     # what holds at the edges and in openings, and may change from step to step
     opening_supply: str = choice(
-        "Where cut-outs have pressure and oil from: as the lower edge, or of their own",
+        "Source of pressure and oil in cut-outs: the lower edge or a separate supply",
         OPENING_SUPPLIES,
     )
     pressure_lower_edge: float = declared(
@@ -145,7 +160,8 @@ class Parameters:
         1.0,
         0.0,
         1.0,
-        "Film fraction of the oil entering at the lower edge; below 1 only at cavitation pressure",
+        "Film fraction of the oil that enters at the lower edge; below 1 only at "
+        "cavitation pressure",
         condition=True,
     )
     film_fraction_upper_edge: float = declared(
@@ -153,19 +169,20 @@ class Parameters:
         1.0,
         0.0,
         1.0,
-        "Film fraction of the oil entering at the upper edge; below 1 only at cavitation pressure",
+        "Film fraction of the oil that enters at the upper edge; below 1 only at "
+        "cavitation pressure",
         condition=True,
     )
     pressure_openings: float = declared(
-        "Pa", 0.0, -2e5, 1e8, "Pressure in cut-outs of their own supply, gauge", condition=True
+        "Pa", 0.0, -2e5, 1e8, "Pressure in cut-outs with a separate supply, gauge", condition=True
     )
     film_fraction_openings: float = declared(
         "1",
         1.0,
         0.0,
         1.0,
-        "Film fraction of the oil entering from cut-outs of their own supply; below 1 only at "
-        "cavitation pressure",
+        "Film fraction of the oil that enters from cut-outs with a separate supply; "
+        "below 1 only at cavitation pressure",
         condition=True,
     )
     oil_temperature_lower_edge: float = declared(
@@ -173,7 +190,7 @@ class Parameters:
         373.15,
         233.15,
         573.15,
-        "Oil temperature at the lower edge, linear between",
+        "Oil temperature at the lower edge; it varies linearly to the upper edge",
         condition=True,
     )
     oil_temperature_upper_edge: float = declared(
@@ -186,7 +203,7 @@ class Parameters:
         FULL_TURN,
         0.1,
         FULL_TURN,
-        "Angle that the shell embraces; below a full turn both its ends are cut-outs",
+        "Wrap angle of the shell; below 360 deg, both ends are cut-outs",
     )
 
     open_cells: Flags | None = None

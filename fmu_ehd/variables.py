@@ -71,8 +71,8 @@ def variables(
     ]
     bearing = surface == "bearing"
     return [
-        constant("n_circumferential", shape[0], "Cells around the skirt"),
-        constant("n_axial", shape[1], "Cells along the skirt"),
+        constant("n_circumferential", shape[0], "Number of cells around the skirt"),
+        constant("n_axial", shape[1], "Number of cells along the skirt"),
         constant("contract_version", CONTRACT_VERSION, "Version of the lubrication contract"),
         *parameters,
         *conditions,
@@ -97,7 +97,8 @@ def _interface(shape):
         input_variable(
             "film_thickness",
             "m",
-            "Radial distance bore minus skirt at the end of the step, may be <= 0",
+            "Radial distance from skirt to bore at the end of the step; negative where "
+            "they overlap",
             1e-5,
             1e-5,
             shape,
@@ -105,7 +106,7 @@ def _interface(shape):
         input_variable(
             "sliding_velocity",
             "m/s",
-            "Axial velocity of skirt minus bore at the end of the step",
+            "Axial velocity of the skirt relative to the bore at the end of the step",
             0.0,
             1.0,
             shape,
@@ -113,14 +114,14 @@ def _interface(shape):
         output_variable(
             "nodal_pressure_force",
             "N",
-            "(Hydrodynamic + asperity pressure) x cell area",
+            "Sum of hydrodynamic and asperity pressure, times the cell area",
             1.0,
             shape,
         ),
         output_variable(
             "nodal_friction_force",
             "N",
-            "Axial force of film and asperities on the skirt; its opposite acts on the bore",
+            "Axial force of film and asperities on the skirt; the opposite force acts on the bore",
             0.1,
             shape,
         ),
@@ -133,8 +134,8 @@ def _turning(shape):
         input_variable(
             TURNING_INPUT,
             "m/s",
-            "Circumferential velocity of journal minus shell at the end of the step, positive with "
-            "ascending i",
+            "Circumferential velocity of the journal relative to the shell at the end of "
+            "the step, positive with ascending i",
             0.0,
             1.0,
             shape,
@@ -142,8 +143,8 @@ def _turning(shape):
         output_variable(
             TURNING_OUTPUT,
             "N",
-            "Circumferential force of film and asperities on the journal, positive with ascending "
-            "i; its opposite acts on the shell",
+            "Circumferential force of film and asperities on the journal, positive with "
+            "ascending i; the opposite force acts on the shell",
             0.1,
             shape,
         ),
@@ -156,84 +157,88 @@ def _diagnostics(shape):
         output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
         output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
         output_variable(
-            "film_fraction", "1", "Share of the film filled with oil", 1.0, shape, start=1.0
+            "film_fraction",
+            "1",
+            "Fraction of the film that is filled with oil",
+            1.0,
+            shape,
+            start=1.0,
         ),
     ]
 
 
 SUMMARY = (
-    output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
-    output_variable("maximum_pressure", "Pa", "Highest hydrodynamic pressure, gauge", 1e6),
+    output_variable("minimum_film_thickness", "m", "Minimum film thickness", 1e-5),
+    output_variable("maximum_pressure", "Pa", "Maximum hydrodynamic pressure, gauge", 1e6),
     output_variable(
         "friction_force_hydrodynamic",
         "N",
-        "Axial force of the film on the skirt; its opposite acts on the bore",
+        "Axial force of the film on the skirt; the opposite force acts on the bore",
         10.0,
     ),
     output_variable(
         "friction_force_asperity",
         "N",
-        "Axial force of asperities on the skirt; its opposite acts on the bore",
+        "Axial force of the asperities on the skirt; the opposite force acts on the bore",
         10.0,
     ),
     output_variable(
-        "friction_power", "W", "Power that sliding costs, - axial force x velocity", 100.0
+        "friction_power", "W", "Friction power: minus the force times the sliding velocity", 100.0
     ),
     output_variable(
         "boundary_friction_share",
         "1",
-        "Asperities' share of the work that sliding has cost since the start",
+        "Fraction of the friction work since the start that is due to asperities",
     ),
     output_variable(
-        "minimum_film_thickness_thrust_side", "m", "Thinnest film of the thrust half", 1e-5
+        "minimum_film_thickness_thrust_side", "m", "Minimum film thickness of the thrust half", 1e-5
     ),
     output_variable(
         "radial_force_thrust_side",
         "N",
-        "Force across the thrust plane, pushing apart, of the thrust half",
+        "Force of the thrust half towards the thrust side; positive separates skirt and bore",
         100.0,
     ),
     output_variable(
-        "friction_force_thrust_side", "N", "Axial force on the skirt of the thrust half", 10.0
+        "friction_force_thrust_side", "N", "Axial force on the thrust half of the skirt", 10.0
     ),
     output_variable(
         "minimum_film_thickness_anti_thrust_side",
         "m",
-        "Thinnest film of the anti-thrust half",
+        "Minimum film thickness of the anti-thrust half",
         1e-5,
     ),
     output_variable(
         "radial_force_anti_thrust_side",
         "N",
-        "Force across the thrust plane, pushing apart, of the anti-thrust half",
+        "Force of the anti-thrust half towards the anti-thrust side; positive "
+        "separates skirt and bore",
         100.0,
     ),
     output_variable(
         "friction_force_anti_thrust_side",
         "N",
-        "Axial force on the skirt of the anti-thrust half",
+        "Axial force on the anti-thrust half of the skirt",
         10.0,
     ),
     output_variable(
         "flow_lower_edge",
         "m3/s",
-        "Oil flow into the film over the lower edge at the end of the step",
+        "Oil flow into the film through the lower edge at the end of the step",
         1e-6,
     ),
     output_variable(
         "flow_upper_edge",
         "m3/s",
-        "Oil flow into the film over the upper edge at the end of the step",
+        "Oil flow into the film through the upper edge at the end of the step",
         1e-6,
     ),
-    output_variable(
-        "stored_energy", "J", "Elastic energy of the asperities and of the coating", 1e-3
-    ),
+    output_variable("stored_energy", "J", "Elastic energy of asperities and coating", 1e-3),
     output_variable(
         "energy_gain",
         "J",
-        "Energy that was stored or rubbed into heat over the step, less what the pressure around "
-        "the film did",
+        "Energy stored and dissipated over the step, minus the work of the pressure "
+        "around the film",
         1e-3,
     ),
     output_variable(
@@ -242,32 +247,35 @@ SUMMARY = (
         "Oil flow into the film from cut-outs at the end of the step",
         1e-6,
     ),
-    output_variable("oil_in_film", "m3", "Oil in the film", 1e-8),
+    output_variable("oil_in_film", "m3", "Oil volume in the film", 1e-8),
     output_variable(
         "oil_on_bore",
         "m3",
-        "Oil on the bore and at the edges of the skirt; 0 with oil_supply = edges",
+        "Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges",
         1e-8,
     ),
     output_variable(
         "oil_supplied",
         "m3",
-        "Oil that ring and splash brought since the start, less what fell off",
+        "Oil volume supplied by ring and splash since the start, minus the oil that ran off",
         1e-8,
     ),
     output_variable(
         "mass_imbalance",
         "1",
-        "|inflow - growth of film content| / throughput, rates at the end of the step",
+        "Relative mass imbalance at the end of the step: |inflow - growth of film "
+        "content| / throughput",
     ),
-    output_variable("contact_area_fraction", "1", "Real contact area / skirt area"),
-    output_variable("solver_iterations", "1", "Factorisations in the last step", start=0),
+    output_variable(
+        "contact_area_fraction", "1", "Ratio of the real contact area to the skirt area"
+    ),
+    output_variable("solver_iterations", "1", "Number of factorisations in the last step", start=0),
 )
 """Outputs that sum the film up."""
 
 FRICTION_TORQUE = output_variable(
     "friction_torque",
     "N.m",
-    "Turning moment of the circumferential forces on the journal about the axis of the shell",
+    "Moment of the circumferential forces on the journal about the axis of the shell",
     1.0,
 )

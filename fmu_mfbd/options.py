@@ -37,9 +37,9 @@ Frequency = Annotated[float, in_unit("Hz")]
 Number = Annotated[float, in_unit("1")]
 
 MOST_MODES = 200
-"""Modes of a body."""
+"""Maximum number of modes of a body."""
 ERROR_RANGE = (1e-4, 0.5)
-"""Expected errors that a number of modes can be given by [-]."""
+"""Range of the expected error that determines the number of modes [-]."""
 
 
 class ModeCount:
@@ -88,21 +88,21 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_
 
 
 class Surface(BaseModel):
-    """A surface found by geometry, in this project's axes: a cylinder about y (with its ends), a
-    bore about z, a plane across y.
+    """Surface defined by geometry, in the project's axes: a cylinder about y with its ends, a bore
+    about z, or a plane across y.
     """
 
     model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
-    """cylinder about y with ends, bore about z of any length, or plane across y."""
+    """Cylinder about y with ends, bore about z of any length, or plane across y."""
     radius: Length | None = None
-    """Of cylinder or bore."""
+    """Radius of a cylinder or bore."""
     lower: Length | None = None
     """Lower end of a cylinder."""
     upper: Length | None = None
     """Upper end of a cylinder."""
     height: Length | None = None
-    """Of a plane."""
+    """Height of a plane."""
 
     @model_validator(mode="after")
     def _complete(self):
@@ -124,60 +124,62 @@ class Surface(BaseModel):
 
 
 class RigidPiston(BaseModel):
-    """A piston of a data sheet."""
+    """Data sheet of a rigid piston."""
 
     model_config = STRICT
     mass: Annotated[Mass, Field(gt=0)]
     """Mass without the pin."""
     centre: tuple[Length, Length]
-    """Centre of mass (x, y) from the skirt's axis at the height of pin point A."""
+    """Centre of mass (x, y), relative to the skirt axis at the height of pin point A."""
     inertia: Annotated[Inertia, Field(gt=0)]
-    """Moment of inertia about the centre of mass and the pin axis' direction."""
+    """Moment of inertia about the axis through the centre of mass along the pin."""
     radius: Annotated[Length, Field(gt=0)]
-    """Of the skirt."""
+    """Radius of the skirt."""
 
 
 class RigidBlock(BaseModel):
-    """A block of a data sheet."""
+    """Data sheet of a rigid block."""
 
     model_config = STRICT
     radius: Annotated[Length, Field(gt=0)]
-    """Of the bore."""
+    """Radius of the bore."""
 
 
 class Body(BaseModel):
-    """What both bodies need.
+    """Options of a body.
 
-    `stiffness` and `mass` name matrices of another program (`matrices.read_matrix`) in place of
-    density, young and poisson; `mesh` then gives the nodes and their surfaces, or a CSV file does
-    (`point_cloud.read_nodes`). `reduced` names a body that is reduced already (.npz as
-    `piston-cosim reduce` writes it) and takes the place of mesh, material, basis and modes; so does
-    `rigid`, a data sheet (`RigidPiston`, `RigidBlock`), together with the surface's ends.
+    `stiffness` and `mass` are matrices of another program (`matrices.read_matrix`). They replace
+    density, young and poisson. `mesh` or a CSV file (`point_cloud.read_nodes`) then gives the nodes
+    and their surfaces. `reduced` is a file of `piston-cosim reduce` (.npz). It replaces mesh,
+    material, basis and modes. `rigid` is a data sheet (`RigidPiston`, `RigidBlock`) that also needs
+    the ends of the surface.
     """
 
     ENDS: ClassVar[tuple[str, str]]
 
     model_config = STRICT
     mesh: str | None = None
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz), or nodes as CSV for a body of
-    matrices.
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz). For a body of matrices, also a
+    CSV file of nodes.
     """
     reduced: str | None = None
-    """Body reduced already, .npz as `piston-cosim reduce` writes it, in place of mesh, material,
-    basis and modes.
+    """Reduced body, a file of `piston-cosim reduce` (.npz). It replaces mesh, material, basis and
+    modes.
     """
     rigid: RigidPiston | RigidBlock | None = None
-    """Data sheet in place of a mesh."""
+    """Data sheet of a rigid body. It replaces the mesh."""
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """What a length of 1 in the mesh file means."""
+    """Length unit of the mesh file, e.g. "1 mm"."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """The file's directions that are thrust (x), towards the head (y) and pin (z)."""
+    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
+    along the pin.
+    """
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Where this project's origin lies in the file."""
+    """Position of the project's origin in the mesh file."""
     surfaces: dict[str, Surface] = {}
-    """Surfaces found by geometry that the file does not name."""
+    """Surfaces defined by geometry, for a mesh file that does not name them."""
     density: Annotated[Density, Field(ge=500, le=25000)] | None = None
-    """Of the material."""
+    """Density of the material."""
     young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
     """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
@@ -185,11 +187,11 @@ class Body(BaseModel):
     stiffness: str | None = None
     """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
     mass: str | None = None
-    """Its mass matrix."""
+    """Mass matrix of another program (.mtx, .pch, .bdf)."""
     stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
-    """What 1 in the stiffness matrix means."""
+    """Unit of the stiffness matrix."""
     mass_unit: Annotated[Mass, Field(gt=0)] | None = None
-    """What 1 in the mass matrix means."""
+    """Unit of the mass matrix."""
     basis: Literal[
         "smooth_pressure_modes",
         "trained",
@@ -197,21 +199,25 @@ class Body(BaseModel):
         "craig_bampton",
         "characteristic_constraint_modes",
     ] = "smooth_pressure_modes"
-    """Shapes the body is reduced to. smooth_pressure_modes: those under smooth film pressures;
-    trained: these and those of an earlier run.
+    """Modes of the reduced body. The default modes are deflections under smooth film pressures.
+    `trained` adds modes from an earlier run.
     """
     train_on: str | None = None
-    """Results file of that run, which has recorded both nodal forces on the same grid."""
+    """Results file of the earlier run for `trained`. It must hold both nodal forces on the same
+    grid.
+    """
     modes: Annotated[int | float, ModeCount] = 60
-    """Number of modes (0: rigid), or the largest expected share of the deflection that they may
-    miss, e.g. "1 %" (smooth_pressure_modes and trained). trained adds its own to them.
+    """Number of modes, or the largest expected relative error of the deflection, e.g. "1 %". 0:
+    rigid. An error requires smooth_pressure_modes or trained. `trained` adds its modes to this
+    number.
     """
     modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
     """Number of lowest modes from which `modes` are selected by their part in the deflection under
-    smooth pressures (craig_bampton, characteristic_constraint_modes). Default: no selection.
+    smooth pressures. Requires craig_bampton or characteristic_constraint_modes. Default: no
+    selection.
     """
     modes_off: list[Annotated[int, Field(ge=1)]] = []
-    """Modes switched off, by their number in the table of modes."""
+    """Numbers of the modes to switch off, as in the table of modes."""
 
     @model_validator(mode="after")
     def _source(self):
@@ -265,43 +271,41 @@ class Body(BaseModel):
 
 
 class ShapeTable(BaseModel):
-    """A measured shape in a file, see `tables.profile_table`; the units are those of its
-    numbers.
-    """
+    """Measured shape in a CSV file, see `tables.profile_table`."""
 
     model_config = STRICT
     file: str
-    """CSV file: first row angles, then a height and its values in each row."""
+    """CSV file. The first row holds angles. Each further row holds a height and its values."""
     angle_unit: Annotated[Angle, Field(gt=0)]
-    """What 1 among its angles means."""
+    """Unit of the angles."""
     height_unit: Annotated[Length, Field(gt=0)]
-    """What 1 among its heights means."""
+    """Unit of the heights."""
     value_unit: Annotated[Length, Field(gt=0)]
-    """What 1 among its values means."""
+    """Unit of the values."""
 
 
 class Order(BaseModel):
-    """One Fourier order of a bore's distortion, see `profile.fourier_bore`."""
+    """Fourier order of a bore distortion, see `profile.fourier_bore`."""
 
     model_config = STRICT
     order: Annotated[int, Field(ge=0, le=40)]
-    """0 growth, 1 offset of the axis, 2 ovality, 4 four bolts, ...."""
+    """Fourier order: 0 growth, 1 offset of the axis, 2 ovality, 4 four bolts."""
     amplitude: Length
-    """Radial widening."""
+    """Amplitude of the radial widening."""
     phase: Angle = 0.0
     """Angle of the largest widening, from the pin axis towards the thrust side."""
 
 
 class Table(BaseModel):
-    """Two columns, in a file (comma or semicolon separated) or in the case itself as `points`."""
+    """Table of two columns, in a CSV file (comma or semicolon) or as `points` in the case."""
 
     model_config = STRICT
     file: str | None = None
-    """CSV file of two columns."""
+    """CSV file with two columns."""
     points: list[tuple[float, float]] | None = None
-    """The two columns, in the case itself."""
+    """The two columns as a list of pairs."""
     strokes: Literal[2, 4] = 4
-    """Of a cycle."""
+    """Number of strokes of a cycle."""
 
     @model_validator(mode="after")
     def _source(self):
@@ -313,27 +317,27 @@ class Table(BaseModel):
 
 
 class Gas(Table):
-    """Gas pressure over crank angle, see `tables.gas_table`; the parameter `gas_source` says
+    """Gas pressure over crank angle, see `tables.gas_table`. The parameter `gas_source` selects
     whether it adds to the input `gas_pressure`.
     """
 
     angle_unit: Annotated[Angle, Field(gt=0)]
-    """What 1 in the first column, crank angle, means."""
+    """Unit of the first column, the crank angle."""
     pressure_unit: Annotated[Pressure, Field(gt=0)]
-    """What 1 in the second column, gauge pressure, means."""
+    """Unit of the second column, the gauge pressure."""
 
 
 class Speed(Table):
-    """Crank speed over time or crank angle, see `speed_table.speed_table`; it takes the place of
-    the input `crank_speed`.
+    """Crank speed over time or crank angle, see `speed_table.speed_table`. It replaces the input
+    `crank_speed`.
     """
 
     time_unit: Annotated[Time, Field(gt=0)] | None = None
-    """What 1 in the first column means, if it is time."""
+    """Unit of the first column if it is time."""
     angle_unit: Annotated[Angle, Field(gt=0)] | None = None
-    """What 1 in the first column means, if it is crank angle."""
+    """Unit of the first column if it is crank angle."""
     speed_unit: Annotated[AngularSpeed, Field(gt=0)]
-    """What 1 in the second column means."""
+    """Unit of the second column, the crank speed."""
 
     @model_validator(mode="after")
     def _over(self):
@@ -343,68 +347,73 @@ class Speed(Table):
 
 
 class Piston(Body):
-    """Mesh origin on the skirt's axis at the height of pin point A; surfaces `skirt`, `crown`,
-    `pin_bore`.
+    """Options of the piston. The mesh origin is on the skirt axis at the height of pin point A.
+    Surfaces: `skirt`, `crown`, `pin_bore`.
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
     tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
-    """How the pin bores hang on A: every node rigidly (rbe2), the mean motion of both (rbe3) or of
-    each (rbe3_per_boss); it changes the skirt's compliance more than any choice of modes.
+    """Connection of the pin bores to pin point A. `rbe2` ties every node, `rbe3` the mean motion of
+    both bores, and `rbe3_per_boss` that of each. It affects the skirt compliance more than the
+    choice of modes.
     """
     rigid: RigidPiston | None = None
-    """Data sheet in place of a mesh."""
+    """Data sheet of a rigid piston. It replaces the mesh."""
 
     skirt_lower: Length | None = None
-    """Lower edge of the skirt above pin point A; that of its surface in the mesh without it."""
+    """Lower edge of the skirt above pin point A. Default: that of the surface in the mesh."""
     skirt_upper: Length | None = None
-    """Upper edge likewise."""
+    """Upper edge of the skirt above pin point A. Default: that of the surface in the mesh."""
     pin_offset: Length = 0.0
-    """x of pin point A from the skirt's axis, positive towards the thrust side; at most 0.05 skirt
-    radii from the mesh's pin bores, which stay where they are (docs/limits.md). No new reduction.
+    """Offset of pin point A from the skirt axis, positive towards the thrust side. It is at most
+    0.05 skirt radii from the pin bores of the mesh, which do not move. It requires no new
+    reduction.
     """
     profiles: list[ShapeTable] = []
     """Measured gaps that add to barrel and ovality."""
 
 
 class BoreFromOutside(BaseModel):
-    """Grid of the bore on which another participant says how it deflects and takes what presses on
-    it: angles from the thrust line on as those of the film grid, heights from bore_lower to
+    """Grid of a bore whose deflection another participant computes.
+
+    Angles start at the thrust line like those of the film grid. Heights range from bore_lower to
     bore_upper.
     """
 
     model_config = STRICT
     around: Annotated[int, Field(ge=8, le=400)] = 24
-    """Angles."""
+    """Number of angles."""
     axial: Annotated[int, Field(ge=8, le=400)] = 24
-    """Heights, both ends included."""
+    """Number of heights, both ends included."""
 
 
 class Block(Body):
-    """Mesh origin on the bore's axis at the height of the crank axis; surfaces `bore`, `bolts`."""
+    """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
+    Surfaces: `bore`, `bolts`.
+    """
 
     ENDS = ("bore_lower", "bore_upper")
     tie: Literal["rbe2", "springs"] = "rbe2"
-    """Bolt faces clamped (rbe2) or on springs."""
+    """Support of the bolt faces: rigid (rbe2), or springs."""
     rigid: RigidBlock | None = None
-    """Data sheet in place of a mesh."""
+    """Data sheet of a rigid block. It replaces the mesh."""
     spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
-    """Of the springs in each direction, spread over all bolt faces."""
+    """Stiffness of all springs together in each direction, distributed over all bolt faces."""
 
     bore_lower: Length | None = None
-    """Lower end of the bore above the crank axis; that of its surface in the mesh without it."""
+    """Lower end of the bore above the crank axis. Default: that of the surface in the mesh."""
     bore_upper: Length | None = None
-    """Upper end likewise."""
+    """Upper end of the bore above the crank axis. Default: that of the surface in the mesh."""
     stations: Annotated[int, Field(ge=8, le=400)] = 64
-    """Heights of the table of the bore's modes."""
+    """Number of heights in the table of bore modes."""
     bore_from_outside: BoreFromOutside | None = None
-    """The bore deflects as another participant says (bore_deflection), which takes what presses on
-    it (force_on_bore, force_on_deck); with rigid = .. and mounted = true.
+    """Grid of a bore whose deflection another participant computes. It provides bore_deflection and
+    receives force_on_bore and force_on_deck. Requires `rigid` and `mounted = true`.
     """
     profiles: list[ShapeTable] = []
     """Measured widenings of the bore."""
     orders: list[Order] = []
-    """Fourier orders of the bore's distortion."""
+    """Fourier orders of the bore distortion."""
 
     @model_validator(mode="after")
     def _bore_of_outside(self):
@@ -421,23 +430,23 @@ class Block(Body):
 
 
 class Band(BaseModel):
-    """Modal damping ratio from a frequency on, to the next band."""
+    """Modal damping ratio above a frequency, up to the next band."""
 
     model_config = STRICT
     above: Annotated[Frequency, Field(ge=0)]
-    """Frequency where the band begins."""
+    """Lowest frequency of the band."""
     ratio: Annotated[Number, Field(ge=0, le=2)]
     """Modal damping ratio."""
 
 
 class FilmSurface(BaseModel):
-    """Rows of the film grid that a lubrication FMU of its own takes."""
+    """Rows of the film grid that a separate lubrication FMU covers."""
 
     model_config = STRICT
     name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
-    """First word of its variables: NAME.film_thickness and others."""
+    """Prefix of its variables, as in NAME.film_thickness."""
     rows: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
-    """Its first and last row of `grid` along the skirt, from 1 at the lower edge."""
+    """First and last row of `grid` along the skirt, counted from 1 at the lower edge."""
 
     @field_validator("rows")
     @classmethod
@@ -449,75 +458,83 @@ class FilmSurface(BaseModel):
 
 
 class SmallEnd(BaseModel):
-    """A rod's eye that yields to its film: mesh origin on the eye's axis amid its length, the shank
-    towards -y; surfaces eye (the bore) and cut, where the rigid rod holds the shank.
+    """Flexible small end of the rod. The mesh origin is on its axis at mid-length, with the shank
+    towards -y. Surfaces: eye (the bore) and cut, where the rigid rod holds the shank.
     """
 
     model_config = STRICT
     mesh: str
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """What a length of 1 in the mesh file means."""
+    """Length unit of the mesh file, e.g. "1 mm"."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """The file's directions that are thrust (x), towards the head (y) and pin (z)."""
+    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
+    along the pin.
+    """
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Where this project's origin lies in the file."""
+    """Position of the project's origin in the mesh file."""
     surfaces: dict[Literal["eye", "cut"], Surface] = {}
-    """Surfaces found by geometry that the file does not name: bore, plane."""
+    """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
     density: Annotated[Density, Field(ge=500, le=25000)]
-    """Of the material, for the inertia of the modes; mass and inertia of the rod are parameters."""
+    """Density of the material, for the inertia of the modes. Mass and inertia of the rod are
+    parameters.
+    """
     young: Annotated[Pressure, Field(ge=1e8, le=1e12)]
     """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)]
     """Poisson's ratio."""
     modes: Annotated[int, Field(ge=0, le=MOST_MODES)] = 60
-    """How many; 0: rigid."""
+    """Number of modes. 0: rigid."""
 
 
 class FloatingPin(BaseModel):
-    """A pin that turns and moves on films in both bosses and in the rod's eye, surfaces boss_left,
-    boss_right and small_end, each with a bearing's fields; the skirt is the surface skirt then.
+    """Pin that rotates and moves on films in both bosses and in the small end.
+
+    The surfaces boss_left, boss_right and small_end have the fields of a bearing. The skirt is then
+    the surface skirt.
     """
 
     model_config = STRICT
     grid: tuple[Count, Count] = (72, 8)
-    """Cells around and along each of the three shells."""
+    """Number of cells around and along each of the three shells."""
     boss_length: Annotated[Length, Field(gt=0)]
-    """Of one boss along the pin."""
+    """Length of one boss along the pin."""
     small_end_length: Annotated[Length, Field(gt=0)]
-    """Of the rod's eye along the pin."""
+    """Length of the small end along the pin."""
     boss_modes: Annotated[int, Field(ge=0, le=190)] = 0
-    """How many of the piston's modes are chosen for its bosses, which yield to their films then."""
+    """Number of piston modes for the deflection of the bosses under their films. 0: rigid bosses.
+    """
     pin_shapes: Annotated[int, Field(ge=0, le=MOST)] = 0
-    """In how many shapes the pin moves in its shells beside its shift: 0 none, it stays parallel to
-    them; 1 it tilts; each further one is a way to bend.
+    """Number of shapes in which the pin moves in its shells, in addition to translation. 0: it
+    stays parallel to them. 1: it tilts. Each further shape bends the pin.
     """
     small_end: SmallEnd | None = None
-    """Mesh of the rod's eye, which yields to its film then; without it the eye is rigid."""
+    """Mesh of a flexible small end. Default: rigid."""
 
 
 class CrankBearing(BaseModel):
-    """A film between crank and rod or block, beside those of a floating pin; a surface with a
-    bearing's fields.
+    """Film between the crank and the rod or block, in addition to those of a floating pin. Its
+    surface has the fields of a bearing.
     """
 
     model_config = STRICT
     grid: tuple[Count, Count] = (72, 8)
-    """Cells around and along the shell."""
+    """Number of cells around and along the shell."""
     length: Annotated[Length, Field(gt=0)]
-    """Of the bearing along the crank."""
+    """Length of the bearing along the crank."""
 
 
 class MotionInSpace(BaseModel):
-    """A rigid piston that moves along its pin, rolls (about x) and yaws (about y) besides; what its
-    data sheet has to say for it, about the centre of mass. A mesh says it itself.
+    """Rigid piston that also moves along its pin, rolls about x and yaws about y.
+
+    The values complete a data sheet and refer to the centre of mass. A mesh needs no values.
     """
 
     model_config = STRICT
     inertia_x: Annotated[Inertia, Field(gt=0)] | None = None
-    """Moment of inertia about the direction x."""
+    """Moment of inertia about x."""
     inertia_y: Annotated[Inertia, Field(gt=0)] | None = None
-    """Moment of inertia about the direction y."""
+    """Moment of inertia about y."""
     product_xy: Inertia = 0.0
     """Product of inertia, the integral of x y dm."""
     product_yz: Inertia = 0.0
@@ -525,7 +542,7 @@ class MotionInSpace(BaseModel):
     product_zx: Inertia = 0.0
     """Product of inertia, the integral of z x dm."""
     centre_z: Length = 0.0
-    """z of the centre of mass."""
+    """Coordinate z of the centre of mass."""
 
     def tensor(self, inertia_z: float) -> np.ndarray:
         """Tensor of inertia of a data sheet about its centre of mass, (3, 3) [kg m2]."""
@@ -535,44 +552,45 @@ class MotionInSpace(BaseModel):
 
 
 LEAST_ROWS = 4
-"""As few as a film grid may have along the skirt."""
+"""Minimum number of rows of a film grid along the skirt."""
 
 
 class Common(BaseModel):
-    """What is said beside the bodies."""
+    """Options in addition to those of the bodies."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
     grid: tuple[Count, Count] = (40, 40)
-    """Cells around and along the skirt."""
+    """Number of cells around and along the skirt."""
     gas: Gas | None = None
-    """Gas pressure over crank angle; by default it adds to the input gas_pressure (gas_source)."""
+    """Gas pressure over crank angle. By default it adds to the input gas_pressure, see the
+    parameter gas_source.
+    """
     speed: Speed | None = None
-    """Crank speed over time or crank angle, in place of the input crank_speed."""
+    """Crank speed over time or crank angle. It replaces the input crank_speed."""
     start: str | None = None
-    """File of `piston-cosim results snapshot` in place of the parameters start_*."""
+    """File of `piston-cosim results snapshot`. It replaces the parameters start_*."""
     film_surfaces: list[FilmSurface] = []
-    """Bands of the skirt, from below, each with a film of its own; rows between them have none.
-    Without it the whole skirt is one surface, and its variables have plain names.
+    """Bands of the skirt with separate films, in ascending order. Rows between them have no film.
+    Default: one surface for the whole skirt, with variable names without prefix.
     """
     floating_pin: FloatingPin | None = None
-    """Films between pin, bosses and rod in place of a pin that is tied to the piston; the block is
-    rigid beside it, and so is the piston without boss_modes.
+    """Films between pin, bosses and rod. They replace a pin that is tied to the piston. The block
+    is rigid, and without boss_modes so is the piston.
     """
     big_end: CrankBearing | None = None
-    """The rod turns on the crank pin in a film of its own, surface big_end; with floating_pin."""
+    """Film between the rod and the crank pin, surface big_end. Requires floating_pin."""
     main_bearing: CrankBearing | None = None
-    """The crank turns in the block in a film, surface main_bearing, and moves in it with a mass of
-    its own: one bearing that carries this cylinder; with floating_pin.
+    """Film between the crank and the block, surface main_bearing. The crank has its own mass, and
+    one bearing carries this cylinder. Requires floating_pin.
     """
     motion_in_space: MotionInSpace | None = None
-    """The piston moves along its tied pin, rolls and yaws besides; both bodies are rigid then.
-    """
+    """Motion of the piston along its tied pin, with roll and yaw. Both bodies are rigid."""
     mounted: bool = False
-    """The block stands on mounts: another participant says how it moves (block_acceleration_x
-    and other inputs) and takes what the cylinder does to it (force_on_block_x and other outputs).
+    """The block moves on mounts. Another participant provides block_acceleration_x and other
+    inputs, and receives force_on_block_x and other outputs.
     """
     damping_bands: list[Band] = []
-    """Modal damping by frequency, in place of damping_ratio, high_frequency_damping_ratio and
+    """Modal damping by frequency. It replaces damping_ratio, high_frequency_damping_ratio and
     damping_transition_frequency.
     """
 
@@ -634,14 +652,16 @@ class Common(BaseModel):
 
 
 class Bodies(Common):
-    """One body or both, to be reduced without an FMU."""
+    """One body or both, for a reduction without an FMU."""
 
     piston: Piston | None = None
-    """Mesh origin on the skirt's axis at the height of pin point A; surfaces skirt, crown,
-    pin_bore.
+    """Options of the piston. The mesh origin is on the skirt axis at the height of pin point A.
+    Surfaces: skirt, crown, pin_bore.
     """
     block: Block | None = None
-    """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
+    """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
+    Surfaces: bore, bolts.
+    """
 
     @model_validator(mode="after")
     def _any(self):
@@ -651,14 +671,16 @@ class Bodies(Common):
 
 
 class Build(Common):
-    """The whole table of an FMU."""
+    """Build options of the body FMU."""
 
     piston: Piston
-    """Mesh origin on the skirt's axis at the height of pin point A; surfaces skirt, crown,
-    pin_bore.
+    """Options of the piston. The mesh origin is on the skirt axis at the height of pin point A.
+    Surfaces: skirt, crown, pin_bore.
     """
     block: Block
-    """Mesh origin on the bore's axis at the height of the crank axis; surfaces bore, bolts."""
+    """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
+    Surfaces: bore, bolts.
+    """
 
     @model_validator(mode="after")
     def _beside_a_bore_from_outside(self):

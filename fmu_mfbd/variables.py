@@ -1,4 +1,4 @@
-"""Every variable of the body FMU, declared once (the interface contract's names)."""
+"""Variables of the body FMU, with the names of the interface contract."""
 
 from dataclasses import fields
 from math import pi
@@ -15,12 +15,12 @@ from .dynamics.parameters import (
 
 
 def variables(options: BuildOptions) -> list[Variable]:
-    """The table of variables of an FMU built so."""
+    """Return the variables of an FMU with these build options."""
     return signals(options) + properties(options)
 
 
 def signals(options: BuildOptions) -> list[Variable]:
-    """Inputs, outputs and parameters of an FMU built so."""
+    """Return inputs, outputs and parameters of an FMU with these build options."""
     modes = options.piston.modes + options.block.modes
     films = options.film_grids()
     pins = options.pin_grids()
@@ -46,13 +46,13 @@ def signals(options: BuildOptions) -> list[Variable]:
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
-    """What acts on the bodies; `pins`: films of a floating pin."""
+    """Return the inputs of the bodies. `pins` are the films of a floating pin."""
     of_films = [
         (
             input_variable(
                 f"{film.prefix}nodal_pressure_force",
                 "N",
-                "Pressure force on a grid cell; positive pushes skirt and bore apart",
+                "Pressure force on a grid cell; positive separates skirt and bore",
                 0.0,
                 1.0,
                 film.shape,
@@ -60,8 +60,8 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
             input_variable(
                 f"{film.prefix}nodal_friction_force",
                 "N",
-                "Axial force of the film on the skirt in a grid cell; its opposite acts on the "
-                "bore",
+                "Axial force of the film on the skirt in a grid cell; the opposite force acts "
+                "on the bore",
                 0.0,
                 0.1,
                 film.shape,
@@ -75,8 +75,8 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
         input_variable(
             "gas_pressure",
             "Pa",
-            "Gauge pressure on the piston crown and on the bore above the top ring; gas_source "
-            "says whether it adds to the built-in table or replaces it",
+            "Gauge pressure on the piston crown and on the bore above the top ring; "
+            "gas_source combines it with the built-in table",
             0.0,
             1e6,
         ),
@@ -93,14 +93,15 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
         input_variable(
             "ring_axial_force",
             "N",
-            "Force of the rings on the piston towards the head, on the axis of the bore",
+            "Force of the rings on the piston towards the head, along the bore axis",
             0.0,
             1e2,
         ),
         input_variable(
             "ring_moment",
             "N.m",
-            "Moment of the rings on the piston about A, about +z, beside that of their axial force",
+            "Moment of the rings on the piston about +z at pin point A, in addition to "
+            "that of their axial force",
             0.0,
             1.0,
         ),
@@ -108,7 +109,7 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
             "crank_speed",
             "rad/s",
             "input",
-            "Speed of the crank at the end of the step; of a free crank at the start",
+            "Speed of the crank at the end of the step; for a free crank, at the start",
             start=100 * pi,
             nominal=300.0,
             minimum=0.0,
@@ -118,12 +119,12 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
 
 
 def _on_pin(film: FilmGrid) -> list[Variable]:
-    """What a film of the floating pin does."""
+    """Return the inputs from a film of the floating pin."""
     return [
         input_variable(
             f"{film.prefix}nodal_pressure_force",
             "N",
-            "Pressure force on a grid cell; positive pushes pin and shell apart",
+            "Pressure force on a grid cell; positive separates pin and shell",
             0.0,
             1.0,
             film.shape,
@@ -131,7 +132,8 @@ def _on_pin(film: FilmGrid) -> list[Variable]:
         input_variable(
             f"{film.prefix}nodal_friction_force",
             "N",
-            "Axial force of the film on the pin: without effect, nothing moves along it",
+            "Axial force of the film on the pin; it has no effect, because the pin does "
+            "not move axially",
             0.0,
             0.1,
             film.shape,
@@ -139,8 +141,8 @@ def _on_pin(film: FilmGrid) -> list[Variable]:
         input_variable(
             f"{film.prefix}nodal_circumferential_force",
             "N",
-            "Circumferential force of the film on the pin, positive with ascending i; its opposite "
-            "acts on the shell",
+            "Circumferential force of the film on the pin, positive with ascending i; the "
+            "opposite force acts on the shell",
             0.0,
             0.1,
             film.shape,
@@ -149,26 +151,26 @@ def _on_pin(film: FilmGrid) -> list[Variable]:
 
 
 def _of_pin(film: FilmGrid) -> list[Variable]:
-    """What a film of the floating pin is told."""
+    """Return the outputs to a film of the floating pin."""
     return [
         output_variable(
             f"{film.prefix}film_thickness",
             "m",
-            "Radial distance shell minus pin; negative where they overlap",
+            "Radial distance from pin to shell; negative where they overlap",
             1e-5,
             film.shape,
         ),
         output_variable(
             f"{film.prefix}sliding_velocity",
             "m/s",
-            "Axial velocity of pin minus shell: 0",
+            "Axial velocity of the pin relative to the shell; always 0",
             1.0,
             film.shape,
         ),
         output_variable(
             f"{film.prefix}circumferential_velocity",
             "m/s",
-            "Circumferential velocity of pin minus shell, positive with ascending i",
+            "Circumferential velocity of the pin relative to the shell, positive with ascending i",
             1.0,
             film.shape,
         ),
@@ -177,45 +179,57 @@ def _of_pin(film: FilmGrid) -> list[Variable]:
 
 PIN_MOTION = (
     output_variable(
-        "pin_displacement_x", "m", "Of the pin's axis from that of the bosses, along x", 1e-5
+        "pin_displacement_x",
+        "m",
+        "Displacement of the pin axis from the axis of the bosses along x",
+        1e-5,
     ),
     output_variable(
-        "pin_displacement_y", "m", "Of the pin's axis from that of the bosses, along y", 1e-5
+        "pin_displacement_y",
+        "m",
+        "Displacement of the pin axis from the axis of the bosses along y",
+        1e-5,
     ),
     output_variable(
-        "small_end_displacement_x", "m", "Of the pin's axis from that of the rod's eye, x", 1e-5
+        "small_end_displacement_x",
+        "m",
+        "Displacement of the pin axis from the axis of the small end along x",
+        1e-5,
     ),
     output_variable(
-        "small_end_displacement_y", "m", "Of the pin's axis from that of the rod's eye, y", 1e-5
+        "small_end_displacement_y",
+        "m",
+        "Displacement of the pin axis from the axis of the small end along y",
+        1e-5,
     ),
-    output_variable("pin_angle", "rad", "Angle that the pin has turned about +z", 1.0),
-    output_variable("pin_rotation_speed", "rad/s", "Of the pin about +z", 10.0),
+    output_variable("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
+    output_variable("pin_rotation_speed", "rad/s", "Angular velocity of the pin about +z", 10.0),
     output_variable("small_end_force_x", "N", "Force of the pin on the rod along x", 1e3),
     output_variable("small_end_force_y", "N", "Force of the pin on the rod along y", 1e3),
     output_variable(
-        "small_end_friction_moment", "N.m", "Friction of the pin on the rod about +z", 0.1
+        "small_end_friction_moment", "N.m", "Friction moment of the pin on the rod about +z", 0.1
     ),
 )
-"""Motion of a floating pin, and what it does to the rod."""
+"""Motion of a floating pin and its forces on the rod."""
 
 
 def outputs(
     films: tuple[FilmGrid, ...], modes: int, pins: tuple[FilmGrid, ...] = ()
 ) -> list[Variable]:
-    """What the bodies answer; `pins`: films of a floating pin."""
+    """Return the outputs of the bodies. `pins` are the films of a floating pin."""
     of_films = [
         (
             output_variable(
                 f"{film.prefix}film_thickness",
                 "m",
-                "Radial distance bore minus skirt; negative where they overlap",
+                "Radial distance from skirt to bore; negative where they overlap",
                 1e-5,
                 film.shape,
             ),
             output_variable(
                 f"{film.prefix}sliding_velocity",
                 "m/s",
-                "Axial velocity of the skirt minus that of the bore",
+                "Axial velocity of the skirt relative to the bore",
                 1.0,
                 film.shape,
             ),
@@ -226,19 +240,21 @@ def outputs(
         *(one for pair in of_films for one in pair),
         *(one for pin in pins for one in _of_pin(pin)),
         output_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
-        output_variable("rotation_speed", "rad/s", "Speed of the crank now", 300.0),
+        output_variable("rotation_speed", "rad/s", "Current speed of the crank", 300.0),
         output_variable("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
         output_variable("piston_velocity", "m/s", "Velocity of pin point A towards the head", 10.0),
         output_variable(
             "lateral_displacement",
             "m",
-            "Displacement of A from its concentric position towards the thrust side",
+            "Displacement of pin point A from its concentric position towards the thrust side",
             1e-5,
         ),
         output_variable(
             "rocking_angle", "rad", "Rotation of the piston about the pin axis +z", 1e-3
         ),
-        output_variable("lateral_velocity", "m/s", "Velocity of A towards the thrust side", 1e-2),
+        output_variable(
+            "lateral_velocity", "m/s", "Velocity of pin point A towards the thrust side", 1e-2
+        ),
         output_variable(
             "rocking_velocity", "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0
         ),
@@ -251,29 +267,29 @@ def outputs(
         output_variable(
             "side_force_demand",
             "N",
-            "Side force that gas, rings and inertia ask of a rigid piston amid the bore",
+            "Side-force demand of gas, rings and inertia, for a rigid piston in the "
+            "middle of the bore",
             1e3,
         ),
         output_variable(
             "crank_torque",
             "N.m",
-            "Torque of the drive on the crank in its direction of turning",
+            "Torque of the drive on the crank in its direction of rotation",
             10.0,
         ),
-        output_variable("cylinder_pressure", "Pa", "Gauge pressure on the crown now", 1e6),
+        output_variable("cylinder_pressure", "Pa", "Current gauge pressure on the crown", 1e6),
         output_variable("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
         output_variable("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
         output_variable(
-            "pin_friction_moment", "N.m", "Friction of the pin on the piston about +z", 0.1
+            "pin_friction_moment", "N.m", "Friction moment of the pin on the piston about +z", 0.1
         ),
-        output_variable(
-            "pin_friction_power", "W", "What friction at the pin turns into heat", 10.0
-        ),
+        output_variable("pin_friction_power", "W", "Friction power at the pin", 10.0),
         *(
             output_variable(
                 f"{film.prefix}interface_work_error",
                 "1",
-                "Power of the interface forces on the grid minus that in the coordinates, relative",
+                "Relative difference between the power of the interface forces on the grid "
+                "and in the coordinates",
             )
             for film in (*films, *pins)
         ),
@@ -281,7 +297,7 @@ def outputs(
         output_variable(
             "kinetic_energy",
             "J",
-            "Kinetic energy of the motion across the bore, rocking and modes included",
+            "Kinetic energy of the motion across the bore, including rocking and modes",
             1e-3,
         ),
         output_variable("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
@@ -289,32 +305,33 @@ def outputs(
         output_variable(
             "energy_error",
             "J",
-            "Energy across the bore that time integration made (+) or lost (-) over the step",
+            "Energy error of the time integration over the step, for the motion across the bore",
             1e-3,
         ),
         output_variable(
             "energy_gain",
             "J",
-            "Energy that the bodies took from the film over the step, by what their motion shows",
+            "Energy that the bodies received from the film over the step, computed from "
+            "their motion",
             1e-3,
         ),
         output_variable(
             "energy_size",
             "J",
-            "Kinetic energy across the bore, the rod's with it, and what other forces than the "
-            "film's passed to and fro over the step",
+            "Kinetic energy across the bore, including the rod, plus the energy exchanged "
+            "with forces other than the film over the step",
             1e-3,
         ),
         output_variable(
             "residual_evaluations",
             "1",
-            "Residuals of the equations of motion evaluated so far (NRES)",
+            "Number of residual evaluations of the equations of motion so far (NRES)",
             start=0,
         ),
         output_variable(
             "jacobian_evaluations",
             "1",
-            "Jacobians of the equations of motion evaluated so far (NJAC)",
+            "Number of Jacobian evaluations of the equations of motion so far (NJAC)",
             start=0,
         ),
     ]
@@ -323,34 +340,47 @@ def outputs(
             output_variable(
                 "modal_coordinate",
                 "1",
-                "Mass-normalised modal coordinates [kg^(1/2) m], piston then block",
+                "Mass-normalised modal coordinates [kg^(1/2) m], those of the piston first, "
+                "then of the block",
                 1e-6,
                 (modes,),
             ),
             output_variable(
-                "modal_velocity", "1/s", "Their derivatives in time [kg^(1/2) m/s]", 1e-2, (modes,)
+                "modal_velocity",
+                "1/s",
+                "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
+                1e-2,
+                (modes,),
             ),
         ]
     return out
 
 
 def block_inputs() -> list[Variable]:
-    """How a mounted block moves, in the plane of the cylinder."""
-    along = "in the cylinder's axes, at the crank axis"
+    """Return the motion of a mounted block in the plane of the cylinder."""
+    acceleration = "Acceleration of the block at the crank axis along the cylinder's"
     return [
-        input_variable("block_acceleration_x", "m/s2", f"Of the block, {along}", 0.0, 1.0),
-        input_variable("block_acceleration_y", "m/s2", f"Of the block, {along}", 0.0, 1.0),
+        input_variable("block_acceleration_x", "m/s2", f"{acceleration} x", 0.0, 1.0),
+        input_variable("block_acceleration_y", "m/s2", f"{acceleration} y", 0.0, 1.0),
         input_variable(
-            "block_angular_acceleration", "rad/s2", "Of the block about the crank axis", 0.0, 10.0
+            "block_angular_acceleration",
+            "rad/s2",
+            "Angular acceleration of the block about the crank axis",
+            0.0,
+            10.0,
         ),
         input_variable(
-            "block_angular_velocity", "rad/s", "Of the block about the crank axis", 0.0, 0.1
+            "block_angular_velocity",
+            "rad/s",
+            "Angular velocity of the block about the crank axis",
+            0.0,
+            0.1,
         ),
     ]
 
 
 def block_outputs() -> list[Variable]:
-    """What the cylinder does to a mounted block."""
+    """Return the forces of the cylinder on a mounted block."""
     return [
         output_variable(
             "force_on_block_x",
@@ -365,7 +395,10 @@ def block_outputs() -> list[Variable]:
             1e3,
         ),
         output_variable(
-            "moment_on_block", "N.m", "Moment of bore and deck about the crank axis", 1e2
+            "moment_on_block",
+            "N.m",
+            "Moment of bore and deck on the block about the crank axis",
+            1e2,
         ),
         output_variable(
             "main_bearing_force_x", "N", "Force of the crank on its main bearings along x", 1e3
@@ -378,14 +411,14 @@ def block_outputs() -> list[Variable]:
 
 OF_CRANK = {
     "big_end": ("crank pin", "rod's big end", "rod"),
-    "main_bearing": ("crank's journal", "main bearing", "block"),
+    "main_bearing": ("main journal", "main bearing", "block"),
 }
-"""What turns, in what, and whose that is."""
+"""Surface of the crank -> journal, shell, and the body of the shell."""
 
 
 def crank_outputs(name: str, journal: str, shell: str, body: str) -> list[Variable]:
-    """Where the crank stands in one of its films, and what it does there."""
-    of = f"Of the {journal} from the middle of the {shell}, along"
+    """Return position and forces of the crank in one of its films."""
+    of = f"Displacement of the {journal} from the middle of the {shell} along"
     force = f"Force of the {journal} on the {body} along"
     return [
         output_variable(f"{name}_displacement_x", "m", f"{of} x", 1e-5),
@@ -395,15 +428,15 @@ def crank_outputs(name: str, journal: str, shell: str, body: str) -> list[Variab
         output_variable(
             f"{name}_friction_moment",
             "N.m",
-            f"Friction of the {journal} on the {body} about +z",
+            f"Friction moment of the {journal} on the {body} about +z",
             0.1,
         ),
     ]
 
 
 def axis_outputs() -> list[Variable]:
-    """How a floating pin tilts and bends."""
-    middle = "Middle of the floating pin's axis from the mean of both ends, along"
+    """Return tilt and bending of a floating pin."""
+    middle = "Displacement of the floating pin at mid-length from the mean of both ends along"
     return [
         output_variable("pin_tilt_x", "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4),
         output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
@@ -413,22 +446,22 @@ def axis_outputs() -> list[Variable]:
 
 
 def eye_outputs(modes: int) -> list[Variable]:
-    """How a rod's eye yields."""
-    wider = "Change of the diameter of the rod's eye amid its length, "
+    """Return the deflection of a flexible small end."""
+    wider = "Change of the small-end diameter at mid-length, "
     return [
         output_variable("small_end_widening_across", "m", f"{wider}across the rod", 1e-5),
         output_variable("small_end_widening_along", "m", f"{wider}along the rod", 1e-5),
         output_variable(
             "small_end_modal_coordinate",
             "1",
-            "Mass-normalised modal coordinates of the rod's eye [kg^(1/2) m]",
+            "Mass-normalised modal coordinates of the small end [kg^(1/2) m]",
             1e-6,
             (modes,),
         ),
         output_variable(
             "small_end_modal_velocity",
             "1/s",
-            "Their derivatives in time [kg^(1/2) m/s]",
+            "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
             1e-2,
             (modes,),
         ),
@@ -436,11 +469,11 @@ def eye_outputs(modes: int) -> list[Variable]:
 
 
 def bore_input(grid: BoreGrid) -> Variable:
-    """How a bore deflects from outside."""
+    """Return the deflection of a bore that another participant computes."""
     return input_variable(
         "bore_deflection",
         "m",
-        "Of the bore, outwards, at its own angles and heights",
+        "Outward deflection of the bore, on its grid of angles and heights",
         0.0,
         1e-5,
         tuple(grid),
@@ -448,43 +481,51 @@ def bore_input(grid: BoreGrid) -> Variable:
 
 
 def bore_outputs(grid: BoreGrid) -> list[Variable]:
-    """What the cylinder does to a block that deflects."""
+    """Return the forces of the cylinder on a deflecting block."""
     return [
         output_variable(
             "force_on_bore",
             "N",
-            "Of film and gas on the bore, outwards, at its own angles and heights",
+            "Outward force of film and gas on the bore, on its grid of angles and heights",
             10.0,
             tuple(grid),
         ),
-        output_variable("force_on_deck", "N", "Of gas on the deck along y", 1e3),
+        output_variable("force_on_deck", "N", "Force of the gas on the deck along y", 1e3),
     ]
 
 
 def space_outputs() -> list[Variable]:
-    """Motion of a piston out of the plane of the crank, and what holds it."""
+    """Return the motion of a piston out of the plane of the crank, and its supports."""
     return [
-        output_variable("pin_axis_displacement", "m", "Displacement of A along the pin, +z", 1e-5),
         output_variable(
-            "roll_angle", "rad", "Rotation of the piston about +x, held pin_tilt included", 1e-3
+            "pin_axis_displacement", "m", "Displacement of pin point A along the pin, +z", 1e-5
+        ),
+        output_variable(
+            "roll_angle",
+            "rad",
+            "Rotation of the piston about +x, including the constant pin_tilt",
+            1e-3,
         ),
         output_variable("yaw_angle", "rad", "Rotation of the piston about +y", 1e-3),
-        output_variable("pin_axis_velocity", "m/s", "Velocity of A along the pin", 1e-2),
-        output_variable("roll_velocity", "rad/s", "Angular velocity about +x", 1.0),
-        output_variable("yaw_velocity", "rad/s", "Angular velocity about +y", 1.0),
+        output_variable("pin_axis_velocity", "m/s", "Velocity of pin point A along the pin", 1e-2),
+        output_variable("roll_velocity", "rad/s", "Angular velocity of the piston about +x", 1.0),
+        output_variable("yaw_velocity", "rad/s", "Angular velocity of the piston about +y", 1.0),
         output_variable(
-            "pin_axis_side_force", "N", "Force of the piston on the bore through the film, +z", 1e2
+            "pin_axis_side_force",
+            "N",
+            "Force of the piston on the bore through the film along +z",
+            1e2,
         ),
-        output_variable("rod_force_z", "N", "Stop and damper of the rod on the pin, along z", 10.0),
-        output_variable("rod_moment_x", "N.m", "Of the rod's eye on the pin about +x", 1.0),
-        output_variable("rod_moment_y", "N.m", "Of the rod's eye on the pin about +y", 1.0),
+        output_variable(
+            "rod_force_z", "N", "Force of the rod on the pin along z, from stop and damper", 10.0
+        ),
+        output_variable("rod_moment_x", "N.m", "Moment of the small end on the pin about +x", 1.0),
+        output_variable("rod_moment_y", "N.m", "Moment of the small end on the pin about +y", 1.0),
     ]
 
 
 def parameters(*own: type) -> list[Variable]:
-    """What a user may set, as `Parameters` declares it, and `own` classes: `PinParameters` of a
-    floating pin and others.
-    """
+    """Return the parameters of `Parameters` and of further classes, e.g. `PinParameters`."""
     kinds = [Parameters, *own]
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     return [
@@ -495,7 +536,7 @@ def parameters(*own: type) -> list[Variable]:
 
 
 def properties(options: BuildOptions) -> list[Variable]:
-    """Properties of the built FMU, readable and never settable."""
+    """Return the constants of the built FMU."""
     sizes = []
     surfaces = [
         *((film, "skirt") for film in options.film_grids()),
@@ -505,13 +546,15 @@ def properties(options: BuildOptions) -> list[Variable]:
         around, along = film.shape
         sizes += [
             constant(
-                f"{film.prefix}n_circumferential", around, f"Film grid cells around the {what}"
+                f"{film.prefix}n_circumferential",
+                around,
+                f"Number of film grid cells around the {what}",
             ),
-            constant(f"{film.prefix}n_axial", along, f"Film grid cells along the {what}"),
+            constant(f"{film.prefix}n_axial", along, f"Number of film grid cells along the {what}"),
         ]
     return [
         *sizes,
-        constant("piston_modes", options.piston.modes, "Modes of the piston"),
-        constant("block_modes", options.block.modes, "Modes of the cylinder block"),
+        constant("piston_modes", options.piston.modes, "Number of modes of the piston"),
+        constant("block_modes", options.block.modes, "Number of modes of the cylinder block"),
         constant("contract_version", 2, "Version of the interface contract"),
     ]

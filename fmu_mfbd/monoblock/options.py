@@ -20,46 +20,50 @@ from ..options import (
 
 
 class BuildMonoblock(BaseModel):
-    """The whole table of the FMU. Mesh origin O on the crank axis, amid the cylinders, which stand
-    upright in line along z; surfaces bore_1 .., deck, bearing_1 .., mount_1 ...
+    """Build options of the block FMU.
+
+    The mesh origin O is on the crank axis, in the middle of the cylinders. The cylinders are
+    upright and in line along z. Surfaces: bore_1 .., deck, bearing_1 .., mount_1 ...
     """
 
     model_config = STRICT
     mesh: str
     """Mesh of 10-node tetrahedra (.msh, .inp, .cdb, also .xz, .gz) that names all surfaces."""
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """What a length of 1 in the mesh file means."""
+    """Length unit of the mesh file, e.g. "1 mm"."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """The file's directions that are thrust (x), towards the head (y) and along the crank (z)."""
+    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
+    along the crank.
+    """
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Where this project's origin lies in the file."""
+    """Position of the project's origin in the mesh file."""
     density: Annotated[Density, Field(ge=500, le=25000)]
-    """Of the material."""
+    """Density of the material."""
     young: Annotated[Pressure, Field(ge=1e8, le=1e18)]
-    """Young's modulus; far above a metal's for a block that does not bend."""
+    """Young's modulus. Use a value far above that of a metal for a rigid block."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)]
     """Poisson's ratio."""
     head_mass: Annotated[Mass, Field(ge=0)] = 0.0
-    """Of the head, spread over the deck without stiffness."""
+    """Mass of the head, distributed over the deck without stiffness."""
     crank_mass: Annotated[Mass, Field(ge=0)] = 0.0
-    """Of crankshaft and flywheel, spread over the main bearings without stiffness."""
+    """Mass of crankshaft and flywheel, distributed over the main bearings without stiffness."""
     cylinder_z: Annotated[list[Length], Field(min_length=1, max_length=16)]
-    """Place of each cylinder's axis along the crank, rising."""
+    """Positions of the cylinder axes along the crank, ascending."""
     bearings: Annotated[int, Field(ge=1, le=17)]
-    """Main bearings."""
+    """Number of main bearings."""
     mounts: Annotated[int, Field(ge=3, le=16)] = 4
-    """Mounts."""
+    """Number of mounts."""
     bore_lower: Length
-    """Lower end of the bores' fields above the crank axis."""
+    """Lower end of the bores' grids above the crank axis."""
     bore_upper: Length
-    """Upper end likewise."""
+    """Upper end of the bores' grids above the crank axis."""
     bore: BoreFromOutside = BoreFromOutside()
-    """Grid of each bore's fields, as block.bore_from_outside of the cylinders has it."""
+    """Grid of each bore, equal to block.bore_from_outside of the cylinders."""
     free_modes: Annotated[int, Field(ge=1, le=100)] = 10
-    """Lowest modes of the free block, kept as they are."""
+    """Number of lowest modes of the free block."""
     modes: Annotated[int, Field(ge=2, le=400)] = 100
-    """How many in all: besides those the answers to forces on deck, bearings and mounts, then to
-    the pressures on the bores to which they yield most.
+    """Total number of modes: free modes, static responses to forces on deck, bearings and mounts,
+    and most compliant pressures on the bores.
     """
 
     @field_validator("cylinder_z")

@@ -82,7 +82,7 @@ def couple(
     ...         return [
     ...             pc.variables.parameter("stiffness", "N/m", "Stiffness", 100.0, 0.0),
     ...             pc.variables.input_variable("length", "m", "Elongation", 0.0, 1.0),
-    ...             pc.variables.output_variable("force", "N", "Pulls back", 1.0),
+    ...             pc.variables.output_variable("force", "N", "Restoring force", 1.0),
     ...         ]
     ...     def start(self, values):
     ...         return self.advance(None, values, 0.0, 0.0)

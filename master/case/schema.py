@@ -38,11 +38,11 @@ def _file_name(text: str) -> str:
 
 
 FileName = Annotated[str, AfterValidator(_file_name)]
-"""Becomes the name of a file in the output folder, and of none elsewhere."""
+"""Name of a file in the output folder, without directories."""
 
 REDUCTIONS = ("min", "max", "mean", "last")
 TAKEN = ("coupling", "fields", "time")
-"""What results files hold beside the participants."""
+"""Groups of a results file that are no participants."""
 
 
 class Reduced(NamedTuple):
@@ -69,33 +69,34 @@ class Table(BaseModel):
 
 
 class Time(Table):
-    """Run time and macro step: times, or crank angles together with the input that holds the
+    """Run time and macro step, as times or crank angles. Crank angles need the input that holds the
     angular speed.
     """
 
     start: str | None = None
-    """Where the run begins: a time, or a crank angle; 0 without it."""
+    """Start of the run, as a time or a crank angle. Default: 0."""
     stop: str | None = None
-    """Where the run ends at the latest: a time, or a crank angle if `angular_speed` is given.
-    Default: `most_periods` periods with `until_periodic`; required without it.
+    """Latest end of the run, as a time or a crank angle. Required unless `until_periodic` is set.
+    Default with `until_periodic`: `most_periods` periods.
     """
     step: str
-    """Macro step, likewise; with a wire's `local_error` the longest one, and where the run must
-    come by.
+    """Macro step, as a time or a crank angle. If a wire sets `local_error`, it is the longest macro
+    step, and the run reaches every multiple of it.
     """
     smallest_step: str | None = None
-    """With a wire's `local_error`: no macro step is divided below this; step / 64 without it."""
+    """Smallest macro step if a wire sets `local_error`. Default: step / 64."""
     angular_speed: Port | None = None
-    """Input that holds the angular speed; with it start, stop and steps are crank angles."""
+    """Input that holds the angular speed, "participant.variable". If set, start, stop and steps are
+    crank angles.
+    """
     period: str | None = None
-    """Period of the machine, a time or a crank angle. Default in a case of crank angles: 720 deg
-    with gas pressure or a table over four strokes, 360 deg otherwise. Summary, checks and headlines
-    are of the last whole period.
+    """Period of the machine, as a time or a crank angle. Summary, checks and headlines refer to the
+    last whole period. Default with crank angles: 720 deg with gas pressure or a four-stroke table,
+    otherwise 360 deg.
     """
     until_periodic: float = Field(0.0, ge=0, lt=1)
-    """Tolerance: period after period is run until film, motion and oil at its end are this near to
-    those at its beginning, as a share of their range (Eq. (Y2), `runs/repetition.py`). Usual: 1e-3;
-    0: the run goes on to `stop`.
+    """Tolerance of periodicity, relative to the range of each quantity, see Eq. (Y2). The run ends
+    when film, motion and oil repeat within it. 0: run until `stop`. Typical value: 1e-3.
     """
     least_periods: int = Field(2, ge=2, le=1000)
     """Minimum number of periods with `until_periodic`."""
@@ -114,44 +115,51 @@ class Time(Table):
 
 
 class ParticipantTable(Table):
-    """A participant: an FMU by path, or what builds one with options, a package or a slave in one
-    file ("FILE.py:CLASS"); or a table, a CSV file of signals; and its parameters and input starts.
+    """Participant of a case, with its parameters and start values.
+
+    It is an FMU, a CSV table of signals, or a plugin. A package or a Python file with a model class
+    ("FILE.py:CLASS") builds an FMU.
     """
 
     package: str | None = None
-    """Part that builds its FMU from `build`: fmu_mfbd, fmu_ehd, or an installed package."""
+    """Package that builds the FMU from `build`: fmu_mfbd, fmu_ehd, or an installed package."""
     file: str | None = None
-    """FILE.py:CLASS, a slave in one file that an FMU is built of."""
+    """Python file and model class from which the FMU is built, "FILE.py:CLASS"."""
     fmu: str | None = None
-    """An FMU, relative to the case's folder."""
+    """Path of an FMU, relative to the case folder."""
     table: str | None = None
-    """A CSV file of signals in place of an FMU."""
+    """CSV file of signals that replaces an FMU."""
     plugin: str | None = None
-    """What another installed package makes by that name from `build` (participants/plugins.py)."""
+    """Participant type of another installed package, created from `build`
+    (participants/plugins.py).
+    """
     interpolation: Literal["hold", "linear", "cubic"] | None = None
-    """Of a table's columns between its rows; linear without it."""
+    """Interpolation between the rows of a table. Default: linear."""
     step: str | None = None
-    """The FMU takes steps of its own inside a macro step, equal ones no longer than this time."""
+    """Longest communication step of this FMU. Each macro step is divided into equal steps no longer
+    than this. Default: one step per macro step.
+    """
     event_mode: bool = True
-    """Use the Event Mode and the clocks that an FMI 3.0 FMU declares; false for one that rejects
+    """Use Event Mode and the clocks that an FMI 3.0 FMU declares. Set false for an FMU that rejects
     them.
     """
     build: dict[str, Any] = {}
-    """What is decided when the FMU is built."""
+    """Options that are fixed when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}
     """Parameters of the FMU and start values of its inputs."""
     role: str | None = None
-    """What it does by the contract (bodies, lubrication), so that another FMU can take its place.
+    """Role in the interface contract, bodies or lubrication. Another FMU of the same role can
+    replace the participant.
     """
     isolated: bool = False
-    """The FMU runs in a process of its own."""
+    """Run the FMU in a separate process."""
     host: str | None = Field(None, pattern="^tls://.+:[0-9]+$")
-    """Scheduler of a Dask cluster, tls://NAME:PORT: the FMU runs on one of its workers."""
+    """Scheduler of a Dask cluster, tls://NAME:PORT. The FMU runs on one of its workers."""
     timeout: str = "120 s"
-    """Of an isolated FMU or one on a host: longest time for any one answer."""
+    """Response timeout of an isolated or remote FMU."""
     clones: int = Field(0, ge=0, le=256)
-    """Of an isolated FMU: copies of it, in processes of their own, that take the difference probes
-    of Newton at the same time, one for each element of its inputs.
+    """Number of copies of an isolated FMU, each in a separate process. The copies evaluate Newton's
+    finite differences in parallel. Useful up to one copy per input element.
     """
 
     @model_validator(mode="after")
@@ -173,93 +181,93 @@ class ParticipantTable(Table):
 
 
 class WireTable(Table):
-    """A field that goes from an output to an input.
+    """Connection from an output to an input.
 
-    Of the three tolerances, one that is met is enough. Without any, the tolerance is 1e-6 nominal
-    values on a wire that runs against the stepping order. A wire along the order hands over what
-    has just been computed: it is not measured, unless one of the three is given; then by how far it
-    has moved since the iterate.
+    A wire converges if it meets any of its three tolerances. If none is given, a wire against the
+    stepping order has a tolerance of 1e-6 nominal values. A wire along the order converges
+    immediately. If a tolerance is given, its change since the last iterate is measured.
     """
 
     source: Port = Field(alias="from")
-    """Output it comes from, "participant.variable"."""
+    """Source output, "participant.variable"."""
     target: Port = Field(alias="to")
-    """Input it goes to, "participant.variable"."""
+    """Target input, "participant.variable"."""
     tolerance: str | float | None = None
-    """Largest difference between output and input in a converged step: text with the field's unit,
-    or a number that multiplies its nominal value.
+    """Largest difference between output and input in a converged step. It is a string with a unit,
+    or a multiple of the nominal value.
     """
     relative_tolerance: float = Field(0.0, ge=0, lt=1)
-    """Root mean square of the difference as a share of the field's; one tolerance that is met is
-    enough.
+    """Tolerance of the rms difference, relative to the rms of the field. A wire converges if it
+    meets any of its tolerances.
     """
     residual_relative_tolerance: float = Field(0.0, ge=0, lt=1)
-    """Root mean square of the difference as a share of what it was in the macro step's first
-    evaluation.
+    """Tolerance of the rms difference, relative to its value in the first evaluation of the macro
+    step.
     """
     largest_decrease: float | None = Field(None, gt=0, lt=1)
-    """No update of an iterate lowers the field's smallest element by more than this share of
-    itself.
+    """Largest relative decrease of the field's minimum in one update of an iterate. Default: no
+    limit.
     """
     local_error: str | float | None = None
-    """Local error allowed in a macro step, root mean square over the field; with it on any wire,
-    steps are as long as it allows.
+    """Allowed local error of a macro step, rms over the field. If any wire sets it, the step size
+    is adaptive.
     """
     interpolation: Literal["held", "mean", "linear", "hermite"] | None = None
-    """The input inside a macro step: held at its value at the end, held at the mean of both ends,
-    linear, or a cubic by the slopes that the source declares. Default: coupling.inputs.
+    """Input inside a macro step. `held` uses the end value and `mean` the mean of both ends.
+    `hermite` is a cubic with the slopes that the source declares. Default: coupling.inputs.
     """
     conjugate: Port | None = None
-    """Output whose product with the field is work or power; both sides' account of it is compared
-    at the end.
+    """Output whose product with this field is work or power. The run compares the work on both
+    sides of the wire.
     """
 
 
 class Coupling(Table):
-    """How a macro step is brought to its fixed point."""
+    """Iteration of a macro step to its fixed point."""
 
     method: str = "newton"
-    """newton (directional derivatives and GMRES), iqn_ils, iqn_imvj, iqn_ageing (secants), aitken,
-    constant, explicit (not iterated), or a method of another installed package. Loops among the
-    wires are iterated one by one; one with an FMU without saved states is not iterated.
+    """Coupling method: newton, iqn_ils, iqn_imvj, iqn_ageing, aitken, constant, explicit, or a
+    method of another installed package. `newton` uses directional derivatives and GMRES, the iqn
+    methods use secants, and `explicit` does not iterate. Each loop of wires is iterated separately.
+    A loop is not iterated if one of its FMUs cannot save its state.
     """
     step_control: str | None = None
     """Step control of another installed package (participants/plugins.py)."""
     options: dict[str, Any] = {}
-    """What a method or step control of another package reads."""
+    """Options of a method or step control of another package."""
     order: list[str]
-    """Order in which the participants step, each once; wires that run against it are the unknowns.
-    """
+    """Stepping order, each participant once. Wires against this order are the unknowns."""
     parallel: bool = False
-    """Jacobi's order in place of Gauss-Seidel's: all wires are unknowns."""
+    """Use Jacobi instead of Gauss-Seidel iteration. All wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
-    """Order of the extrapolation that begins a macro step, 0 for the last values. Default of
-    explicit: 0, a plain exchange.
+    """Order of the extrapolation that starts a macro step. 0 repeats the last values. Default with
+    `explicit`: 0.
     """
     inputs: Literal["held", "mean", "linear"] = "held"
-    """Inputs of real numbers inside a macro step, for wires without an interpolation. `mean` gives
-    second order with every FMU, `linear` with FMUs that declare canInterpolateInputs.
+    """Real inputs inside a macro step, for wires without `interpolation`. `mean` is second-order
+    with every FMU. `linear` is second-order with FMUs that declare canInterpolateInputs.
     """
     max_iterations: int = Field(20, ge=1)
-    """Iterations of a macro step before it is halved."""
+    """Maximum number of iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
-    """Factor of constant relaxation, first factor of the others."""
+    """Factor of constant relaxation, and first factor of the other methods."""
     mixing: float = Field(1.0, gt=0, le=1)
-    """Share taken of what the secants leave unexplained."""
+    """Relaxation factor for the part of the residual that the secants do not represent."""
     probing: bool = False
-    """A macro step without secants, or led astray by them, is taken by Newton on differences."""
+    """Use Newton with finite differences in a macro step without secants, or if the secants fail.
+    """
     windows: int = Field(3, ge=0)
-    """Of how many macro steps iqn_ils and iqn_imvj use the secants."""
+    """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
     filter: Literal["QR1", "QR2", "QR3"] = "QR2"
-    """How iqn_ils drops secants."""
+    """Filter that drops secants of iqn_ils."""
     filter_limit: float = Field(1e-2, gt=0, lt=1)
-    """Below which share of itself a secant is dropped."""
+    """Relative size below which the filter drops a secant."""
     largest_krylov_space: int = Field(120, ge=1)
-    """Products per Newton update at most."""
+    """Maximum number of derivative products per Newton update."""
     differences: bool = False
-    """Products by differences of evaluations, not by the participants' derivatives."""
+    """Use finite differences instead of the participants' directional derivatives."""
     halvings: int = Field(6, ge=0)
-    """How often a macro step that fails may be halved."""
+    """Maximum number of halvings of a macro step that fails."""
 
     @model_validator(mode="before")
     @classmethod
@@ -279,27 +287,26 @@ class Coupling(Table):
 
 
 class Record(Table):
-    """What goes into the results file: all scalar outputs every macro step, `fields` every so
-    many.
+    """Content of the results file: all scalar outputs at every macro step, and `fields` at
+    intervals.
     """
 
     fields: list[Port] = []
-    """Fields recorded, "participant.variable"; scalar outputs are recorded every macro step without
-    being named.
+    """Recorded fields, "participant.variable". All scalar outputs are recorded automatically at
+    every macro step.
     """
     every: int | str = 1
-    """From one record of the fields to the next: a number of macro steps, halves included, or a
-    time or crank angle ("4 deg"). Of the latter each multiple is recorded by the first macro step
-    that reaches it, hit exactly where it is a multiple of `time.step`, however steps are divided.
+    """Interval between records of the fields: a number of macro steps, a time, or a crank angle
+    such as "4 deg". A number counts halved steps as well. With a time or angle, each multiple is
+    recorded at the first macro step that reaches it. Multiples of `time.step` are reached exactly.
     """
     periods: int | None = Field(None, ge=1)
-    """Number of last periods that results, pictures and report show; the file holds all. Default: 1
-    with `time.until_periodic`, otherwise the whole run.
+    """Number of last periods that results, pictures and report show. The file holds all periods.
+    Default: 1 with `time.until_periodic`, otherwise the whole run.
     """
     checkpoint_every: int | None = Field(None, ge=0)
-    """Macro steps from one checkpoint to the next; 0: none but at SIGINT and SIGTERM; without it
-    every 50 once a run takes longer than 5 s, and no more often than is worth a fiftieth of the
-    time.
+    """Number of macro steps between checkpoints. 0: only at SIGINT and SIGTERM. Default: 50 after
+    the first 5 s, but at most 2 % of the run time.
     """
 
     @field_validator("every")
@@ -314,35 +321,37 @@ class Record(Table):
 
 
 class Picture(Table):
-    """One picture. lines: `y` over `x`, panels one below the other; map: `fields` at a time, a
-    panel each; section: `fields` at a time along their first index, within `angles` (its whole
-    length is 360 deg), at the share `height` of their second.
+    """Picture of a run.
+
+    `lines` plots `y` over `x`, one panel per entry. `map` shows `fields` at one instant, one panel
+    each. `section` shows `fields` at one instant along their first index, within `angles` and at
+    `height`.
     """
 
     file: FileName
-    """PNG file in the output folder."""
+    """Name of the PNG file in the output folder."""
     title: str
-    """Written above it."""
+    """Title above the picture."""
     kind: Literal["lines", "map", "section"]
-    """lines: `y` over `x`, panels one below the other; map: `fields` at a time; section: `fields`
-    at a time along their first index.
+    """`lines` plots `y` over `x`. `map` shows `fields` at one instant. `section` shows them along
+    their first index.
     """
     x: Port | Literal["time"] | None = None
-    """Of lines: output that they are drawn over, or "time"."""
+    """Horizontal axis of `lines`: an output or "time"."""
     y: list[list[Port]] = []
-    """Of lines: a list of outputs for each panel."""
+    """Outputs of `lines`, one list per panel."""
     fields: list[Port] = []
-    """Of maps and sections: fields, a panel each."""
+    """Fields of `map` and `section`, one panel each."""
     time: str | None = None
-    """Of maps and sections: the recorded instant nearest to this time, to this crank angle, or to
-    where a scalar output is smallest or largest ("max bodies.side_force").
+    """Instant of `map` and `section`: a time, a crank angle, or the extreme of a scalar output such
+    as "max bodies.side_force". The nearest recorded instant is shown.
     """
     angles: tuple[str, str] = ("0 deg", "360 deg")
-    """Of sections: from where to where around; a whole turn is 360 deg."""
+    """Range of `section` around the circumference. A full revolution is 360 deg."""
     height: float = Field(0.5, ge=0, le=1)
-    """Of sections: at which share of the second index."""
+    """Position of `section` along the second index, as a fraction of its length."""
     units: dict[str, str] = {}
-    """Units shown, by "participant.variable"."""
+    """Displayed units by "participant.variable"."""
 
     @field_validator("time")
     @classmethod
@@ -383,26 +392,26 @@ class Picture(Table):
 
 
 class Axis(Table):
-    """What one index of a field runs along, from the beginning of the first cell to the end of the
-    last.
+    """Axis of one index of a field, from the start of the first cell to the end of the last.
 
-    range : of the positions, in `unit`. centred : a position inside it at which a cell has its
-    centre; the range moves by half a cell or less, and the axis is one that closes on itself.
-    marks : word -> position, written beside the axis.
+    range : positions in `unit`. centred : position of a cell centre on a closed axis. The range
+    then shifts by at most half a cell. marks : label -> position.
     """
 
     label: str
-    """Words for what the index runs along."""
+    """Label of the axis."""
     unit: str = ""
-    """Of the positions."""
+    """Unit of the positions."""
     range: tuple[float, float] = (0.0, 1.0)
-    """Positions where the first cell begins and the last one ends."""
+    """Positions of the start of the first cell and of the end of the last."""
     centred: float | None = None
-    """A position at which a cell has its centre, on an axis that closes on itself."""
+    """Position of a cell centre on a closed axis."""
     length: Port | None = None
-    """Parameter that holds a length; `range` is then in shares of it, and shown in `unit`."""
+    """Parameter that holds a length. If set, `range` is relative to this length and shown in
+    `unit`.
+    """
     marks: dict[str, float] = {}
-    """Words written beside the axis, with their positions."""
+    """Labels at positions along the axis."""
 
     @property
     def title(self) -> str:
@@ -431,66 +440,63 @@ class Axis(Table):
 
 
 class Axes(Table):
-    """What the two indices of the fields of some participants run along: words for axes, shown and
-    nowhere computed with.
-    """
+    """Axes of the fields of some participants. They are labels that no computation uses."""
 
     participants: list[str] = Field(min_length=1)
-    """Whose fields have these axes: "PARTICIPANT", or "PARTICIPANT.SURFACE" of one that has several
-    film surfaces.
+    """Participants whose fields have these axes: "PARTICIPANT", or "PARTICIPANT.SURFACE" for one of
+    several film surfaces.
     """
     first: Axis = Axis(label="first index / its number")
-    """What the first index runs along."""
+    """Axis of the first index."""
     second: Axis = Axis(label="second index / its number")
-    """What the second index runs along."""
+    """Axis of the second index."""
 
 
 NEUTRAL = Axes(participants=[""])
-"""Of a field that the case says nothing about."""
+"""Axes of a field that the case does not describe."""
 
 
 class Loop(Table):
-    """A closed curve and the work in it: the sum of `y` over `x` during the last `period`, in
-    `unit`.
+    """Closed curve and its work: the integral of the sum of `y` over `x` during the last `period`,
+    in `unit`.
     """
 
     y: list[Port]
     """Outputs whose sum is integrated."""
     x: Port
-    """Output it is integrated over."""
+    """Output over which the sum is integrated."""
     period: str
-    """Last so much of the run: a time, or a crank angle."""
+    """Length of the curve before the end of the run, as a time or a crank angle."""
     unit: str = "J"
-    """Of the result."""
+    """Unit of the work."""
 
 
 class ReportTable(Table):
-    """What a report shows beyond pictures and fields: loops by their name."""
+    """Content of a report in addition to pictures and fields: loops by name."""
 
     loops: dict[str, Loop] = {}
-    """Closed curves whose work is told, by name."""
+    """Closed curves whose work is reported, by name."""
 
 
 class Study(Table):
-    """Runs of the case that differ in `points` (label -> {dotted key: value}), held against the one
-    labelled `reference`.
+    """Runs of the case that differ in `points`, compared with the run labelled `reference`.
 
-    `set` changes the case in all of them; `curves` over `x`, if any, are scored against the
-    reference's.
+    `set` changes the case in all runs. `curves` over `x`, if any, are scored against those of the
+    reference.
     """
 
     title: str
-    """Written above table and picture."""
+    """Title above table and picture."""
     set: dict[str, Any] = {}
     """Changes of the case in all runs, {dotted key: value}."""
     points: dict[FileName, dict[str, Any]]
-    """Runs: label -> {dotted key: value}."""
+    """Runs of the study: label -> {dotted key: value}."""
     reference: str
-    """Label of the run that the others are held against."""
+    """Label of the run with which the others are compared."""
     x: Port | None = None
-    """Output that curves are drawn and scored over."""
+    """Output over which curves are plotted and scored."""
     curves: list[Port] = []
-    """Outputs scored against the reference's."""
+    """Outputs that are scored against those of the reference."""
 
     @model_validator(mode="after")
     def consistent(self):
@@ -504,48 +510,50 @@ class Study(Table):
 
 
 class Case(Table):
-    """A whole case file."""
+    """Case file."""
 
     title: str
-    """One line about the case."""
+    """Title of the case, one line."""
     label: FileName = "base"
-    """Name of the case itself among its variants."""
+    """Label of the case among its variants."""
     time: Time
     """Run time and macro step."""
     participants: dict[str, ParticipantTable]
-    """What takes part, by name, in the order in which it starts; a film waits for what gives it its
-    film_thickness.
+    """Participants by name, in the order in which they start. A lubrication FMU starts after the
+    participant that provides its film_thickness.
     """
     wires: list[WireTable]
-    """What goes from outputs to inputs."""
+    """Connections from outputs to inputs."""
     coupling: Coupling
     """Method, order and limits of the iterations of a macro step."""
     native: bool | list[str] | None = None
-    """Participants of packages run as machine code: all of them, none, or those named; without it
-    those whose library a release has brought and that it covers.
+    """Run participants of packages as machine code: true for all, false for none, or a list of
+    names. Default: all participants that have a prebuilt library.
     """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
-    """What goes into the results file."""
+    """Content of the results file."""
     summary: dict[str, str] = {}
-    """Name -> "min|max|mean|last participant.variable", what the last screen says."""
+    """Entries of the summary after a run: name -> "min|max|mean|last participant.variable"."""
     monitor: dict[str, str] = {}
-    """Likewise, shown while running."""
+    """Values shown during a run: name -> "min|max|mean|last participant.variable"."""
     pictures: list[Picture] = []
-    """Pictures drawn at the end."""
+    """Pictures drawn at the end of a run."""
     axes: list[Axes] = []
-    """What the indices of fields run along: words, nowhere computed with."""
+    """Axes of the fields. They are labels that no computation uses."""
     window: dict[str, tuple[str, str]] = {}
-    """"min|max|mean|last participant.variable" -> [low, high], where the value is expected."""
+    """Expected range of a value: "min|max|mean|last participant.variable" -> [low, high]."""
     report: ReportTable = ReportTable()
-    """What a report shows beyond pictures and fields."""
+    """Content of a report in addition to pictures and fields."""
     studies: dict[FileName, Study] = {}
-    """Runs that are held against one of them, by the study's name."""
+    """Studies by name. Each compares several runs with a reference run."""
     observers: dict[str, dict[str, Any]] = {}
-    """Observers of other installed packages, name -> options."""
+    """Observers of other installed packages: name -> options."""
     variants: dict[FileName, dict[str, Any]] = {}
-    """Name -> {dotted key: value}, changes that make a further run, on demand (--only)."""
+    """Variants of the case: name -> {dotted key: value}. A variant runs with `--only`, or if
+    `beside` lists it.
+    """
     beside: list[FileName] = []
-    """Variants that run beside the case without being asked for."""
+    """Variants that run together with the case."""
 
     @field_validator("summary", "monitor")
     @classmethod

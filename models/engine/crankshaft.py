@@ -22,12 +22,12 @@ class Crankshaft(FieldSlave):
     def variables(options):
         return [
             input_variable(
-                "crank_torque", "N.m", "T, torque that drives the crank at its present speed"
+                "crank_torque", "N.m", "Torque T that drives the crank at its current speed"
             ),
-            input_variable("load_torque", "N.m", "L"),
-            parameter("inertia", "kg.m2", "J", 0.01, 1e-6, 1e6),
+            input_variable("load_torque", "N.m", "Load torque L"),
+            parameter("inertia", "kg.m2", "Moment of inertia J", 0.01, 1e-6, 1e6),
             parameter("start_speed", "rad/s", "Speed at the start", 628.3185307179587),
-            output_variable("crank_speed", "rad/s", "w", 100.0),
+            output_variable("crank_speed", "rad/s", "Crank speed w", 100.0),
         ]
 
     def start(self, values):

@@ -35,11 +35,11 @@ class GasPressure(FieldSlave):
     @staticmethod
     def variables(options):
         return [
-            input_variable("crank_angle", "rad", "0 = firing top dead centre"),
+            input_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre"),
             parameter("crank_radius", "m", "Crank radius", 24.75e-3, 1e-3, 1.0),
             parameter("rod_length", "m", "Rod length", 0.1, 1e-2, 5.0),
             parameter("compression_ratio", "1", "Compression ratio", 9.0, 2.0, 25.0),
-            parameter("pressure_rise", "1", "R, 0 = motored", 2.5, 0.0, 10.0),
+            parameter("pressure_rise", "1", "Pressure rise R; 0: motored", 2.5, 0.0, 10.0),
             output_variable("gas_pressure", "Pa", "Gauge pressure on the crown", 1e6),
         ]
 

@@ -23,18 +23,18 @@ class AxialFilm(FieldSlave):
         grid = tuple(options["grid"])
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
-            constant("n_axial", grid[1], "Cells along it"),
+            constant("n_axial", grid[1], "Cells along the skirt"),
             constant("contract_version", 2, "Version of the lubrication contract"),
             parameter("viscosity", "Pa.s", "Viscosity of the oil", 0.012, 1e-5, 1e3),
             parameter("bore_radius", "m", "Radius of the bore", 28.25e-3, 1e-3, 1.0),
             parameter("skirt_length", "m", "Length of the skirt", 27e-3, 1e-3, 2.0),
-            input_variable("film_thickness", "m", "Bore minus skirt", 2e-5, 1e-5, grid),
-            input_variable("sliding_velocity", "m/s", "Skirt minus bore", 0.0, 1.0, grid),
-            output_variable("nodal_pressure_force", "N", "Pressure x cell area", 1.0, grid),
+            input_variable("film_thickness", "m", "Film thickness", 2e-5, 1e-5, grid),
+            input_variable("sliding_velocity", "m/s", "Velocity of the skirt", 0.0, 1.0, grid),
+            output_variable("nodal_pressure_force", "N", "Pressure times cell area", 1.0, grid),
             output_variable("nodal_friction_force", "N", "Axial force on the skirt", 0.1, grid),
             output_variable("pressure", "Pa", "Pressure, gauge", 1e6, grid),
-            output_variable("minimum_film_thickness", "m", "Thinnest film", 1e-5),
-            output_variable("maximum_pressure", "Pa", "Highest pressure, gauge", 1e6),
+            output_variable("minimum_film_thickness", "m", "Minimum film thickness", 1e-5),
+            output_variable("maximum_pressure", "Pa", "Maximum pressure, gauge", 1e6),
         ]
 
     def start(self, values):

@@ -33,7 +33,7 @@ class DryContact(FieldSlave):
         grid = tuple(options["grid"])
         return [
             constant("n_circumferential", grid[0], "Cells around the skirt"),
-            constant("n_axial", grid[1], "Cells along it"),
+            constant("n_axial", grid[1], "Cells along the skirt"),
             constant("contract_version", 2, "Version of the lubrication contract"),
             parameter("stiffness", "Pa/m", "Contact pressure per overlap", 1e12, 1e6, 1e16),
             parameter("damping_time", "s", "c / k", 1e-4, 0.0, 1.0),
@@ -42,13 +42,13 @@ class DryContact(FieldSlave):
             parameter("rounding_velocity", "m/s", "U0", 0.01, 1e-6, 10.0),
             parameter("bore_radius", "m", "Radius of the bore", 28.25e-3, 1e-3, 1.0),
             parameter("skirt_length", "m", "Length of the skirt", 27e-3, 1e-3, 2.0),
-            input_variable("film_thickness", "m", "Gap, bore minus skirt", 2e-5, 1e-5, grid),
-            input_variable("sliding_velocity", "m/s", "Skirt minus bore", 0.0, 1.0, grid),
+            input_variable("film_thickness", "m", "Film thickness", 2e-5, 1e-5, grid),
+            input_variable("sliding_velocity", "m/s", "Velocity of the skirt", 0.0, 1.0, grid),
             output_variable("nodal_pressure_force", "N", "Contact force", 1.0, grid),
-            output_variable("nodal_friction_force", "N", "Axial friction on the skirt", 0.1, grid),
+            output_variable("nodal_friction_force", "N", "Friction force on the skirt", 0.1, grid),
             output_variable("asperity_pressure", "Pa", "Contact pressure", 1e6, grid),
-            output_variable("minimum_film_thickness", "m", "Smallest gap", 1e-5),
-            output_variable("friction_power", "W", "Power that sliding costs", 100.0),
+            output_variable("minimum_film_thickness", "m", "Minimum film thickness", 1e-5),
+            output_variable("friction_power", "W", "Friction power", 100.0),
         ]
 
     def start(self, values):

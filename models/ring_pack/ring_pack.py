@@ -36,25 +36,27 @@ class RingPack(FieldSlave):
     @staticmethod
     def variables(options):
         return [
-            input_variable("cylinder_pressure", "Pa", "p, gauge", 0.0, 1e6),
-            input_variable("piston_velocity", "m/s", "V, towards the head", 0.0, 10.0),
-            input_variable("lateral_velocity", "m/s", "x_A', towards the thrust side", 0.0, 1e-2),
-            input_variable("rocking_velocity", "rad/s", "w, about the pin axis", 0.0, 1.0),
-            parameter("bore", "m", "D", 73e-3, 1e-3, 2.0),
-            parameter("height", "m", "Of the pack above the pin axis", 25e-3, -1.0, 1.0),
-            parameter("elastic_load", "N/m", "Of all rings by their tension", 1000.0, 0.0, 1e6),
-            parameter("gas_width", "m", "Width of the faces that gas presses on", 1.5e-3, 0.0, 0.1),
-            parameter("gas_depth", "m", "Depth of the flanks gas presses on", 3e-3, 0.0, 0.1),
-            parameter("viscosity", "Pa.s", "eta, of the oil", 0.01, 1e-5, 10.0),
-            parameter("boundary_friction", "1", "mu_b", 0.1, 0.0, 1.0),
-            parameter("groove_friction", "1", "mu_g", 0.1, 0.0, 1.0),
-            parameter("mixed_velocity", "m/s", "V_s, boundary friction fades", 0.5, 1e-3, 50.0),
-            parameter("creep_velocity", "m/s", "V_0, along the bore", 0.1, 1e-6, 10.0),
-            parameter("groove_creep_velocity", "m/s", "v_0, across the bore", 2e-3, 1e-6, 1.0),
-            output_variable("side_force", "N", "F_x on the piston", 1e2),
-            output_variable("axial_force", "N", "F_y on the piston", 1e2),
-            output_variable("moment", "N.m", "M on the piston about A", 1.0),
-            output_variable("friction_power", "W", "-F_y V - F_x v", 1e2),
+            input_variable("cylinder_pressure", "Pa", "Gauge pressure p", 0.0, 1e6),
+            input_variable("piston_velocity", "m/s", "Velocity V towards the head", 0.0, 10.0),
+            input_variable("lateral_velocity", "m/s", "Lateral velocity of A", 0.0, 1e-2),
+            input_variable("rocking_velocity", "rad/s", "Angular velocity of the piston", 0.0, 1.0),
+            parameter("bore", "m", "Bore diameter D", 73e-3, 1e-3, 2.0),
+            parameter("height", "m", "Height above the pin axis", 25e-3, -1.0, 1.0),
+            parameter("elastic_load", "N/m", "Load of all ring tensions", 1000.0, 0.0, 1e6),
+            parameter("gas_width", "m", "Width of the gas-loaded faces", 1.5e-3, 0.0, 0.1),
+            parameter("gas_depth", "m", "Depth of the gas-loaded flanks", 3e-3, 0.0, 0.1),
+            parameter("viscosity", "Pa.s", "Dynamic viscosity eta of the oil", 0.01, 1e-5, 10.0),
+            parameter("boundary_friction", "1", "Friction coefficient mu_b", 0.1, 0.0, 1.0),
+            parameter("groove_friction", "1", "Friction coefficient mu_g", 0.1, 0.0, 1.0),
+            parameter("mixed_velocity", "m/s", "Boundary friction velocity V_s", 0.5, 1e-3, 50.0),
+            parameter("creep_velocity", "m/s", "Axial creep velocity V_0", 0.1, 1e-6, 10.0),
+            parameter(
+                "groove_creep_velocity", "m/s", "Lateral creep velocity v_0", 2e-3, 1e-6, 1.0
+            ),
+            output_variable("side_force", "N", "Side force F_x on the piston", 1e2),
+            output_variable("axial_force", "N", "Axial force F_y on the piston", 1e2),
+            output_variable("moment", "N.m", "Moment M on the piston about A", 1.0),
+            output_variable("friction_power", "W", "Friction power -F_y V - F_x v", 1e2),
         ]
 
     def start(self, values):

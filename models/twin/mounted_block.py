@@ -100,29 +100,29 @@ class MountedBlock(FieldSlave):
         units = {"force_x": "N", "force_y": "N", "moment": "N.m"}
         answers = dict(zip(MOTIONS, ("m/s2", "m/s2", "rad/s2", "rad/s")))
         whole = [
-            ("displacement", "m", "rotation", "rad", "Of the block, at O", 1e-5),
-            ("velocity", "m/s", "rotation_velocity", "rad/s", "Of the block, at O", 1e-3),
-            ("shaking_force", "N", "shaking_moment", "N.m", "Of all cylinders, about O", 1e3),
-            ("mount_force", "N", "mount_moment", "N.m", "Of the block on its mounts", 1e2),
+            ("displacement", "m", "rotation", "rad", "of the block at O", 1e-5),
+            ("velocity", "m/s", "rotation_velocity", "rad/s", "of the block at O", 1e-3),
+            ("shaking_force", "N", "shaking_moment", "N.m", "of all cylinders about O", 1e3),
+            ("mount_force", "N", "mount_moment", "N.m", "of the block on its mounts", 1e2),
         ]
         return [
             *(
                 input_variable(
-                    f"cylinder_{k}.{name}", unit, "Of the cylinder on the block", 0.0, 1e3
+                    f"cylinder_{k}.{name}", unit, f"{words(name)} on the block", 0.0, 1e3
                 )
                 for k in range(1, cylinders + 1)
                 for name, unit in units.items()
             ),
-            parameter(
-                "mass", "kg", "Block, head, crank, all that does not move in it", 60.0, 0.1, 1e5
-            ),
+            parameter("mass", "kg", "Mass of block, head, crank and fixed parts", 60.0, 0.1, 1e5),
             *(
-                parameter(f"inertia_{axis}", "kg.m2", "About its centre of mass", 2.0, 1e-4, 1e5)
+                parameter(f"inertia_{axis}", "kg.m2", "Moment of inertia", 2.0, 1e-4, 1e5)
                 for axis in AXES
             ),
-            *(parameter(f"centre_{axis}", "m", "Of mass, from O", 0.0, -5.0, 5.0) for axis in AXES),
+            *(parameter(f"centre_{axis}", "m", "Centre of mass", 0.0, -5.0, 5.0) for axis in AXES),
             *(
-                Variable(f"mount_{axis}", "m", "parameter", "From O", 0.0, None, -5.0, 5.0, mounts)
+                Variable(
+                    f"mount_{axis}", "m", "parameter", "Position", 0.0, None, -5.0, 5.0, mounts
+                )
                 for axis in AXES
             ),
             *(
@@ -130,7 +130,7 @@ class MountedBlock(FieldSlave):
                     f"stiffness_{axis}",
                     "N/m",
                     "parameter",
-                    "Of each mount",
+                    "Stiffness of each mount",
                     0.0,
                     None,
                     0.0,
@@ -140,14 +140,14 @@ class MountedBlock(FieldSlave):
                 for axis in AXES
             ),
             parameter(
-                "damping_time", "s", "tau: damping of the mounts by stiffness", 0.0, 0.0, 1.0
+                "damping_time", "s", "tau: damping of the mounts / their stiffness", 0.0, 0.0, 1.0
             ),
-            Variable("cylinder_z", "m", "parameter", "Along the crank", 0.0, None, -5.0, 5.0, some),
+            Variable("cylinder_z", "m", "parameter", "Position", 0.0, None, -5.0, 5.0, some),
             Variable(
                 "bank_angle",
                 "rad",
                 "parameter",
-                "Of each cylinder about z",
+                "Bank angle of each cylinder about z",
                 0.0,
                 None,
                 -7.0,
@@ -156,23 +156,23 @@ class MountedBlock(FieldSlave):
             ),
             *(
                 output_variable(
-                    f"cylinder_{k}.{name}", unit, "Of the block at the cylinder", nominal
+                    f"cylinder_{k}.{name}", unit, f"{words(name)} of the block", nominal
                 )
                 for k in range(1, cylinders + 1)
                 for (name, unit), nominal in zip(answers.items(), (1.0, 1.0, 10.0, 0.1))
             ),
             *(
-                output_variable(f"{name}_{axis}", unit, what, nominal)
+                output_variable(f"{name}_{axis}", unit, f"{words(name)} {what}", nominal)
                 for first, unit_1, second, unit_2, what, nominal in whole
                 for name, unit in ((first, unit_1), (second, unit_2))
                 for axis in AXES
             ),
-            output_variable("kinetic_energy", "J", "Of the block", 1e-3),
-            output_variable("mount_power", "W", "What the mounts turn into heat", 1.0),
+            output_variable("kinetic_energy", "J", "Kinetic energy of the block", 1e-3),
+            output_variable("mount_power", "W", "Power dissipated by the mounts", 1.0),
             output_variable(
                 "energy_error",
                 "J",
-                "Work of all forces over the step minus what became of it",
+                "Work of all forces over the step minus stored and dissipated energy",
                 1e-3,
             ),
             constant("cylinders", cylinders, "Cylinders"),
@@ -257,6 +257,11 @@ class MountedBlock(FieldSlave):
 def cylinders_of(options):
     """Number of cylinders that the build options say."""
     return int(options.get("cylinders", CYLINDERS))
+
+
+def words(name):
+    """Return a variable's name as words."""
+    return name.replace("_", " ").capitalize()
 
 
 def ports(cylinders, names):
