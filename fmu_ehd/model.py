@@ -27,7 +27,7 @@ BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 OF_BEARINGS = ("nodal_circumferential_force", "friction_torque")  # outputs
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """All that a step needs from the past; arrays of shape (n_c, n_a).
 
@@ -77,6 +77,9 @@ class State:
     def of(cls, memory: Memory) -> "State":
         """What a step has left behind."""
         return cls(*memory.film, memory.layer, *memory.totals)
+
+    def __repr__(self) -> str:
+        return f"<State of a film: {self.content.shape[0]} x {self.content.shape[1]} cells>"
 
     @property
     def memory(self) -> Memory:

@@ -11,6 +11,7 @@ from ..case import changes as changes_of
 from ..case import schema
 from ..case.system import open_system
 from ..fmi.errors import BadInput
+from ..fmi.notebook import html_table
 from ..participants.participant import Participant
 from ..results.file import Results
 from ..runs.run import run as run_system
@@ -166,6 +167,17 @@ class Case:
 
     def __repr__(self) -> str:
         return f"<Case {self.name}, {self.label}: {self.title}>"
+
+    def _repr_html_(self) -> str:
+        time = self.tree["time"]
+        rows = {
+            "variants": ", ".join(self.variants),
+            "participants": ", ".join(self.tree["participants"]),
+            "time": ", ".join(f"{key} {value}" for key, value in time.items()),
+            "method": self.tree.get("coupling", {}).get("method", "newton"),
+            "file": self.path,
+        }
+        return html_table(f"Case {self.name}, {self.label}: {self.title}", rows)
 
 
 def _telling(progress, begin):

@@ -24,6 +24,7 @@ from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from ..fmi.fields import VENDOR, gather_fields
+from ..fmi.notebook import html_table
 from .derivatives import difference
 from .exits import guard_exit
 from .kept import keep_description, kept_description
@@ -96,6 +97,19 @@ class FmuParticipant:
         self._begun = False
         self._broken = False
         self.ended = ""
+
+    def __repr__(self):
+        return f"<FMU {self.path.name}, FMI {self.description.fmiVersion}>"
+
+    def _repr_html_(self):
+        kinds = [field.causality for field in self.fields.values()]
+        rows = {
+            "model": self.description.modelName,
+            "made by": self.description.generationTool or "",
+            **{f"{kind}s": kinds.count(kind) for kind in ("input", "output", "parameter")},
+            "directional derivatives": "yes" if self.has_derivatives else "no",
+        }
+        return html_table(repr(self)[1:-1], rows)
 
     def _read_description(self):
         """Description and fields from the file; BadInput if it is no FMU for co-simulation."""

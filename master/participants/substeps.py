@@ -59,6 +59,9 @@ class Substeps(FieldByField):
     def __getattr__(self, name):
         return getattr(self.participant, name)
 
+    def __repr__(self):
+        return repr(self.participant)
+
     def another(self):
         """See `FmuParticipant.another`."""
         one = self.participant.another()

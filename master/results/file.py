@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from ..fmi.errors import BadInput
+from ..fmi.notebook import html_table
 
 if TYPE_CHECKING:
     import pandas
@@ -26,6 +27,12 @@ class Series(NamedTuple):
     unit: str
     description: str
 
+    def __repr__(self) -> str:
+        return f"<Series {self.description}: {_span(self.values, self.unit)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table("Series", {self.description: _span(self.values, self.unit)})
+
 
 class RecordedField(NamedTuple):
     """A field at the instant `time` [s], in its SI unit."""
@@ -34,6 +41,21 @@ class RecordedField(NamedTuple):
     time: float
     unit: str
     description: str
+
+    def __repr__(self) -> str:
+        return f"<RecordedField {self.description}: {_span(self.values, self.unit)}>"
+
+    def _repr_html_(self) -> str:
+        rows = {self.description: _span(self.values, self.unit), "time": f"{self.time:g} s"}
+        return html_table("RecordedField", rows)
+
+
+def _span(values: np.ndarray, unit: str) -> str:
+    """Return the shape and the range of values with their unit."""
+    if not values.size:
+        return "no values"
+    shape = " x ".join(map(str, values.shape))
+    return f"{shape} values from {values.min():.4g} to {values.max():.4g} {unit}".rstrip()
 
 
 class Later:
@@ -329,6 +351,17 @@ class Results:
 
     def __repr__(self) -> str:
         return f"<Results {self.path.name}: {self.title}, {len(self.time)} rows>"
+
+    def _repr_html_(self) -> str:
+        summary = self.summary
+        rows = {
+            "rows": len(self.time),
+            "time": f"{self.time[0]:g} s to {self.time[-1]:g} s",
+            "scalars": len(self.ports),
+            "fields": ", ".join(self.recorded) if "fields" in self.file else "",
+            "state": f"finished, {summary['steps']} steps" if summary else "not finished",
+        }
+        return html_table(f"Results {self.path.name}: {self.title}", rows)
 
     def close(self) -> None:
         """Close the file."""

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..case.schema import Case, Picture
 from ..fmi.errors import BadInput
+from ..fmi.notebook import html_table
 from .coordinates import crank_angle_port
 from .pictures import DRAWN
 
@@ -30,6 +31,13 @@ class Plots:
 
     def __init__(self, results: "Results", case: Case):
         self._results, self._case = results, case
+
+    def __repr__(self) -> str:
+        return f"<Plots of {self._results.path.name}: lines, map, section>"
+
+    def _repr_html_(self) -> str:
+        pictures = {p.file: p.title for p in self._case.pictures}
+        return html_table(repr(self)[1:-1], pictures)
 
     def __call__(self, beside: "dict[str, Results] | None" = None) -> "dict[str, Figure]":
         """Every picture that the case describes: its file's name -> figure."""

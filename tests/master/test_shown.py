@@ -1,0 +1,73 @@
+"""Public objects in consoles and notebooks: one short line, and a small HTML table."""
+
+import re
+
+import numpy as np
+import pytest
+
+import piston_cosim as pc
+from piston_cosim.fmu_mfbd.offline import BodyReport
+from piston_cosim.master.fmi.notebook import html_table
+
+LONGEST = 120
+PLACE = r"\bat 0x[0-9a-f]+"
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory):
+    """Kind -> object of all that a user holds."""
+    folder = tmp_path_factory.mktemp("shown")
+    case = pc.open_case("two_mass_oscillator", {"time.stop": "0.02 s"})
+    results = case.run(folder / "run.h5")
+    film = pc.Film((8, 4))
+    film.start(1e-5, sliding_velocity=1.0)
+    fmu = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
+    body = BodyReport("piston", [], 10, 5, 30, 0.1, np.zeros(3), np.eye(3), 1.0, 1, [])
+    yield {
+        "Case": case,
+        "Results": results,
+        "Plots": results.plot,
+        "Series": results.series("left.displacement"),
+        "Film": film,
+        "FMU": fmu,
+        "BodyReport": body,
+    }
+    fmu.close()
+    results.close()
+
+
+KINDS = ["Case", "Results", "Plots", "Series", "Film", "FMU", "BodyReport"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_repr_is_one_short_line_without_an_address(shown, kind):
+    text = repr(shown[kind])
+    assert text.startswith(f"<{kind} ") and len(text) <= LONGEST and "\n" not in text
+    assert not re.search(PLACE, text)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_notebook_shows_a_table(shown, kind):
+    page = shown[kind]._repr_html_()
+    assert page.count("<table>") == page.count("</table>") == 1
+    assert kind in page and page.count("<tr>") == page.count("</tr>")
+
+
+def test_tables_hold_what_was_asked_for(shown):
+    assert "hermite, linear, held" in shown["Case"]._repr_html_()
+    assert "finished, 2 steps" in shown["Results"]._repr_html_()
+    assert "0.01 Pa s (constant)" in shown["Film"]._repr_html_()
+    assert "8 x 4 cells" in repr(shown["Film"])
+    assert "3 values from" in repr(shown["Series"])
+    fields = shown["FMU"].fields.values()
+    inputs = sum(field.causality == "input" for field in fields)
+    assert re.search(rf">inputs</th><td[^>]*>{inputs}</td>", shown["FMU"]._repr_html_())
+
+
+def test_the_state_of_a_film_is_one_line(shown):
+    assert repr(shown["Film"].state) == "<State of a film: 8 x 4 cells>"
+
+
+def test_text_is_escaped():
+    assert html_table("<a>", {"b & c": "<script>"}).count("<script>") == 0
+    assert "&lt;script&gt;" in html_table("<a>", {"b & c": "<script>"})
