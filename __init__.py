@@ -11,6 +11,7 @@ Results     open_results, Results
 Parts       Film, reduce_bodies
 Own models  Slave, variables, couple
 FMUs        build_fmu, open_fmu
+Citation    cite
 Errors      BadInput, Discard, StepFailed
 
 Each is imported when it is first used. This folder is the installed package. Its rooms:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from .fmu_ehd.alone import Film
     from .master.api.bodies import reduce_bodies
     from .master.api.cases import Case, open_case, sweep
+    from .master.api.cite import cite
     from .master.api.coupled import couple
     from .master.api.fmus import build_fmu, open_fmu
     from .master.coupling.stepping import StepFailed
@@ -49,6 +51,7 @@ __all__ = [
     "Slave",
     "StepFailed",
     "build_fmu",
+    "cite",
     "couple",
     "open_case",
     "open_fmu",
@@ -67,6 +70,7 @@ _PLACES = {
     "Slave": "master.fmi.slave:FieldSlave",
     "StepFailed": "master.coupling.stepping",
     "build_fmu": "master.api.fmus",
+    "cite": "master.api.cite",
     "couple": "master.api.coupled",
     "open_case": "master.api.cases",
     "open_fmu": "master.api.fmus",

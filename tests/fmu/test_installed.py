@@ -30,6 +30,8 @@ def source(tmp_path_factory):
         "py.typed",
     ):
         shutil.copy(ROOT / name, copy)
+    (copy / "docs").mkdir()
+    shutil.copy(ROOT / "docs/references.md", copy / "docs")
     return copy
 
 
@@ -140,7 +142,8 @@ def test_a_wheel_says_whose_it_is(wheel):
     with zipfile.ZipFile(wheel) as archive:
         (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
         text = archive.read(name).decode()
-        assert not [n for n in archive.namelist() if "tests/" in n or "docs/" in n]
+        beside = [n for n in archive.namelist() if "tests/" in n or "docs/" in n]
+        assert beside == ["piston_cosim/docs/references.md"]  # `cite` reads it
     for line in (
         "Keywords: co-simulation",
         "Classifier: Typing :: Typed",
