@@ -33,7 +33,7 @@ CHOICES = {
 }
 """References of a choice whose name does not carry author and year."""
 
-LAW = re.compile(r"([a-z]+)(?:_[a-z]+)*_(\d{4})")
+LAW = re.compile(r"(?P<author>[a-z]+)(?:_[a-z]+)*_(?P<year>\d{4})")
 ROUGH = ("contact_law", "flow_factors")
 """Choices without effect between smooth surfaces."""
 
@@ -87,7 +87,7 @@ def keys_in_use(tree: dict[str, Any], path: Path) -> set[str]:
 def _of_choice(value: str) -> tuple[str, ...]:
     """Return the references of a choice, by its name or by author and year."""
     if match := LAW.fullmatch(value):
-        return (f"{match[1].capitalize()}{match[2]}",)
+        return (f"{match['author'].capitalize()}{match['year']}",)
     return CHOICES.get(value, ())
 
 
