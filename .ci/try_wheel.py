@@ -44,7 +44,7 @@ def main(wheel):
                 shutil.rmtree(path)
         output = folder / "engine.fmu"
         export = run(
-            folder, command, "export", "fmu", "numerical_example", "--native", "--output", output
+            folder, command, "fmu", "export", "numerical_example", "--native", "--output", output
         )
         print(f"main job: {job:.1f} s of processor time, with the reduction of the bodies")
         print(
