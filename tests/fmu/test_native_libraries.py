@@ -14,6 +14,7 @@ from piston_cosim.master.fmi.builder_native import (
     build_native_fmu,
     compiler_of,
     library_name,
+    newer_symbols,
 )
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -61,6 +62,39 @@ def test_a_library_of_other_sources_is_not_taken(brought, monkeypatch):
     monkeypatch.setattr(builder_native, "_sources", lambda package: b"edited since")
     with pytest.raises(BadInput, match="platform = win64: needs a C compiler"):
         build_native_fmu("fmu_ehd", GRID, Path("."), platforms=["win64"])
+
+
+@pytest.mark.parametrize(
+    "versions, newer",
+    [
+        (b"GLIBC_2.2.5 GLIBC_2.17", []),
+        (b"GLIBC_2.2.5\0GLIBC_2.35\0GLIBC_2.18", ["GLIBC_2.18", "GLIBC_2.35"]),
+    ],
+)
+def test_newer_symbols_are_named(versions, newer):
+    assert newer_symbols(b"\x7fELF\0" + versions + b"\0") == newer
+
+
+@pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
+def test_zig_links_where_it_is_installed(monkeypatch, platform):
+    monkeypatch.setattr(builder_native, "find_spec", lambda name: name)
+    monkeypatch.setattr(
+        builder_native.shutil, "which", lambda name: None if name == "zig" else name
+    )
+    command = compiler_of(platform)
+    assert command is not None and "ziglang" in command and command[-1].endswith("gnu.2.17")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
+def test_a_release_library_for_linux_needs_glibc_2_17(platform):
+    if "-target" not in (compiler_of(platform) or ()):
+        pytest.skip("needs zig (pip install ziglang)")
+    fmu = build_native_fmu("fmu_ehd", GRID, Path("."), platforms=[platform])
+    with zipfile.ZipFile(fmu) as archive:
+        folder = PLATFORMS[platform].folders["2.0"]
+        library = archive.read(f"binaries/{folder}/fmu_ehd.so")
+    assert b"GLIBC_2." in library and newer_symbols(library) == []
 
 
 @pytest.mark.slow

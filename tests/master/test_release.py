@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).parents[2]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
@@ -47,3 +48,20 @@ def test_an_entry_is_one_short_sentence():
 def test_the_kinds_of_change_are_those_of_keep_a_changelog():
     kinds = set(re.findall(r"(?m)^### (.+)$", CHANGELOG))
     assert kinds <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
+
+
+@pytest.mark.parametrize("name, script", [("ci", ".ci/run"), ("release", ".ci/release")])
+def test_a_workflow_calls_the_script_of_the_checkout(name, script):
+    workflow = yaml.safe_load((ROOT / f".github/workflows/{name}.yml").read_text())
+    (job,) = workflow["jobs"].values()
+    assert script in [step.get("run") for step in job["steps"]]
+    assert (ROOT / script).stat().st_mode & 0o100
+
+
+def test_conda_and_container_install_the_release_wheel():
+    recipe = yaml.safe_load((ROOT / "conda.recipe/recipe.yaml").read_text())
+    assert {"path": "../dist"} in recipe["source"]
+    assert "piston_cosim-${{ version }}-py3-none-any.whl" in recipe["build"]["script"]
+    image = (ROOT / "Containerfile").read_text()
+    assert "COPY dist/*.whl" in image and "gcc" not in image
+    assert "dist" not in (ROOT / ".dockerignore").read_text().split()
