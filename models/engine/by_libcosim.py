@@ -18,10 +18,11 @@ STEP = 25_000  # ns
 def components_only(ssp, folder):
     """Copy an SSP without connections to the system's own connectors, which libcosim rejects."""
     system_end = rb'<ssd:Connection (?![^>]*Element="[^>]*Element=")[^>]*/>'
-    with zipfile.ZipFile(ssp) as source, zipfile.ZipFile(Path(folder) / "engine.ssp", "w") as copy:
+    path = Path(folder) / "engine.ssp"
+    with zipfile.ZipFile(ssp) as source, zipfile.ZipFile(path, "w") as copy:
         for name in source.namelist():
             copy.writestr(name, re.sub(system_end, b"", source.read(name)))
-    return Path(copy.filename)
+    return path
 
 
 def simulate(ssp, steps):
