@@ -104,7 +104,7 @@ def trained_shapes(
 
     References
     ----------
-    Proper orthogonal decomposition of the deflections; measured in docs/decisions/0015.
+    Proper orthogonal decomposition of the deflections, see docs/measurements/trained_modes.md.
     """
     if not any(force.any() for force in film):
         raise ValueError("train_on: the film of that run does no force to the body")
