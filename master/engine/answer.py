@@ -1,4 +1,4 @@
-"""What a run answers, for the first screen and the report: its lines and its verdicts."""
+"""Main results and checks of a run, for the terminal and the report."""
 
 import re
 from dataclasses import dataclass
@@ -14,19 +14,21 @@ from .verdicts import RANK, WORDS, Verdict, verdicts
 
 @dataclass(frozen=True)
 class Answer:
-    """Lines that an engineer reads first, and every verdict."""
+    """Lines of the main results, and every check."""
 
     lines: list[Headline]
     verdicts: list[Verdict]
 
     def said(self, name: str) -> str:
-        """What the line of that name says, nothing without one."""
+        """Return the text of the line of that name, "" if there is none."""
         return next((line.said for line in self.lines if line.name == name), "")
 
 
 def answer(case, results) -> Answer:
-    """The answer of a finished run: of a piston on its film the lines of `headlines`, of any other
-    case the entries of its own summary; how far it went, and how many verdicts are good.
+    """Return the answer of a finished run.
+
+    The lines are those of `headlines` for a piston on its film, otherwise the summary entries of
+    the case. Run length and numbers of checks follow.
 
     Parameters
     ----------
@@ -36,15 +38,15 @@ def answer(case, results) -> Answer:
     lines = headlines(case, results) or _own_summary(case, results)
     judged = verdicts(case, results)
     if settled := _settled(results):
-        lines.append(Headline("settled", settled))
-    lines.append(Headline("computed", _computed(results.whole)))
+        lines.append(Headline("periodicity", settled))
+    lines.append(Headline("run", _computed(results.whole)))
     if judged:
         lines.append(Headline("checks", _counted(judged)))
     return Answer(lines, judged)
 
 
 def _own_summary(case, results):
-    """The case's summary entries."""
+    """Return the summary entries of the case."""
     summary = results.summary or {}
     return [
         _in_words(name, text, summary[name], results)
@@ -54,9 +56,7 @@ def _own_summary(case, results):
 
 
 def _in_words(name, text, value, results):
-    """An entry with its unit, which its name need not say then; a bare number where it is not that
-    of an output.
-    """
+    """Return an entry with its unit, removed from its name. An entry of no output has no unit."""
     port = reduced(text).port
     if port not in results.ports:
         return Headline(name.replace("_", " "), f"{value:.6g}")
@@ -66,19 +66,19 @@ def _in_words(name, text, value, results):
 
 
 def _settled(results):
-    """How far the last period is from the one before; nothing of a run without periods."""
+    """Return the change between the last two periods, "" for a run without periods."""
     summary = results.summary or {}
     if "settled" not in summary:
         return ""
     count = summary["periods"]
     if count < 2:
-        return "not known: fewer than two periods were run"
-    apart = f"last period differs from the one before by {summary['period_distance']:.2g}"
-    return f"{'' if summary['periodic'] else 'no: '}{apart}"
+        return "unknown, because the run has fewer than two periods"
+    apart = f"change of {summary['period_distance']:.2g} between the last two periods"
+    return apart if summary["periodic"] else f"not periodic: {apart}"
 
 
 def _computed(results):
-    """How far the run went, in how many periods, and how long it took."""
+    """Return length, number of periods and steps, and wall time of the run."""
     crank = crank_angle(results)
     if crank is None:
         begin, *_, end = results.time
@@ -89,12 +89,12 @@ def _computed(results):
     summary = results.summary or {}
     steps = summary.get("steps", len(results.time) - 1)
     if summary.get("periods", 0) > 1:
-        reach += f", {summary['periods']} periods,"
-    return f"{reach} in {steps} steps, {summary.get('wall_time_s', 0.0):.3g} s"
+        reach += f" ({summary['periods']} periods)"
+    return f"{reach} in {steps} steps, wall time {summary.get('wall_time_s', 0.0):.3g} s"
 
 
 def _counted(judged):
-    """How many passed, warn and failed."""
+    """Return the numbers of checks that pass, warn and fail."""
     colours = [one.colour for one in judged]
     counts = [f"{colours.count(colour)} {WORDS[colour]}" for colour in RANK if colour in colours]
     return ", ".join(counts)

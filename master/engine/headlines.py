@@ -1,8 +1,7 @@
-"""A finished run in ten lines that an engineer reads first: film, pressure, friction, side force,
-slap, motion, oil.
+"""Main results of a finished run in ten lines: film, pressure, friction, side force, slap, motion,
+oil.
 
-Every figure is of the last period of the run, lengths and volumes of the model itself; a line whose
-outputs a run does not have is left out.
+Every value refers to the last period of the run. A line is omitted if the run lacks its outputs.
 """
 
 from typing import NamedTuple
@@ -20,14 +19,14 @@ from .places import Place, film_body, thinnest_place, worst_place
 
 
 class Headline(NamedTuple):
-    """A name and what is said under it."""
+    """Name of a result and its text."""
 
     name: str
     said: str
 
 
 class Run(NamedTuple):
-    """What every line is made of: case, results, the names of film and bodies ("" without one)."""
+    """Run: case, results, and the names of film and bodies ("" if there is none)."""
 
     case: Case
     results: Results
@@ -35,12 +34,12 @@ class Run(NamedTuple):
     bodies: str
 
     def values(self, port):
-        """A scalar output over the macro steps, None where the run has none."""
+        """Return a scalar output over the macro steps, or None if the run lacks it."""
         return self.results.series(port).values if port in self.results.ports else None
 
 
 def headlines(case, results) -> list[Headline]:
-    """The lines of a run; none of one without a piston and its film.
+    """Return the lines of a run, none without a piston and its film.
 
     Parameters
     ----------
@@ -54,33 +53,33 @@ def headlines(case, results) -> list[Headline]:
     runs = [Run(case, results, film, bodies[0]) for film in films]
     pistons = [Run(case, results, films[0], body) for body in bodies]
     lines = [
-        *_of_each(runs, "thinnest film", _thinnest),
-        *_of_each(runs, "highest pressure", _highest),
+        *_of_each(runs, "minimum film", _thinnest),
+        *_of_each(runs, "maximum pressure", _highest),
         *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
-        *_of_each(runs, "asperities", _asperities),
+        *_of_each(runs, "asperity contact", _asperities),
         *_of_piston(pistons, "side force", _side_force),
         *_of_piston(pistons, "slap", _slap),
-        *_of_piston(pistons, "across the bore", _across),
-        *_of_piston(pistons, "tilt", _tilt),
+        *_of_piston(pistons, "lateral motion", _lateral),
+        *_of_piston(pistons, "rocking angle", _rocking),
         *_of_each(runs, "oil", _oil),
     ]
     return [Headline(name, said) for name, said in lines if said]
 
 
 def _of_each(runs, name, line):
-    """A line of each film, named after it where there are several."""
+    """Return a line of each film, with the film's name if there are several."""
     return [(name if len(runs) == 1 else f"{name}, {run.film}", line(run)) for run in runs]
 
 
 def _of_piston(pistons, name, line):
-    """A line of each piston, named after its participant where there are several."""
+    """Return a line of each piston, with its participant's name if there are several."""
     alone = len(pistons) == 1
     return [(name if alone else f"{name}, {run.bodies}", line(run)) for run in pistons]
 
 
 def friction_power(results) -> np.ndarray | None:
-    """Friction power of all films over the macro steps [W]; None unless every film tells it."""
+    """Return the friction power of all films at each macro step [W], or None if a film lacks it."""
     ports = [f"{film}.friction_power" for film in players(results.case, "lubrication")]
     if not ports or not {*ports} <= {*results.ports}:
         return None
@@ -88,7 +87,7 @@ def friction_power(results) -> np.ndarray | None:
 
 
 def _at(run, k):
-    """Row `k` as a crank angle, or as a time where the run says none."""
+    """Return row `k` as a crank angle, or as a time if the run has no crank angle."""
     crank = crank_angle(run.results)
     if crank is None:
         return f"at {short(run.results.time[k], 's')}"
@@ -125,16 +124,17 @@ class Cycle(NamedTuple):
 
 
 def friction_pressure(case, results) -> float | None:
-    """Friction mean effective pressure [Pa] of the last period; None where the run is shorter, or
-    does not say what it takes (Eq. (X12)).
+    """Return the friction mean effective pressure [Pa] of the last period, Eq. (X12). None if the
+    run is shorter or lacks the outputs.
     """
     found = friction_pressures(case, results)
     return found[-1].pressure if found else None
 
 
 def friction_pressures(case, results) -> list[Cycle]:
-    """Friction mean effective pressure of every whole period of what is shown, counted back from
-    the end; none where that is shorter, or does not say what it takes.
+    """Return the friction mean effective pressure of every whole period, counted from the end.
+
+    The list is empty if the run is shorter or lacks the outputs.
 
     Eq. (X12):  FMEP = int P dt / V,   V = sum over cylinders of pi R^2 (max Y - min Y)
                 P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
@@ -169,7 +169,7 @@ class _Cylinder(NamedTuple):
 
 
 def _cylinder(results, body):
-    """The cylinder of participant `body`; None where the run does not say it."""
+    """Return the cylinder of participant `body`, or None if the run lacks its data."""
     films = players(results.case, "lubrication")
     own = [film for film in films if film_body(results, film) == body] or films
     given = results.case["participants"][own[0]].get("parameters", {}) if own else {}
@@ -183,17 +183,17 @@ def _friction(run):
     power = friction_power(run.results)
     if power is None:
         return ""
-    said = f"{short(mean_over(run.results.time, power), 'W')} on average"
+    said = f"mean {short(mean_over(run.results.time, power), 'W')}"
     pressure = friction_pressure(run.case, run.results)
     if pressure is None:
         return said
     begin, *_, end = np.degrees(run.results.crank_angle)
-    return f"{said}, FMEP {short(pressure, 'Pa')} of {end - begin:.4g} deg"
+    return f"{said}, FMEP {short(pressure, 'Pa')} over {end - begin:.4g} deg"
 
 
 def contact_share(results, film) -> float | None:
-    """Share of the friction work of the last period that contact took; None where the run does not
-    say it.
+    """Return the contact fraction of the friction work of the last period, or None if the run lacks
+    it.
 
     Eq. (X20):  (s_1 W_1 - s_0 W_0) / (W_1 - W_0),   W_i = sum of H_k P(t_k) from the start on
                 s the share since the start, P the friction power, 0 and 1 the period's ends
@@ -220,10 +220,10 @@ def _peaks(run):
     axis = run.case.axes_of(port).first
     peaks = side_peaks(axis, run.results.dataset(port)[:])
     return "; ".join(
-        f"{peak.side} {peak.distance:.0f} {axis.unit} beside the line, {peak.excess:.0%} above it "
-        f"(by {ABOVE:.0%} or more in {peak.share:.0%} of loaded instants)"
+        f"{peak.distance:.0f} {axis.unit} from the {peak.side} line, {peak.excess:.0%} higher than "
+        f"on it (at least {ABOVE:.0%} higher in {peak.share:.0%} of loaded instants)"
         if peak.distance >= BESIDE
-        else f"{peak.side} on the line"
+        else f"on the {peak.side} line"
         for peak in peaks
     )
 
@@ -234,10 +234,10 @@ def _asperities(run):
     if share is None or area is None:
         return ""
     if not area.max() > 0.0:
-        return "never touch"
+        return "no contact"
     torque = run.values(f"{run.film}.friction_torque")
     what = "skirt" if torque is None else "bearing"
-    return f"{share:.2%} of the friction work, touching {area.max():.2%} of the {what} at most"
+    return f"{share:.2%} of the friction work, on at most {area.max():.2%} of the {what}"
 
 
 def _side_force(run):
@@ -246,14 +246,14 @@ def _side_force(run):
     if force is None:
         return ""
     said = _sided(run, force)
-    return said if demand is None else f"{said}; gas and inertia ask for {_sided(run, demand)}"
+    return said if demand is None else f"{said}; demand {_sided(run, demand)}"
 
 
 def _sided(run, force):
-    """Largest side force, on which side and when."""
+    """Return the largest side force with its side and instant."""
     k = int(np.abs(force).argmax())
     side = "thrust" if force[k] >= 0.0 else "anti-thrust"
-    return f"{short(abs(force[k]), 'N')} {side} {_at(run, k)}"
+    return f"{short(abs(force[k]), 'N')} on the {side} side {_at(run, k)}"
 
 
 def _slap(run):
@@ -262,14 +262,16 @@ def _slap(run):
     if energy is None or speed is None:
         return ""
     k = int(energy.argmax())
-    return f"{short(energy[k], 'J')} across the bore, {short(speed[k], 'm/s')} {_at(run, k)}"
+    return (
+        f"kinetic energy {short(energy[k], 'J')}, velocity {short(speed[k], 'm/s')} {_at(run, k)}"
+    )
 
 
-def _across(run):
+def _lateral(run):
     return _range(run.values(f"{run.bodies}.lateral_displacement"), lambda x: short(x, "m"))
 
 
-def _tilt(run):
+def _rocking(run):
     turn = run.values(f"{run.bodies}.rocking_angle")
     return _range(turn, lambda x: f"{np.degrees(x):.3g} deg")
 
@@ -285,13 +287,13 @@ def _oil(run):
         return ""
     time = run.results.time
     held, inwards = 1e9 * mean_over(time, content), 1e9 * mean_over(time, upper)
-    way = "in" if inwards > 0.0 else "out"
-    return f"{held:.0f} mm³ in the film, {abs(inwards):.0f} mm³/s {way} over the upper edge"
+    way = "inflow" if inwards > 0.0 else "outflow"
+    return f"{held:.0f} mm³ in the film, {way} {abs(inwards):.0f} mm³/s through the upper edge"
 
 
 def measures(results) -> dict[str, float]:
-    """What designs are weighed by, as far as the run says it: slap energy, the largest kinetic
-    energy across the bore [J]; contact share, of the friction work [-]. Of the last period.
+    """Return the measures of a design over the last period, if the run has them: slap energy, the
+    largest kinetic energy of lateral motion [J], and contact fraction of the friction work [-].
     """
     results = results.last
     found = {}

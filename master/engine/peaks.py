@@ -1,16 +1,16 @@
-"""Where around the skirt the film presses: on the thrust line, or beside it where a skirt bends."""
+"""Position of the pressure peak around the skirt, relative to the thrust line."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 LOADED = 0.5
-"""Of the highest pressure of a side: instants with less are not counted. Our own choice."""
+"""Fraction of a side's maximum pressure below which instants are ignored, an assumption."""
 BESIDE = 15.0
-"""Distance from the thrust line [deg] from which a peak counts as beside it: more than one cell of
-the coarsest usual grid (24 cells around). Our own choice."""
+"""Minimum distance [deg] of a peak that is not on the thrust line, an assumption. It exceeds one
+cell of the coarsest usual grid (24 cells around)."""
 ABOVE = 0.15
-"""Share by which a peak beside the line exceeds the pressure on it, to count. Our own choice."""
+"""Minimum excess of a peak over the pressure on the thrust line [-], an assumption."""
 
 
 class SidePeak(NamedTuple):
@@ -23,9 +23,9 @@ class SidePeak(NamedTuple):
     distance : float
         Angle between the mark's line and the highest pressure of all instants [deg].
     excess : float
-        Share by which that pressure exceeds the highest one on the line at that instant [-].
+        Relative excess of that pressure over the highest one on the line at that instant [-].
     share : float
-        Share of the loaded instants whose peak lies beside the line and exceeds it by `ABOVE` [-].
+        Fraction of the loaded instants whose peak is off the line and exceeds it by `ABOVE` [-].
     instants : int
         Number of loaded instants.
     """

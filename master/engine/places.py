@@ -1,4 +1,4 @@
-"""Where a film has its worst place: by side, angle around and height."""
+"""Position of the extreme value of a film: side, angle and height."""
 
 from dataclasses import dataclass
 
@@ -28,18 +28,18 @@ class Place:
 
     @property
     def clause(self) -> str:
-        """What follows a sentence."""
+        """Sentence that follows another one."""
         side = f"{self.side} side, " if self.side else ""
         return (
-            f"; of the recorded fields' instants worst at {self.instant}: {side}"
-            f"{self.around_label} {self.around}, {self.along_label} {self.along}"
+            f" The extreme of the recorded fields is at {self.instant}, {side}"
+            f"{self.around_label} {self.around}, {self.along_label} {self.along}."
         )
 
     @property
     def brief(self) -> str:
-        """The same in a table."""
-        side = f"{self.side}, " if self.side else ""
-        return f"{side}{self.around} around, height {self.along}"
+        """Short form for tables."""
+        side = f"{self.side} side, " if self.side else ""
+        return f"{side}{self.around}, height {self.along}"
 
 
 def worst_place(case, results, port, lowest) -> Place | None:

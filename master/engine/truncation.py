@@ -1,4 +1,4 @@
-"""What the modes of flexible bodies leave out of a finished run, by the part that knows them."""
+"""Truncation error of the modes of flexible bodies in a finished run."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,8 +14,8 @@ TRUNCATIONS = "fmu_mfbd.truncations"
 def state_truncation(
     tree: dict[str, Any], folder: Path, results: Path, progress: Callable[[str], object]
 ) -> dict[str, float | str]:
-    """Add to a finished run's summary how far the reduced bodies' static deflection under the film
-    of that run stands from the whole bodies' (Eq. (J17) of the bodies).
+    """Add the truncation error of the bodies' static deflection to the summary of a finished run,
+    Eq. (J17) of the bodies.
 
     Parameters
     ----------
@@ -23,15 +23,15 @@ def state_truncation(
         Of the run's case; its paths begin in `folder`.
     results : Path
     progress : callable
-        Takes a sentence now and then.
+        Receives progress messages.
 
     Returns
     -------
     dict of str to float or str
-        What was added: `truncation_error_NAME` [-] of each flexible body, over all recorded
-        instants, `truncation_error_NAME_largest` of the worst one, and `truncation_error_film`
-        (Eq. (J34)) if the film thickness was recorded; or `truncation_error`, why it cannot be
-        said. Nothing of a case without flexible bodies of the package `fmu_mfbd`.
+        Added entries: `truncation_error_NAME` [-] of each flexible body over all recorded instants,
+        `truncation_error_NAME_largest` of the worst instant, and `truncation_error_film`
+        (Eq. (J34)) if the film thickness was recorded. `truncation_error` is the reason if the
+        error is unknown. Empty for a case without flexible bodies of the package `fmu_mfbd`.
     """
     package, _, _ = TRUNCATIONS.partition(".")
     builds = [
@@ -47,7 +47,7 @@ def state_truncation(
         part: Any = import_part(TRUNCATIONS)
         found = part.truncations(build, folder, results, progress)
     except ValueError as why:
-        entries["truncation_error"] = f"not known: {why}"
+        entries["truncation_error"] = f"unknown: {why}"
     else:
         for name, one in found.bodies.items():
             entries[f"truncation_error_{name}"] = one.error

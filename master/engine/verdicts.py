@@ -1,4 +1,4 @@
-"""A finished run as an engineer reads it: what is amber or red, and where the worst places lie."""
+"""Checks of a finished run against limits, with the positions of the extreme values."""
 
 from typing import Any, Literal, NamedTuple
 
@@ -10,39 +10,35 @@ from ..results.instants import told
 from .places import thinnest_place, worst_place
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
-"""Thinnest film over composite roughness: below 3 asperities begin to touch, below 1 they carry."""
+"""Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
 PRESSURE_AMBER, PRESSURE_RED = 50e6, 100e6
-"""Film pressure [Pa], by what a hot aluminium skirt bears: our own choice, half of it and all."""
+"""Film pressure [Pa]: half and all of what a hot aluminium skirt withstands, an assumption."""
 TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
-"""Missing gap over film thickness: its cube is the film's conductance (decision 15)."""
+"""Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
-"""Of the interface work: by how much both sides' accounts of it may differ."""
+"""Relative difference of the interface work between both participants."""
 SHARE_AMBER = 0.05
-"""Of what passed in a step: energy that an accepted one made. Half of what is refused."""
+"""Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
 MADE_AMBER, MADE_RED = 1e-3, 1e-2
-"""Of what was exchanged over the run: energy that came from nowhere, as `WORK_AMBER`: our own
-choice."""
-
-
+"""Spurious energy over the energy exchanged over the run, an assumption as for `WORK_AMBER`."""
 FORCE_AMBER, FORCE_RED = 0.25, 0.75
-"""Distance of the side force from what gas and inertia ask for, root mean square over a cycle of
-the latter's."""
+"""Rms difference of side force and side-force demand over a period, relative to the rms demand."""
 PEAK_AMBER, PEAK_RED = 4, 2
 """Cells across the pressure peak at half its height: the nearest centre misses the top of a
 parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
 OPENING = 3
-"""Cells that an opening in the skirt is wide at least, for its edges to lie within half of them."""
+"""Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
 
 
 Colour = Literal["green", "amber", "red"]
 RANK: tuple[Colour, ...] = ("green", "amber", "red")
 """From good to bad."""
 WORDS: dict[Colour, str] = {"green": "pass", "amber": "warning", "red": "fail"}
-"""Outcome of a check, as it is shown."""
+"""Displayed result of a check."""
 
 
 class Verdict(NamedTuple):
-    """One judgement: its colour, what is judged, and a sentence with value and limit."""
+    """Check: its colour, its name, and a sentence with value and limit."""
 
     colour: Colour
     what: str
@@ -50,12 +46,12 @@ class Verdict(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """The colour in words: pass, warning or fail."""
+        """Result of the check: pass, warning or fail."""
         return WORDS[self.colour]
 
 
 def verdicts(case, results) -> list[Verdict]:
-    """Judge the last period of a finished run; what it does not say is not judged.
+    """Return the checks of the last period of a finished run. Missing outputs are not checked.
 
     Parameters
     ----------
@@ -73,12 +69,12 @@ def verdicts(case, results) -> list[Verdict]:
     found += _of_each(results, _of_side_force)
     if "settled" in summary:
         colour = "green" if summary["periodic"] else "amber"
-        found.append(Verdict(colour, "settled", summary["settled"]))
+        found.append(Verdict(colour, "periodicity", f"{summary['settled']}."))
     return found
 
 
 def _of_each(results, judge):
-    """Verdicts on every piston, named after its participant where there are several."""
+    """Yield the checks of every piston, with its participant's name if there are several."""
     names = players(results.case, "bodies")
     for name in names:
         of = f" of {name}" if len(names) > 1 else ""
@@ -87,36 +83,42 @@ def _of_each(results, judge):
 
 
 def _colour(value, amber, red):
-    """Green up to `amber`, red above `red`; one that is no number is red."""
+    """Return green up to `amber`, amber up to `red`, and red above it or for NaN."""
     if value <= amber:
         return "green"
     return "amber" if value <= red else "red"
 
 
+def _percent(share):
+    """Return a fraction in percent."""
+    return f"{100 * share:.2g} %"
+
+
 def _of_summary(summary):
-    """Convergence, and the account of the interface work."""
+    """Yield the checks of convergence and energy."""
     if "unconverged_steps" in summary:
         count = summary["unconverged_steps"]
         steps = summary.get("steps", 0)
         colour = "red" if count else "green"
-        yield Verdict(colour, "convergence", f"{count} of {steps} macro steps did not converge")
+        yield Verdict(colour, "convergence", f"{count} of {steps} macro steps did not converge.")
     if "interface_work_imbalance" in summary:
         share = abs(summary["interface_work_imbalance"])
         yield Verdict(
             _colour(share, WORK_AMBER, WORK_RED),
-            "energy",
-            f"both sides' interface work differs by {share:.2g} of it, allowed {WORK_AMBER:g}",
+            "interface work",
+            f"The interface work of both participants differs by {_percent(share)} "
+            f"(limit {_percent(WORK_AMBER)}).",
         )
     if "energy_refused_steps" in summary:
         yield _of_ledger(summary)
 
 
 def _of_ledger(summary):
-    """Energy from nowhere: in a step, and over the run.
+    """Return the check of spurious energy, in a step and over the run.
 
-    Eq. (X16):  made = sum over participants of E_i / max |E_i|     E_i: what each took over the run
+    Eq. (X16):  made = sum over participants of E_i / max |E_i|,   E_i: energy received over the run
 
-    Heat that no account counts makes it negative in a right run.
+    It is negative in a correct run if an energy balance omits dissipation.
     """
     count = summary["energy_refused_steps"]
     share = max(summary["energy_created_share_max"], 0.0)
@@ -128,58 +130,61 @@ def _of_ledger(summary):
         colour = "amber"
     return Verdict(
         colour,
-        "energy ledger",
-        f"{count} steps in which energy came from nowhere were refused and halved; of the accepted "
-        f"ones none made more than {share:.2g} of what passed to and fro, allowed {SHARE_AMBER:g}; "
-        f"over the run {max(made, 0.0):.2g} of what was exchanged, allowed {MADE_AMBER:g}",
+        "energy balance",
+        f"The spurious energy over the run is {_percent(max(made, 0.0))} of the energy exchanged "
+        f"(limit {_percent(MADE_AMBER)}). In an accepted step it is at most {_percent(share)} "
+        f"(limit {_percent(SHARE_AMBER)}). The run rejected and halved {count} steps.",
     )
 
 
 def _of_truncation(summary):
-    """What the flexible bodies' modes leave out of the gap, by the film thickness."""
+    """Yield the check of the truncation error of the flexible bodies."""
     bodies = [body for body in ("piston", "block") if f"truncation_error_{body}" in summary]
     if not bodies:
         return
-    shares = " and ".join(f"{summary[f'truncation_error_{body}']:.2g} ({body})" for body in bodies)
+    shares = " and ".join(
+        f"{_percent(summary[f'truncation_error_{body}'])} of the {body} deflection"
+        for body in bodies
+    )
     share = summary.get("truncation_error_film")
     if share is None:
         yield Verdict(
             "amber",
             "truncation",
-            f"the modes miss {shares} of the deflection over the run; record film_thickness of the "
-            "bodies (record.fields) to compare the missing gap with it",
+            f"The truncation error of the modes is {shares}. Record film_thickness of the bodies "
+            "(record.fields) to compare it with the film thickness.",
         )
         return
     colour = _colour(share, TRUNCATION_AMBER, TRUNCATION_RED)
     keys = " and ".join(f"{one}.modes" for one in bodies)
-    hint = "" if colour == "green" else f"; increase {keys}"
+    hint = "" if colour == "green" else f" Increase {keys}."
     yield Verdict(
         colour,
         "truncation",
-        f"the modes miss at most {share:.2g} of the local film thickness at any recorded instant, "
-        f"allowed {TRUNCATION_AMBER:g}; {shares} of the deflection over the run"
-        f"{hint}",
+        f"The truncation error of the modes is at most {_percent(share)} of the local film "
+        f"thickness (limit {_percent(TRUNCATION_AMBER)}). It is {shares}.{hint}",
     )
 
 
 def _of_film(case, results, name):
-    """Film and pressure of a participant in the role `lubrication`."""
+    """Yield the checks of film thickness and pressure of a lubrication participant."""
     thinnest, highest = f"{name}.minimum_film_thickness", f"{name}.maximum_pressure"
     given = results.case["participants"][name].get("parameters", {})
     if thinnest in results.ports:
         values = results.series(thinnest).values
         k = int(values.argmin())
-        film = f"thinnest film {short(values[k], 'm')} at {told(results, results.time[k])}"
+        film = f"The minimum film thickness is {short(values[k], 'm')} "
+        film += f"at {told(results, results.time[k])}"
         rough = to_si(given.get("roughness_rms", "0 m"), "m")
         if rough > 0.0:
             ratio = values[k] / rough
             colour = "red" if ratio < LAMBDA_RED else "amber" if ratio < LAMBDA_AMBER else "green"
-            film += f", {ratio:.3g} times the roughness, wanted {LAMBDA_AMBER:g}"
+            film += f", {ratio:.3g} times the roughness (limit {LAMBDA_AMBER:g})"
         else:
             colour = "red" if values[k] <= 0.0 else "green"
         place = thinnest_place(case, results, name)
-        yield Verdict(colour, "film", f"{film}{place.clause if place else ''}")
-    # the limit is that of a skirt: a bearing, which tells its torque, has none here
+        yield Verdict(colour, "film", f"{film}.{place.clause if place else ''}")
+    # the limit applies to skirts, and only bearings have a friction torque
     if highest in results.ports and f"{name}.friction_torque" not in results.ports:
         values = results.series(highest).values
         k = int(values.argmax())
@@ -187,13 +192,13 @@ def _of_film(case, results, name):
         yield Verdict(
             _colour(values[k], PRESSURE_AMBER, PRESSURE_RED),
             "pressure",
-            f"highest pressure {short(values[k], 'Pa')} at {told(results, results.time[k])}, "
-            f"allowed {short(PRESSURE_AMBER, 'Pa')}{place.clause if place else ''}",
+            f"The maximum pressure is {short(values[k], 'Pa')} at {told(results, results.time[k])} "
+            f"(limit {short(PRESSURE_AMBER, 'Pa')}).{place.clause if place else ''}",
         )
 
 
 def _of_grid(case, results, name):
-    """Whether the cells can show what was found: pressure peak, openings, both thrust lines."""
+    """Yield the check of the grid: it must resolve pressure peak, openings and thrust lines."""
     port = f"{name}.pressure"
     peak = worst_place(case, results, port, lowest=False)
     if peak is None:
@@ -202,8 +207,8 @@ def _of_grid(case, results, name):
     widths = peak_width(pressure[peak.row], peak.index)
     narrow = min(widths)
     remarks = [
-        f"the pressure peak is {widths.around} cells around and {widths.along} along at half its "
-        f"height, wanted {PEAK_AMBER}"
+        f"The pressure peak spans {widths.around} cells around and {widths.along} along at half "
+        f"its height (minimum {PEAK_AMBER})"
     ]
     colours: list[Colour] = [
         "red" if narrow < PEAK_RED else "amber" if narrow < PEAK_AMBER else "green"
@@ -212,7 +217,7 @@ def _of_grid(case, results, name):
     if around % 2:
         colours.append("amber")
         remarks.append(
-            f"{around} cells around: of an odd number none has its centre on the anti-thrust line"
+            f"The grid has no cell on the anti-thrust line, because {around} cells around are odd"
         )
     fraction = f"{name}.film_fraction"
     if fraction in results.recorded:
@@ -221,20 +226,20 @@ def _of_grid(case, results, name):
         if thin and thin < OPENING:
             colours.append("amber")
             cells = "cell" if thin == 1 else "cells"
-            remarks.append(f"an opening in the film is {thin} {cells} wide, wanted {OPENING}")
-    yield Verdict(max(colours, key=RANK.index), "grid", "; ".join(remarks))
+            remarks.append(f"An opening in the film is {thin} {cells} wide (minimum {OPENING})")
+    yield Verdict(max(colours, key=RANK.index), "grid", " ".join(f"{one}." for one in remarks))
 
 
 class Widths(NamedTuple):
-    """Cells across a peak."""
+    """Width of a peak in cells."""
 
     around: int
     along: int
 
 
 def peak_width(field: np.ndarray, index: tuple[int, int]) -> Widths:
-    """Cells beside one another that hold at least half of the value at `index`, around (a ring) and
-    along.
+    """Return the width of a peak in cells with at least half of the value at `index`, around (a
+    ring) and along.
     """
     i, j = index
     high = field >= field[i, j] / 2
@@ -245,34 +250,32 @@ def peak_width(field: np.ndarray, index: tuple[int, int]) -> Widths:
 
 
 def _run(flags):
-    """True values in front of the first false one."""
+    """Return the number of true values before the first false one."""
     return len(flags) if flags.all() else int(np.argmin(flags))
 
 
 def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:
-    """Cells whose pressure and film fraction never change: openings in the skirt hold those of what
-    is around it.
-    """
+    """Return the cells with constant pressure and film fraction, as in openings of the skirt."""
     still = np.ptp(pressure, axis=0) == 0.0
     return still & (np.ptp(fraction, axis=0) == 0.0)
 
 
 def narrowest_opening(closed: np.ndarray) -> int:
-    """Cells around of the widest place of the narrowest opening, 0 without one."""
+    """Return the largest width in cells of the narrowest opening, 0 if there is none."""
     if not closed.any():
         return 0
     from scipy import ndimage  # slow to import, and most films have no opening
 
-    pieces: Any = ndimage.label(np.concatenate([closed, closed]))  # of a ring: turned twice
+    pieces: Any = ndimage.label(np.concatenate([closed, closed]))  # twice around the ring
     numbered, count = pieces
     widths = {k: int((numbered == k).sum(axis=0).max()) for k in range(1, count + 1)}
-    # what is cut off at either end is there as a whole, too
+    # each opening that an end cuts also exists as a whole
     ends = {*np.unique(numbered[0]).tolist(), *np.unique(numbered[-1]).tolist()}
     return min((width for k, width in widths.items() if k not in ends), default=0)
 
 
 def _of_side_force(results, name):
-    """Side force beside what gas and inertia ask for: a piston that strikes has both apart."""
+    """Yield the check of side force against its demand. Both differ if the piston strikes."""
     force, demand = f"{name}.side_force", f"{name}.side_force_demand"
     if not {force, demand} <= {*results.ports}:
         return
@@ -284,6 +287,6 @@ def _of_side_force(results, name):
     yield Verdict(
         _colour(apart, FORCE_AMBER, FORCE_RED),
         "side force",
-        f"side force is {apart:.2g} of what gas and inertia ask for away from it, root mean square "
-        f"over the period, allowed {FORCE_AMBER:g}",
+        f"The side force differs from the side-force demand by {_percent(apart)} rms "
+        f"(limit {_percent(FORCE_AMBER)}).",
     )

@@ -24,19 +24,19 @@ from .repetition import Repetition
 
 
 class Interrupted(Stopped):
-    """The run was told to stop and has left a checkpoint."""
+    """Stop of a run by a signal, with a checkpoint."""
 
     def __init__(self, output, time):
         super().__init__(f"interrupted at t = {time:.6g} s; {kept(output)}")
 
 
 def kept(output):
-    """Sentence on the checkpoint that a stopped run has left."""
+    """Return a message about the checkpoint of a stopped run."""
     checkpoint = Checkpoint.path(output)
     if not checkpoint.exists():
-        return "there is no checkpoint"
+        return "no checkpoint was written"
     return (
-        "once the cause is gone, go on from the last checkpoint with: "
+        "remove the cause, then continue from the last checkpoint with: "
         f"piston-cosim resume {checkpoint}"
     )
 
@@ -129,23 +129,23 @@ class Checkpoint:
         try:
             whole = Path(path).read_bytes()
         except OSError as error:
-            raise BadInput(f"{path}: no checkpoint of this version: {error}") from None
+            raise BadInput(f"{path}: cannot read the checkpoint: {error}") from None
         begin = len(MAGIC) + 4 + CHECKSUM
         if not whole.startswith(MAGIC) or len(whole) < begin:
-            raise BadInput(f"{path}: no checkpoint of this version")
+            raise BadInput(f"{path}: expected a checkpoint of this version")
         version = int.from_bytes(whole[len(MAGIC) : len(MAGIC) + 4], "little")
         if version != VERSION:
-            raise BadInput(
-                f"{path}: is a checkpoint of layout {version}; this version reads {VERSION}"
-            )
+            raise BadInput(f"{path}: expected checkpoint layout {VERSION}, got {version}")
         data = whole[begin:]
         if sha256(data).digest() != whole[begin - CHECKSUM : begin]:
-            raise BadInput(f"{path}: is damaged: its checksum is not that of its content")
+            raise BadInput(
+                f"{path}: the checkpoint is damaged: its checksum does not match its content"
+            )
         try:
             checkpoint = Checkpoint(**unpack(data, ACCOUNTS))
             _unbounded(checkpoint.account)
         except (NotPlain, TypeError, AttributeError, KeyError) as error:
-            raise BadInput(f"{path}: no checkpoint: {error}") from None
+            raise BadInput(f"{path}: cannot read the checkpoint: {error}") from None
         return checkpoint
 
 
@@ -208,8 +208,8 @@ def check_code(checkpoint, say):
             if not same:
                 kind = "Python file" if key == "file" else "FMU"
                 faults.append(
-                    f"participants.{name}.{key}: {path}: the run had another {kind} of {name}: its "
-                    "content has changed since; run again from the start"
+                    f"participants.{name}.{key}: {path}: the {kind} of {name} has changed since "
+                    "the checkpoint; run again from the start"
                 )
             files.append(f"executes participants.{name}.{key} = {path}")
     if faults:
@@ -272,7 +272,7 @@ def _end_at_second(reading):
             continue
         heard += 1
         if heard == 2:
-            os.write(2, b"\nended at once; what was recorded is in the .partial file\n")
+            os.write(2, b"\nstopped immediately; the recorded data is in the .partial file\n")
             os._exit(128 + number[0])
-        os.write(2, b"\nstopping after this macro step; once more ends at once\n")
+        os.write(2, b"\nstopping after this macro step; repeat the signal to stop immediately\n")
     os.close(reading)

@@ -82,7 +82,7 @@ class Extrapolation:
         )
 
     def proceed(self, participants: Mapping) -> str:
-        """Put the participants where the next cycle begins; what was done, in words, or nothing."""
+        """Set the participants to the start of the next cycle; return a message, or ""."""
         if self.kept and self.apart > self.apart_before:
             return self._take_back(participants)
         self.kept = {}
@@ -107,15 +107,15 @@ class Extrapolation:
             f"{'.'.join(port)} by {_size(value - self.ended[port]) / _size(self.changes[port]):.2g}"
             for port, value in moved.items()
         )
-        return f"extrapolated, in changes of the last period: {', '.join(told)}"
+        return f"extrapolated by multiples of the last period's change: {', '.join(told)}"
 
     def _take_back(self, participants):
         for owner, data in self.kept.items():
             _restore(participants[owner], data)
         self.taken_back += 1
-        said = f"{self.apart:.2g} instead of {self.apart_before:.2g}"
+        said = f"relative change {self.apart:.2g} instead of {self.apart_before:.2g}"
         self.ended, self.changes, self.kept, self.apart = {}, {}, {}, np.inf
-        return f"the extrapolation made it worse ({said}) and is taken back with its period"
+        return f"rejected the extrapolation and its period: {said}"
 
 
 def extrapolated(

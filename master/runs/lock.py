@@ -55,7 +55,7 @@ def _held(path, output):
             words = _who(os.pread(handle, 4096, 0))
             os.close(handle)
             raise BadInput(
-                f"{output}: is being written by {words}; wait for it, or give another --output"
+                f"{output}: {words} is writing this file; wait for it, or give another --output"
             ) from None
         except OSError as error:
             os.close(handle)

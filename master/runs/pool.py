@@ -70,7 +70,7 @@ class LocalPool(Executor):
                     process = self._start()
                 if self._closed.is_set():  # since the process began: `shutdown` may not know it
                     self._end(process)
-                    raise PointDied("its process was ended with the others")
+                    raise PointDied("the process was ended with the others")
                 self._answer(future, work, process)
             except Exception as error:
                 future.set_exception(error)
@@ -86,7 +86,7 @@ class LocalPool(Executor):
             process.pipe.recv()  # it is up: its start is not counted into any call's time
         except (EOFError, OSError):
             self._end(process)
-            raise PointDied("its process could not be started") from None
+            raise PointDied("the process could not be started") from None
         return process
 
     def _answer(self, future, work, process):
@@ -95,12 +95,12 @@ class LocalPool(Executor):
             if not process.pipe.poll(self.time_limit):
                 self._end(process)
                 raise PointDied(
-                    f"not done within {self.time_limit:g} s; its process has been ended"
+                    f"time limit of {self.time_limit:g} s exceeded; the process was ended"
                 )
             raised, answer = process.pipe.recv()
         except (EOFError, OSError):
             self._end(process)
-            raise PointDied(f"its process has ended ({process.end})") from None
+            raise PointDied(f"the process ended ({process.end})") from None
         if raised:
             future.set_exception(answer)
         else:

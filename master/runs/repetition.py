@@ -24,13 +24,13 @@ Port = tuple[str, str]
 """Participant and variable."""
 
 USUAL_TOLERANCE = 1e-3
-"""On the distance of two periods in a run with a fixed stop time."""
+"""Tolerance of the change between two periods in a run with a fixed stop time."""
 NO_NEARER = 3
-"""Periods after which a distance that has not become smaller is said to have stopped falling: an
-extrapolation that is taken back costs one, and a distance need not fall in every period.
+"""Periods without a smaller change after which the change is reported as no longer decreasing. A
+rejected extrapolation costs one period, and the change may increase in single periods.
 """
 SHOWN = 4
-"""Fields that are named where a run does not become periodic."""
+"""Number of fields that are listed if a run is not periodic."""
 
 
 class Repetition:
@@ -131,7 +131,7 @@ class Repetition:
         return self.distances[-1]
 
     def proceed(self, participants: Mapping) -> str:
-        """Put the participants where the next period begins; what was done, or nothing."""
+        """Set the participants to the start of the next period; return a message, or ""."""
         if self.extrapolation is None:
             return ""
         before = self.extrapolation.taken_back
@@ -140,44 +140,44 @@ class Repetition:
         return said
 
     def sentence(self) -> str:
-        """The last period in words."""
-        before = "the one before" if self.taken > 1 else "the start"
+        """Return a description of the last period."""
+        before = "the previous period" if self.taken > 1 else "the start"
         text = (
-            f"period {self.taken}: differs from {before} by {self.distances[-1]:.2g} "
-            f"({'.'.join(self.furthest)}), allowed {self.tolerance:g}"
+            f"period {self.taken}: relative change {self.distances[-1]:.2g} since {before} "
+            f"({'.'.join(self.furthest)}), tolerance {self.tolerance:g}"
         )
         if not self.is_periodic and self.no_nearer >= NO_NEARER:
-            text += f"; no nearer for {self.no_nearer} periods than {min(self.distances):.2g}"
+            text += f"; no decrease for {self.no_nearer} periods, minimum {min(self.distances):.2g}"
         return text
 
     def verdict(self) -> str:
-        """Whether the last period repeats the one before, and what to set if not."""
+        """Return whether the last period repeats the previous one, and what to set if not."""
         if len(self.distances) > 1:
-            apart = f"{self.distances[-1]:.2g}, allowed {self.tolerance:g}"
-            text = f"the last of {self.taken} periods differs from the one before by {apart}"
+            apart = f"{self.distances[-1]:.2g} (tolerance {self.tolerance:g})"
+            text = f"the relative change between the last two of {self.taken} periods is {apart}"
         else:
-            text = f"{self.taken or 'less than one'} period was run, two are needed to compare"
+            text = f"the run has {self.taken or 'less than one'} period, the check needs two"
         if self.is_periodic:
-            return text
-        why = f": {self._why()}" if len(self.distances) > 1 else ""
+            return text[0].upper() + text[1:]
+        why = f". {self._why()}" if len(self.distances) > 1 else ""
         advice = (
-            "set time.stop later or remove it"
+            "Increase or remove time.stop"
             if self.ends and isinf(self.most)
-            else "set time.most_periods higher"
+            else "Increase time.most_periods"
             if self.ends
-            else f"set time.until_periodic = {self.tolerance:g}, and time.stop later or not at all"
+            else f"Set time.until_periodic = {self.tolerance:g}, and increase or remove time.stop"
         )
-        return f"not settled: {text}{why}; {advice}"
+        return f"Not periodic: {text}{why}. {advice}"
 
     @property
     def no_nearer(self) -> int:
-        """Periods since the one that was nearest to repeating."""
+        """Periods since the one with the smallest change."""
         if not self.distances:
             return 0
         return len(self.distances) - 1 - self.distances.index(min(self.distances))
 
     def _why(self):
-        """What does not repeat, the farthest first, and whether more periods promise anything."""
+        """Return the quantities that do not repeat, and whether the change still decreases."""
         farthest = sorted(self.apart, key=self.apart.__getitem__, reverse=True)
         fields = ", ".join(
             f"{'.'.join(port)} {self.apart[port]:.2g}"
@@ -187,8 +187,8 @@ class Repetition:
         rest = sum(value > self.tolerance for value in self.apart.values()) - SHOWN
         fields += f" and {rest} more" if rest > 0 else ""
         if self.no_nearer >= NO_NEARER:
-            return f"the distances have stopped falling, {fields} do not repeat"
-        return f"still coming nearer, {fields}"
+            return f"The change no longer decreases: {fields}"
+        return f"The change still decreases: {fields}"
 
     def summary(self) -> dict[str, object]:
         """Summary entries."""

@@ -142,14 +142,14 @@ def _check_resumable(checkpoint, system, output):
     """BadInput where the FMUs are not those of the checkpoint, or the results so far are gone."""
     now = fingerprints(system.participants)
     faults = [
-        f"{Checkpoint.path(output)}: was written with another FMU of {name}: its content "
-        "has changed since; run again from the start"
+        f"{Checkpoint.path(output)}: the FMU of {name} has changed since the checkpoint; "
+        "run again from the start"
         for name in sorted(now.keys() | checkpoint.fmus.keys())
         if now.get(name) != checkpoint.fmus.get(name)
     ]
     partial_file = Path(f"{output}.partial")
     if not partial_file.exists():
-        faults.append(f"{partial_file}: is gone; without it the run cannot go on")
+        faults.append(f"{partial_file}: missing; run again from the start")
     if faults:
         raise BadInput(faults)
 
@@ -203,7 +203,7 @@ class March:
                 thaw(self.stepper, begin_at.frozen)
             except NotPlain as error:
                 raise BadInput(
-                    f"{Checkpoint.path(output)}: no checkpoint of this run: {error}"
+                    f"{Checkpoint.path(output)}: the checkpoint does not match this run: {error}"
                 ) from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
             self.stepper.interface.spent = self.account.spent

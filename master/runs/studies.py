@@ -62,7 +62,7 @@ def study_points(path, changes, name):
     """
     case = check_case(read_tree(path, changes), path)
     if name not in case.studies:
-        raise BadInput(f"no study {name!r}: the case has {', '.join(case.studies) or 'none'}")
+        raise BadInput(f"unknown study {name!r}; the case has {', '.join(case.studies) or 'none'}")
     study = case.studies[name]
     points = resolved(
         path,

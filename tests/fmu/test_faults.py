@@ -192,7 +192,8 @@ def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
     assert done.returncode == 1
     assert (
-        "there is no checkpoint" in done.stderr and not (tmp_path / "base.h5.checkpoint").exists()
+        "no checkpoint was written" in done.stderr
+        and not (tmp_path / "base.h5.checkpoint").exists()
     )
 
 

@@ -64,7 +64,7 @@ def test_five_commands_to_a_report(place):
     """new (above), check, run, report; the first screen has what an engineer asks for."""
     assert "covered share 55" in piston_cosim(place, "check", "own")
     screen = piston_cosim(place, "run", "own", "--set", "participants.bodies.build.piston.modes=20")
-    for word in ("thinnest film", "FMEP", "gas and inertia ask for", "slap", "checks"):
+    for word in ("minimum film", "FMEP", "demand", "slap", "checks"):
         assert word in screen
     report = piston_cosim(place, "results", "report", "results/own/base.h5")
     assert "report" in report and (place / "report/report.html").is_file()

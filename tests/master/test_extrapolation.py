@@ -90,7 +90,7 @@ def test_a_linear_tank_is_full_after_two_cycles_and_equals_twenty_plain_ones(aff
         0,
     )
     # to 1 from g_2 = 0.51, whose last change was 0.21
-    assert "extrapolated, in changes of the last period: plant.level by 2.3" in said
+    assert "extrapolated by multiples of the last period's change: plant.level by 2.3" in said
     plain = go(tank(affine, slow_flow, slow=()), tmp_path / "plain.h5", 1e-4)
     assert plain["periods"] == 20
     assert "extrapolated_periods" not in plain
@@ -114,8 +114,8 @@ def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
     plain = go(tank(affine, spilling, slow=()), tmp_path / "plain.h5")
     assert (summary["extrapolated_periods"], summary["taken_back_periods"]) == (2, 2)
     assert summary["periods"] == plain["periods"] == 20
-    assert sum("is taken back with its period" in line for line in said) == 2
-    assert "worse (1 instead of 0.5)" in " ".join(said)
+    assert sum("rejected the extrapolation" in line for line in said) == 2
+    assert "relative change 1 instead of 0.5" in " ".join(said)
     low, high = ends(tmp_path / "fast.h5"), ends(tmp_path / "plain.h5")
     # two of twenty cycles were lost
     assert low[-1] == pytest.approx(high[-1] - 0.02, abs=1e-12)

@@ -64,13 +64,14 @@ def test_periods_are_run_until_one_repeats_the_one_before(toys, tmp_path):
     assert summary["period_distance"] == pytest.approx(distance(4), rel=1e-9)
     assert summary["steps"] == 16
     assert [line.partition(";")[0] for line in said] == [
-        f"period {k}: differs from {before} by {distance(k):.2g} (echo.w0), allowed 0.001"
-        for k, before in enumerate(["the start", *["the one before"] * 3], 1)
+        f"period {k}: relative change {distance(k):.2g} since {before} (echo.w0), tolerance 0.001"
+        for k, before in enumerate(["the start", *["the previous period"] * 3], 1)
     ]
     # entries of the summary, of every period
     assert said[1].split("; ")[-1] == f"end {x(8.0):.6g}"
     assert summary["settled"] == (
-        f"the last of 4 periods differs from the one before by {distance(4):.2g}, allowed 0.001"
+        f"The relative change between the last two of 4 periods is {distance(4):.2g} "
+        "(tolerance 0.001)"
     )
 
 
@@ -114,14 +115,14 @@ def test_a_fixed_stop_says_that_the_run_has_not_settled(toys, tmp_path, stop, pe
     tree = TREE | {"time": {"stop": f"{stop} s", "step": "1 s", "period": "4 s"}}
     summary = go(toys(stop=stop), tmp_path / "run.h5", tree)
     assert (summary["periods"], summary["periodic"], summary["steps"]) == (periods, False, stop)
-    assert summary["settled"].startswith("not settled: ")
+    assert summary["settled"].startswith("Not periodic: ")
     assert summary["settled"].endswith(
-        "; set time.until_periodic = 0.001, and time.stop later or not at all"
+        ". Set time.until_periodic = 0.001, and increase or remove time.stop"
     )
     last = np.arange(max(stop - 4.0, 0.0) + 1.0, stop + 1.0)
     assert summary["mean"] == pytest.approx(x(last).mean(), rel=1e-9)
     if stop == 8.0:
-        apart = f"the last of 2 periods differs from the one before by {distance(2):.2g}"
+        apart = f"the relative change between the last two of 2 periods is {distance(2):.2g}"
         assert apart in summary["settled"]
     with Results(tmp_path / "run.h5") as results:
         assert results.time.tolist() == list(np.arange(stop + 1.0))
@@ -133,9 +134,9 @@ def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
     summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
     assert (summary["periods"], summary["periodic"]) == (2, False)
     assert summary["settled"] == (
-        f"not settled: the last of 2 periods differs from the one before by {distance(2):.2g}, "
-        f"allowed 0.001: still coming nearer, echo.w0 {distance(2):.2g}, plant.y0 "
-        f"{distance(2):.2g}; set time.most_periods higher"
+        f"Not periodic: the relative change between the last two of 2 periods is {distance(2):.2g} "
+        f"(tolerance 0.001). The change still decreases: echo.w0 {distance(2):.2g}, plant.y0 "
+        f"{distance(2):.2g}. Increase time.most_periods"
     )
 
 
@@ -143,7 +144,7 @@ def test_the_stop_time_ends_a_run_that_is_not_yet_periodic(toys, tmp_path):
     tree = TREE | {"time": TREE["time"] | {"stop": "8 s"}}
     summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
     assert (summary["periods"], summary["periodic"]) == (2, False)
-    assert summary["settled"].endswith("; set time.stop later or remove it")
+    assert summary["settled"].endswith(". Increase or remove time.stop")
 
 
 def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
@@ -165,9 +166,9 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
     nearest = int(np.argmin(distances))
     assert nearest == 3
     assert summary["period_distance_least"] == pytest.approx(distances[nearest], rel=1e-9)
-    assert f"no nearer for 3 periods than {distances[nearest]:.2g}" in said[-1]
-    assert "no nearer" not in said[nearest + 2]
-    assert "the distances have stopped falling, echo.w0" in summary["settled"]
+    assert f"no decrease for 3 periods, minimum {distances[nearest]:.2g}" in said[-1]
+    assert "no decrease" not in said[nearest + 2]
+    assert "The change no longer decreases: echo.w0" in summary["settled"]
 
 
 @pytest.mark.parametrize("instant", [3.0, 4.0, 5.0, 10.0])

@@ -229,8 +229,8 @@ def test_each_cylinder_is_named():
     assert {"Motion of the piston: front", "Forces: rear"} <= {*titles}
     assert shown.strip["rear.side_force"] == "kN"
     lines = {line.name: line.said for line in headlines(case, results)}
-    assert lines["side force, front"].startswith("100 N thrust")
-    assert lines["side force, rear"].startswith("200 N thrust")
+    assert lines["side force, front"].startswith("100 N on the thrust side")
+    assert lines["side force, rear"].startswith("200 N on the thrust side")
     said = {one.what: one.colour for one in verdicts(case, results)}
     assert said["side force of front"] == "green" and said["side force of rear"] == "red"
 

@@ -67,7 +67,7 @@ def test_distance_from_the_reference(tmp_path):
     rows = [{"run": p.values["run"], "status": "done", "message": ""} | summary for p in points]
     rows[0] = {"run": rows[0]["run"], "status": "failed", "message": "why"}
     rows[-1]["truncation_error_piston"] = 0.25
-    rows[-2]["truncation_error"] = "not known: nothing recorded"
+    rows[-2]["truncation_error"] = "unknown: nothing recorded"
     runs = {row["run"]: Curve(1.0 if row["run"] == study.reference else 1.1) for row in rows[1:]}
     table = study_rows(study, case, rows, runs)
     assert table[0] == StudyRow(rows[0]["run"], "failed", None, {}, {})
@@ -83,7 +83,7 @@ def test_distance_from_the_reference(tmp_path):
     assert written[-1][f"rms {study.curves[0]}"] == "0.0"
     assert [row["truncation_error_piston"] for row in written[-2:]] == ["", "0.25"]
     assert written[-2]["truncation_error"] == table[-2].truncation["truncation_error"]
-    assert table[-2].truncation["truncation_error"] == "not known: nothing recorded"
+    assert table[-2].truncation["truncation_error"] == "unknown: nothing recorded"
     del runs[study.reference]
     with pytest.raises(BadInput, match="has not finished"):
         study_rows(study, case, rows, runs)

@@ -161,7 +161,7 @@ def test_a_second_sweep_in_the_same_folder_is_refused(tree, tmp_path):
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;1500rpm", tree)])
 
     def watch(row, done, total):
-        with pytest.raises(BadInput, match=f"being written by process {os.getpid()}"):
+        with pytest.raises(BadInput, match=f"process {os.getpid()} on .* is writing this file"):
             sweep(points, PATH.parent, tmp_path, Answering())
 
     sweep(points, PATH.parent, tmp_path, Answering(), watch)

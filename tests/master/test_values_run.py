@@ -284,7 +284,7 @@ def test_a_failed_run_goes_on_from_the_last_checkpoint(toys, tmp_path):
 
     with pytest.raises(StepFailed) as failure:
         go(system, output, fail)
-    assert "go on from the last checkpoint" in failure.value.__notes__[0]
+    assert "continue from the last checkpoint" in failure.value.__notes__[0]
     checkpoint = Checkpoint.read(Checkpoint.path(output))
     # every second macro step; the third was taken, recorded and logged, and goes
     assert (checkpoint.account.steps_done, checkpoint.account.rows) == (2, 3)
@@ -304,10 +304,10 @@ def test_no_checkpoint_but_at_a_signal(toys, tmp_path):
 
 def test_what_is_no_checkpoint_is_refused(tmp_path):
     path = tmp_path / "run.h5.checkpoint"
-    with pytest.raises(BadInput, match="no checkpoint of this version"):
+    with pytest.raises(BadInput, match="cannot read the checkpoint"):
         Checkpoint.read(path)
     path.write_bytes(b"something else")
-    with pytest.raises(BadInput, match="no checkpoint"):
+    with pytest.raises(BadInput, match="expected a checkpoint of this version"):
         Checkpoint.read(path)
 
 

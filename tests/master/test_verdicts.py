@@ -85,15 +85,22 @@ def missed(share, **of_bodies):
 
 def settled(distance):
     """Summary entries of a run whose last period is so far from the one before."""
-    return {"periodic": distance < 1e-3, "settled": "in words", "period_distance": distance}
+    return {"periodic": distance < 1e-3, "settled": "In words", "period_distance": distance}
 
 
 def test_a_sound_run_is_green_whatever_its_first_period_was(tmp_path):
     """The film of the first one, 2.5 um, would do; its side force is twice what is asked for."""
     found = judged(tmp_path, **settled(2e-4))
     assert {one.colour for one in found.values()} == {"green"}
-    assert set(found) == {"convergence", "energy", "film", "pressure", "side force", "settled"}
-    assert found["settled"].said == "in words"
+    assert set(found) == {
+        "convergence",
+        "interface work",
+        "film",
+        "pressure",
+        "side force",
+        "periodicity",
+    }
+    assert found["periodicity"].said == "In words."
 
 
 def ledgered(refused=0, share=0.049, made=0.0):
@@ -115,22 +122,22 @@ def ledgered(refused=0, share=0.049, made=0.0):
         ({"pressure": 49e6}, "pressure", "green"),
         ({"pressure": 51e6}, "pressure", "amber"),
         ({"pressure": 101e6}, "pressure", "red"),
-        (settled(9e-4), "settled", "green"),
-        (settled(2e-3), "settled", "amber"),
+        (settled(9e-4), "periodicity", "green"),
+        (settled(2e-3), "periodicity", "amber"),
         ({"knock": 0.24}, "side force", "green"),
         ({"knock": 0.26}, "side force", "amber"),
         ({"knock": 0.76}, "side force", "red"),
         ({"unconverged_steps": 1}, "convergence", "red"),
-        ({"interface_work_imbalance": -2e-3}, "energy", "amber"),
-        ({"interface_work_imbalance": 0.02}, "energy", "red"),
-        ({"interface_work_imbalance": float("nan")}, "energy", "red"),
-        (ledgered(), "energy ledger", "green"),
-        (ledgered(refused=1), "energy ledger", "amber"),
-        (ledgered(share=0.051), "energy ledger", "amber"),
-        (ledgered(made=0.0009), "energy ledger", "green"),
-        (ledgered(made=0.0011), "energy ledger", "amber"),
-        (ledgered(made=0.011), "energy ledger", "red"),
-        (ledgered(made=-0.2, share=-float("inf")), "energy ledger", "green"),
+        ({"interface_work_imbalance": -2e-3}, "interface work", "amber"),
+        ({"interface_work_imbalance": 0.02}, "interface work", "red"),
+        ({"interface_work_imbalance": float("nan")}, "interface work", "red"),
+        (ledgered(), "energy balance", "green"),
+        (ledgered(refused=1), "energy balance", "amber"),
+        (ledgered(share=0.051), "energy balance", "amber"),
+        (ledgered(made=0.0009), "energy balance", "green"),
+        (ledgered(made=0.0011), "energy balance", "amber"),
+        (ledgered(made=0.011), "energy balance", "red"),
+        (ledgered(made=-0.2, share=-float("inf")), "energy balance", "green"),
         (missed(0.0199, piston=0.3), "truncation", "green"),
         (missed(0.021, block=1e-4), "truncation", "amber"),
         (missed(0.11, piston=1e-4), "truncation", "red"),
@@ -144,12 +151,12 @@ def test_limits(given, what, colour, tmp_path):
 def test_what_the_modes_of_each_body_miss(tmp_path):
     found = judged(tmp_path, **missed(0.0275, piston=0.004, block=0.0175))
     assert found["truncation"].said == (
-        "the modes miss at most 0.028 of the local film thickness at any recorded instant, allowed "
-        "0.02; 0.004 (piston) and 0.018 (block) of the deflection over the run; increase "
-        "piston.modes and block.modes"
+        "The truncation error of the modes is at most 2.8 % of the local film thickness "
+        "(limit 2 %). It is 0.4 % of the piston deflection and 1.8 % of the block deflection. "
+        "Increase piston.modes and block.modes."
     )
     other = judged(tmp_path, **missed(None, block=0.0175))["truncation"].said
-    assert "record film_thickness of the bodies (record.fields)" in other
+    assert "Record film_thickness of the bodies (record.fields)" in other
 
 
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
@@ -178,9 +185,9 @@ def hill(width_around, width_along, cells=40, closed=0, at=9):
         (hill(5, 3), "amber", "5 cells around and 3 along"),
         (hill(1, 5), "red", "1 cells around"),
         (hill(6, 6, at=37), "green", "6 cells around"),  # across the seam of the ring
-        (hill(4, 4, cells=41), "amber", "41 cells around: of an odd number none"),
+        (hill(4, 4, cells=41), "amber", "41 cells around are odd"),
         (hill(4, 4, closed=3), "green", "4 cells around and 4 along"),
-        (hill(4, 4, closed=2), "amber", "an opening in the film is 2 cells wide"),
+        (hill(4, 4, closed=2), "amber", "An opening in the film is 2 cells wide"),
     ],
 )
 def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence):
@@ -206,19 +213,19 @@ def test_the_first_screen_by_hand(tmp_path):
         assert np.degrees([cycle.end for cycle in each]) == pytest.approx([360.0, 1080.0])
         shown = answer(case, results)
     said = {line.name: line.said for line in shown.lines}
-    assert said["friction"] == "100 W on average, FMEP 9.18 kPa of 720 deg"
-    assert said["thinnest film"] == "5 µm at 370 deg, anti-thrust, 270 deg around, height 19.7 mm"
-    assert said["highest pressure"] == "3 MPa at 360 deg"
-    assert said["asperities"] == "4.00% of the friction work, touching 0.10% of the skirt at most"
+    assert said["friction"] == "mean 100 W, FMEP 9.18 kPa over 720 deg"
+    assert said["minimum film"] == "5 µm at 370 deg, anti-thrust side, 270 deg, height 19.7 mm"
+    assert said["maximum pressure"] == "3 MPa at 360 deg"
+    assert said["asperity contact"] == "4.00% of the friction work, on at most 0.10% of the skirt"
     assert said["side force"] == (
-        "1 kN anti-thrust at 540 deg; gas and inertia ask for 1 kN anti-thrust at 540 deg"
+        "1 kN on the anti-thrust side at 540 deg; demand 1 kN on the anti-thrust side at 540 deg"
     )
-    assert said["slap"] == "2 mJ across the bore, -50 mm/s at 720 deg"
-    assert said["across the bore"] == "-10 µm to 10 µm"
-    assert said["tilt"] == "-0.1 deg to 0.1 deg"
-    assert said["oil"] == "300 mm³ in the film, 2 mm³/s out over the upper edge"
-    assert said["settled"] == "last period differs from the one before by 0.0002"
-    assert said["computed"] == "1440 deg, 2 periods, in 10 steps, 3 s"
+    assert said["slap"] == "kinetic energy 2 mJ, velocity -50 mm/s at 720 deg"
+    assert said["lateral motion"] == "-10 µm to 10 µm"
+    assert said["rocking angle"] == "-0.1 deg to 0.1 deg"
+    assert said["oil"] == "300 mm³ in the film, outflow 2 mm³/s through the upper edge"
+    assert said["periodicity"] == "change of 0.0002 between the last two periods"
+    assert said["run"] == "1440 deg (2 periods) in 10 steps, wall time 3 s"
     assert said["checks"] == "6 pass"
     assert len(shown.lines) <= 12
 

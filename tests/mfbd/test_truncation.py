@@ -335,7 +335,7 @@ def test_a_run_that_cannot_state_it_says_why(coarse, kept, tmp_path):
     path = results(tmp_path / "run.h5", tree, film_forces(GRID), ("nodal_pressure_force",))
     added = state_truncation(tree, folder, path, lambda text: None)
     assert list(added) == ["truncation_error"]
-    assert added["truncation_error"].startswith("not known: run.h5 has not recorded nodal_pressure")
+    assert added["truncation_error"].startswith("unknown: run.h5 has not recorded nodal_pressure")
     with h5py.File(path) as file:
         assert json.loads(file.attrs["summary"]) == {"steps": 3} | added
 
