@@ -392,10 +392,8 @@ class Picture(Table):
 
 
 class Axis(Table):
-    """Axis of one index of a field, from the start of the first cell to the end of the last.
-
-    range : positions in `unit`. centred : position of a cell centre on a closed axis. The range
-    then shifts by at most half a cell. marks : label -> position.
+    """Axis of one index of a field, from the start of the first cell to the end of the last. On a
+    closed axis, `centred` shifts the range by at most half a cell.
     """
 
     label: str

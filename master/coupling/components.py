@@ -101,10 +101,10 @@ def table(system: System, method: str) -> list[str]:
         return []
     if not any(one.is_loop for one in found):
         return ["the wires form no loop: every participant steps once"]
-    lines = ["components of the wires, in the order in which they step:"]
+    lines = ["components of the wires, in stepping order:"]
     for one in found:
         how = method if one.is_iterated else "explicit" if one.is_loop else "once"
-        why = f"  ({', '.join(one.fixed)} cannot go back to a saved state)" if one.fixed else ""
+        why = f"  ({', '.join(one.fixed)} cannot restore a saved state)" if one.fixed else ""
         lines.append(f"  {how:10s} {', '.join(one.names)}{why}")
     return lines
 

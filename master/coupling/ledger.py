@@ -1,20 +1,18 @@
-"""Energy that comes from nowhere: what participants say that they took from one another in a macro
+"""Spurious energy: the sum of the energies that participants receive from each other in a macro
 step.
 
-A participant that knows tells in an output, named in the contract, how much energy it took over its
-wires in the last step: what it holds more of, and what it turned into heat. What one takes another
-gives.
+A participant may have an output, named in the contract, for the energy that it received over its
+wires in the last step. It is the sum of the stored and the dissipated energy.
 
-Eq. (W2):  c = sum over participants of E_i,   believed as long as  c <= LIMIT (X + sum Z_i) + Y,
+Eq. (W2):  c = sum over participants of E_i,   accepted if  c <= LIMIT (X + sum Z_i) + Y,
            X = sum |F_in| . |dq_out|,   Y = sum |F_in| . (tolerance of q)
 
-F and q are those of Eq. (W1), in the step: X is what passed to and fro, by the trapezoidal rule, Y
-what the wires' tolerance is worth, Z_i the size of what a participant's account is made of besides,
-where it tells. Of X + sum Z_i half of that of the step before counts, if it is more: an integrator
-carries the errors of a step into the next, and after a stop little else is left. c is 0 where every
-account is complete, and negative by the heat that none of them counts; where it is positive energy
-was made, by a participant's discretisation in time or by its model. A macro step that is not
-believed is taken back and halved, as one that does not converge.
+F and q are those of Eq. (W1) in the step. X is the energy exchanged, by the trapezoidal rule. Y is
+the energy of the wires' tolerances. Z_i is the size of the other terms of a participant's balance,
+if it has an output for it. X + sum Z_i is at least half of that of the previous step, because an
+integrator carries the errors of a step into the next. c is 0 if every balance is complete, and
+negative by dissipation that no balance includes. c is positive if time integration or a model
+creates energy. A macro step that is not accepted is rejected and halved, as if it did not converge.
 """
 
 from collections.abc import Mapping
@@ -25,15 +23,15 @@ from .wiring import Port
 from .work import Exchange
 
 LIMIT = 0.1
-"""Of what passed to and fro and of what is held: our own choice. A mass that an integrator throws
-back from a film faster than it came has a step with 0.2 or more (`tests/mfbd/test_impact.py`).
+"""Largest spurious energy over the energy exchanged and stored, an assumption. A mass that rebounds
+from a film faster than it arrived has a step with 0.2 or more (`tests/mfbd/test_impact.py`).
 """
 REMEMBERED = 0.5
-"""Of the size of a step, in the next one."""
+"""Fraction of the size of a step that counts in the next one."""
 
 
 class Ledger:
-    """What participants took, over the macro steps.
+    """Energy that participants received over the macro steps.
 
     Parameters
     ----------
@@ -47,9 +45,9 @@ class Ledger:
     taken : dict of str to float
         Sum of E_i by participant [J].
     largest : float
-        Largest c / (X + sum Z_i + Y) of a step [-], negative where none made energy.
+        Largest c / (X + sum Z_i + Y) of a step [-], negative if no step created energy.
     size : float
-        X + sum Z_i of the last step, or what counted in its place [J].
+        X + sum Z_i of the last step, or the fraction of the previous one [J].
     """
 
     def __init__(self, ports: list[Port], sizes: list[Port]):
@@ -60,7 +58,7 @@ class Ledger:
         self.size = 0.0
 
     def check(self, participants: Mapping, exchange: Exchange) -> None:
-        """Raise EnergyCreated unless the last step of the participants is to be believed."""
+        """Raise EnergyCreated if the spurious energy of the last step exceeds its limit."""
         amounts = self._read(participants)
         created = sum(amounts.values())
         whole = self._whole(participants, exchange)
@@ -68,8 +66,8 @@ class Ledger:
         if created > allowed:  # Eq. (W2)
             said = ", ".join(f"{name} {amount:.3g} J" for name, amount in amounts.items())
             raise EnergyCreated(
-                f"energy from nowhere: {created:.3g} J ({said}) of {whole:.3g} J that "
-                f"passed to and fro or was held, allowed {allowed:.3g} J"
+                f"spurious energy: {created:.3g} J ({said}) of {whole:.3g} J exchanged or stored, "
+                f"limit {allowed:.3g} J"
             )
 
     def add(self, participants: Mapping, exchange: Exchange) -> None:

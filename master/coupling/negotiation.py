@@ -90,9 +90,9 @@ def by_differences(system: System, objected: dict[str, str]) -> System:
 
 
 def sentences(objected: dict[str, str]) -> list[str]:
-    """What the run says of them."""
+    """Return the messages about them."""
     return [
-        f"{name}: its own directional derivative is not used, {why}; differences of steps are"
+        f"{name}: uses finite differences instead of its directional derivative: {why}"
         for name, why in objected.items()
         if why
     ]

@@ -25,7 +25,7 @@ class StepFailed(Stopped):
 
 
 class EnergyCreated(RuntimeError):
-    """A macro step that converged, and in which energy came from nowhere (`ledger`)."""
+    """A macro step that converged but created spurious energy (`ledger`)."""
 
 
 @dataclass

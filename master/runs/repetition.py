@@ -241,8 +241,8 @@ def repetition(case, tree, system) -> Repetition | None:
         if not ends:
             return None
         raise BadInput(
-            "time.until_periodic: nothing tells whether a period repeats: the case has no wire of "
-            "reals, and no participant with a role of the contract"
+            "time.until_periodic: expected a wire of real numbers or a participant with a role, "
+            "got neither"
         )
     storable = all(getattr(p, "can_serialise", False) for p in system.participants.values())
     slow = Extrapolation() if ends and storable else None

@@ -419,7 +419,7 @@ class March:
         self.watch(time, end, solution, monitored)
 
     def judge(self, time, solution):
-        """Raise EnergyCreated where energy came from nowhere in the step that ends at `time`."""
+        """Raise EnergyCreated if the step that ends at `time` created spurious energy."""
         if self.account.ledger:
             _, exchange = self._exchanged(time, solution)
             self.account.ledger.check(self.system.participants, exchange)

@@ -144,7 +144,7 @@ def test_a_loop_through_an_fmu_without_saved_states_is_explicit_in_that_loop_alo
     participants = {"a": "one_way", "b": "half", "c": "lag"}
     results = coupled(participants, wires)
     assert last(results, "a.y") == pytest.approx(lag_and_half(100, True)[0], rel=1e-12)
-    assert "explicit   a, b  (a cannot go back to a saved state)" in coupled.said
+    assert "explicit   a, b  (a cannot restore a saved state)" in coupled.said
     assert results.summary["loops_stepped_explicitly"] == 1
     assert "WARNING" in coupled.said and "step without iteration" in coupled.said
     assert last(results, "b.n") == last(results, "c.n") == 100  # nothing was restored

@@ -1,4 +1,4 @@
-"""Energy from nowhere: steps that are refused, and what is said of the others, on toys.
+"""Spurious energy: steps that are refused, and what is said of the others, on toys.
 
 The force between the toys is 10 + t [N] and moves them by as many metres, so that its mean times H
 passes in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
@@ -83,7 +83,7 @@ def test_steps_that_make_none_are_left_alone(affine, tmp_path):
 
 
 def test_energy_that_no_halving_cures_stops_the_run(affine, tmp_path):
-    with pytest.raises(StepFailed, match=r"energy from nowhere: .* J \(echo 0 J, plant .* J\)"):
+    with pytest.raises(StepFailed, match=r"spurious energy: .* J \(echo 0 J, plant .* J\)"):
         go(affine, 1e4, tmp_path / "run.h5")
 
 

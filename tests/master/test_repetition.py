@@ -237,7 +237,7 @@ def test_a_case_with_nothing_to_compare_is_refused(toys):
     tree = TREE | {"wires": []}
     system = toys()
     bare = SimpleNamespace(wires=(), participants=system.participants, period=4.0)
-    with pytest.raises(BadInput, match="time.until_periodic: nothing tells"):
+    with pytest.raises(BadInput, match="time.until_periodic: expected a wire"):
         repetition(check_case(tree, "case.toml"), tree, bare)
 
 
