@@ -65,3 +65,9 @@ def test_conda_and_container_install_the_release_wheel():
     image = (ROOT / "Containerfile").read_text()
     assert "COPY dist/*.whl" in image and "gcc" not in image
     assert "dist" not in (ROOT / ".dockerignore").read_text().split()
+
+
+def test_the_index_of_measurements_has_every_page():
+    folder = ROOT / "docs/measurements"
+    linked = set(re.findall(r"\]\((\w+\.md)\)", (folder / "README.md").read_text()))
+    assert linked == {path.name for path in folder.glob("*.md")} - {"README.md"}
