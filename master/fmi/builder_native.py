@@ -67,7 +67,7 @@ def _zig(target):
 
 
 COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
-ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack")
+ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack", "-Wl,-S")
 MACH_O = ("-fPIC", "-fvisibility=hidden")
 PLATFORMS = {
     "linux64": Platform(
