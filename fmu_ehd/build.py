@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
@@ -13,7 +13,7 @@ from ..master.fmi.option_classes import near, near_key, with_meanings
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from ..models import MODELS
-from .oil import vogel_constants
+from .oil import Oil, vogel_constants
 from .options import BuildOptions
 from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES, variables
 
@@ -150,6 +150,41 @@ def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, floa
         )
         return {}
     return oil_values(chosen.oil, library[chosen.oil], faults)
+
+
+class LibraryOil(NamedTuple):
+    """An oil of a library.
+
+    Parameters
+    ----------
+    name, title, source : str
+        The source is that of its viscosity.
+    viscosity : tuple of float
+        Dynamic viscosity at low shear at 40 and 100 degC [Pa s].
+    """
+
+    name: str
+    title: str
+    source: str
+    viscosity: tuple[float, float]
+
+
+def library_oils(build: Mapping[str, Any], folder: Path) -> list[LibraryOil]:
+    """Return the oils that a film can select by `oil`; raise BadInput if the library has faults."""
+    named = build.get("oil_library")
+    path = folder / named if named else MODELS / "oils.toml"
+    faults: list[str] = []
+    oils = []
+    for name, entry in tomllib.loads(path.read_text()).items():
+        values: dict[str, Any] = oil_values(name, entry, faults)
+        oil = Oil(**values)
+        cold, hot = oil.low_shear_viscosity(np.array([313.15, 373.15]))
+        sources = entry.get("sources", {})
+        source = sources.get("points") or sources.get("viscosity_40") or sources["viscosity_law"]
+        oils.append(LibraryOil(name, entry["title"], source, (float(cold), float(hot))))
+    if faults:
+        raise BadInput(faults)
+    return oils
 
 
 def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[str, float | str]:

@@ -121,24 +121,67 @@ def _range(variable: Variable) -> str:
     return f"{low:g} or more" if high is None else f"{high:g} or less"
 
 
-def chosen_keys(found: list[Key], part: str) -> list[Key]:
-    """Keys at a dotted path, below it, or whose path has these parts one after the other.
+SYNONYMS = {
+    "gap": ("clearance", "film_thickness"),
+    "play": ("clearance",),
+    "lubricant": ("oil", "viscosity"),
+    "oil": ("viscosity", "vogel", "walther", "shear_thinning"),
+    "profile": ("barrel", "ovality", "skirt_profile"),
+    "rpm": ("crank_speed",),
+    "stiffness": ("young",),
+    "weight": ("mass",),
+    "solver": ("method", "tolerance", "max_iterations"),
+    "mesh": ("grid",),
+    "combustion": ("gas",),
+}
+"""Word that users look for -> words in the names of keys."""
+
+
+def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
+    """Return the keys that a word selects, and whether it is the path of a table.
+
+    A dotted path, or part of one, selects the table. Any other word selects the keys whose name,
+    meaning or synonym contains it. Keys whose name contains it come first.
 
     Raises
     ------
     BadInput
-        If there are none; names what is like it.
+        If no key matches.
     """
-    wanted = part.split(".")
+    wanted = word.split(".")
     chosen = [key for key in found if _has(key.path.split("."), wanted)]
-    if chosen:
-        return chosen
-    parts = {word for key in found for word in key.path.split(".")} - {ANY, EACH}
-    raise BadInput(f"{part}: no key of a case has this part{near(wanted[-1], sorted(parts))}")
+    if any(key.name != wanted[-1] for key in chosen):
+        return chosen, True
+    text = word.lower()
+    names = (text, *SYNONYMS.get(text, ()))
+    by_name = [key for key in found if any(name in key.path.lower() for name in names)]
+    by_meaning = [key for key in found if text in key.meaning.lower() and key not in by_name]
+    if chosen := list(dict.fromkeys([*chosen, *by_name, *by_meaning])):
+        return chosen, False
+    parts = {part for key in found for part in key.path.split(".")} - {ANY, EACH}
+    close = near(wanted[-1], sorted({*parts, *SYNONYMS}))
+    raise BadInput(f"{word}: no key of a case contains this word{close}")
 
 
 def _has(path: list[str], wanted: list[str]) -> bool:
     return any(path[k : k + len(wanted)] == wanted for k in range(len(path)))
+
+
+def library_oils(tree: dict[str, Any], folder: Path) -> list[Any]:
+    """Return the oils that the films of a case can select by name."""
+    oils = {}
+    for table in _built(tree).values():
+        if function := part_function(table["package"], "library_oils"):
+            oils |= {oil.name: oil for oil in function(table.get("build", {}), folder)}
+    return list(oils.values())
+
+
+def matching_oils(oils: list[Any], word: str) -> list[Any]:
+    """Return all oils for the word oil or lubricant, else those whose name or title contains it."""
+    if word.lower() in ("oil", "oils", "lubricant"):
+        return oils
+    text = word.lower().replace("-", "_")
+    return [oil for oil in oils if text in f"{oil.name} {oil.title}".lower().replace("-", "_")]
 
 
 def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import sys
 import time
 from contextlib import suppress
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput, Stopped
@@ -54,12 +54,19 @@ COMMANDS = {
 MOVED = {words.split()[1]: words for words in COMMANDS if words.count(" ") == 1}
 """Former name of a command -> its words."""
 
+
+def _shown(default):
+    """Return a default as --help shows it; None for an option that is off or empty by default."""
+    return None if default in (None, False, []) else str(default)
+
+
 app = App(
     name="piston-cosim",
     help=SUMMARY,
     version_flags=["--version"],
     help_format="markdown",
     version_format="plaintext",
+    default_parameter=Parameter(negative_iterable=(), show_default=_shown),
 )
 _PACKAGE = __name__.rpartition(".")[0]
 _apps = {"": app} | {name: App(name=name, help=text) for name, text in GROUPS.items()}

@@ -9,14 +9,14 @@ from .common import console
 
 
 def command(*names: str):
-    """Run the benchmarks of a source checkout: ratios measured side by side, one thread.
+    """Run the benchmarks of a source checkout.
 
     Example: piston-cosim bench mfbd_step
 
     Parameters
     ----------
     names
-        Scripts in tests/bench without their ending; by default all but those in its folder slow.
+        Scripts in tests/bench without their suffix. Default: all except the folder slow.
     """
     folder = Path(__file__).resolve().parents[2] / "tests" / "bench"
     known = {path.stem: path for path in sorted(folder.rglob("*.py"))}

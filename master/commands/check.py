@@ -9,22 +9,23 @@ from ..fmi.quantities import short
 from .common import Changes, console, default_folder, parse_change
 
 
-def command(source: str, *, set_: Changes = [], picture: Path | None = None):
-    """Check a case without a run: faults, geometry, masses, clearance, cells with a film.
+def command(source: str, /, *, set_: Changes = [], picture: Path | None = None):
+    """Check a case without a run.
 
-    The command also draws skirt and bore. For a system of FMUs it prints every loop with its gain,
-    its condition, and the method and step that suit it.
+    The command prints every fault, geometry, masses, clearance and the cells with a film, and draws
+    skirt and bore. For a system of FMUs it prints each loop with its gain, its condition, and the
+    method and step that suit it.
 
     Example: piston-cosim check my_engine
 
     Parameters
     ----------
     source
-        Name of a case, its folder or its file.
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
     set_
-        Change of the case, KEY=VALUE.
+        Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
     picture
-        PNG file of skirt and bore; default results/CASE/check.png.
+        PNG file of skirt and bore. Default: results/CASE/check.png.
     """
     found = check(source, [parse_change(text) for text in set_])
     print_checked(found, picture or default_folder(found.path) / "check.png")

@@ -18,8 +18,8 @@ from ..fmi.tree import import_part
 
 console = Console()
 
-Changes = Annotated[list[str], Parameter(name="--set", negative=())]
-"""KEY=VALUE pairs; several allowed."""
+Changes = Annotated[list[str], Parameter(name="--set")]
+"""Changes KEY=VALUE of a case."""
 
 
 NARROWEST = 150

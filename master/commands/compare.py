@@ -1,9 +1,7 @@
 """`piston-cosim compare`."""
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import Parameter
 from rich.markup import escape
 from rich.table import Column, Table
 
@@ -13,14 +11,16 @@ from .common import Changes, console, draw_pictures, parse_change, say
 
 def command(
     case: str,
+    /,
     *,
-    lubrication: Annotated[list[str], Parameter(negative=())],
+    lubrication: list[str],
     set_: Changes = [],
     output: Path | None = None,
 ):
-    """Run a case with two or more lubrication models and compare film, load, friction and cost.
+    """Compare lubrication models on a case.
 
-    The first model is the reference. The command also draws pictures of all models.
+    The command runs the case with each model and compares film, load, friction and cost. The first
+    model is the reference. The command also draws pictures of all models.
 
     Example: piston-cosim compare numerical_example --lubrication jfo --lubrication gumbel
     --lubrication film.fmu

@@ -6,31 +6,40 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from ..case.keys import case_keys, chosen_keys, json_schema
+from ..case.keys import case_keys, chosen_keys, json_schema, library_oils, matching_oils
 from ..case.schema import find_case, read_tree
+from ..fmi.errors import BadInput
 from ..fmi.option_classes import Key
 from .common import console, wide_console
 
 
 def command(
-    part: str | None = None,
+    word: str | None = None,
+    /,
     *,
     case: str = "data_sheet",
-    json_schema_: Annotated[bool, Parameter(name="--json-schema", negative=())] = False,
+    json_schema_: Annotated[bool, Parameter(name="--json-schema")] = False,
 ):
-    """List every key of a case file, parameters of the FMUs included: unit, default, allowed
-    values, meaning.
+    """List the keys of a case file.
 
-    Example: piston-cosim keys piston; piston-cosim keys ehd.parameters; piston-cosim keys viscosity
+    The list shows unit, default, allowed values and meaning. It includes the parameters of the FMUs
+    and, for the word oil or the name of an oil, the oil library.
+
+    Example: piston-cosim keys clearance
+
+    Example: piston-cosim keys participants.ehd.parameters
+
+    Example: piston-cosim keys oil
 
     Parameters
     ----------
-    part
-        Only keys whose dotted path holds this; all without it.
+    word
+        Print only the table of this dotted path, or the keys whose name, meaning or synonym
+        contains this word. Default: all keys.
     case
         Case whose participants are listed.
     json_schema_
-        Print a JSON schema of such a case in place of the list, for editors.
+        Print a JSON schema of such a case for editors.
     """
     path = find_case(case)
     tree = read_tree(path)
@@ -38,16 +47,57 @@ def command(
         print(json.dumps(json_schema(tree, path.parent), indent=1))
         return
     found = case_keys(tree, path.parent)
-    chosen = chosen_keys(found, part) if part else found
-    wide = wide_console()
+    if word is None:
+        print_tables(found)
+        return
+    oils = matching_oils(library_oils(tree, path.parent), word)
+    try:
+        chosen, is_table = chosen_keys(found, word)
+    except BadInput:
+        if not oils:
+            raise
+        chosen, is_table = [], False
+    if is_table:
+        print_tables(chosen)
+    else:
+        print_matches(chosen)
+    if oils:
+        print_oils(oils)
+
+
+def print_tables(keys: list[Key]):
+    """Print keys by the table of the case file that they are in."""
     tables: dict[str, list[Key]] = {}
-    for key in chosen:
+    for key in keys:
         tables.setdefault(key.path.rpartition(".")[0], []).append(key)
-    for place, group in tables.items():
-        console.print(f"\n[bold]{place or 'case'}[/]", highlight=False)
-        table = Table("key", "unit", "default", "allowed", "meaning", box=None, padding=(0, 1))
-        table.columns[0].no_wrap = True
-        for key in group:
-            default = "(required)" if key.required else key.default
-            table.add_row(key.name, key.unit, default, key.allowed, key.meaning)
-        wide.print(table, markup=False)
+    for name, group in tables.items():
+        console.print(f"\n[bold]{name or 'case'}[/]", highlight=False)
+        _print(group, "key")
+
+
+def print_matches(keys: list[Key]):
+    """Print keys from several tables in one table, with their dotted paths."""
+    if keys:
+        _print(keys, "path")
+
+
+def _print(keys, column):
+    table = Table("key", "unit", "default", "allowed", "meaning", box=None, padding=(0, 1))
+    table.columns[0].no_wrap = True
+    for key in keys:
+        default = "(required)" if key.required else key.default
+        name = key.path if column == "path" else key.name
+        table.add_row(name, key.unit, default, key.allowed, key.meaning)
+    wide_console().print(table, markup=False)
+
+
+def print_oils(oils):
+    """Print oils of the library; `oil = "NAME"` in the build table of the film selects one."""
+    heads = ("oil", "at 40 C \\[mPa s]", "at 100 C \\[mPa s]", "title", "source")
+    table = Table(*heads, box=None, padding=(0, 1))
+    table.columns[0].no_wrap = True
+    for oil in oils:
+        cold, hot = (f"{1e3 * viscosity:.3g}" for viscosity in oil.viscosity)
+        table.add_row(oil.name, cold, hot, oil.title, oil.source)
+    console.print('\n[bold]oil library[/]: select with oil = "NAME"', highlight=False)
+    wide_console().print(table)

@@ -9,7 +9,10 @@ from .common import console
 
 
 def command():
-    """List the cases that come with the tool."""
+    """List the shipped cases.
+
+    Example: piston-cosim list
+    """
     table = Table("case", "title", "variants", box=None)
     for name in case_names():
         tree = tomllib.loads(find_case(name).read_text())

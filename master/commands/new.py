@@ -16,12 +16,12 @@ from .common import console
 
 
 def _option(name: str) -> Any:
-    """A size as an option of the command."""
+    """Return a size as an option of the command: name, type, default."""
     size = SIZES[name]
     unit = f" [{size.unit}]" if size.unit else ""
-    words = f"; without it {size.words}, our estimate" if size.rule else ""
-    told = Parameter(help=f"{size.meaning}{unit}{words}.", allow_leading_hyphen=True)
-    return (name, Annotated[str | None, told], None)
+    rule = f" Default: estimate, {size.words}." if size.rule else ""
+    option = Parameter(help=f"{size.meaning}{unit}.{rule}", allow_leading_hyphen=True)
+    return (name, Annotated[str | None, option], None)
 
 
 HERE = {"__module__": __name__}
@@ -32,6 +32,7 @@ Sizes: Any = make_dataclass("Sizes", map(_option, SIZES), frozen=True, namespace
 
 def command(
     name: Path,
+    /,
     *,
     sizes: Annotated[Sizes, Parameter(name="*")] = Sizes(),  # noqa: B008  # pyright: ignore
     peak_pressure: str | None = None,
@@ -40,29 +41,30 @@ def command(
     mesh: Path | None = None,
     step: Path | None = None,
 ):
-    """Write a commented case of an own engine that runs at once, from a few lengths; the piston of
-    a data sheet, of our own proportions, of a mesh or of a STEP file. What is estimated is marked,
-    with its rule.
+    """Write a case of your own engine.
+
+    The case is complete, runs at once and has comments. The command estimates each size that you
+    omit and marks it in the case with its rule. A number without a unit is in the unit shown.
 
     Example: piston-cosim new my_engine --bore 86 --stroke 86 --rod 143 --piston slipper
 
     Parameters
     ----------
     name
-        Folder to be made.
+        Folder to create.
     peak_pressure
-        Largest gas pressure, gauge [bar]; without it 1.9 times what compression gives is added
-        by burning, our estimate.
+        Maximum gas pressure, gauge [bar]. Default: estimated; combustion adds 1.9 times the
+        pressure of compression.
     motored
         Compression and expansion without combustion.
     piston
-        data-sheet: rigid, without a mesh (the default); slipper, full: flexible, a mesh of our own
-        proportions made by gmsh (extra mesh), its skirt two panels or all around.
+        data-sheet: rigid, without a mesh. slipper: flexible, with two skirt panels. full: flexible,
+        with a skirt all around. The flexible pistons need the extra `mesh`. Default: data-sheet.
     mesh
-        Mesh of the piston: 10-node tetrahedra (.msh, .inp, .bdf), surfaces skirt, crown and
-        pin_bore, x thrust, y towards the head, z pin, origin on the pin's axis.
+        Mesh of the piston: 10-node tetrahedra (.msh, .inp, .bdf) with the surfaces skirt, crown and
+        pin_bore. The origin is on the pin axis, x points to thrust, y to the head, z along the pin.
     step
-        STEP file of the piston, meshed by gmsh (extra mesh); axes likewise.
+        STEP file of the piston in the same axes. The extra `mesh` (gmsh) meshes it.
     """
     made = engine(vars(sizes), peak_pressure, motored)
     given = {"--piston": piston, "--mesh": mesh, "--step": step}

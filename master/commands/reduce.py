@@ -9,21 +9,23 @@ from ..case.schema import find_case, read_tree
 from .common import Changes, console, default_folder, parse_change
 
 
-def command(source: str, *, set_: Changes = [], output: Path | None = None):
-    """Reduce bodies from meshes or matrices: a small exact body, its table of modes, pictures and
-    VTU of the mode shapes.
+def command(source: str, /, *, set_: Changes = [], output: Path | None = None):
+    """Reduce flexible bodies and list their modes.
+
+    The command reads meshes or matrices. It writes a reduced body, a table of its modes, pictures
+    and VTU files of the mode shapes.
 
     Example: piston-cosim reduce numerical_example --set participants.bodies.build.piston.modes=20
 
     Parameters
     ----------
     source
-        A case (name, folder or file) that builds bodies, or a TOML file with grid and the tables
-        [piston], [block] or both.
+        Case that builds bodies, or a TOML file with the key `grid` and the tables `piston`, `block`
+        or both.
     set_
-        Change of it, KEY=VALUE with the key's dotted path.
+        Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
     output
-        Folder for the files; default results/SOURCE/bodies.
+        Folder. Default: results/SOURCE/bodies.
     """
     path = find_case(source)
     tree = read_tree(path, [parse_change(text) for text in set_])

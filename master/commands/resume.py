@@ -17,19 +17,19 @@ from ..runs.run import run as run_system
 from .common import console, print_answers, say
 
 
-def command(checkpoint: Path, *, verbose: Annotated[bool, Parameter(negative=())] = False):
-    """Go on with an interrupted run from its checkpoint, with the same bits as if nothing had
-    happened.
+def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=())] = False):
+    """Continue an interrupted run from its checkpoint.
+
+    The results are bit for bit the results of an uninterrupted run.
 
     Example: piston-cosim resume results/numerical_example/flexible.h5.checkpoint
 
     Parameters
     ----------
     checkpoint
-        The file <results>.h5.checkpoint that the interrupted run left.
+        File NAME.h5.checkpoint that the interrupted run wrote.
     verbose
-        Also print the summary of every period, what solver and coupling have counted, the case's
-        own summary and every check.
+        Also print every period, all counters, the summary of the case and every check.
     """
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory

@@ -32,6 +32,7 @@ from .common import (
 
 def command(
     case: str,
+    /,
     *,
     set_: Changes = [],
     output: Path | None = None,
@@ -43,38 +44,36 @@ def command(
     live: bool = False,
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
-    """Run a case and the variants it names beside itself: results file, what an engineer reads of
-    it, checks, pictures.
+    """Run a case and its variants.
 
-    Example: piston-cosim run numerical_example --set participants.ehd.parameters.viscosity="20 mPa
-    s"
+    The command writes a results file per variant, prints the main results and checks, and draws the
+    pictures of the case.
+
+    Example: piston-cosim run numerical_example --set viscosity="20 mPa s"
 
     Parameters
     ----------
     case
-        Name of a case (see list), its folder, or a case file.
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
     set_
-        Change of the case, KEY=VALUE with the key's dotted path; TOML values or plain text.
+        Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
     output
-        Folder for results; default results/CASE.
+        Folder for results. Default: results/CASE.
     only
-        Run this variant alone; the label of the case itself (default base) for the case without
-        the variants that it names beside itself.
+        Run this variant only. The label of the case itself is its key `label`; default: base.
     summary_json
-        Also write the summary there.
+        Also write the summary to this file.
     plots
-        Draw the case's pictures at the end.
+        Draw the pictures of the case.
     lubrication
-        FMU to take instead of the case's own participant in this role, FILE or, where several
-        have it, PARTICIPANT=FILE; what the case says of variables it does not have is left out and
-        named.
+        Lubrication model that replaces the model of the case: an FMU, or a model class
+        FILE.py:CLASS. In a case with several films write PARTICIPANT=MODEL.
     bodies
-        The same for the participant in the role of the bodies.
+        Model of the bodies that replaces the model of the case; same form.
     live
-        Serve a page on this machine with curves while the run goes on, to pause and to stop it.
+        Serve a page on this machine that shows curves during the run and can stop it.
     verbose
-        Also print the summary of every period, what solver and coupling have counted, the case's
-        own summary and every check.
+        Also print every period, all counters, the summary of the case and every check.
     """
     path = find_case(case)
     changes = [parse_change(text) for text in set_]

@@ -12,25 +12,27 @@ from .common import Changes, console, parse_change, say
 
 
 def command(
-    case: str, name: str, *, set_: Changes = [], output: Path | None = None, workers: int = 1
+    case: str, name: str, /, *, set_: Changes = [], output: Path | None = None, workers: int = 1
 ):
-    """Run a study of a case: a table of cost and of distance from its reference run, and pictures.
+    """Run a study of a case.
+
+    The command prints the cost of each run and its distance from the reference run, and draws
+    pictures. It skips runs that an earlier call finished.
 
     Example: piston-cosim study numerical_example modes
 
     Parameters
     ----------
     case
-        Name of a case, its folder, or a case file.
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
     name
-        Of the study in the case file ([studies.NAME]).
+        Name of the study: a table `studies.NAME` of the case file.
     set_
-        Change of the case in all runs, KEY=VALUE; it overrides the study.
+        Change of the case in all runs, KEY=VALUE; repeatable. Overrides the study.
     output
-        Folder; default results/study_CASE_NAME. What is there from an earlier start is not run
-        again.
+        Folder. Default: results/study_CASE_NAME.
     workers
-        Processes; more than one disturbs the wall times.
+        Number of processes. More than one disturbs the wall times.
     """
     path = find_case(case)
     checked, chosen, points = studies.study_points(

@@ -2,9 +2,6 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from ..case.schema import find_case, read_tree
 from ..fmi.errors import BadInput
@@ -17,8 +14,9 @@ from .common import Changes, console, page_of, parse_change, say, variant_trees
 
 def command(
     case: str,
+    /,
     *,
-    vary: Annotated[list[str], Parameter(negative=())],
+    vary: list[str],
     set_: Changes = [],
     only: str | None = None,
     output: Path | None = None,
@@ -27,40 +25,41 @@ def command(
     time_limit: str | None = None,
     reports: bool = False,
 ):
-    """Run a case many times over values of its keys: one row a run in sweep.csv, a picture, and
-    sweep.html, a page with Pareto front, parallel coordinates and response surface; of another
-    sweep in the same folder all are kept, and these are sweep_2 and so on.
+    """Run a case over values of its keys.
 
-    Stopped and started again, it goes on where it was, and tries again what has failed. Points that
-    fail are rows with their reason, and the exit code is 1 then.
+    The command writes one row per run to sweep.csv, a picture, and the page sweep.html with Pareto
+    front, parallel coordinates and response surface. A second sweep in the same folder becomes
+    sweep_2.
 
-    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6 --vary
-    ovality=100um;200um
+    A repeated call continues where the first stopped and repeats failed points. A failed point is a
+    row with its reason, and the exit code is then 1.
+
+    Example: piston-cosim sweep fired_motorcycle --vary radial_clearance=10um..60um:6
+    --vary "ovality=100um;200um"
 
     Parameters
     ----------
     case
-        Name of a case, its folder, or a case file.
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
     vary
-        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, the key's dotted path or its last part; keys joined
-        by + go together.
+        KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE, repeatable. KEY is a dotted path or its last part.
+        Keys joined by + change together.
     set_
-        Change of the case in all runs, KEY=VALUE.
+        Change of the case in all runs, KEY=VALUE; repeatable.
     only
-        This variant of the case instead of the case itself.
+        Variant of the case to run. Default: the case itself.
     output
-        Folder; default results/sweep_CASE.
+        Folder. Default: results/sweep_CASE.
     workers
-        Local processes, by default one a processor.
+        Number of local processes. Default: the number of processors.
     dask
-        Address of a Dask scheduler, tls://HOST:PORT, whose workers see the same folders, instead of
-        local processes. tcp:// works too, but anyone who reaches the scheduler can then run code.
+        Address of a Dask scheduler that replaces the local processes, tls://HOST:PORT. Its workers
+        must see the same folders. Everyone who reaches a tcp:// scheduler can run code.
     reports
-        Write a report of every point that is done, to which the points of the page lead. Each takes
-        seconds and 2 MB or more, so not by default: called again with it, a sweep that is done runs
-        nothing and gets its reports.
+        Write a report of every finished point and link it from the page. A report takes seconds and
+        2 MB or more.
     time_limit
-        Longest time for one point, for example "20 min"; it fails then. Of local processes only.
+        Maximum time per point, e.g. "20 min". Local processes only.
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):

@@ -21,21 +21,22 @@ def command(
     all_: Annotated[bool, Parameter(name="--all", negative=())] = False,
     output: Path | None = None,
 ):
-    """Compute every verification figure and print it beside its reference and its error.
+    """Compute the verification figures next to their references.
+
+    Each figure has a reference (closed form, table, other code or observed order) and a tolerance.
+    The exit code is 1 if a figure is outside its tolerance.
 
     Example: piston-cosim verify ehd
 
     Parameters
     ----------
     parts
-        ehd, mfbd, master, coupled; all of them by default. Or importers: how far the engine FMU in
-        FMI 2.0 and 3.0, with Python and native, is from a run, by a host of plain C and by each
-        independent importer that is installed, here and in the Pythons that PISTON_COSIM_PYTHONS
-        names, separated by colons.
+        ehd, mfbd, master or coupled; default: all four. The part importers runs the engine FMU in
+        each installed FMI importer and compares it with a run.
     all_
-        The slow studies too (minutes).
+        Include the slow studies, which take minutes.
     output
-        Also write the figures there, as Markdown.
+        Also write the figures to this Markdown file.
     """
     unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
     if unknown:

@@ -9,7 +9,20 @@ from piston_cosim.fmu_ehd.oil import Oil, thinning
 from piston_cosim.fmu_ehd.piezoviscosity import pressure_of, reduced_pressure, viscosity_ratio
 from piston_cosim.models import MODELS
 
-OILS = ("engine_oil_vogel_cross", "light_machine_oil", "heavy_machine_oil", "medicinal_white_oil")
+GRADES = {
+    "sae_0w_20": (6.2, -35.0, 6.9, 9.3, 2.6),
+    "sae_5w_30": (6.6, -30.0, 9.3, 12.5, 2.9),
+    "sae_5w_40": (6.6, -30.0, 12.5, 16.3, 3.5),
+    "sae_10w_40": (7.0, -25.0, 12.5, 16.3, 3.5),
+    "sae_15w_40": (7.0, -20.0, 12.5, 16.3, 3.7),
+    "sae_10w_60": (7.0, -25.0, 21.9, 26.1, 3.7),
+}
+"""SAE J300 (January 2015): cranking viscosity [Pa s] at most and its temperature [C], range of the
+kinematic viscosity at 100 C [mm2/s], viscosity at 150 C and 1e6 1/s at least [mPa s]."""
+OILS = (
+    *("engine_oil_vogel_cross", "light_machine_oil", "heavy_machine_oil", "medicinal_white_oil"),
+    *GRADES,
+)
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +95,19 @@ def test_points_of_a_library_oil_are_met(library):
     assert oil.low_shear_viscosity(np.array([303.15, 333.15, 373.15])) == pytest.approx(
         [0.153, 0.034, 0.0091], rel=1e-9
     )
+
+
+@pytest.mark.parametrize("name", GRADES)
+def test_a_grade_is_within_the_limits_of_the_standard(name, library):
+    cranking, cold, low, high, high_shear = GRADES[name]
+    oil = Oil(**oil_values(name, library[name], []))
+    temperature = 273.15 + np.array([cold, 100.0, 150.0])
+    viscosity = oil.low_shear_viscosity(temperature)
+    # the constants have five digits
+    assert viscosity[0] == pytest.approx(cranking, rel=5e-3)
+    assert 1e6 * viscosity[1] / oil.density == pytest.approx((low + high) / 2.0, rel=2e-3)
+    assert low < 1e6 * viscosity[1] / oil.density < high
+    assert 1e3 * viscosity[2] > high_shear  # at low shear above the limit at high shear
 
 
 def test_library_faults_are_reported_together():

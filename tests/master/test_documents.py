@@ -3,6 +3,7 @@ has its work.
 """
 
 import ast
+import inspect
 import re
 import tomllib
 from collections import Counter
@@ -12,6 +13,8 @@ import pytest
 
 import piston_cosim as pc
 from piston_cosim.master.commands.app import COMMANDS, GROUPS, app
+
+from ..docs import prose
 
 ROOT = Path(__file__).parents[2]
 LABEL = r"\(([A-Z]\d+[a-z]?)\)"
@@ -113,10 +116,15 @@ def test_cases_in_documents_are_toml():
 
 def arguments(command):
     """Arguments of a command, e.g. "results plot", with their descriptions."""
-    found = app
+    return found(command).assemble_argument_collection(parse_docstring=True)
+
+
+def found(command):
+    """App of a command."""
+    one = app
     for word in command.split():
-        found = found[word]
-    return found.assemble_argument_collection(parse_docstring=True)
+        one = one[word]
+    return one
 
 
 def test_commands_in_documents_are_there_with_their_options():
@@ -146,6 +154,20 @@ def test_the_shell_completes_every_command():
     names = {name for command in COMMANDS for name in command.split()}
     assert [name for name in names if name not in script] == []
     assert "--summary-json" in script
+
+
+def test_help_is_plain_and_its_summaries_are_in_the_overview():
+    """Every sentence of --help, and the summary of each docstring in the list of all commands."""
+    findings = []
+    for command, summary in COMMANDS.items():
+        text = inspect.getdoc(found(command).default_command)
+        text = re.sub(r"(?m)^Example: (.+\n)+|^-+$|(?s:Parameters\n-+.*)", "", text + "\n")
+        paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
+        assert paragraphs[0] == summary, command
+        texts = [*paragraphs, *(argument.parameter.help or "" for argument in arguments(command))]
+        for one in texts:
+            findings += [(command, *finding) for finding in prose.of_text(one)]
+    assert findings == []
 
 
 def test_every_option_has_words():

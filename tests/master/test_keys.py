@@ -77,18 +77,30 @@ def test_schema_takes_the_shipped_cases_and_refuses_a_wrong_key():
     assert any("'mode'" in text for text in messages)
 
 
-def test_parts_of_a_path_choose(found):
-    paths = [key.path for key in chosen_keys(found, "piston.modes")]
-    assert paths == ["participants.bodies.build.piston.modes"]
-    assert all("ehd.parameters" in key.path for key in chosen_keys(found, "ehd.parameters"))
-    with pytest.raises(BadInput, match="did you mean viscosity"):
-        chosen_keys(found, "viscosit")
+def test_a_path_chooses_a_table_and_a_word_what_contains_it(found):
+    chosen, is_table = chosen_keys(found, "ehd.parameters")
+    assert is_table and all("ehd.parameters" in key.path for key in chosen)
+    chosen, is_table = chosen_keys(found, "piston.modes")
+    assert not is_table and chosen[0].path == "participants.bodies.build.piston.modes"
+    chosen, is_table = chosen_keys(found, "clearance")
+    assert not is_table and chosen[0].name == "radial_clearance"
+    assert all("clearance" in f"{key.path} {key.meaning}".lower() for key in chosen)
+    assert "ovality" in {key.name for key in chosen_keys(found, "profile")[0]}  # a synonym
+    with pytest.raises(BadInput, match="viscousity: .*did you mean viscosity"):
+        chosen_keys(found, "viscousity")
 
 
-def test_the_command_prints_them(capsys):
+def test_the_command_prints_tables_matches_and_oils(capsys):
     command("piston.rigid")
     printed = capsys.readouterr().out
     assert "participants.bodies.build.piston.rigid" in printed and "kg*m^2" in printed
+    command("oil")
+    printed = capsys.readouterr().out
+    assert "participants.ehd.parameters.viscosity_law" in printed
+    assert all(name in printed for name in ("heavy_machine_oil", "sae_5w_30", "SAE J300"))
+    command("5W-30")
+    printed = capsys.readouterr().out
+    assert "sae_5w_30" in printed and "heavy_machine_oil" not in printed
     command(json_schema_=True)
     assert json.loads(capsys.readouterr().out)["title"] == "Case"
 

@@ -104,7 +104,7 @@ GEOMETRY = sets(
 )
 COMMANDS = [
     (["chek", CASE], "check"),
-    (["run"], "case"),
+    (["run"], "CASE"),
     (["run", "data_shet"], "did you mean data_sheet"),
     (["check", "no_such_folder/case.toml"], "nor one of"),
     (["run", CASE, "--only", "flexible"], "the case has"),

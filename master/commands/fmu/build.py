@@ -11,6 +11,7 @@ from ..common import console, parse_grid, say
 
 def command(
     participant: str,
+    /,
     *,
     case: str = "numerical_example",
     grid: str | None = None,
@@ -27,25 +28,23 @@ def command(
     Parameters
     ----------
     participant
-        Its name in the case: ehd or bodies.
+        Name of the participant in the case: ehd or bodies.
     case
-        Case whose build options are used.
+        Case whose build options the FMU uses.
     grid
-        Circumferential x axial cells, instead of the case's.
+        Number of cells, CIRCUMFERENTIALxAXIAL. Default: the grid of the case.
     output
-        Where to put the FMU; without it the path in the cache is printed.
+        File to write. Default: a file in the cache, whose path is printed.
     fmi
-        Version of the standard.
+        Version of FMI.
     no_fields
-        Leave out the fields to look at (pressure, asperity pressure, film fraction), for tools that
-        choke on thousands of scalars.
+        Omit the output fields (pressure, asperity pressure, film fraction). Use it for tools that
+        cannot handle thousands of scalars.
     native
-        Machine code that needs no Python; choices of physics that it does not cover are refused by
-        name.
+        Write machine code that needs no Python. Reports each option that it does not support.
     platform
-        What native FMUs are for, several with commas between: linux64, win64, aarch64-linux,
-        darwin64, aarch64-darwin; each needs a C compiler here, unless the release has brought its
-        library.
+        Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
+        aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
     options = {"grid": parse_grid(grid)} if grid else {}
     fewer = {"no_fields": True} if no_fields else {}

@@ -7,8 +7,10 @@ from ...fmi.errors import BadInput
 from ..common import console
 
 
-def command(fmu: Path):
-    """Compare an FMU with the contract of its role in a case.
+def command(fmu: Path, /):
+    """Compare an FMU with the contract of its role.
+
+    The contract lists the variables that a lubrication or body model must have.
 
     Example: piston-cosim fmu check film.fmu
 

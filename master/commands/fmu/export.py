@@ -23,6 +23,7 @@ command = App(
 @command.default
 def fmu(
     case: str,
+    /,
     *,
     set_: Changes = [],
     output: Path,
@@ -64,7 +65,7 @@ def fmu(
 
 
 @command.command
-def ssp(case: str, *, set_: Changes = [], output: Path, fmi: Literal["2.0", "3.0"] = "2.0"):
+def ssp(case: str, /, *, set_: Changes = [], output: Path, fmi: Literal["2.0", "3.0"] = "2.0"):
     """Export a case as an SSP.
 
     The SSP contains the FMUs of the case, their parameters and their connections.

@@ -1,42 +1,106 @@
 """`piston-cosim fmu info`."""
 
 from pathlib import Path
+from typing import Annotated
+from zipfile import ZipFile
 
+from cyclopts import Parameter
 from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...participants.open import open_fmu
 from ..common import console, wide_console
 
+ORDER = ("input", "output", "parameter", "local")
+"""Causalities in the order of the table."""
 
-def command(fmu: Path):
-    """Print what an FMU offers: capabilities, parameters with ranges, inputs, outputs.
 
-    Example: piston-cosim fmu info film.fmu
+def command(
+    fmu: Path,
+    /,
+    *,
+    all_: Annotated[bool, Parameter(name="--all")] = False,
+    filter_: Annotated[str | None, Parameter(name="--filter")] = None,
+):
+    """Print the interface of an FMU.
+
+    The command prints what to connect, what to set, the step and the author.
+
+    Example: piston-cosim fmu info film.fmu --filter clearance
 
     Parameters
     ----------
     fmu
-        An FMI 2.0 or 3.0 FMU.
+        File of the FMU, FMI 2.0 or 3.0.
+    all_
+        Print a table of all variables with units, start values and ranges.
+    filter_
+        Print the table of the variables whose name or description contains this word.
     """
     if not fmu.is_file():
         raise BadInput(f"{fmu}: no such file")
     participant = open_fmu("fmu", fmu)
+    if not (all_ or filter_):
+        for line in summary(participant, fmu):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+        return
+    word = (filter_ or "").lower()
+    fields = [
+        field
+        for field in sorted(participant.fields.values(), key=lambda f: ORDER.index(f.causality))
+        if word in f"{field.name} {field.description}".lower()
+    ]
+    if not fields:
+        raise BadInput(f"--filter {filter_}: no variable of {fmu} contains this word")
+    print_table(fields)
+
+
+def summary(participant, fmu):
+    """Yield what a user of the FMU needs first, about ten lines."""
     model = participant.description
-    console.print(f"[bold]{model.modelName}[/]  FMI {model.fmiVersion}  {model.description or ''}")
-    console.print(
-        f"save and restore state: {participant.can_redo}   "
-        f"serialise: {participant.can_serialise}   "
-        f"directional derivative: {participant.has_derivatives}"
-    )
+    fields = participant.fields.values()
+    yield f"{model.modelName}, FMI {model.fmiVersion}: {model.description or 'no description'}"
+    made = [model.author, model.generationTool, model.generationDateAndTime, model.license]
+    yield f"made by    {', '.join(filter(None, made)) or 'not stated'}"
+    with ZipFile(fmu) as archive:
+        names = sorted({n.split("/")[1] for n in archive.namelist() if n.startswith("binaries/")})
+    yield f"runs on    {', '.join(filter(None, names)) or 'no platform: it has no binaries'}"
+    usual = model.defaultExperiment
+    step = usual and usual.stepSize and f"{float(usual.stepSize):g} s"
+    stop = usual and usual.stopTime and f", default stop time {float(usual.stopTime):g} s"
+    yield f"step       {step or 'not stated'}{stop or ''}"
+    abilities = {
+        "save and restore state": participant.can_redo,
+        "serialise state": participant.can_serialise,
+        "directional derivatives": participant.has_derivatives,
+    }
+    shown = (f"{name}: {'yes' if able else 'no'}" for name, able in abilities.items())
+    yield f"abilities  {', '.join(shown)}"
+    for head, causality in (("connect", "input"), ("", "output"), ("set", "parameter")):
+        yield f"{head:10s} {_listed([f for f in fields if f.causality == causality], causality)}"
+    yield "details    --all prints all variables, --filter WORD the variables that contain WORD"
+
+
+def _listed(fields, causality, width=100):
+    """Return the number of variables and as many names with units as fit in `width` characters."""
+    text = f"{len(fields)} {causality}{'' if len(fields) == 1 else 's'}"
+    for k, field in enumerate(fields):
+        unit = "" if field.unit in ("", "1") else f" [{field.unit}]"
+        shape = f" ({'x'.join(map(str, field.shape))})" if field.shape else ""
+        part = f"{', ' if k else ': '}{field.name}{shape}{unit}"
+        if len(text) + len(part) > width:
+            return f"{text}, {len(fields) - k} more"
+        text += part
+    return text
+
+
+def print_table(fields):
+    """Print variables as a table."""
     table = Table(
         "causality", "name", "shape", "unit", "start", "allowed", "nominal", "description", box=None
     )
-    table.columns[1].no_wrap = True  # a name that is cut is none
-    for field in sorted(
-        participant.fields.values(),
-        key=lambda f: ("parameter", "input", "output", "local").index(f.causality),
-    ):
+    table.columns[1].no_wrap = True  # a name in two lines cannot be copied
+    for field in fields:
         table.add_row(
             field.causality,
             field.name,
@@ -51,7 +115,7 @@ def command(fmu: Path):
 
 
 def _allowed(field):
-    """Range of a variable as text, an open end empty."""
+    """Return the range of a variable as text; an open end is empty."""
     if field.minimum is None and field.maximum is None:
         return ""
     return "..".join("" if x is None else f"{x:g}" for x in (field.minimum, field.maximum))

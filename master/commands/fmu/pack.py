@@ -6,8 +6,8 @@ from ...api.fmus import build_fmu
 from ..common import console, parse_grid, say
 
 
-def command(slave: str, *, grid: str = "40x40", output: Path):
-    """Make an FMU of a slave written in one file, e.g. of the template of a lubrication model.
+def command(slave: str, /, *, grid: str = "40x40", output: Path):
+    """Build an FMU from a single-file model class.
 
     Example: piston-cosim fmu pack models/lubrication_template/axial_film.py:AxialFilm
     --output film.fmu
@@ -15,11 +15,11 @@ def command(slave: str, *, grid: str = "40x40", output: Path):
     Parameters
     ----------
     slave
-        FILE.py:CLASS.
+        Model class, FILE.py:CLASS.
     grid
-        Circumferential x axial cells.
+        Number of cells, CIRCUMFERENTIALxAXIAL.
     output
-        Where to put the FMU.
+        File to write.
     """
     fmu = build_fmu(slave, output=output, options={"grid": parse_grid(grid)}, say=say)
     console.print(str(fmu), soft_wrap=True, highlight=False)

@@ -19,10 +19,13 @@ def command(
     measured: Path | None = None,
     output: Path = Path("measured.png"),
 ):
-    """Score curves of results files against the first file, an earlier period or a measurement.
+    """Score curves of results files.
 
-    The table shows the ratio of ranges (amplitude), the shift (phase) and the rms difference. A
-    positive phase is a later curve. The rms difference is divided by the range of the reference.
+    The reference is the first file, an earlier period or a measurement.
+
+    The table shows the amplitude, phase and rms difference of each curve. The amplitude is a
+    ratio of ranges, and a positive phase is a later curve. The rms difference is divided by the
+    range of the reference.
 
     Example: piston-cosim results compare results/fired_motorcycle/flexible.h5 --period "720 deg"
 
@@ -33,7 +36,7 @@ def command(
     x
         Abscissa, PARTICIPANT.VARIABLE; default: the abscissa of the case's first line picture.
     y
-        Curve, PARTICIPANT.VARIABLE; repeatable; default: the curves of that picture.
+        Curve, PARTICIPANT.VARIABLE; repeatable. Default: the curves of that picture.
     period
         Compare the last period of each run with the period before, e.g. "720 deg".
     measured

@@ -1,9 +1,6 @@
 """`piston-cosim results fields`."""
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from ...case.contract import players
 from ...fmi.errors import BadInput
@@ -15,8 +12,9 @@ from ..common import console, open_runs
 
 def command(
     file: Path,
+    /,
     *,
-    field: Annotated[list[str], Parameter(negative=())],
+    field: list[str],
     output: Path,
     time: str | None = None,
     i: int | None = None,
@@ -24,7 +22,7 @@ def command(
     radius: str | None = None,
     length: str | None = None,
 ):
-    """Write recorded fields as CSV, HDF5 or VTU (for ParaView), by the ending of --output.
+    """Write recorded fields as CSV, HDF5 or VTU.
 
     Example: piston-cosim results fields results/numerical_example/flexible.h5 --field ehd.pressure
     --time "18 ms" --output p.csv
@@ -34,22 +32,21 @@ def command(
     file
         Results file.
     field
-        participant.field, or a sum (+) or product (*) of recorded fields; several allowed.
+        PARTICIPANT.FIELD, or a sum (+) or product of recorded fields; repeatable.
     output
-        .csv, .h5, or .vtu; of several instants the VTU files lie in a folder beside the .pvd file
-        that ParaView opens.
+        File .csv, .h5 or .vtu. For several instants the command writes a folder of VTU files and
+        the .pvd file that ParaView opens.
     time
-        Only the recorded instant nearest to this time ("18 ms"), crank angle ("24 deg") or extreme
-        ("max bodies.side_force").
+        Recorded instant nearest to a time, a crank angle or an extreme, e.g. "18 ms",
+        "24 deg" or "max ehd.maximum_pressure". Default: all instants.
     i
-        Only the grid points at this place around (1-based); with --j one grid point.
+        Index in circumferential direction, 1 or more. With --j it selects one grid point.
     j
-        Only the grid points at this height (1-based).
+        Index in axial direction, 1 or more.
     radius
-        Of the cylinder on which a VTU file shows the field; by default the run's bore, 1 m without
-        one.
+        Radius of the cylinder in a VTU file. Default: the bore radius of the run, else 1 m.
     length
-        Of that cylinder; by default the run's skirt, 1 m without one.
+        Length of that cylinder. Default: the skirt length of the run, else 1 m.
     """
     case, runs = open_runs((file,))
     (results,) = runs.values()

@@ -1,9 +1,6 @@
 """`piston-cosim results movie`."""
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from ...fmi.errors import BadInput
 from ..common import body_skins, console, open_runs, say
@@ -11,18 +8,18 @@ from ..common import body_skins, console, open_runs, say
 
 def command(
     file: Path,
+    /,
     *,
-    field: Annotated[list[str], Parameter(negative=())] = [],
+    field: list[str] = [],
     frames: int = 90,
     times: float = 50.0,
     case: str | None = None,
     output: Path | None = None,
 ):
-    """Draw a run in motion, by the ending of --output: fields as a moving picture (.gif, .mp4), the
-    bodies as an animated model (.glb, glTF), or bodies and films for ParaView (.pvd).
+    """Write an animation of a results file.
 
-    Pictures show recorded fields at instants evenly chosen among the recorded ones, colours over
-    one range for all of them. The model holds every recorded instant; the series is at true scale.
+    The suffix of --output selects the kind: .gif and .mp4 show fields, .glb shows moving bodies,
+    and .pvd is a series of bodies and films for ParaView.
 
     Example: piston-cosim results movie results/numerical_example/flexible.h5 --field ehd.pressure
 
@@ -33,18 +30,18 @@ def command(
     file
         Results file.
     field
-        Recorded fields, a panel each, participant.variable; by default those of the case's first
-        picture of maps.
+        Recorded field, PARTICIPANT.VARIABLE; repeatable. Default: the fields of the case's first
+        map.
     frames
-        Instants at most, 2 or more; of .glb all.
+        Maximum number of instants, 2 or more. A .glb file shows all instants.
     times
-        How much larger than it is a model (.glb) has deflection, motion across and tilt.
+        Magnification of deflection, lateral motion and tilt in a .glb file.
     case
-        Case whose folder the paths of meshes start from (.glb, .pvd); default the case named as the
-        folder of the results, or the one that comes with the tool and has the title of the run's.
+        Case whose folder contains the meshes. Default: the case with the name of the results
+        folder, then the shipped case with the title of the run.
     output
-        The file: .gif; .mp4 with the extra "movie" or ffmpeg installed; .glb; .pvd with its files
-        in a folder of that name; by default the results' name with .gif.
+        File to write. Default: the name of the results file with .gif. A .mp4 file needs the extra
+        `movie` or ffmpeg.
     """
     from ...results.movie import chosen_instants, write_movie
 

@@ -11,13 +11,12 @@ from ...fmi.tree import import_part
 from ..common import case_folder, console, open_runs, say
 
 
-def command(file: Path, *, case: str | None = None, output: Path | None = None):
-    """What the block's outer faces would radiate: power over the crank angle, by frequency and by
-    side, as tables and a picture.
+def command(file: Path, /, *, case: str | None = None, output: Path | None = None):
+    """Compute the sound power that the block radiates.
 
-    Equivalent radiated power rho c int v_n^2 dA of the last cycle, of the block's elastic motion,
-    with radiation efficiency 1 in air: an upper bound at low frequencies, made to compare designs.
-    The run must have recorded the modal velocities, evenly.
+    The equivalent radiated power is rho c int v_n^2 dA over the block's outer faces in the last
+    cycle. Its radiation efficiency is 1, so it is an upper bound at low frequencies. Use it to
+    compare designs. The run must record the modal velocities at even intervals.
 
     Example: piston-cosim results noise results/fired_motorcycle/flexible.h5
 
@@ -26,10 +25,10 @@ def command(file: Path, *, case: str | None = None, output: Path | None = None):
     file
         Results file of a run with a flexible block.
     case
-        Case whose folder the paths of meshes start from; default the case named as the folder of
-        the results, or the one that comes with the tool and has the title of the run's.
+        Case whose folder contains the meshes. Default: the case with the name of the results
+        folder, then the shipped case with the title of the run.
     output
-        Folder for the files; default the folder of the results.
+        Folder for tables and picture. Default: the folder of the results.
     """
     from ...engine.noise import level, noise, write_noise
 

@@ -11,10 +11,11 @@ def command(
     output: Path = Path("pictures"),
     format: Literal["png", "svg", "pdf"] | None = None,
 ):
-    """Draw the pictures of one or several results files, side by side, as the first one's case
-    describes them.
+    """Draw the pictures of results files.
 
-    Example: piston-cosim results plot results/numerical_example/base.h5
+    The case of the first file describes the pictures. Several files share each picture.
+
+    Example: piston-cosim results plot results/numerical_example/flexible.h5
     results/numerical_example/rigid.h5
 
     Parameters
@@ -24,6 +25,6 @@ def command(
     output
         Folder for the pictures.
     format
-        Of the files; what the case's names end with, PNG, without it.
+        Type of the pictures. Default: the suffix of the case's file names, png.
     """
     draw_pictures(*open_runs(files), output, format)

@@ -1,9 +1,6 @@
 """`piston-cosim results recover`."""
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from ...api.bodies import OFFLINE, build_table
 from ...fmi.errors import BadInput
@@ -16,13 +13,15 @@ PORT = "{}.modal_coordinate"
 
 def command(
     file: Path,
+    /,
     *,
-    time: Annotated[list[str], Parameter(negative=())],
+    time: list[str],
     case: str | None = None,
     output: Path | None = None,
 ):
-    """Displacement and stress of the flexible bodies at chosen instants of a run, on their meshes,
-    as VTU files (ParaView).
+    """Write displacement and stress of the bodies as VTU.
+
+    The command writes a VTU file per body and instant, on the mesh of the body, for ParaView.
 
     Example: piston-cosim results recover results/numerical_example/flexible.h5 --time "18 ms"
 
@@ -31,13 +30,13 @@ def command(
     file
         Results file of a run with flexible bodies.
     time
-        The recorded instant nearest to this time, crank angle or extreme ("max
-        ehd.maximum_pressure"); several allowed.
+        Recorded instant nearest to a time, a crank angle or an extreme, e.g. "18 ms",
+        "24 deg" or "max ehd.maximum_pressure"; repeatable.
     case
-        Case whose folder the paths of meshes start from; default the case named as the folder of
-        the results, or the one that comes with the tool and has the title of the run's.
+        Case whose folder contains the meshes. Default: the case with the name of the results
+        folder, then the shipped case with the title of the run.
     output
-        Folder for the files; default the folder of the results.
+        Folder. Default: the folder of the results.
     """
     _, runs = open_runs((file,))
     (results,) = runs.values()

@@ -1,9 +1,6 @@
 """`piston-cosim results report`."""
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from ...fmi.errors import BadInput
 from ...results.compare import check_measured, measured_section, read_measured
@@ -14,11 +11,14 @@ def command(
     *files: Path,
     output: Path = Path("report"),
     notes: Path | None = None,
-    study: Annotated[list[Path], Parameter(negative=())] = [],
+    study: list[Path] = [],
     measured: Path | None = None,
     case: str | None = None,
 ):
-    """Write one self-contained HTML page about one or several runs, and its figures as PNG and SVG.
+    """Write an HTML report about results files.
+
+    The page is one self-contained file. Its figures are also written as PNG and SVG. The case of
+    the first file describes what the page shows.
 
     Example: piston-cosim results report results/fired_motorcycle/flexible.h5
     results/fired_motorcycle/rigid.h5 --output report
@@ -26,21 +26,20 @@ def command(
     Parameters
     ----------
     files
-        Results files; the first one's case says what is shown.
+        Results files.
     output
         Folder for report.html and the figures.
     notes
-        Markdown file shown on the page, for example the case's README with the sources of its
-        numbers.
+        Markdown file to show on the page, e.g. the README of the case.
     study
-        Tables of studies to show, results/study_CASE_NAME/study.csv; several allowed.
+        Table of a study, results/study_CASE_NAME/study.csv; repeatable.
     measured
-        CSV file headed "participant.variable [unit]", the abscissa first; columns "participant.
-        variable low [unit]" and "... high [unit]" give a band. Charts of runs, points and bands.
+        CSV file of a measurement. Its header is "participant.variable [unit]", abscissa first. The
+        columns "participant.variable low [unit]" and "participant.variable high [unit]" are a band.
     case
-        Case whose folder the paths of meshes start from, for the bodies in motion; default the case
-        named as the folder of the results, or the one that comes with the tool and has the title of
-        the run's. Where meshes are not found there, the page has no bodies.
+        Case whose folder contains the meshes. Default: the case with the name of the results
+        folder, then the shipped case with the title of the run. If the meshes are missing, the page
+        shows no bodies.
     """
     described, runs = open_runs(files)
     ahead = []

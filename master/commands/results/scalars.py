@@ -7,8 +7,10 @@ from fmpy.util import write_csv
 from ..common import console, open_runs
 
 
-def command(file: Path, *, output: Path):
-    """Write all scalar outputs of a run as CSV, in SI, as FMPy and the FMI cross-check read them.
+def command(file: Path, /, *, output: Path):
+    """Write all scalar outputs as CSV.
+
+    Values are in SI units. FMPy and the FMI cross-check read the same format.
 
     Example: piston-cosim results scalars results/numerical_example/flexible.h5
     --output flexible.csv
@@ -18,7 +20,7 @@ def command(file: Path, *, output: Path):
     file
         Results file.
     output
-        CSV file: "time" and a column for every participant.variable.
+        CSV file: a column `time` and a column for every PARTICIPANT.VARIABLE.
     """
     _, runs = open_runs((file,))
     (results,) = runs.values()

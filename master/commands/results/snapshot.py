@@ -11,25 +11,26 @@ from ...results.instants import instant, told
 from ..common import console
 
 
-def command(file: Path, *, participant: str, output: Path, time: str | None = None):
-    """Write all that a run recorded of a participant at one instant, to start another run from
-    there.
+def command(file: Path, /, *, participant: str, output: Path, time: str | None = None):
+    """Write the state of a participant at one instant.
+
+    Another run starts from that state if its case sets `start = "start.json"` in the table
+    `participants.bodies.build`.
 
     Example: piston-cosim results snapshot results/fired_motorcycle/flexible.h5 --participant bodies
-    --output models/mine/start.json; the case then says start = "start.json" in
-    [participants.bodies.build]
+    --output models/mine/start.json
 
     Parameters
     ----------
     file
         Results file.
     participant
-        Its name in the case.
+        Name of the participant in the case.
     output
-        JSON file: outputs by name, SI.
+        JSON file of outputs by name, in SI units.
     time
-        The recorded instant nearest to this time, crank angle or extreme ("max
-        ehd.maximum_pressure"); without it the last one at which fields were recorded.
+        Recorded instant nearest to a time, a crank angle or an extreme, e.g. "18 ms",
+        "24 deg" or "max ehd.maximum_pressure". Default: the last instant with fields.
     """
     try:
         results = Results(file)
