@@ -158,7 +158,7 @@ class Case:
         summary = run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
         if summary.get("loops_stepped_explicitly"):
             log.warning(
-                "%s: loops with an FMU that cannot go back to a saved state step without "
+                "%s: loops with an FMU that cannot restore a saved state step without "
                 "iteration; level INFO of this logger lists them",
                 self.name,
             )

@@ -114,7 +114,7 @@ def _iterated(one: Loop) -> Loop:
 
 def _explicit(one: Loop, own: Part, system: System) -> Loop:
     """Look for a step with which a loop that cannot be iterated is weak."""
-    unable = f"{', '.join(one.component.fixed)} cannot go back"
+    unable = f"{', '.join(one.component.fixed)} cannot restore a saved state"
     for halvings in range(MOST_HALVINGS + 1):
         step = system.step / 2**halvings
         gain = one.gain if not halvings else _gain(_matrix(own, system.begin, step))

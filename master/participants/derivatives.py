@@ -45,8 +45,8 @@ GROUPS = 2
 does not hide the others.
 """
 
-DIFFERENT = "it is not that of a step"
-SILENT = "the first steps do not respond to the inputs, so that it cannot be tried"
+DIFFERENT = "it differs from that of a step"
+SILENT = "the outputs of the first steps do not respond to the inputs"
 
 
 def difference(
@@ -160,7 +160,7 @@ def objection(
     step: float,
     begin: float = 0.0,
 ) -> str:
-    """Why a participant's own derivative cannot stand for that of a step; empty if it can.
+    """Return why a participant's derivative does not match that of a step; empty if it does.
 
     Its products are compared with differences of a step, output by output. The participant is left
     as it was; three steps are taken where the first comparison of both groups of inputs agrees,
@@ -198,9 +198,9 @@ def objection(
             participant.step(begin + k * step, step)  # from here nothing responds
         return SILENT
     except Discard as refusal:
-        return f"a step refused keeps it from being tried: {refusal}"
+        return f"the FMU rejected a trial step: {refusal}"
     except ParticipantFault as fault:
-        return f"it is answered by an error: {fault}"
+        return f"the FMU returned an error: {fault}"
     finally:
         participant.restore(saved)
         participant.free(saved)

@@ -142,7 +142,7 @@ def _outputs(one: Any) -> dict[str, np.ndarray]:
 def _difference(
     plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
 ) -> str | None:
-    """The output that differs most, by how much, and at the end of which step."""
+    """Return a message about the output that differs most, or None."""
     worst, words = TRUSTED, None
     for k, (before, after) in enumerate(zip(plain, repeated), 1):
         for name, value in before.items():
@@ -153,7 +153,7 @@ def _difference(
             if not share <= worst:
                 worst = share
                 words = (
-                    f"with its state saved and restored {name} differs by {apart:.3g} "
-                    f"({share:.2g} of its size) after step {k}"
+                    f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
+                    "states are saved and restored"
                 )
     return words

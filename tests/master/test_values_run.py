@@ -342,8 +342,8 @@ def test_a_participant_that_forgets_is_not_iterated(toys, tmp_path):
     said = []
     summary = go(system, tmp_path / "run.h5", say=said.append)
     # it counts 0 and 1 plainly, then 3 and 5 for two steps that are taken twice
-    assert said[0].startswith("echo: with its state saved and restored w0 differs by 3 (1 of its ")
-    assert "  explicit   plant, echo  (echo cannot go back to a saved state)" in said
+    assert said[0].startswith("echo: w0 differs by 3 (100 %) ")
+    assert "  explicit   plant, echo  (echo cannot restore a saved state)" in said
     assert summary["loops_stepped_explicitly"] == 1
 
 
