@@ -2,6 +2,7 @@
 
 import itertools
 import logging
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ..case import changes as changes_of
 from ..case import schema
+from ..case.contract import swap_all
 from ..case.system import open_system
 from ..fmi.errors import BadInput
 from ..fmi.notebook import html_table
@@ -127,6 +129,9 @@ class Case:
         self,
         output: str | Path | None = None,
         progress: Callable[[Progress], object] | None = None,
+        *,
+        lubrication: type | str | Path | None = None,
+        bodies: type | str | Path | None = None,
     ) -> Results:
         """Run to the stop time; Ctrl-C ends the run after its macro step, with a checkpoint.
 
@@ -137,6 +142,10 @@ class Case:
         progress : callable, optional
             Called with a `Progress` after every macro step. What is done before the first one
             (bodies reduced, FMUs built) is told to the logger "piston_cosim".
+        lubrication, bodies : class, str or Path, optional
+            Model that replaces the participant in this role: a model class, "FILE.py:CLASS" or an
+            FMU. The class must be in a file that can be imported; its FMU is built and cached.
+            "PARTICIPANT=MODEL" selects one of several participants.
 
         Returns
         -------
@@ -152,17 +161,19 @@ class Case:
         from ..engine.truncation import state_truncation
 
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
-        checked = schema.check_case(self.tree, self.path)
+        models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
+        tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
+        checked = schema.check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
-        summary = run_system(system, checked, self.tree, output, watch, say=log.info, log=log.info)
+        summary = run_system(system, checked, tree, output, watch, say=log.info, log=log.info)
         if summary.get("loops_stepped_explicitly"):
             log.warning(
                 "%s: loops with an FMU that cannot restore a saved state step without "
                 "iteration; level INFO of this logger lists them",
                 self.name,
             )
-        state_truncation(self.tree, self.path.parent, output, log.info)
+        state_truncation(tree, self.path.parent, output, log.info)
         return Results(output)
 
     def __repr__(self) -> str:
@@ -178,6 +189,20 @@ class Case:
             "file": self.path,
         }
         return html_table(f"Case {self.name}, {self.label}: {self.title}", rows)
+
+
+def _model(model: type | str | Path | None) -> str | None:
+    """Return a model as the command line writes it; raise BadInput for a class without a file."""
+    if not isinstance(model, type):
+        return None if model is None else str(model)
+    module = sys.modules[model.__module__]
+    file = getattr(module, "__file__", None)
+    if module.__name__ == "__main__" or file is None:
+        raise BadInput(
+            f"{model.__name__}: expected a class in a file of its own, got one of the running "
+            "script or notebook; move it to a file and import it"
+        )
+    return f"{file}:{model.__name__}"
 
 
 def _telling(progress, begin):

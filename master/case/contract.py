@@ -271,24 +271,55 @@ def _capabilities(participant):
 def swap_all(
     trees: dict[str, dict], given: Mapping[str, str | None], say: Callable[[str], None]
 ) -> dict[str, dict]:
-    """Trees of all variants with the FMUs `given` (role -> "FILE" or "PARTICIPANT=FILE") in place;
-    says once what was left out.
+    """Return the trees of all variants with the models `given`: role -> "[PARTICIPANT=]MODEL".
+
+    A model is an FMU, or a model class FILE.py:CLASS. Calls `say` with the keys that the case has
+    and the model lacks.
     """
     for role, text in given.items():
         if text is None:
             continue
-        name, file = in_place_of(next(iter(trees.values())), role, text)
-        if not Path(file).is_file():
-            raise BadInput(f"--{role} {file}: no such file")
-        pairs = {label: swap(tree, name, Path(file)) for label, tree in trees.items()}
+        first = next(iter(trees.values()))
+        name, model = in_place_of(first, role, text)
+        fmu = fmu_of_model(role, model, first["participants"][name], say)
+        pairs = {label: swap(tree, name, fmu) for label, tree in trees.items()}
         trees = {label: tree for label, (tree, _) in pairs.items()}
         left_out = next(iter(pairs.values()))[1]
         if left_out:
             say(
-                f"{Path(file).name} has no variable for, and the run goes without: "
+                f"{Path(model).name} lacks the variables of these keys, and the run omits them: "
                 f"{', '.join(left_out)}"
             )
     return trees
+
+
+def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], None]) -> Path:
+    """Return the FMU of a model; build it from FILE.py:CLASS if the cache lacks it.
+
+    Parameters
+    ----------
+    role : str
+        Role in the contract.
+    model : str
+        Path of an FMU, or FILE.py:CLASS.
+    table : dict
+        Participant that the model replaces. The built FMU has the grid of its build options.
+    say : callable
+        Called with a message before the FMU is built.
+
+    Raises
+    ------
+    BadInput
+        If the file or the class does not exist.
+    """
+    if ".py:" in model:
+        from ..fmi.builder import build_fmu_of_file
+
+        grid = table.get("build", {}).get("grid", [40, 40])
+        return build_fmu_of_file(model, {"grid": list(grid)}, say)
+    if not Path(model).is_file():
+        raise BadInput(f"--{role} {model}: no such file")
+    return Path(model)
 
 
 def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:

@@ -30,8 +30,8 @@ def command(
     case
         Name of a case, its folder or its file.
     lubrication
-        An FMU, or a cavitation model of the case's own FMU; give two or more. In a case with
-        several films write PARTICIPANT=FMU or PARTICIPANT=MODEL.
+        An FMU, a model class FILE.py:CLASS, or a cavitation model of the case; give two or more.
+        In a case with several films write PARTICIPANT=MODEL.
     set_
         Change of the case, KEY=VALUE; repeatable.
     output
@@ -57,7 +57,9 @@ def command(
     if faults:
         raise BadInput(faults)
     path = find_case(case)
-    rivals = rivals_of(read_tree(path, [parse_change(text) for text in set_]), role, lubrication)
+    rivals = rivals_of(
+        read_tree(path, [parse_change(text) for text in set_]), role, lubrication, say
+    )
     for label, keys in rivals.left_out.items():
         if keys:
             say(f"{label} has no variable for, and goes without: {', '.join(keys)}")

@@ -4,12 +4,13 @@ they cost.
 By what they are held against each other, the contract says for each role (`Curve`).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..case.contract import Curve, contract, in_place_of, swap
+from ..case.contract import Curve, contract, fmu_of_model, in_place_of, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
 from .figures import subplots
@@ -53,7 +54,9 @@ class Rivals:
     ports: dict[str, str]
 
 
-def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
+def rivals_of(
+    tree: dict, role: str, models: list[str], say: Callable[[str], None] = lambda text: None
+) -> Rivals:
     """The case with each model.
 
     Parameters
@@ -63,8 +66,8 @@ def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
     role : str
         Of the contract.
     models : list of str
-        Each the path of an FMU (*.fmu), or a model of the case's own FMU; before it, where several
-        participants play the role, "PARTICIPANT=".
+        Each is an FMU (*.fmu), a model class FILE.py:CLASS, or a model of the case's own FMU. In a
+        case with several participants of the role, "PARTICIPANT=" precedes it.
 
     Raises
     ------
@@ -80,12 +83,13 @@ def rivals_of(tree: dict, role: str, models: list[str]) -> Rivals:
     left_out = {}
     common = tree
     for _, model in pairs:
-        if model.endswith(".fmu"):
-            label = Path(model).stem
-            trees[label], left_out[label] = swap(tree, name, Path(model))
-            common, _ = swap(common, name, Path(model))
+        if model.endswith(".fmu") or ".py:" in model:
+            fmu = fmu_of_model(role, model, tree["participants"][name], say)
+            label = Path(model).stem if fmu == Path(model) else model.rpartition(":")[2]
+            trees[label], left_out[label] = swap(tree, name, fmu)
+            common, _ = swap(common, name, fmu)
         elif parameter is None:
-            raise BadInput(f"--{role} {model}: give an FMU (*.fmu)")
+            raise BadInput(f"--{role} {model}: expected an FMU (*.fmu) or FILE.py:CLASS")
         else:
             own = tree["participants"][name]
             parameters = own.get("parameters", {}) | {parameter: model}

@@ -2,6 +2,7 @@
 derivatives.
 """
 
+import importlib
 import re
 import zipfile
 from pathlib import Path
@@ -11,9 +12,11 @@ import pytest
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
+import piston_cosim as pc
 from piston_cosim.master.case.contract import check_fmu, swap
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.commands.app import main
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
@@ -123,6 +126,28 @@ def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_p
     one, two = (r.series("bodies.lateral_displacement")[0] for r in results.values())
     np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)  # a step is converged to 1 nm
     assert abs(one[-1]) > 1e-7
+
+
+def test_a_run_takes_a_model_class_or_its_file(template, tmp_path, monkeypatch):
+    """The class is packed with the grid of the case: the same FMU, so the same results."""
+    monkeypatch.syspath_prepend(TEMPLATE.parent)
+    own = importlib.import_module(TEMPLATE.stem).AxialFilm
+    case = pc.open_case("numerical_example", dict(SMALL), "rigid")
+    models = {"class": own, "file": f"{TEMPLATE}:AxialFilm", "fmu": template}
+    films = [
+        case.run(tmp_path / f"{name}.h5", lubrication=model)
+        .series("ehd.minimum_film_thickness")
+        .values
+        for name, model in models.items()
+    ]
+    assert np.array_equal(films[0], films[1]) and np.array_equal(films[0], films[2])
+    monkeypatch.setattr(own, "__module__", "__main__")
+    with pytest.raises(pc.BadInput, match="move it to a file"):
+        case.run(lubrication=own)
+    argv = ["piston-cosim", "run", "numerical_example", "--lubrication", f"{TEMPLATE}:NoFilm"]
+    monkeypatch.setattr("sys.argv", argv)
+    with pytest.raises(SystemExit, match="2"):
+        main()
 
 
 def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
