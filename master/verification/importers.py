@@ -34,8 +34,8 @@ WATCHED = (
 """Outputs of the engine FMU that are compared."""
 
 ALLOWED = 1e-5
-"""Of an output's range over the run. An importer whose clock counts whole nanoseconds takes steps
-8e-6 longer than the case's: it is held against a run in just these steps.
+"""Allowed distance over the range of an output. An importer whose clock counts whole nanoseconds
+takes steps that are 8e-6 longer. It is compared with a run in these steps.
 """
 
 NATIVE = "resources/slave.bin"
@@ -261,15 +261,15 @@ seen(rows)""",
         ("2.0",),
     ),
 }
-"""All of pip that load FMUs for co-simulation on Linux, by what they are called."""
+"""Name -> importer of co-simulation FMUs on Linux that pip installs."""
 
 ELSEWHERE = {
-    "MasterSim": "no package of pip or apt: its releases",
-    "fmusim": "no package of pip or apt: releases of the Reference-FMUs",
-    "FMU Compliance Checker": "no package of pip or apt: releases of FMUComplianceChecker",
-    "VDMCheck": "no package of pip or apt: releases of FMI-VDM-Model; needs Java",
+    "MasterSim": "download a release of MasterSim",
+    "fmusim": "download a release of the Reference-FMUs",
+    "FMU Compliance Checker": "download a release of FMUComplianceChecker",
+    "VDMCheck": "download a release of FMI-VDM-Model, needs Java",
 }
-"""Importers and checkers that are had by hand alone, and where."""
+"""Importers and checkers without a package, and where to get them."""
 
 LACKING = """
 from importlib.util import find_spec
@@ -484,7 +484,7 @@ def native_engine(changes, versions, say):
 
     lacking = too_old() if compiler() else ["a C compiler is needed, for Linux on x86-64"]
     if lacking:
-        say(f"no native FMU is tried: {'; '.join(lacking)}")
+        say(f"native FMUs are not tested: {'; '.join(lacking)}")
         return {}
     path = find_case("numerical_example")
     case = check_case(read_tree(path, changes), path)
@@ -519,7 +519,7 @@ def shipped_run(changes, say, file):
     tree = read_tree(path, changes)
     case = check_case(tree, path)
     system = open_system(case, path.parent, say)
-    say(f"the run in steps of {system.step:.12g} s that importers are held against")
+    say(f"reference run with steps of {system.step:.12g} s")
     run(system, case, tree, file)
     results = Results(file).whole
     ports = [
@@ -598,7 +598,7 @@ def verify_importers(console, say, changes=()):
         table.add_row("-", "", name, "-", "-", f"{NOT_INSTALLED}: {source}")
     console.print(table)
     console.print(
-        f"{failed} failed; distance: largest of {', '.join(WATCHED)}, over the output's range, "
-        f"allowed {ALLOWED:g}; row 0 included"
+        f"{failed} failed. The distance is the largest of {', '.join(WATCHED)} over their ranges, "
+        f"row 0 included. It must not exceed {ALLOWED:g}."
     )
     return failed
