@@ -38,22 +38,22 @@ from .places import film_body, film_surface, gap_port
 from .stands import stands
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
-"""From firing top dead centre on, 180 deg each."""
+"""Strokes from firing top dead centre, 180 deg each."""
 WEAR_COEFFICIENT = 1e-17
-"""Archard's [1/Pa], of Eq. (X15): our own choice for a run-in, lubricated skirt; the depth is
-proportional to it.
+"""Archard's wear coefficient [1/Pa] of Eq. (X15), an assumption for a run-in, lubricated skirt. The
+wear depth is proportional to it.
 """
 LEAST_SLAP = 0.1
-"""Of the run's largest kinetic energy across the bore: smaller peaks are not marked."""
+"""Minimum kinetic energy of a marked slap, relative to the largest one of the run."""
 LEAST_LOAD = 0.05
-"""Of the run's largest radial load: a coefficient of friction over less says little."""
+"""Minimum radial load for a friction coefficient, relative to the largest one of the run."""
 CRANK = "crank angle [deg]"
 
 Runs = dict[str, Results]
 
 
 class Line(NamedTuple):
-    """A port drawn in a chart: its name there, the port, and what its SI value is multiplied by."""
+    """Line of a chart: name, port, and factor of its SI value."""
 
     name: str
     port: str
@@ -294,7 +294,7 @@ def _motion(runs, body, skirt):
     )
     drawn += _chart(
         runs,
-        "Kinetic energy across the bore: a slap is where it falls",
+        "Kinetic energy of the lateral motion, which decreases at a slap",
         "[mJ]",
         Line("kinetic", f"{body}.kinetic_energy", 1e3),
     )
@@ -316,7 +316,7 @@ def _slaps(runs, body) -> list[Drawn]:
         peaks, _ = find_peaks(energy, height=LEAST_SLAP * energy.max())
         shown = 1e3 * energy[peaks]
         curves.append(Curve(label, k, _degrees(results)[peaks], shown, points=True))
-    title = "Slaps: kinetic energy across the bore before it falls"
+    title = "Slaps: kinetic energy of the lateral motion at impact"
     return [Chart(title, CRANK, "[mJ]", curves, cursor=True)] if curves else []
 
 
@@ -403,7 +403,7 @@ def _friction(runs, body, film):
         *_chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power")),
         *_chart(
             runs,
-            "Share of the skirt in contact",
+            "Contact area fraction of the skirt",
             "[-]",
             Line("area", f"{film}.contact_area_fraction"),
         ),
@@ -461,13 +461,13 @@ def _films(case, runs, film, gap):
     drawn = [
         *_chart(
             runs,
-            "Thinnest film by side",
+            "Minimum film thickness by side",
             "[µm]",
             Line("thrust", f"{film}.minimum_film_thickness_thrust_side", 1e6),
             Line("anti-thrust", f"{film}.minimum_film_thickness_anti_thrust_side", 1e6),
         ),
         *_chart(
-            runs, "Highest film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
+            runs, "Maximum film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
         ),
         *_place_of_thinnest(case, runs, gap),
     ]
@@ -489,7 +489,7 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
         along.append(Curve(label, k, at, axes.second.positions(values.shape[2])[j], points=True))
     if not around:
         return []
-    title = "Where the film is thinnest: "
+    title = "Position of the minimum film thickness: "
     return [
         Chart(
             title + axes.first.label,
@@ -507,7 +507,7 @@ def _oil(runs, film):
     drawn = [
         *_chart(
             runs,
-            "Oil into the film",
+            "Oil flow into the film",
             "[cm³/s]",
             Line("lower edge", f"{film}.flow_lower_edge", 1e6),
             Line("upper edge", f"{film}.flow_upper_edge", 1e6),
@@ -591,10 +591,10 @@ class _Envelope(NamedTuple):
 
 def _envelopes(case, runs, body, film, gap):
     envelopes = (
-        _Envelope("Highest pressure of all instants", "MPa", f"{film}.pressure", _highest(1e-6)),
-        _Envelope("Thinnest film of all instants", "µm", gap, _lowest(1e6)),
+        _Envelope("Maximum pressure over the period", "MPa", f"{film}.pressure", _highest(1e-6)),
+        _Envelope("Minimum film thickness over the period", "µm", gap, _lowest(1e6)),
         _Envelope(
-            "Highest contact pressure of all instants",
+            "Maximum contact pressure over the period",
             "MPa",
             f"{film}.asperity_pressure",
             _highest(1e-6),
@@ -622,8 +622,8 @@ def _envelopes(case, runs, body, film, gap):
             axes = case.axes_of(envelope.port)
             drawn.append(StillMap(envelope.title, envelope.unit, axes, fields, there))
     said = (
-        "Over the last period. Wear: contact pressure times the piston's speed, summed over the "
-        f"recorded instants, times a coefficient of {WEAR_COEFFICIENT:g} 1/Pa (our own choice)."
+        "The maps refer to the last period. Wear is contact pressure times piston speed, summed "
+        f"over the recorded instants, times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
     )
     return Section("Envelopes and wear", drawn, said)
 

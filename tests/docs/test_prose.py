@@ -13,7 +13,13 @@ from piston_cosim.master.fmi.slave import FieldSlave
 from .prose import of_text
 
 ROOT = Path(__file__).parents[2]
-RESULTS = ("engine/answer", "engine/headlines", "engine/places", "engine/verdicts")
+RESULTS = (
+    "engine/answer",
+    "engine/headlines",
+    "engine/places",
+    "engine/sections",
+    "engine/verdicts",
+)
 LOG = ("runs/extrapolation", "runs/repetition", "coupling/components", "coupling/ledger")
 MODELS = (
     "engine.crankshaft",

@@ -45,7 +45,7 @@ def test_cavitation_models_differ_and_a_model_not_from_itself(tmp_path, fmu):
     )
     assert done.returncode == 0, done.stdout + done.stderr
     lines = {line.split("  ")[0].strip(): line for line in done.stdout.splitlines()}
-    apart = [float(word) for word in lines["film, rms distance [um]"].split("]")[1].split()]
+    apart = [float(word) for word in lines["film, rms difference [um]"].split("]")[1].split()]
     assert apart[:2] == [0.0, 0.0] and apart[2] > 1e-4
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"models.png", "motion.png", "film.png", "jfo.h5", "same.h5", "gumbel.h5"} <= written
