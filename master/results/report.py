@@ -2,9 +2,11 @@
 and SVG.
 """
 
+import base64
 import csv
 import hashlib
 import json
+import mimetypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -70,7 +72,7 @@ PLAIN = Special()
 
 
 def write_report(
-    case, runs, folder, notes="", studies=(), answers=None, special=PLAIN, figures=True
+    case, runs, folder, notes=None, studies=(), answers=None, special=PLAIN, figures=True
 ):
     """Write `<folder>/report.html` and, if wanted, the figures.
 
@@ -81,8 +83,8 @@ def write_report(
     runs : dict of str to Results
         Label -> results.
     folder : Path
-    notes : str
-        Markdown, for example the case's README with the sources of its numbers.
+    notes : Path, optional
+        Markdown file, for example the case's README. The page embeds its pictures.
     studies : sequence of Path
         Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
     answers : dict, optional
@@ -116,7 +118,7 @@ def write_report(
         ),
         data=json.dumps(page_data(case, runs, special)).replace("<", "\\u003c"),
         plotter=packed(get_plotlyjs().encode()),
-        notes=MarkdownIt("commonmark", {"html": False}).enable("table").render(notes),
+        notes=notes_html(notes) if notes else "",
         studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -124,6 +126,19 @@ def write_report(
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def notes_html(path: Path) -> str:
+    """Return a Markdown file as HTML with its pictures inside; HTML in it stays text."""
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    tokens = markdown.parse(path.read_text(encoding="utf-8"))
+    for token in (child for token in tokens for child in token.children or []):
+        picture = path.parent / str(token.attrGet("src") or "")
+        if token.type == "image" and picture.is_file():
+            kind = mimetypes.guess_type(picture)[0] or "image/png"
+            data = base64.b64encode(picture.read_bytes()).decode()
+            token.attrSet("src", f"data:{kind};base64,{data}")
+    return markdown.renderer.render(tokens, markdown.options, {})
 
 
 def _save_figures(case, runs, folder):

@@ -10,7 +10,7 @@ from piston_cosim.master.case.keys import case_keys, part_function
 from piston_cosim.master.case.schema import Case, case_names, find_case, read_tree
 from piston_cosim.master.fmi.slave import FieldSlave
 
-from .prose import of_text
+from .prose import of_markdown, of_text
 
 ROOT = Path(__file__).parents[2]
 RESULTS = (
@@ -40,6 +40,18 @@ def findings(texts):
         if " " in text
         for fault, part in of_text(text)
     ]
+
+
+def documents():
+    """Return the Markdown files of the project, without what a build writes."""
+    folders = (ROOT / "docs", ROOT / "models")
+    return [*ROOT.glob("*.md"), *(path for folder in folders for path in folder.rglob("*.md"))]
+
+
+@pytest.mark.parametrize("path", documents(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_documents(path):
+    wrong = [f"{line}: {fault}: {text}" for line, fault, text in of_markdown(path.read_text())]
+    assert wrong == []
 
 
 def described(name):

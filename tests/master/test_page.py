@@ -195,7 +195,9 @@ def page(tmp_path_factory):
     runs = {"one": written(folder / "one.h5"), "two": written(folder / "two.h5", 2.0)}
     case = check_case(TREE, "case.toml")
     drawn = replace(special(case, runs), solids={"one": [PLATE]})
-    yield write_report(case, runs, folder / "report", "*notes*", special=drawn), runs
+    notes = folder / "notes.md"
+    notes.write_text("*notes*")
+    yield write_report(case, runs, folder / "report", notes, special=drawn), runs
     for results in runs.values():
         results.close()
 

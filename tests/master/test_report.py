@@ -111,9 +111,13 @@ def test_page_holds_the_fields(case, results, tmp_path):
     assert {p.suffix for p in (tmp_path / "report").iterdir()} == {".png", ".svg", ".html"}
 
 
-def test_notes_are_markdown_and_run_no_script(case, results, tmp_path):
-    notes = "# Sources\n\n| a | b |\n|---|---|\n| 1 | 2 |\n\n<script>alert(1)</script>\n"
+def test_notes_are_markdown_with_pictures_and_run_no_script(case, results, tmp_path):
+    notes = tmp_path / "notes.md"
+    table = "| a | b |\n|---|---|\n| 1 | 2 |"
+    notes.write_text(f"# Sources\n\n{table}\n\n![map](map.png)\n\n<script>alert(1)</script>\n")
+    (tmp_path / "map.png").write_bytes(b"\x89PNG")
     page = write_report(case, {"run": results}, tmp_path / "r", notes).read_text()
+    assert 'src="data:image/png;base64,iVBORw=="' in page
     assert "<h1>Sources</h1>" in page and "<td>2</td>" in page
     assert "<script>alert" not in page and "&lt;script&gt;alert" in page
 

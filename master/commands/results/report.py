@@ -51,6 +51,7 @@ def command(
     if missing:
         raise BadInput(missing)
     with console.status("drawing the page"):
-        text = notes.read_text() if notes else ""
-        page = page_of(described, runs, output, source=case, notes=text, studies=study, ahead=ahead)
+        page = page_of(
+            described, runs, output, source=case, notes=notes, studies=study, ahead=ahead
+        )
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
