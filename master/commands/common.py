@@ -136,7 +136,7 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
     return {label: own for label, own in found.items() if own}
 
 
-def page_of(case, runs, folder, *, source=None, notes="", studies=(), ahead=(), figures=True):
+def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=(), figures=True):
     """Write the report of runs with their answers, bodies and all that their machine is known by.
 
     Parameters

@@ -132,7 +132,7 @@ def notes_html(path: Path) -> str:
     """Return a Markdown file as HTML with its pictures inside; HTML in it stays text."""
     markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = markdown.parse(path.read_text(encoding="utf-8"))
-    for token in (child for token in tokens for child in token.children or []):
+    for token in (child for block in tokens for child in block.children or []):
         picture = path.parent / str(token.attrGet("src") or "")
         if token.type == "image" and picture.is_file():
             kind = mimetypes.guess_type(picture)[0] or "image/png"
