@@ -16,7 +16,7 @@ from rich.console import Console
 from ..fmi.errors import BadInput, Stopped
 
 STARTED = time.perf_counter()
-SUMMARY = "Elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
+SUMMARY = "Simulate the elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
 GROUPS = {
     "results": "Draw, report and export results files.",
     "fmu": "Build, export and inspect FMUs.",

@@ -71,7 +71,7 @@ VERBS = frozenset(
     reduce refer reject relate relax release rely remain remember remove repeat replace
     report represent reproduce request require resolve respect respond rest restart restore
     restrict result retry return reuse rise rock rotate round run satisfy save say scale
-    score search see select send separate serve set shift show shrink simulate skip slap
+    score search see select send separate serve set share shift show shrink simulate skip slap
     slide slip solve specify speed split squeeze start state stay stop store subtract
     succeed sum support suppress surface surround switch take tend test thin tilt transfer
     translate transmit treat try turn type unload update use validate vanish vary verify

@@ -8,6 +8,7 @@ import pytest
 
 from piston_cosim.master.case.keys import case_keys, part_function
 from piston_cosim.master.case.schema import Case, case_names, find_case, read_tree
+from piston_cosim.master.commands.app import app
 from piston_cosim.master.fmi.slave import FieldSlave
 
 from .prose import of_markdown, of_text
@@ -71,11 +72,19 @@ def test_keys_and_variables(name):
     assert findings(described(name)) == []
 
 
-def test_tables_of_a_case():
-    tables = Case.model_json_schema()["$defs"]
+@pytest.mark.parametrize(
+    "schema",
+    [
+        Case.model_json_schema,
+        *(part_function(one, "options_schema") for one in ("fmu_ehd", "fmu_mfbd")),
+        part_function("fmu_mfbd.monoblock", "options_schema"),
+    ],
+)
+def test_tables(schema):
+    found = schema()
+    tables = {"": found} | found.get("$defs", {})
     texts = [(name, one["description"]) for name, one in tables.items() if "description" in one]
-    assert len(texts) > 10
-    assert findings(texts) == []
+    assert texts and findings(texts) == []
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -112,3 +121,9 @@ def strings(path):
 def test_messages_of_a_run(name):
     texts = list(strings(ROOT / f"master/{name}.py"))
     assert texts and findings(texts) == []
+
+
+def test_help():
+    text = app.generate_docs(output_format="markdown", recursive=True)
+    assert text.count("Example:") > 20
+    assert list(of_markdown(text)) == []
