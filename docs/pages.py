@@ -212,13 +212,15 @@ def options():
 
 def keys_of(model):
     """Rows of a pydantic class: key, type, default, meaning."""
+    described = model.model_json_schema()["properties"]
     for name, info in model.model_fields.items():
         kind = str(info.annotation).replace("typing.", "")
         kind = re.sub(r"<class '([\w.]+)'>|(?:piston_cosim[\w.]*\.)", lambda m: m[1] or "", kind)
         default = "required" if info.is_required() else repr(info.get_default())
         if info.default_factory is not None:
             default = "its own defaults"
-        yield f"`{info.alias or name}`", f"`{kind}`", f"`{default}`", info.description or ""
+        key = info.alias or name
+        yield f"`{key}`", f"`{kind}`", f"`{default}`", described[key]["description"]
 
 
 def parameters():
@@ -247,13 +249,13 @@ def parameters():
     ]
     crank = [variable for variable in of_crank if variable.name not in told]
     heads = ("name", "causality", "unit", "start", "allowed", "meaning")
-    lines = ["# Variables of the FMUs", "", "On 40 x 40 cells, 120 modes; values in SI.", ""]
+    lines = ["# Variables of the FMUs", "", "Tables for 40 x 40 cells and 120 modes, in SI", ""]
     for title, rows in (
         ("Lubrication, `fmu_ehd`", skirt),
-        ('Besides, of a bearing (`surface = "bearing"`)', bearing),
+        ('Additional variables of a bearing (`surface = "bearing"`)', bearing),
         ("Bodies, `fmu_mfbd`", bodies),
-        ("Besides, of a piston in space (`motion_in_space`)", space),
-        ("Besides, of a crank on films (`big_end`, `main_bearing`)", crank),
+        ("Additional variables of a piston in space (`motion_in_space`)", space),
+        ("Additional variables of a crank on films (`big_end`, `main_bearing`)", crank),
     ):
         lines += [f"## {title}", "", *table(heads, map(row_of, rows))]
     return "\n".join(lines)

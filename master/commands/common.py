@@ -197,7 +197,7 @@ def print_answers(answers, verbose=False):
                 continue
             colour = {"amber": "yellow"}.get(check.colour, check.colour)
             whose = f"{label}: " if len(answers) > 1 else ""
-            shown = f"[{colour}]{check.outcome:7s} {check.what:11s}[/] {whose}{check.said}"
+            shown = f"[{colour}]{check.outcome:7s} {check.what:14s}[/] {whose}{check.said}"
             console.print(shown, highlight=False, soft_wrap=True)
 
 
