@@ -8,6 +8,7 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.offline import BodyReport
 from piston_cosim.master.fmi.notebook import html_table
+from piston_cosim.master.results.file import RecordedField
 
 LONGEST = 120
 PLACE = r"\bat 0x[0-9a-f]+"
@@ -28,6 +29,7 @@ def shown(tmp_path_factory):
         "Results": results,
         "Plots": results.plot,
         "Series": results.series("left.displacement"),
+        "RecordedField": RecordedField(np.ones((8, 4)), 1e-3, "Pa", "Pressure"),
         "Film": film,
         "FMU": fmu,
         "BodyReport": body,
@@ -36,7 +38,7 @@ def shown(tmp_path_factory):
     results.close()
 
 
-KINDS = ["Case", "Results", "Plots", "Series", "Film", "FMU", "BodyReport"]
+KINDS = ["Case", "Results", "Plots", "Series", "RecordedField", "Film", "FMU", "BodyReport"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -59,6 +61,7 @@ def test_tables_hold_what_was_asked_for(shown):
     assert "0.01 Pa s (constant)" in shown["Film"]._repr_html_()
     assert "8 x 4 cells" in repr(shown["Film"])
     assert "3 values from" in repr(shown["Series"])
+    assert repr(shown["RecordedField"]) == "<RecordedField Pressure: 8 x 4 values from 1 to 1 Pa>"
     fields = shown["FMU"].fields.values()
     inputs = sum(field.causality == "input" for field in fields)
     assert re.search(rf">inputs</th><td[^>]*>{inputs}</td>", shown["FMU"]._repr_html_())
