@@ -148,14 +148,14 @@ class Mfbd(FieldSlave):
         return state, outputs
 
     def _tell_of_bend(self, bend: float) -> None:
-        """Log by how much modes without inertia bend the gap [m] before a film knows it: it starts
-        with the oil of the bent gap, where modes with inertia start straight and press oil out.
+        """Log the change of the gap [m] by modes without inertia at the start. A film starts with
+        the oil of this gap, whereas modes with inertia start undeformed and squeeze oil out.
         """
         if bend > 0.0:
             self.log(
-                f"modes above quasi_static_frequency bend the gap by up to {bend:.3g} m at the "
-                "start, and a film that starts full begins with the oil of the bent gap: motion "
-                "and thinnest film of the first strokes depend on it",
+                "Modes above quasi_static_frequency change the gap at the start by up to "
+                f"{bend:.3g} m. A full film then starts with the oil of the changed gap, which "
+                "affects motion and film of the first strokes.",
                 Fmi2Status.warning,
             )
 

@@ -27,26 +27,25 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 <body>
 <h1>{title}</h1>
 <p>{description}. By {author}, licence {licence}.</p>
-<h2>Needs</h2>
+<h2>Requirements</h2>
 <p>{needs}</p>
 <h2>Steps</h2>
-<p>Usual step {step:g} s. Inputs of a step hold the values at its end. A step that cannot be
-solved is discarded, with the reason in the log, and leaves the state as it was; a state can be
-saved, restored and serialised.</p>
+<p>The usual step is {step:g} s. Inputs of a step hold the values at its end. If a step cannot be
+solved, the FMU discards it, logs the reason and does not change its state. States can be saved,
+restored and serialised.</p>
 {tables}
 </body>
 </html>
 """
 
-OF_PYTHON = """{hosts}; Python 3.11 or newer with {packages} on the machine. A host that is not
-Python starts the one that the environment variable PISTON_COSIM_PYTHON names, else that of
-VIRTUAL_ENV, else the one that last built such an FMU on the machine, else python3. At the first
-start its code is compiled, which takes a minute and is said in the log; it is kept in
-PISTON_COSIM_CACHE, else in the user's cache, and serves all FMUs of the same code."""
+OF_PYTHON = """The FMU requires {hosts}, and Python 3.11 or newer with {packages}. If the host is
+not Python, the FMU starts the Python of the environment variable PISTON_COSIM_PYTHON. The next
+choices are that of VIRTUAL_ENV, the one that last built such an FMU on the machine, and python3. At
+the first start the FMU compiles its code for about a minute and logs it. All FMUs of the same code
+share the compiled code in PISTON_COSIM_CACHE or in the user's cache."""
 
-OF_ITSELF = """Any host on {platforms}; nothing else: it is machine code and holds no Python.
-Choices of physics that it does not cover are refused when it starts, in a sentence that says
-which."""
+OF_ITSELF = """The FMU runs in any host on {platforms}. It is machine code and needs no Python. At
+its start it rejects choices of physics that it does not support, with a message."""
 
 TITLES = {
     "input": "Inputs",
@@ -71,7 +70,7 @@ def documentation(slave, any_host, platforms=()):
         OF_ITSELF.format(platforms=", ".join(platforms))
         if platforms
         else OF_PYTHON.format(
-            hosts="Linux x86-64, any host" if any_host else "A host that is Python",
+            hosts="any host on Linux x86-64" if any_host else "a host that is Python",
             packages=", ".join(PACKAGES),
         )
     )
