@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from ..case.schema import find_case, read_tree
+from ..engine.headlines import MEASURES
 from ..fmi.errors import BadInput
 from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
@@ -94,10 +95,11 @@ def command(
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
-    picture = draw_sweep(rows, axes, tree.get("summary", {}), table.with_suffix(".png"))
+    weighed = [*dict.fromkeys([*MEASURES, *tree.get("summary", {})])]
+    picture = draw_sweep(rows, axes, weighed, table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with console.status("drawing the page"):
-        page = _page(path, points, rows, axes, [*tree.get("summary", {})], table, reports)
+        page = _page(path, points, rows, axes, weighed, table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
@@ -110,7 +112,6 @@ def command(
 def _page(path, points, rows, axes, weighed, table, reports):
     """The page of the sweep, and the reports of its points that are not there yet."""
     from ..case.schema import check_case
-    from ..engine.headlines import measures
     from ..results.file import Results
     from ..results.sweep_page import SweptPoint, write_sweep_page
 
@@ -119,16 +120,12 @@ def _page(path, points, rows, axes, weighed, table, reports):
     for point, row in zip(points, rows):
         file = folder / "runs" / f"{point.name}.h5"
         page = folder / "reports" / point.name / "report.html"
-        measured = {}
-        if row["status"] == "done" and file.is_file():
+        if reports and row["status"] == "done" and file.is_file() and not page.is_file():
             with Results(file) as results:
-                measured = measures(results)
-                if reports and not page.is_file():
-                    case, runs = check_case(results.case, file), {point.name: results}
-                    page_of(case, runs, page.parent, source=str(path), figures=False)
+                case, runs = check_case(results.case, file), {point.name: results}
+                page_of(case, runs, page.parent, source=str(path), figures=False)
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
-        weighed = [*weighed, *measured]
-        swept.append(SweptPoint(row | measured, link))
+        swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
     return write_sweep_page(swept, varied, weighed, table.with_suffix(".html"))
 

@@ -291,18 +291,43 @@ def _oil(run):
     return f"{held:.0f} mm³ in the film, {way} {abs(inwards):.0f} mm³/s through the upper edge"
 
 
-def measures(results) -> dict[str, float]:
-    """Return the measures of a design over the last period, if the run has them: slap energy, the
-    largest kinetic energy of lateral motion [J], and contact fraction of the friction work [-].
+MEASURES = (
+    "minimum_film_thickness_m",
+    "friction_mean_effective_pressure_pa",
+    "slap_energy_j",
+    "largest_rocking_angle_rad",
+    "contact_share",
+)
+"""Names of the measures of a design; each ends with its unit."""
+
+
+def measures(case, path) -> dict[str, float]:
+    """Return the measures of a design over the last period of a results file.
+
+    The names are those of `MEASURES`. Slap energy is the largest kinetic energy of lateral motion.
+    The contact share is the fraction of the friction work. A measure is omitted if the run lacks
+    its outputs.
     """
-    results = results.last
-    found = {}
-    for name in players(results.case, "bodies")[:1]:
-        port = f"{name}.kinetic_energy"
-        if port in results.ports:
-            found["slap_energy_j"] = float(results.series(port).values.max())
-    for name in players(results.case, "lubrication")[:1]:
-        share = contact_share(results, name)
-        if share is not None:
-            found["contact_share"] = share
-    return found
+    with Results(path) as run:
+        return _measured(case, run.last)
+
+
+def _measured(case, results):
+    """Return the measures of results of one period."""
+    films, bodies = (players(results.case, role) for role in ("lubrication", "bodies"))
+
+    def values(names, output):
+        ports = [f"{name}.{output}" for name in names]
+        return [results.series(port).values for port in ports if port in results.ports]
+
+    thickness = values(films, "minimum_film_thickness")
+    energy = values(bodies[:1], "kinetic_energy")
+    rocking = values(bodies[:1], "rocking_angle")
+    found = {
+        "minimum_film_thickness_m": min((one.min() for one in thickness), default=None),
+        "friction_mean_effective_pressure_pa": friction_pressure(case, results),
+        "slap_energy_j": max((one.max() for one in energy), default=None),
+        "largest_rocking_angle_rad": max((np.abs(one).max() for one in rocking), default=None),
+        "contact_share": contact_share(results, films[0]) if films else None,
+    }
+    return {name: float(value) for name, value in found.items() if value is not None}

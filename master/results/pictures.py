@@ -124,6 +124,7 @@ ENDINGS = {
     "_pa": "Pa",
     "_w": "W",
     "_j": "J",
+    "_rad": "rad",
     "_n": "N",
     "_m": "m",
     "_s": "s",
@@ -137,6 +138,18 @@ def entry_in_words(name: str) -> str:
         if name.endswith(ending):
             return labelled(name.removesuffix(ending).replace("_", " "), unit)
     return name.replace("_", " ")
+
+
+def entry_shown(name: str, values: Sequence[float]) -> tuple[str, np.ndarray]:
+    """Return a summary entry in words with a unit that suits its values, and the values in it."""
+    array = np.asarray(values, float)
+    for ending, unit in ENDINGS.items():
+        if name.endswith(ending):
+            finite = np.abs(array[np.isfinite(array)])
+            wanted = "deg" if unit == "rad" else handy_unit(unit, max(finite, default=0.0))
+            shown, label = scaled(array, unit, wanted)
+            return labelled(name.removesuffix(ending).replace("_", " "), label), shown
+    return name.replace("_", " "), array
 
 
 def handy_unit(unit: str, largest: float) -> str | None:

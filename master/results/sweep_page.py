@@ -10,7 +10,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader
 from matplotlib import colormaps
 
-from .pictures import entry_in_words
+from .pictures import entry_shown
 from .sweep_pictures import magnitude
 
 WORDS = ("friction", "slap", "contact")
@@ -46,20 +46,21 @@ def write_sweep_page(
         if all(isinstance(point.row.get(name), (int, float)) for point in done)
         and np.ptp([float(point.row[name]) for point in done]) > 0
     ]
+    shown = [entry_shown(name, [point.row[name] for point in done]) for name in entries]
     chosen = [next((name for name in entries if word in name), None) for word in WORDS]
     colours = (colormaps["viridis"](np.linspace(0, 1, 64))[:, :3] * 255).round().astype(int)
     data = {
         "axes": [_axis(name, done) for name in axes],
         "entries": entries,
-        "said": [entry_in_words(name) for name in entries],
+        "said": [label for label, _ in shown],
         "chosen": [name for name in chosen if name],
         "points": [
             {
                 "report": point.report,
-                "values": [float(point.row[name]) for name in entries],
+                "values": [float(values[k]) for _, values in shown],
                 "axes": [str(point.row[name]) for name in axes],
             }
-            for point in done
+            for k, point in enumerate(done)
         ],
         "colours": colours.tolist(),
     }

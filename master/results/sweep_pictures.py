@@ -1,10 +1,12 @@
-"""Pictures of a sweep: every summary entry of the case over the first axis, a curve for each
-combination of the others.
+"""Pictures of a sweep: every result over the first axis, a curve for each combination of the
+others.
 """
+
+import numpy as np
 
 from ..fmi.quantities import registry
 from .figures import subplots
-from .pictures import PALETTE, entry_in_words
+from .pictures import PALETTE, entry_shown
 
 
 def magnitude(value):
@@ -26,7 +28,7 @@ def draw_sweep(rows, axes, entries, path):
         As `sweep.sweep` returns them.
     axes : list of Axis
     entries : iterable of str
-        Columns to draw.
+        Columns to draw; those without any value are omitted.
     path : Path
         The picture.
 
@@ -37,19 +39,22 @@ def draw_sweep(rows, axes, entries, path):
     first = axes[0]
     others = [axis.name for axis in axes[1:]]
     done = [row for row in rows if row["status"] == "done"]
-    entries = [entry for entry in entries if done]
+    entries = [entry for entry in entries if any(_number(row, entry) is not None for row in done)]
     lines = max(1, -(-len(entries) // 2))
     figure, panels = subplots(lines, 2, squeeze=False, figsize=(11, 1 + 2.6 * lines))
+    for panel in panels.flat[len(entries) :]:
+        panel.remove()
     for panel, entry in zip(panels.flat, entries):
-        for k, key in enumerate(
-            dict.fromkeys(tuple(str(row[name]) for name in others) for row in done)
-        ):
-            chosen = [row for row in done if tuple(str(row[name]) for name in others) == key]
-            positions = [magnitude(row[first.name]) for row in chosen]
+        numbers = [_number(row, entry) for row in done]
+        title, shown = entry_shown(entry, [np.nan if x is None else x for x in numbers])
+        keys = [tuple(str(row[name]) for name in others) for row in done]
+        for k, key in enumerate(dict.fromkeys(keys)):
+            chosen = [n for n, other in enumerate(keys) if other == key]
+            positions = [magnitude(done[n][first.name]) for n in chosen]
             named = None in positions
             panel.plot(
                 range(len(chosen)) if named else positions,
-                [row[entry] for row in chosen],
+                shown[chosen],
                 "o-",
                 ms=4,
                 lw=1.2,
@@ -57,13 +62,11 @@ def draw_sweep(rows, axes, entries, path):
                 label=", ".join(key),
             )
             if named:
-                panel.set_xticks(
-                    range(len(chosen)), [str(row[first.name]) for row in chosen], fontsize="small"
-                )
-        panel.set_title(entry_in_words(entry), fontsize="small")
+                texts = [str(done[n][first.name]) for n in chosen]
+                panel.set_xticks(range(len(chosen)), texts, fontsize="small")
+        panel.set_title(title, fontsize="small")
+        panel.set_xlabel(_heading(first), fontsize="small")
         panel.grid(alpha=0.3)
-    for panel in panels[-1]:
-        panel.set_xlabel(_heading(first))
     if others and len(entries):
         panels[0, 0].legend(
             title=", ".join(name.split(".")[-1].replace("_", " ") for name in others),
@@ -74,7 +77,14 @@ def draw_sweep(rows, axes, entries, path):
     return path
 
 
+def _number(row, entry):
+    """Return the value of an entry, or None if the row has no finite number for it."""
+    value = row.get(entry)
+    return value if isinstance(value, (int, float)) and np.isfinite(value) else None
+
+
 def _heading(axis):
+    """Return the name of an axis with its unit."""
     try:
         unit = (
             f"{registry().Quantity(axis.values[0]).units:~P}"

@@ -146,10 +146,11 @@ def run_point(tree, case_folder, output):
     Returns
     -------
     dict
-        status ("done", "failed" or "bad input"), message, and the summary of a run that is done,
-        what its modes leave out included.
+        status ("done", "failed" or "bad input") and message. For a finished run also the measures
+        of the design, the summary of the case and what the modes leave out.
     """
     from ..case.system import open_system
+    from ..engine.headlines import measures
     from ..engine.truncation import state_truncation
     from .run import run
 
@@ -158,7 +159,8 @@ def run_point(tree, case_folder, output):
         case = check_case(tree, case_folder)
         summary = run(open_system(case, folder, _silent), case, tree, Path(output))
         missed = state_truncation(tree, folder, Path(output), _silent)
-        return {"status": "done", "message": ""} | summary | missed
+        measured = measures(case, Path(output))
+        return {"status": "done", "message": ""} | measured | summary | missed
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except Stopped as error:  # no convergence, a fault of a participant, a full disk

@@ -114,6 +114,7 @@ def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp
     monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
     monkeypatch.setattr(f"{package}.runs.run.run", run)
     monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", lambda *given: {})
+    monkeypatch.setattr(f"{package}.engine.headlines.measures", lambda *given: {})
     first, second = sweep(points, PATH.parent, tmp_path, Here())
     assert (first["status"], second["status"]) == ("done", "failed")
     path = tmp_path / "runs" / f"{points[1].name}.h5"
@@ -144,8 +145,10 @@ def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):
     monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
     monkeypatch.setattr(f"{package}.runs.run.run", lambda *given: {"steps": 3})
     monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", truncation)
+    monkeypatch.setattr(f"{package}.engine.headlines.measures", lambda *given: {"slap_energy_j": 2})
     row = run_point(tree, str(PATH.parent), str(tmp_path / "run.h5"))
-    assert row == {"status": "done", "message": "", "steps": 3, "truncation_error_piston": 0.1}
+    expected = {"slap_energy_j": 2, "steps": 3, "truncation_error_piston": 0.1}
+    assert row == {"status": "done", "message": ""} | expected
     assert asked == [(tree, PATH.parent, tmp_path / "run.h5")]
 
 

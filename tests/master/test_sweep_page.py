@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from piston_cosim.master.results.figures import Figure
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
+from piston_cosim.master.results.sweep_pictures import draw_sweep
+from piston_cosim.master.runs.sweep import Axis
 
 from .browser import Browser, found
 
@@ -52,6 +55,25 @@ def swept():
     return [*points, SweptPoint(failed, "")]
 
 
+def test_pictures_have_handy_units_and_no_empty_axes(tmp_path, monkeypatch):
+    """An entry without a number has no axes; a film in metres is drawn in micrometres."""
+    seen = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **given: seen.extend(figure.axes))
+    rows = [
+        {"gap": gap, "status": "done", "film_m": 1e-6 * k, "tilt_rad": 0.1, "none": None}
+        for k, gap in enumerate(("10 um", "20 um"))
+    ]
+    axis = Axis("gap", ("gap",), ("10 um", "20 um"))
+    entries = ["film_m", "tilt_rad", "none", "not_there"]
+    draw_sweep(rows, [axis], entries, tmp_path / "sweep.png")
+    draw_sweep(rows, [axis], entries[:1], tmp_path / "sweep.png")
+    titles = [one.get_title() for one in seen]
+    assert titles == ["film [\N{MICRO SIGN}m]", "tilt [deg]", "film [\N{MICRO SIGN}m]"]
+    assert seen[0].lines[0].get_ydata() == pytest.approx([0.0, 1.0])
+    assert seen[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.1]))
+    assert {one.get_xlabel() for one in seen} == {"gap [µm]"}
+
+
 def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_path):
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
@@ -79,7 +101,7 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
     assert told["response"] == links  # of a grid of two keys, in its order
     # what does not vary is left out, and what nobody weighs designs by
     assert told["entries"] == ENTRIES
-    assert told["shown"] == ["mean friction power [W]", "slap energy [J]", "contact share"]
+    assert told["shown"] == ["mean friction power [W]", "slap energy [mJ]", "contact share"]
     assert told["axes"] == ["clearance [um]", "ovality"]
     values = np.array([[point.row[name] for name in ENTRIES] for point in points[:-1]])
     assert told["all"] == front(values).tolist() and told["two"] == front(values[:, :2]).tolist()
