@@ -125,7 +125,7 @@ SYNONYMS = {
     "gap": ("clearance", "film_thickness"),
     "play": ("clearance",),
     "lubricant": ("oil", "viscosity"),
-    "oil": ("viscosity", "vogel", "walther", "shear_thinning"),
+    "oil": ("viscosity",),
     "profile": ("barrel", "ovality", "skirt_profile"),
     "rpm": ("crank_speed",),
     "stiffness": ("young",),
@@ -159,7 +159,8 @@ def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
     if chosen := list(dict.fromkeys([*chosen, *by_name, *by_meaning])):
         return chosen, False
     parts = {part for key in found for part in key.path.split(".")} - {ANY, EACH}
-    close = near(wanted[-1], sorted({*parts, *SYNONYMS}))
+    words = {text for part in parts for text in part.split("_")}
+    close = near(wanted[-1], sorted({*parts, *words, *SYNONYMS}))
     raise BadInput(f"{word}: no key of a case contains this word{close}")
 
 
