@@ -32,7 +32,7 @@ def command(source: str, /, *, set_: Changes = [], picture: Path | None = None):
 
 
 def print_checked(found: CheckedCase, picture: Path):
-    """Print what was seen of a case, and draw it; BadInput with its faults."""
+    """Print the checks of a case and draw it; raise BadInput if it has faults."""
     console.print(f"[bold]{found.title}[/]", highlight=False, soft_wrap=True)
     for preview in found.previews.values():
         groups: dict[str, list[Figure]] = {}
@@ -53,13 +53,13 @@ def print_checked(found: CheckedCase, picture: Path):
 
 
 def _told(figure: Figure) -> str:
-    """A figure as on the screen."""
+    """Return a figure as text with its name."""
     note = f" ({figure.note})" if figure.note else ""
     return f"{figure.name.replace('_', ' ')} {_shown(figure)}{note}"
 
 
 def _shown(figure: Figure) -> str:
-    """Its value: lengths in mm or um, shares in per cent, volumes in cm^3."""
+    """Return its value as text: lengths in mm or um, shares in percent, volumes in cm^3."""
     if figure.unit == "m":
         size = abs(figure.value)
         return (

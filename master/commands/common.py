@@ -1,4 +1,4 @@
-"""What several commands do: read --set and --grid, resolve variants, open results, speak."""
+"""Functions of several commands: read options, resolve variants, open results, print."""
 
 import json
 import tomllib
@@ -23,12 +23,14 @@ Changes = Annotated[list[str], Parameter(name="--set")]
 
 
 NARROWEST = 150
-"""Columns of a wide table: in a pipe, and of one whose cells cannot be broken anywhere."""
+"""Smallest width of a wide table outside a terminal."""
 
 
 def wide_console(broken=True):
-    """The console for wide tables: a terminal as wide as it is, a pipe as wide as is needed; with
-    cells that must not be `broken` the terminal breaks the lines.
+    """Return the console for wide tables.
+
+    A table in a terminal has the width of the terminal, unless its cells must not be `broken` into
+    lines.
     """
     if broken and console.is_terminal:
         return console
@@ -36,12 +38,12 @@ def wide_console(broken=True):
 
 
 def say(text):
-    """Tell what is being done."""
+    """Print a message about progress."""
     console.print(f"[dim]{text}[/]", soft_wrap=True)
 
 
 def parse_change(text):
-    """(dotted key, value) of KEY=VALUE; the value is TOML where it reads as TOML, else text."""
+    """Return dotted key and value of KEY=VALUE; a value that is not valid TOML is text."""
     key, sign, value = text.partition("=")
     if not sign or not key:
         raise BadInput(f"--set {text!r}: write KEY=VALUE")
@@ -52,7 +54,7 @@ def parse_change(text):
 
 
 def parse_grid(text):
-    """[circumferential, axial] cells from "40x40"."""
+    """Return the numbers of circumferential and axial cells from a text like "40x40"."""
     try:
         sizes = [int(part) for part in text.split("x")]
     except ValueError:
@@ -63,14 +65,15 @@ def parse_grid(text):
 
 
 def default_folder(path):
-    """Folder for the results of a case file, where --output names none."""
+    """Return the default folder for the results of a case file."""
     return Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
 
 
 def variant_trees(path, changes, only, say=lambda text: None):
-    """Resolved TOML tree of each run: the case itself under its label, then the variants that run
-    beside it; or the one of the label `only`. A change wins over what a variant has, and `say` is
-    told so.
+    """Return the resolved TOML tree of each run by label.
+
+    The runs are the case itself and the variants of its key `beside`, or the variant `only`. A
+    change overrides a variant; `say` reports it.
     """
     tree = read_tree(path, changes)
     own = tree.get("label", "base")
@@ -90,8 +93,9 @@ def variant_trees(path, changes, only, say=lambda text: None):
 
 
 def open_runs(files):
-    """Case of the first results file, and label -> Results of all; files of equal names are told
-    apart by their folders.
+    """Return the case of the first results file, and the results by label.
+
+    A label is the name of a file, with its folder if several files have that name.
     """
     from ..results.file import Results
 
@@ -115,8 +119,9 @@ def open_runs(files):
 
 
 def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
-    """Label -> participant -> surfaces of its bodies; those that cannot be had are left out with a
-    word.
+    """Return the surfaces of the bodies by label and participant.
+
+    Bodies whose meshes are missing are omitted, with a message.
     """
     from ..api.bodies import OFFLINE, build_tables
 
@@ -137,20 +142,20 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
 
 
 def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=(), figures=True):
-    """Write the report of runs with their answers, bodies and all that their machine is known by.
+    """Write the report of runs with their main results, bodies and engine sections.
 
     Parameters
     ----------
     case : Case
-        Of the first run.
+        Case of the first run.
     runs : dict of str to Results
     folder : Path
     source : str, optional
-        Case whose folder the paths of meshes start from.
+        Case whose folder contains the meshes.
     notes, studies, figures
-        As `results.report.write_report` has them.
+        Passed to `results.report.write_report`.
     ahead : sequence of Section
-        Shown first.
+        Sections at the top of the page.
     """
     from ..engine.answer import answer
     from ..engine.sections import special
@@ -163,9 +168,10 @@ def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=()
 
 
 def case_folder(results, case=None) -> Path:
-    """Folder that the paths of a run's case start from: that of `case`, of the case named as the
-    folder of the results, or of the case that comes with the tool and has its title; the results'
-    own where there is none.
+    """Return the folder that contains the meshes of a run's case.
+
+    It is the folder of `case`, else of the case with the name of the results folder, else of the
+    shipped case with the same title, else the folder of the results.
     """
     if case:
         return find_case(case).parent
@@ -179,13 +185,14 @@ def case_folder(results, case=None) -> Path:
 
 
 def _titles(tree):
-    """Titles of a case and its variants."""
+    """Return the titles of a case and its variants."""
     return [one.get("title") for one in (tree, *tree.get("variants", {}).values())]
 
 
 def print_answers(answers, verbose=False):
-    """Label -> `engine.answer.Answer` of every run, side by side, then the checks of each that
-    warn or fail; all checks with `verbose`.
+    """Print the answers of runs side by side, then the checks that warn or fail.
+
+    `answers` maps labels to `engine.answer.Answer`. `verbose` prints all checks.
     """
     table = Table("", *answers, box=None, pad_edge=False)
     for name in dict.fromkeys(line.name for one in answers.values() for line in one.lines):
@@ -202,8 +209,9 @@ def print_answers(answers, verbose=False):
 
 
 def draw_pictures(case, runs, folder, kind=None):
-    """Draw a case's pictures of its runs (label -> Results) and say where they are; as files of
-    another `kind` where one is given.
+    """Draw the pictures of a case for runs (label -> Results) and print their paths.
+
+    `kind` is the type of the files: png, svg or pdf; default: that of the case's file names.
     """
     from ..results.pictures import draw, left_out
 

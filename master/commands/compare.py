@@ -84,9 +84,7 @@ def command(
 
 
 def print_measures(names, values):
-    """Table of the models' measures, a column each; beside a value how far it is from the first
-    model's.
-    """
+    """Print the measures of the models, one column each, with the difference from the first."""
     table = Table(Column(no_wrap=True), *values, box=None)
     first = next(iter(values.values()))
     for k, (name, unit) in enumerate(names.items()):

@@ -25,9 +25,9 @@ def _option(name: str) -> Any:
 
 
 HERE = {"__module__": __name__}
-"""Without it a made class counts as built in, and has no options."""
+"""Module of the made class; cyclopts reads no options of a class without one."""
 Sizes: Any = make_dataclass("Sizes", map(_option, SIZES), frozen=True, namespace=HERE)
-"""The sizes of an engine, as text: a number in the unit shown, or with a unit of its own."""
+"""Sizes of an engine as text: a number in the unit of its option, or a number with its unit."""
 
 
 def command(

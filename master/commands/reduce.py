@@ -42,7 +42,7 @@ def command(source: str, /, *, set_: Changes = [], output: Path | None = None):
 
 
 def print_body(body):
-    """Size, mass properties, cost, and the table of modes."""
+    """Print size, mass properties, cost and modes of a reduced body."""
     centre = body.centre
     inertia = body.inertia
     console.print(

@@ -122,7 +122,7 @@ def command(
 
 
 def _say_ahead(cases, trees, plots, only):
-    """Say what this run leaves out: pictures of what is not recorded, variants not asked for."""
+    """Report what this run omits: pictures without recorded fields, and other variants."""
     first = next(iter(cases.values()))
     for picture in first.pictures if plots else ():
         if lacking := first.unrecorded(picture):
@@ -137,7 +137,7 @@ def _say_ahead(cases, trees, plots, only):
 
 @contextmanager
 def _shown(live, case, system, watch):
-    """The case and who is told of its steps: with `live` a page too, whose address is said."""
+    """Yield the case and the observer of its steps; `live` also serves a page of curves."""
     if not live:
         yield case, watch
         return
@@ -148,7 +148,7 @@ def _shown(live, case, system, watch):
 
 
 def open_all(cases, folder):
-    """Systems of all variants; the faults of all of them in one message."""
+    """Return the systems of all variants; raise BadInput with the faults of all of them."""
     systems = {}
     faults = []
     for label, case in cases.items():

@@ -76,7 +76,7 @@ def command(
 
 
 def _shown(values, title, names):
-    """Table of the named values of every run; empty where a run has none."""
+    """Return a table of the named values of every run; missing values are empty."""
     heads = [name.split(".")[-1].replace("_", " ") for name in names]
     shown = Table("", *heads, box=None, title=title)
     for run, row in values.items():

@@ -110,7 +110,7 @@ def command(
 
 
 def _page(path, points, rows, axes, weighed, table, reports):
-    """The page of the sweep, and the reports of its points that are not there yet."""
+    """Write the page of the sweep and the missing reports of its points."""
     from ..case.schema import check_case
     from ..results.file import Results
     from ..results.sweep_page import SweptPoint, write_sweep_page
@@ -131,7 +131,7 @@ def _page(path, points, rows, axes, weighed, table, reports):
 
 
 def _seconds(time_limit, dask):
-    """The time limit [s]; None without one."""
+    """Return the time limit [s], or None."""
     if time_limit is None:
         return None
     if dask:

@@ -14,8 +14,6 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.master.commands.app import COMMANDS, GROUPS, app
 
-from ..docs import prose
-
 ROOT = Path(__file__).parents[2]
 LABEL = r"\(([A-Z]\d+[a-z]?)\)"
 CITATION = re.compile(r"\[([A-Z][A-Za-z]+\d{4}[a-z]?)\]")
@@ -156,18 +154,9 @@ def test_the_shell_completes_every_command():
     assert "--summary-json" in script
 
 
-def test_help_is_plain_and_its_summaries_are_in_the_overview():
-    """Every sentence of --help, and the summary of each docstring in the list of all commands."""
-    findings = []
+def test_the_overview_has_the_summary_of_every_command():
     for command, summary in COMMANDS.items():
-        text = inspect.getdoc(found(command).default_command)
-        text = re.sub(r"(?m)^Example: (.+\n)+|^-+$|(?s:Parameters\n-+.*)", "", text + "\n")
-        paragraphs = [" ".join(part.split()) for part in text.split("\n\n")]
-        assert paragraphs[0] == summary, command
-        texts = [*paragraphs, *(argument.parameter.help or "" for argument in arguments(command))]
-        for one in texts:
-            findings += [(command, *finding) for finding in prose.of_text(one)]
-    assert findings == []
+        assert inspect.getdoc(found(command).default_command).splitlines()[0] == summary
 
 
 def test_every_option_has_words():

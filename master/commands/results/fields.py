@@ -71,7 +71,7 @@ def command(
 
 
 def _size(tree, radius, length):
-    """Radius and length of the cylinder [m]: as given, else those of the film's participant."""
+    """Return radius and length of the cylinder [m]; default: those of the film."""
     films = [tree["participants"][name] for name in players(tree, "lubrication")]
     known = films[0].get("parameters", {}) if films else {}
     given = (radius or known.get("bore_radius"), length or known.get("skirt_length"))
