@@ -17,6 +17,7 @@ from fmpy.validation import validate_fmu
 import piston_cosim as pc
 from piston_cosim.master.case.export import experiment_ahead, export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.commands.fmu.info import command as info
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.requirements import PACKAGES
 from piston_cosim.master.fmi.slave import Experiment
@@ -43,6 +44,26 @@ def film_3(fmu):
 @pytest.fixture(params=["fmu", "bodies_fmu", "engine", "film_3"])
 def any_fmu(request):
     return request.getfixturevalue(request.param)
+
+
+def test_info_is_ten_lines_and_its_table_is_asked_for(any_fmu, capsys):
+    info(any_fmu)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 10 and max(map(len, lines)) <= 120
+    heads = {line.split()[0] for line in lines[1:] if line.strip()}
+    assert heads >= {"made", "step", "connect", "set", "details"}
+    model = fmpy.read_model_description(str(any_fmu))
+    assert f"{float(model.defaultExperiment.stepSize):g} s" in "\n".join(lines)
+    scalars = [one for one in model.modelVariables if "[" not in one.name and not one.dimensions]
+    last = {one.causality: one.name for one in scalars}
+    info(any_fmu, all_=True)
+    table = capsys.readouterr().out
+    assert last["output"] in table and last["parameter"] in table
+    info(any_fmu, filter_=last["parameter"].upper())
+    chosen = capsys.readouterr().out
+    assert last["parameter"] in chosen and last["output"] not in chosen
+    with pytest.raises(pc.BadInput, match="--filter"):
+        info(any_fmu, filter_="no such word")
 
 
 def test_description_is_valid_and_says_who_made_it(any_fmu):

@@ -11,7 +11,7 @@ from ...fmi.errors import BadInput
 from ...participants.open import open_fmu
 from ..common import console, wide_console
 
-ORDER = ("input", "output", "parameter", "local")
+ORDER = ("input", "output", "parameter", "structuralParameter", "calculatedParameter", "local")
 """Causalities in the order of the table."""
 
 
@@ -47,12 +47,16 @@ def command(
     word = (filter_ or "").lower()
     fields = [
         field
-        for field in sorted(participant.fields.values(), key=lambda f: ORDER.index(f.causality))
+        for field in sorted(participant.fields.values(), key=_order)
         if word in f"{field.name} {field.description}".lower()
     ]
     if not fields:
         raise BadInput(f"--filter {filter_}: no variable of {fmu} contains this word")
     print_table(fields)
+
+
+def _order(field):
+    return ORDER.index(field.causality) if field.causality in ORDER else len(ORDER)
 
 
 def summary(participant, fmu):
