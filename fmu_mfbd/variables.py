@@ -305,7 +305,7 @@ def outputs(
         output_variable(
             "energy_error",
             "J",
-            "Energy error of the time integration over the step, for the motion across the bore",
+            "Energy that time integration creates in the motion across the bore; negative: lost",
             1e-3,
         ),
         output_variable(

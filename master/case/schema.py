@@ -305,8 +305,8 @@ class Record(Table):
     Default: 1 with `time.until_periodic`, otherwise the whole run.
     """
     checkpoint_every: int | None = Field(None, ge=0)
-    """Number of macro steps between checkpoints. 0: only at SIGINT and SIGTERM. Default: 50 after
-    the first 5 s, but at most 2 % of the run time.
+    """Number of macro steps between checkpoints. 0: only at SIGINT and SIGTERM. By default, a run
+    longer than 5 s writes one every 50 steps, in at most 2 % of its time.
     """
 
     @field_validator("every")
