@@ -88,7 +88,7 @@ def variant_trees(path, changes, only, say=lambda text: None):
         for key, value in changed.items():
             taken = value_at(trees[label], key, path.parent)
             if taken != value:
-                say(f"{label}: {key} = {taken!r} as set, in place of the variant's {value!r}")
+                say(f"{label}: {key} = {taken!r} replaces the variant's value {value!r}")
     return trees
 
 
@@ -216,7 +216,7 @@ def draw_pictures(case, runs, folder, kind=None):
     from ..results.pictures import draw, left_out
 
     for picture, why in left_out(case, runs).items():
-        say(f"picture  {picture} is left out: {why}")
+        say(f"picture  {picture} is omitted: {why}")
     with console.status("drawing"):
         drawn = draw(case, runs, folder, kind)
     for picture in drawn:

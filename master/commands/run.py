@@ -127,12 +127,11 @@ def _say_ahead(cases, trees, plots, only):
     for picture in first.pictures if plots else ():
         if lacking := first.unrecorded(picture):
             say(
-                f"picture  {picture.file} will be left out: {', '.join(lacking)} is not recorded; "
-                "name it in record.fields"
+                f"picture  {picture.file} will be omitted: record.fields lacks {', '.join(lacking)}"
             )
     others = [label for label in first.variants if label not in trees]
     if others and not only:
-        say(f"variants {', '.join(others)}: not asked for (--only LABEL)")
+        say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
 
 
 @contextmanager

@@ -154,7 +154,7 @@ def test_a_change_wins_over_a_variant_and_says_so(case_file):
     trees = variant_trees(path, set_, "slow", said.append)
     assert trees["slow"]["participants"]["a"]["parameters"]["speed"] == "900 rpm"
     key = "participants.a.parameters.speed"
-    assert said == [f"slow: {key} = '900 rpm' as set, in place of the variant's '300 rpm'"]
+    assert said == [f"slow: {key} = '900 rpm' replaces the variant's value '300 rpm'"]
 
 
 def test_a_variant_runs_on_demand_alone(case_file):
