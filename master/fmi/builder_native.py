@@ -59,19 +59,29 @@ class Platform(NamedTuple):
     folders: Mapping[str, str]
 
 
-def _zig(target):
+def _zig(target, *options):
     """The compiler that has the headers and libraries of all platforms with it (pip install
     ziglang).
     """
-    return ("zig", "cc", "-target", target)
+    return ("zig", "cc", "-target", target, *options)
 
+
+def _zig_for_linux(processor):
+    """zig without its run-time library, whose sin, cos and memcpy would replace the system's, and
+    with the oldest glibc.
+    """
+    return _zig(f"{processor}-linux-gnu.{'.'.join(map(str, OLDEST_GLIBC))}", "-rtlib=none")
+
+
+OLDEST_GLIBC = (2, 17)
+"""Version of glibc that release libraries are linked against: that of RHEL 7."""
 
 COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
 ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack", "-Wl,-S")
 MACH_O = ("-fPIC", "-fvisibility=hidden")
 PLATFORMS = {
     "linux64": Platform(
-        (_zig("x86_64-linux-gnu.2.17"), (os.environ.get("CC", "cc"),)),
+        (_zig_for_linux("x86_64"), (os.environ.get("CC", "cc"),)),
         ELF,
         ".so",
         {"2.0": "linux64", "3.0": "x86_64-linux"},
@@ -86,7 +96,7 @@ PLATFORMS = {
         {"2.0": "win64", "3.0": "x86_64-windows"},
     ),
     "aarch64-linux": Platform(
-        (_zig("aarch64-linux-gnu.2.17"), ("aarch64-linux-gnu-gcc",)),
+        (_zig_for_linux("aarch64"), ("aarch64-linux-gnu-gcc",)),
         ELF,
         ".so",
         {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
@@ -105,9 +115,6 @@ PLATFORMS = {
     ),
 }
 """By the names of `native_code.TARGETS`."""
-
-OLDEST_GLIBC = (2, 17)
-"""Version of glibc that release libraries are linked against: that of RHEL 7."""
 
 AHEAD = Path(__file__).parent / "libraries"
 """Where a release has libraries made ahead, `library_name` each."""

@@ -8,6 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
+
 #ifdef _WIN32
 #define INTERNAL
 #else
@@ -34,10 +38,16 @@ static _Thread_local Pool *pool;        /* of the call that this thread is in */
 #ifdef __x86_64__
 INTERNAL int native_wide;               /* whether the processor has vectors of four numbers (native_code.in_two_versions) */
 
+/* Set `native_wide`: the processor has AVX2, and the system saves its registers. __builtin_cpu_supports would need the
+   compiler's run-time library, which release libraries do without. */
 static void look_at_processor(void)
 {
-    __builtin_cpu_init();
-    native_wide = __builtin_cpu_supports("avx2");
+    enum { VECTOR_STATE = 6 };
+    unsigned a, b, c, d, state, rest;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE))
+        return;
+    __asm__("xgetbv" : "=a"(state), "=d"(rest) : "c"(0));
+    native_wide = (state & VECTOR_STATE) == VECTOR_STATE && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2);
 }
 #else
 static void look_at_processor(void) {}
