@@ -1,6 +1,7 @@
 """The lubrication model: film, oil, contact and friction of one surface, one step at a time."""
 
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -305,7 +306,7 @@ class LubricationModel:
 
     def _room(self, shape: tuple[int, ...]) -> Array:
         """Room for right-hand sides; kept, as in `blocks`."""
-        size = int(np.prod(shape))
+        size = prod(shape)
         if self._right.size < size:
             self._right = np.empty(size)
         return self._right[:size].reshape(shape)

@@ -73,20 +73,25 @@ class Mfbd(FieldSlave):
         """What build.json says."""
         return BuildOptions.from_json(self.options)
 
-    @property
+    @cached_property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Forces of all films, and of the rings; the motion of a mounted block."""
         block = BLOCK if self.built.mounted else ()
         bore = (BORE,) if self.built.block.bore_from_outside else ()
         return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS, *block, *bore)
 
-    @property
+    @cached_property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Fields of all films, and the piston's motion; forces on a mounted block."""
         skirt = self._of_films(("film_thickness", "sliding_velocity"))
         block = ON_BLOCK if self.built.mounted else ()
         bore = ON_FLEXIBLE_BLOCK if self.built.block.bore_from_outside else ()
         return (*skirt, *self._of_pins(OF_PIN), *MOTION, *block, *bore)
+
+    @cached_property
+    def force_fields(self) -> dict[str, list[str]]:
+        """Variables of all film surfaces of the skirt, by each of `FORCES`."""
+        return {name: self._of_films((name,)) for name in FORCES}
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
         """Variables of these names of all film surfaces of the skirt."""
@@ -233,7 +238,7 @@ class Mfbd(FieldSlave):
 
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:
         """A field of all film surfaces, their cells one after another."""
-        return np.concatenate([values[field].ravel() for field in self._of_films((name,))])
+        return np.concatenate([values[field].ravel() for field in self.force_fields[name]])
 
 
 def _deflection(values: dict[str, Any]) -> np.ndarray:

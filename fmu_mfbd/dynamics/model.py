@@ -4,6 +4,8 @@ at a time.
 
 from copy import copy
 from dataclasses import dataclass, field, replace
+from itertools import accumulate, pairwise
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -230,6 +232,8 @@ class PistonInBore:
         self.spectral_radius = spectral_radius
         self.gas_table = gas_table
         self.films = films
+        ends = accumulate((prod(film.shape) for film in films), initial=0)
+        self.cells = [slice(*pair) for pair in pairwise(ends)]
         self.film_surfaces = each_of(system.surfaces)
         self.crank_unbalance = crank_unbalance
         self.outside = outside
@@ -511,13 +515,10 @@ class PistonInBore:
 
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
         """A stacked field of all surfaces as one of each, by name."""
-        fields = {}
-        first = 0
-        for film in self.films:
-            last = first + np.prod(film.shape)
-            fields[f"{film.prefix}{name}"] = stacked[first:last].reshape(film.shape)
-            first = last
-        return fields
+        return {
+            f"{film.prefix}{name}": stacked[cells].reshape(film.shape)
+            for film, cells in zip(self.films, self.cells)
+        }
 
     def directional_derivative(
         self,

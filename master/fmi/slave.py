@@ -42,6 +42,9 @@ and product.
 """
 
 
+LARGEST = sys.float_info.max
+
+
 def reserved(kind: str, name: str) -> str:
     """Key of the reserved storage of a variable."""
     return f"{kind}:{name}"
@@ -184,6 +187,14 @@ class FieldSlave(Fmi2Slave):
             dtype=int,
         )
         self.given = {v.name for v in real + integer if v.causality != "output"}
+        self.read_texts = [v.name for v in self.table if v.type == "String"]
+        self.read_numbers = {
+            v.name: self.views[v.name]
+            for v in self.table
+            if v.causality != "output" and v.type != "String"
+        }
+        self.seeds = {n: self.views[reserved(SEED, n)] for n in self.derivative_inputs}
+        self.products = {n: self.views[reserved(PRODUCT, n)] for n in self.derivative_outputs}
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
@@ -199,13 +210,10 @@ class FieldSlave(Fmi2Slave):
         """Parameters and inputs as the participant sees them: floats, ints, texts, arrays
         (copies).
         """
-        strings = {
-            v.name: self.string[self.references[v.name]] for v in self.table if v.type == "String"
-        }
+        strings = dict(zip(self.read_texts, self.string))
         numbers = {
-            v.name: self.views[v.name].copy() if v.shape else self.views[v.name].item()
-            for v in self.table
-            if v.causality != "output" and v.type != "String"
+            name: view.copy() if view.ndim else view.item()
+            for name, view in self.read_numbers.items()
         }
         chosen = {v.name: v.choices[numbers[v.name] - 1] for v in self.enumerations}
         return strings | numbers | chosen
@@ -264,10 +272,9 @@ class FieldSlave(Fmi2Slave):
         fails.
         """
         try:
-            products = self.directional_derivative(
-                {n: self.views[reserved(SEED, n)].copy() for n in self.derivative_inputs}
-            )
-            self._publish({reserved(PRODUCT, name): value for name, value in products.items()})
+            seeds = {name: view.copy() for name, view in self.seeds.items()}
+            for name, value in self.directional_derivative(seeds).items():
+                self.products[name][...] = value
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
             self.real[self.first_product :] = np.nan
@@ -362,15 +369,14 @@ class FieldSlave(Fmi2Slave):
 
     def _number_faults(self, v):
         """A sentence where an element of a number is not finite or out of range."""
-        values = np.atleast_1d(self.views[v.name]).ravel()
-        low = -np.inf if v.minimum is None else v.minimum
-        high = np.inf if v.maximum is None else v.maximum
-        good = np.isfinite(values)
-        if low > -np.inf or high < np.inf:
-            good &= (values >= low) & (values <= high)
-        if good.all():
+        low = -LARGEST if v.minimum is None else max(v.minimum, -LARGEST)
+        high = LARGEST if v.maximum is None else min(v.maximum, LARGEST)
+        view = self.views[v.name]
+        smallest, largest = (view.min(), view.max()) if view.ndim else [view.item()] * 2
+        if low <= smallest and largest <= high:  # both are NaN where an element is
             return []
-        k = int(np.argmin(good))
+        values = view.ravel()
+        k = int(np.argmin((values >= low) & (values <= high)))
         if np.isfinite(values[k]):
             return [v.fault(values[k])]
         unit = "" if v.unit == "1" else f" {v.unit}"
