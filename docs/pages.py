@@ -1,50 +1,39 @@
-"""Pages of the site that are made of the sources, given to mkdocs as if they lay in `docs`.
+"""Hooks of mkdocs: pages that are made of the sources, next to the files of `docs`.
 
-Texts of the repository (README, cases, changelog) with their links put right; commands, parameters
-and option classes by introspection; every equation by its label. mkdocs calls `on_config` and
-`on_files`.
+Texts of the repository (README, cases, changelog) get links that work on the site. Commands,
+options and variables come from introspection, equations from the docstrings.
 """
 
-import ast
 import inspect
 import os
 import posixpath
 import re
 import shutil
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+import tomllib
 from pathlib import Path
 
+import equations
+import gallery
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
 PARTS = ("fmu_ehd", "fmu_mfbd", "master")
-ROOMS = ("__init__.py", "models", *PARTS)
+PACKAGE = ("__init__.py", "models", *PARTS)
 TEXTS = {
     "README.md": "index.md",
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
     "models/lubrication_template/README.md": "tutorials/own_film.md",
     "models/engine/README.md": "tutorials/engine.md",
-    "models/numerical_example/README.md": "cases/numerical_example.md",
     "models/numerical_example/PAPER.md": "cases/paper.md",
-    "models/fired_motorcycle/README.md": "cases/fired_motorcycle.md",
-    "models/data_sheet/README.md": "cases/data_sheet.md",
-    "models/journal_bearing/README.md": "cases/journal_bearing.md",
-    "models/floating_pin/README.md": "cases/floating_pin.md",
-    "models/crank_bearings/README.md": "cases/crank_bearings.md",
-    "models/yielding_bosses/README.md": "cases/yielding_bosses.md",
-    "models/twin/README.md": "cases/twin.md",
-    "models/flexible_twin/README.md": "cases/flexible_twin.md",
-    "models/elastic_tube/README.md": "cases/elastic_tube.md",
-    "models/two_mass_oscillator/README.md": "cases/two_mass_oscillator.md",
+    **{f"models/{case}/README.md": f"cases/{case}.md" for case in gallery.cases()},
 }
 """File of the repository -> page of the site."""
 
+PICTURED = r"index\.md|gallery\.md|theory/index\.md|cases/.*|notebooks/.*"
+"""Pages that must show a picture."""
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
-LABEL = r"\(([A-Z]\d+[a-z]?)\)"
-DEFINED = re.compile(rf'^\s*(?:""")?(?P<text>Eq\. {LABEL}:.*)')
-NAMED = re.compile(r"#[^\n]*?\b(Eqs?\. [^\n]*)")
 OPTION_CLASSES = {
     "The case file": "master.case.schema",
     "Build options of the lubrication FMU": "fmu_ehd.build",
@@ -53,74 +42,72 @@ OPTION_CLASSES = {
 
 
 def on_config(config):
-    """The package under its name, for mkdocstrings: the folder itself may have any."""
+    """Copy the package under its name for mkdocstrings; set version, repository and navigation."""
+    os.environ.pop("MPLBACKEND", None)  # notebooks draw into the page
     package = scratch("package") / "piston_cosim"
-    for path in (path for room in ROOMS for path in found_in(ROOT / room)):
+    for path in (path for part in PACKAGE for path in python_files(ROOT / part)):
         target = package / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(set_apart(path.read_text()))
+        target.write_text(equations.with_mathematics(path.read_text()))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    config.repo_url = project.get("urls", {}).get("Repository") or "source/"
+    config.repo_name = f"{project['name']} {project['version']}"
+    measured = sorted(path.name for path in (ROOT / "docs/measurements").glob("*.md"))
+    if measured:
+        accuracy = next(entry["Accuracy"] for entry in config.nav if "Accuracy" in entry)
+        accuracy.append({"Measurements": [f"measurements/{name}" for name in measured]})
     return config
 
 
 def scratch(name):
-    """An empty folder for what is made on the way."""
+    """Return an empty folder for intermediate files."""
     folder = ROOT / "build" / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     return folder
 
 
-def found_in(room):
-    """Python files of a room, or the file that it is."""
-    return [room] if room.is_file() else sorted(room.rglob("*.py"))
-
-
-def set_apart(code):
-    """The code with equations in its docstrings as blocks that Markdown leaves as they stand."""
-    made, inside = [], None
-    for line in code.split("\n"):
-        match = DEFINED.match(line)
-        indent = len(line) - len(line.lstrip())
-        if inside is not None and not match and not (line.strip() and indent >= inside + 4):
-            made.append(" " * inside + "```")
-            inside = None
-        if match and inside is None and '"""' not in line:
-            inside = indent
-            made += ["", " " * inside + "```text"]
-        if inside is not None and '"""' in line:
-            line = line.replace('"""', f'\n{" " * inside}```\n{" " * inside}"""')
-            inside = None
-        made.append(line)
-    return "\n".join(made)
+def python_files(path):
+    """Return the Python files of a folder, or the file itself."""
+    return [path] if path.is_file() else sorted(path.rglob("*.py"))
 
 
 def on_files(files, config):
-    """All pages that no file of `docs` holds."""
+    """Add all pages that no file of `docs` holds."""
     pages = {page: moved(source, page) for source, page in TEXTS.items()}
-    pages |= pictures() | reference() | theory()
+    pages |= pictures() | reference() | equations.pages() | {"gallery.md": gallery.page()}
+    pages |= {"assets/math.woff": equations.math_font()}
     for page, content in pages.items():
         files.append(File.generated(config, page, content=content))
-    os.chdir(scratch("notebooks"))  # where they run: what they write goes there
+    os.chdir(scratch("notebooks"))  # the folder in which notebooks run and write
     return files
 
 
 def on_page_markdown(markdown, page, config, files):
-    """A file of `docs` names others by where they lie in the repository, as do all texts there."""
+    """Resolve links of a file of `docs`, which are relative to the repository, and formulas."""
+    source = page.file.src_uri
     if page.file.generated_by is None:
-        markdown = linked_up(markdown, f"docs/{page.file.src_uri}", page.file.src_uri)
-    return markdown
+        markdown = linked_up(markdown, f"docs/{source}", source)
+    return equations.with_formulas(markdown, source) if source.startswith("theory/") else markdown
+
+
+def on_post_page(output, page, config):
+    """Reject a page without a picture where a picture is required."""
+    if re.fullmatch(PICTURED, page.file.src_uri) and "<img" not in output:
+        raise PluginError(f"{page.file.src_uri}: expected at least one picture, got none")
+    return output
 
 
 # ---- texts of the repository
 
 
 def moved(source, page):
-    """A text of the repository as a page."""
+    """Return a text of the repository as a page."""
     return fenced(linked_up((ROOT / source).read_text(), source, page))
 
 
 def linked_up(text, source, page):
-    """The text with links that lead to pages; those to files that are none lead nowhere."""
+    """Return a text whose links lead to pages; a link to any other file becomes its path."""
     home = posixpath.dirname(source)
 
     def relinked(match):
@@ -143,12 +130,12 @@ def linked_up(text, source, page):
 
 
 def fenced(text):
-    """Code blocks without the word that the tests look for behind the language."""
+    """Return a text without the words after the language of a code block, which tests use."""
     return re.sub(r"(?m)^```(\w+) \w+$", r"```\1", text)
 
 
 def pictures():
-    """Pictures that texts show, as files of the site."""
+    """Return the pictures of the cases as files of the site."""
     return {
         f"pictures/{path.relative_to(ROOT)}": path.read_bytes()
         for path in (ROOT / "models").rglob("*.png")
@@ -309,120 +296,3 @@ def table(heads, rows):
 def fence(text):
     """A text as it stands."""
     return f"```text\n{text.strip()}\n```"
-
-
-# ---- theory
-
-
-@dataclass
-class Equation:
-    """One equation: where it is defined, its text, and the lines that compute it."""
-
-    label: str
-    file: str
-    line: int
-    text: str
-    computed: list[tuple[str, int, str]] = field(default_factory=list)
-
-
-def sources():
-    """File -> lines, of all code that computes."""
-    paths = [path for part in (*PARTS, "models") for path in sorted((ROOT / part).rglob("*.py"))]
-    return {path.relative_to(ROOT).as_posix(): path.read_text().split("\n") for path in paths}
-
-
-def equations(texts) -> dict[str, Equation]:
-    """Every equation by its label, in the order of the files."""
-    found = {}
-    for file, lines in texts.items():
-        for number, line in enumerate(lines, 1):
-            match = DEFINED.match(line)
-            if match:
-                label = re.search(LABEL, line)[1]
-                found[label] = Equation(label, file, number, whole(lines, number, match))
-    for file, lines in texts.items():
-        for number, line in enumerate(lines, 1):
-            for label in labels_named(line):
-                if label in found:
-                    found[label].computed.append((file, number, code_at(lines, number)))
-    return found
-
-
-def whole(lines, number, match):
-    """Text of an equation that begins in a line, with the lines indented below it."""
-    indent = match.start("text")
-    text = [match["text"]]
-    for line in lines[number:]:
-        if not line.strip() or not line.startswith(" " * (indent + 4)) or DEFINED.match(line):
-            break
-        text.append(line[indent:])
-    return "\n".join(text).replace('"""', "").rstrip()
-
-
-def labels_named(line) -> Iterator[str]:
-    """Labels in a comment: "# Eq. (E1)", "# Eqs. (E1), (E2)", "# Eqs. (E1) to (E3)"."""
-    for comment in NAMED.findall(line):
-        yield from re.findall(LABEL, comment)
-        for letter, first, last in re.findall(r"\(([A-Z])(\d+)\) to \([A-Z](\d+)\)", comment):
-            yield from (f"{letter}{k}" for k in range(int(first) + 1, int(last)))
-
-
-def code_at(lines, number):
-    """The code that a comment in a line is about: before it, or else below it."""
-    before = lines[number - 1].partition("#")[0].strip()
-    below = (line.strip() for line in lines[number:] if line.strip()[:1] not in ("", "#"))
-    return before or next(below, "")
-
-
-def theory():
-    """The page of all equations, and a page of each file that they lead to."""
-    texts = sources()
-    found = equations(texts)
-    lines = [
-        "# Theory: every equation",
-        "",
-        "An equation has a label of its own and stands in the docstring of what computes it; the "
-        "line that does names it in a comment. This page is made of both. Symbols are explained "
-        "in the reference of the module; works in [references](references.md).",
-        "",
-    ]
-    reached = set()
-    file = part = None
-    for one in found.values():
-        home = one.file.split("/")[0]
-        if home != part:
-            part = home
-            lines += [f"## {TITLES[part]}", ""]
-        if one.file != file:
-            file = one.file
-            doc = ast.get_docstring(ast.parse("\n".join(texts[file]))) or file
-            lines += [f"### {doc.split(chr(10) * 2)[0].replace(chr(10), ' ')}", ""]
-        lines += [f'<a id="{one.label}"></a>', "", fence(one.text), ""]
-        where = [linked(one.file, one.line, "defined"), *places(one)]
-        lines += [*(f"- {text}" for text in where), ""]
-        reached |= {one.file, *(name for name, _, _ in one.computed)}
-    pages = {"theory.md": "\n".join(lines)}
-    for name in sorted(reached):
-        code = "\n".join(texts[name])
-        head = f"---\nsearch:\n  exclude: true\n---\n# {name}\n\n"
-        pages[f"source/{name}.md"] = f'{head}````python linenums="1"\n{code}\n````\n'
-    return pages
-
-
-TITLES = {
-    "fmu_ehd": "Lubrication",
-    "fmu_mfbd": "Bodies",
-    "master": "Coupling",
-    "models": "Models of cases",
-}
-
-
-def places(equation):
-    """Links to the lines that compute an equation, with the code there."""
-    for file, line, code in equation.computed:
-        yield f"{linked(file, line, 'computed')}: `{code.replace('`', '')}`"
-
-
-def linked(file, line, word):
-    """A link to a line of a source page."""
-    return f'{word} in <a href="../source/{file}/#__codelineno-0-{line}">{file}:{line}</a>'

@@ -10,7 +10,7 @@ Eq. (B3):  z_j = S_j^-1 (b_j - back_j z_{j-1}),   x_j = z_j - S_j^-1 (ahead_j x_
 
 With E diagonal:
 
-Eq. (B4):  S = [F 0; G E]  ->  S^-1 = [F^-1 0; -E^-1 G F^-1 E^-1]
+Eq. (B4):  S = [F, 0; G, E]  ->  S^-1 = [F^-1, 0; -E^-1 G F^-1, E^-1]
 
 The matrix of the film balance is a column-dominant M-matrix, for which elimination without pivoting
 is stable [Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an

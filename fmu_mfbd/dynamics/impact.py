@@ -83,7 +83,7 @@ def limit_memory(
     Eq. (N7):  impact:  h |q''_1 - q''_0| > max(|q'_0|, |q'_1|)/4,  |q''_1 - q''_0| > 0.5 |q''_0|,
                         q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
                then     q'_1 = (q_1 - q_0)/h,  a_1 = q''_1 = q''_1 min(1, |q'_1|/(2 h |q''_1|))
-               |.| in the norm of the inertia M (Eq. (N6))
+               norms |q| by the inertia M (Eq. (N6))
 
     Both coordinates of the rigid motion are limited together: an impact has one direction. Modes
     are left alone: what stops them is their own spring, which does give back what it took, and

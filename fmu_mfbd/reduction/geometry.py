@@ -92,7 +92,7 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
 def axis_of_nodes(points: np.ndarray) -> np.ndarray:
     """Return the direction of a cylinder near z through nodes, of length 1, (3,).
 
-    Eq. (M21):  x^2 + y^2 = 2 a x z + 2 b y z + 2 x_0 x + 2 y_0 y + c z^2 + d z + e
+    Eq. (M21):  x^2 + y^2 = 2 a z x + 2 b z y + 2 x_0 x + 2 y_0 y + c z^2 + d z + e
                 axis along (a, b, 1)
 
     It is the circle about (x_0 + a z, y_0 + b z) at each z, which a tilted cylinder is to first

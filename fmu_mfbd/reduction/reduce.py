@@ -152,7 +152,7 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
 
     Eq. (J7):  m = 1^T M 1,  S = E^T M r,  I0 = r^T M P r,  T = E^T M Phi,  b = Phi^T M P r,
                B = Phi^T M P Phi,  g = Phi^T M Z r,  G = Phi^T M Z Phi
-               Z = e_z x,  P: projection onto x, y,  E: unit motions along x and y
+               Z v = e_z x v,  P: projection onto x, y,  E: unit motions along x and y
 
     Parameters
     ----------
