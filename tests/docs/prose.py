@@ -133,7 +133,7 @@ def inline(token) -> str:
             parts.append("CODE")
         elif child.type in ("softbreak", "hardbreak"):
             parts.append(" ")
-    return re.sub(r"\$[^$]*\$", "EQUATION", "".join(parts)).strip()
+    return re.sub(r"\$\$?[^$]*\$\$?", "EQUATION", "".join(parts)).strip()
 
 
 def of_markdown(text: str) -> Iterator[tuple[int, str, str]]:
