@@ -1,8 +1,8 @@
 """Equations of the site: every one by its label, rendered, with links to the lines that compute it.
 
 The docstrings define the equations and comments name them where they are computed. The pages of
-`docs/theory` write formulas in LaTeX, `$h$` in a line or `$$ ... \\tag{E1} $$`. They write `{E1}` for
-a reference to an equation.
+`docs/theory` write formulas in LaTeX, `$h$` in a line or `$$ ... \\tag{E1} $$`. They refer to an
+equation by `{E1}`.
 """
 
 import ast
@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import notation
-import ziamath
 from fontTools import subset
 from fontTools.ttLib import TTFont
 
@@ -110,15 +110,17 @@ def with_mathematics(code):
     while number < len(lines):
         line = lines[number]
         match = DEFINED.match(line)
-        if match is None or line.lstrip().startswith('"""'):
+        if match is None:
             made.append(line)
             number += 1
             continue
         text = whole(lines, number + 1, match)
-        indent = " " * match.start("text")
+        indent = line[: len(line) - len(line.lstrip())]
         count = text.count("\n") + 1
-        end = f'\n{indent}"""' if '"""' in lines[number + count - 1] else ""
-        made += ["", f"{indent}{block(text, match[2])}{end}", ""]
+        quotes = "\n".join(lines[number : number + count]).count('"""')
+        opened = line.lstrip().startswith('"""')
+        made += [f'{indent}"""'] * opened + ["", indent + block(text, match[2]), ""]
+        made += [f'{indent}"""'] * (quotes - opened)
         number += count
     return "\n".join(made)
 
@@ -137,8 +139,10 @@ def with_formulas(markdown, page):
     """Return a page of the theory with its formulas as MathML and its labels as links."""
 
     def displayed(match):
-        formula = notation.mathml(match[1], display=True)
-        return framed(formula, "".join(numbered(label) for label in match[2].split(", ")))
+        parts = re.split(r"\\qquad\s*", match[1])
+        formula = "".join(f"<span>{notation.mathml(part, display=True)}</span>" for part in parts)
+        numbers = "".join(numbered(label) for label in match[2].split(", "))
+        return framed(f"<div>{formula}</div>", numbers)
 
     def numbered(label):
         file, line = equations()[label].code
@@ -165,7 +169,8 @@ def with_formulas(markdown, page):
 @cache
 def math_font():
     """Return STIX Two Math in WOFF with the characters of the site's formulas."""
-    font = TTFont(Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf")
+    package = Path(find_spec("ziamath").origin).parent
+    font = TTFont(package / "fonts" / "STIXTwoMath-Regular.ttf")
     options = subset.Options(layout_features=["*"])
     subsetter = subset.Subsetter(options)
     blocks = ((0x20, 0x7F), (0xA0, 0x100), (0x2B0, 0x400), (0x2000, 0x2070), (0x20D0, 0x2150))

@@ -19,10 +19,9 @@ GREEK = (
 ).split()
 FUNCTIONS = "exp ln lg sin cos tan arccos arctan tanh min max det".split()
 """Functions that LaTeX knows by name."""
-OPERATORS = (
-    "asin erf argmin rms mean median range diag tr div grad floor size".split()
-)
+OPERATORS = "asin erf argmin rms mean median range diag tr div grad floor size".split()
 """Further functions, in upright letters."""
+SPACE = '<mspace width="0.17em"></mspace>'
 UNITS = r"(?:m|rad|km|deg|N)/(?:s2|s|mm)\b"
 SYMBOL = rf"(?:{'|'.join(sorted(GREEK, key=len, reverse=True))}|So|[A-Za-z])"
 """A letter or the name of a Greek one."""
@@ -51,7 +50,8 @@ TOKEN = re.compile(
     rf"""
     (?P<space>\s+)
   | (?P<text>`[^`]*` | Eqs?\.\ \([A-Z]\d+[a-z]?\)(?:(?:,|\ to|\ and)\ \([A-Z]\d+[a-z]?\))*
-      | \([A-Z]\d+\)(?=,|$) | {UNITS} | [A-Za-z]{{2,}}'s\b | [A-Z][a-z]+\d{{4}} | \b[a-z]+-[a-z]{{3,}}\b)
+      | \([A-Z]\d+\)(?=,|$) | {UNITS}
+      | [A-Za-z]{{2,}}'s\b | [A-Z][a-z]+\d{{4}} | \b[a-z]+-[a-z]{{3,}}\b)
   | (?P<number>\d+(?:\.\d+)?(?:e[-+]?\d+)?)
   | (?P<name>[A-Za-z][A-Za-z0-9]*)
   | (?P<prime>'+)
@@ -491,6 +491,7 @@ def mathml(formula, display=False):
     """Return the MathML of a formula in LaTeX, inside a line or on lines of its own."""
     made = convert(formula, display="block" if display else "inline")
     made = made.replace("<mo>&#x02202;</mo>", "<mi>&#x02202;</mi>")
+    made = re.sub(r"(<mi>(?:exp|ln|lg|sin|cos|tan)</mi>)(?=<m[ins])", rf"{SPACE}\1{SPACE}", made)
     return made.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "", 1)
 
 
@@ -542,7 +543,12 @@ def rows(text):
         word = is_word(first_token(line))
         headed = re.match(r"\s*[\w ]+:\s", line)
         continues = word and not headed and (indent > base + 5 or ends_in_word(before))
-        if continues or unbalanced or before.endswith(("=", "+", " -")) or re.match(r"\s*[-+=/](?!\S*:)\s", line):
+        if (
+            continues
+            or unbalanced
+            or before.endswith(("=", "+", " -"))
+            or re.match(r"\s*[-+=/](?!\S*:)\s", line)
+        ):
             made[-1] = f"{before} {line.strip()}"
         else:
             made.append(line.strip())

@@ -15,6 +15,9 @@ for needed in ("mkdocs", "material", "mkdocstrings", "mkdocs_jupyter"):
 
 ROOT = Path(__file__).parents[2]
 CODE = ("fmu_ehd", "fmu_mfbd", "master", "models")
+DEFINED = r'(?m)^\s*(?:""")?Eq\. \(([A-Z]\d+[a-z]?)\):'
+STORY = ("film", "contact", "bodies", "coupling")
+"""Pages of the theory after the first one."""
 
 
 class Page(HTMLParser):
@@ -100,18 +103,67 @@ def test_every_command_and_every_option_is_in_the_reference(site):
     assert missing == []
 
 
-def test_every_equation_stands_on_the_page_of_theory(site):
+def defined_labels():
+    """Return the labels of all equations that the code defines."""
+    texts = [path.read_text() for part in CODE for path in (ROOT / part).rglob("*.py")]
+    return {label for text in texts for label in re.findall(DEFINED, text)}
+
+
+def test_every_equation_is_rendered_on_its_page_with_links_to_its_code(site):
+    pages, folder = site
+    page = pages[Path("theory/equations/index.html")]
+    labels = defined_labels()
+    assert len(labels) > 250
+    assert labels - page.anchors == set()
+    shown = re.findall(
+        r'(?s)<div id="([A-Z]\d+[a-z]?)" title=.*?><div class="equation">(.*?)</div></div>',
+        (folder / "theory/equations/index.html").read_text(),
+    )
+    assert {label for label, html in shown if "<math" in html} == labels
+    assert page.text.count("computed in") >= len(labels)
+
+
+def test_no_page_shows_an_equation_as_plain_text(site):
     pages, _ = site
-    page = pages[Path("theory/index.html")]
-    defined = set()
-    for part in CODE:
-        for path in (ROOT / part).rglob("*.py"):
-            found = re.findall(r'(?m)^\s*(?:""")?Eq\. \(([A-Z]\d+[a-z]?)\):', path.read_text())
-            defined |= set(found)
-    assert len(defined) > 150
-    assert defined - page.anchors == set()
-    assert all(f"Eq. ({label}):" in page.text for label in defined)
-    assert page.text.count("computed in") >= len(defined)
+    source = ("source/", "changelog/")  # source code, and releases before
+    plain = {
+        path: re.findall(DEFINED, page.text)
+        for path, page in pages.items()
+        if not path.as_posix().startswith(source)
+    }
+    assert {path: labels for path, labels in plain.items() if labels} == {}
+
+
+def test_every_formula_of_the_theory_has_a_label_and_a_link_to_its_code(site):
+    pages, folder = site
+    formulas = 0
+    for name in ("index.html", *(f"{page}/index.html" for page in STORY)):
+        text = (folder / "theory" / name).read_text()
+        blocks = re.findall(r'(?s)<div class="equation">.*?</span></div>', text)
+        assert all("#__codelineno" in block and "/equations/#" in block for block in blocks), name
+        assert "$" not in pages[Path("theory") / name].text.replace("$ ", "")
+        formulas += len(blocks)
+    assert formulas >= 40
+
+
+def test_every_case_and_notebook_shows_a_picture(site):
+    """The build rejects such a page without a picture; here they are counted."""
+    pages, folder = site
+    cases = [path.parent.name for path in (ROOT / "models").glob("*/case.toml")]
+    notebooks = [path.stem for path in (ROOT / "docs/notebooks").glob("*.py")]
+    wanted = ["index.html", "gallery/index.html", "theory/index.html"]
+    wanted += [f"cases/{name}/index.html" for name in cases]
+    wanted += [f"notebooks/{name}/index.html" for name in notebooks]
+    counts = {name: (folder / name).read_text().count("<img") for name in wanted}
+    assert [name for name, count in counts.items() if count == 0] == []
+    assert len(cases) >= 13 and len(notebooks) == 5
+    assert counts["gallery/index.html"] == len(cases)
+
+
+def test_every_page_of_the_navigation_leads_to_the_next(site):
+    pages, folder = site
+    for name in ("getting_started", "gallery", "theory/film", "cases/twin", "reference/case"):
+        assert "md-footer__link--next" in (folder / name / "index.html").read_text(), name
 
 
 def test_every_variable_of_the_fmus_is_in_the_reference(site):

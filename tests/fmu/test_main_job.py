@@ -5,6 +5,7 @@ both runs until they repeat.
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,6 +15,7 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.models.numerical_example.paper import deflection, findings
 
 DEGREES = 360
+ROOT = Path(__file__).parents[2]
 
 
 def piston_cosim(*words, folder):
@@ -74,6 +76,17 @@ def test_the_pressed_side_bends_away_from_the_film(flexible, rigid):
     """
     assert findings(flexible).bend > 9.5e-6
     assert np.abs(deflection(rigid)).max() < 1e-18
+
+
+def test_the_run_repeats_the_numbers_of_the_front_page(job):
+    """`docs/gallery.json` holds the summary from which README and gallery take their numbers. They
+    show three digits; the runs of two machines differ by less.
+    """
+    summary = json.loads((job / "summary.json").read_text())
+    stored = json.loads((ROOT / "docs/gallery.json").read_text())["numerical_example"]
+    for variant, run in (("flexible", summary), ("rigid", summary["variants"]["rigid"])):
+        for key in ("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w"):
+            assert run[key] == pytest.approx(stored[variant][key], rel=1e-3), (variant, key)
 
 
 def test_every_step_converged(job, flexible):
