@@ -104,8 +104,10 @@ def code_at(lines, number):
 # ---- rendering
 
 
-def with_mathematics(code):
-    """Return Python code whose docstrings hold rendered equations as HTML."""
+def with_mathematics(code, dedent=0):
+    """Return Python code whose docstrings hold rendered equations as HTML, or a text in Markdown
+    whose equations are blocks indented by `dedent`.
+    """
     lines, made, number = code.split("\n"), [], 0
     while number < len(lines):
         line = lines[number]
@@ -115,7 +117,7 @@ def with_mathematics(code):
             number += 1
             continue
         text = whole(lines, number + 1, match)
-        indent = line[: len(line) - len(line.lstrip())]
+        indent = line[dedent : len(line) - len(line.lstrip())]
         count = text.count("\n") + 1
         quotes = "\n".join(lines[number : number + count]).count('"""')
         opened = line.lstrip().startswith('"""')

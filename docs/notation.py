@@ -146,7 +146,7 @@ class Reader:
                 token = self.take()
                 if token.text == "." and token.after:
                     yield ".", False
-                elif token.text == "/":
+                elif token.text == "/" and self.is_factor():
                     yield "/", False
                 elif token.text == "<" and not token.after:
                     yield r"\langle ", False

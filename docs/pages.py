@@ -88,14 +88,15 @@ def on_page_markdown(markdown, page, config, files):
     source = page.file.src_uri
     if page.file.generated_by is None:
         markdown = linked_up(markdown, f"docs/{source}", source)
+        markdown = equations.with_mathematics(markdown, dedent=4)
     return equations.with_formulas(markdown, source) if source.startswith("theory/") else markdown
 
 
 def on_post_page(output, page, config):
-    """Reject a page without a picture where a picture is required."""
+    """Reject a page without a picture where a picture is required; cut paths of this machine."""
     if re.fullmatch(PICTURED, page.file.src_uri) and "<img" not in output:
         raise PluginError(f"{page.file.src_uri}: expected at least one picture, got none")
-    return output
+    return output.replace(f"{ROOT}/", "")  # what notebooks print must not depend on the machine
 
 
 # ---- texts of the repository

