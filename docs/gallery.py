@@ -134,8 +134,8 @@ def page():
         "",
         "Each shipped case has a picture, one number with its reference, and its run time. The run "
         "time is processor time on one core, with compiled kernels and reduced bodies in the "
-        "cache, on a machine with other work. `python docs/gallery.py` runs the cases and writes the numbers. The page of the "
-        "case names the command that draws its picture.",
+        "cache. The machine had other work. `python docs/gallery.py` runs the cases and writes the "
+        "numbers. The page of the case shows the command that draws its picture.",
         "",
         '<div class="gallery">',
     ]
