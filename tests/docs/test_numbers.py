@@ -13,8 +13,8 @@ ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
 RUNS = json.loads((ROOT / "docs/gallery.json").read_text())
 ROWS = {
-    "thinnest film": ("minimum_film_thickness_m", 1e6),
-    "highest film pressure": ("maximum_pressure_pa", 1e-6),
+    "minimum film": ("minimum_film_thickness_m", 1e6),
+    "maximum pressure": ("maximum_pressure_pa", 1e-6),
     "mean friction power": ("mean_friction_power_w", 1.0),
 }
 """Row of the table -> key of the summary, and its factor."""
