@@ -114,7 +114,9 @@ def test_cases_in_documents_are_toml():
 
 def arguments(command):
     """Arguments of a command, e.g. "results plot", with their descriptions."""
-    return found(command).assemble_argument_collection(parse_docstring=True)
+    return found(command).assemble_argument_collection(
+        default_parameter=app.default_parameter, parse_docstring=True
+    )
 
 
 def found(command):
