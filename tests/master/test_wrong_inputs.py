@@ -110,7 +110,7 @@ COMMANDS = [
     (["run", CASE, "--only", "flexible"], "the case has"),
     (["run", CASE, "--plots", "perhaps"], "perhaps"),
     (["keys", "viscousity"], "did you mean viscosity"),
-    (["study", CASE, "modes"], "no study"),
+    (["study", CASE, "modes"], "unknown study 'modes'"),
     (["sweep", CASE, "--vary", "radial_clearance"], "write KEY=LOW..HIGH:COUNT"),
     (["sweep", CASE, "--vary", "radial_clearance=1um..3s:3"], "units of one kind"),
     (["sweep", CASE, "--vary", "radial_clearanse=1um;2um"], "did you mean radial_clearance"),
