@@ -4,12 +4,11 @@ inside is that of the FMU.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from ..master.fmi.errors import BadInput, Discard
+from ..master.fmi.errors import BadInput, Discard, unknown
 from ..master.fmi.notebook import html_table
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
@@ -80,7 +79,7 @@ class Film:
         **parameters: str | float,
     ):
         if surface not in SURFACES:
-            raise BadInput(f"surface = {surface!r}: allowed are {', '.join(SURFACES)}")
+            raise BadInput(f"surface: {unknown('surface', surface, SURFACES)}")
         values = _read(parameters)
         of_oil = {v.name for v in OIL_VARIABLES}
         oil = Oil(**{name: value for name, value in values.items() if name in of_oil})
@@ -179,9 +178,9 @@ class Film:
             If the film has no solution; the state is as before then.
         """
         if self.state is None:
-            raise BadInput("the film has not been started: call start first")
+            raise BadInput("film: expected a call of start before step, got none")
         if not 0.0 < step < np.inf:
-            raise BadInput(f"step = {step:g} s: must be positive and finite")
+            raise BadInput(f"step: expected a positive finite time, got {step:g} s")
         film = self._field(film_thickness)
         sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
         try:
@@ -240,7 +239,7 @@ class Film:
         """
         supply = self.model.parameters.oil_supply
         if supply != "edges":
-            raise BadInput(f"oil_supply: a steady film expects edges, got {supply}")
+            raise BadInput(f"oil_supply: expected edges for a steady film, got {supply}")
         before = self.state
         velocities: dict[str, Any] = dict(
             sliding_velocity=sliding_velocity, circumferential_velocity=circumferential_velocity
@@ -310,23 +309,25 @@ class Film:
         if self._is_bearing:
             if turning is None:
                 raise BadInput(
-                    "circumferential_velocity: a bearing needs the velocity of journal minus shell "
-                    "[m/s]; a journal at rest has 0.0"
+                    "circumferential_velocity: expected the velocity of journal minus shell [m/s], "
+                    "got nothing; a journal at rest has 0.0"
                 )
             return self._field(0.0 if sliding is None else sliding), self._field(turning)
         if sliding is None:
-            raise BadInput("sliding_velocity: a skirt needs the velocity of skirt minus bore [m/s]")
+            raise BadInput(
+                "sliding_velocity: expected the velocity of skirt minus bore [m/s], got nothing"
+            )
         if turning is not None:
-            raise BadInput("circumferential_velocity: only surface = bearing slides around")
+            raise BadInput("circumferential_velocity: expected nothing for a skirt, got a value")
         return self._field(sliding), None
 
     def _field(self, values: Array | float) -> Array:
         """An array of the grid."""
         array = np.asarray(values, dtype=float)
         if array.shape not in ((), self.grid):
-            raise BadInput(f"an array has shape {array.shape}: the grid is {self.grid}")
+            raise BadInput(f"array: expected shape {self.grid}, got {array.shape}")
         if not np.isfinite(array).all():
-            raise BadInput("an array is not finite")
+            raise BadInput("array: expected finite values, got others")
         return np.ascontiguousarray(np.broadcast_to(array, self.grid))
 
 
@@ -343,9 +344,7 @@ def _read(parameters: Mapping[str, str | float]) -> dict[str, Any]:
     for name, given in parameters.items():
         variable = KNOWN.get(name)
         if variable is None:
-            close = get_close_matches(name, KNOWN, 1)
-            hint = f" (did you mean {close[0]}?)" if close else ""
-            sentences.append(f"{name}: a film has no such parameter{hint}")
+            sentences.append(f"{name}: {unknown('parameter', name, KNOWN)}")
             continue
         try:
             is_quantity = isinstance(given, str) and not variable.choices
@@ -363,7 +362,7 @@ def _read(parameters: Mapping[str, str | float]) -> dict[str, Any]:
 def _grid(grid: tuple[int, int]) -> tuple[int, int]:
     """Numbers of cells, checked."""
     if len(grid) != 2 or not all(isinstance(n, (int, np.integer)) and n >= 1 for n in grid):
-        raise BadInput(f"grid = {grid}: two numbers of cells, around and along")
+        raise BadInput(f"grid: expected two numbers of cells, around and along, got {grid}")
     around, along = grid
     return int(around), int(along)
 
@@ -374,5 +373,5 @@ def _cells(grid: tuple[int, int], open_cells: Flags | None) -> Flags | None:
         return None
     cells = np.asarray(open_cells, dtype=bool)
     if cells.shape != tuple(grid):
-        raise BadInput(f"open_cells has shape {cells.shape}: the grid is {tuple(grid)}")
+        raise BadInput(f"open_cells: expected shape {tuple(grid)}, got {cells.shape}")
     return cells

@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
-from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import near, near_key, with_meanings
+from ..master.fmi.errors import BadInput, file_fault, unknown
+from ..master.fmi.option_classes import sentences, with_meanings
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from ..models import MODELS
@@ -50,16 +50,15 @@ class CaseOptions(BaseModel):
     @classmethod
     def _size(cls, grid):
         if not all(SMALLEST <= n <= LARGEST for n in grid):
-            raise ValueError(f"both numbers of cells must lie between {SMALLEST} and {LARGEST}")
+            raise ValueError(f"expected {SMALLEST} to {LARGEST} cells each, got {list(grid)}")
         return grid
 
     @field_validator("inputs")
     @classmethod
     def _known(cls, names):
-        if unknown := [n for n in names if n not in POSSIBLE_INPUTS]:
-            raise ValueError(
-                f"{', '.join(unknown)}: possible inputs are {', '.join(POSSIBLE_INPUTS)}"
-            )
+        for name in names:
+            if name not in POSSIBLE_INPUTS:
+                raise ValueError(unknown("input", name, POSSIBLE_INPUTS))
         return names
 
 
@@ -110,7 +109,7 @@ def prepare(
     try:
         chosen = CaseOptions(**options)
     except ValidationError as error:
-        raise BadInput([_sentence(fault) for fault in error.errors()]) from None
+        raise BadInput(sentences(error, CaseOptions)) from None
     faults = []
     oil = _oil(chosen, Path(folder), faults)
     mask = _mask(chosen, Path(folder), faults)
@@ -122,32 +121,21 @@ def prepare(
     return built.written(), []
 
 
-def _sentence(fault: Any) -> str:
-    """One pydantic fault as a sentence."""
-    place = ".".join(map(str, fault["loc"]))
-    if fault["type"] == "extra_forbidden":
-        return f"{place}: unknown key{near_key(options_schema(), fault['loc'])}"
-    return f"{place} = {fault['input']!r}: {fault['msg'].removeprefix('Value error, ')}"
-
-
 def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
     if chosen.oil is None:
         if chosen.oil_library:
-            faults.append(
-                f"oil_library = {chosen.oil_library!r}: no oil of it is taken; name one by oil"
-            )
+            faults.append("oil: expected an oil of oil_library, got nothing; give its name")
         return {}
     path = folder / chosen.oil_library if chosen.oil_library else MODELS / "oils.toml"
     try:
         library = tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError) as error:
-        faults.append(f"oil_library = {str(path)!r}: {error}")
+        faults.append(f"oil_library: {file_fault(path, error)}")
         return {}
     if chosen.oil not in library:
-        faults.append(
-            f"oil = {chosen.oil!r}: known oils are {', '.join(library)}{near(chosen.oil, library)}"
-        )
+        hint = "`piston-cosim keys oil` lists the oils"
+        faults.append(f"oil: {unknown('oil', chosen.oil, library, hint)}")
         return {}
     return oil_values(chosen.oil, library[chosen.oil], faults)
 
@@ -210,7 +198,7 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
         if key in ("title", "sources"):
             continue
         if key not in entry.get("sources", {}):
-            faults.append(f"oil {name}: {key} has no source")
+            faults.append(f"oil {name}.{key}: expected a source in sources, got nothing")
         try:
             if key == "points":
                 temperatures = [to_si(temperature, "K") for temperature, _ in value]
@@ -224,12 +212,13 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
             elif key in known:
                 values[key] = to_si(value, known[key].unit)
             else:
-                faults.append(f"oil {name}: {key} is no parameter of an oil")
+                faults.append(f"oil {name}: {unknown('parameter', key, known)}")
         except (ValueError, IndexError, TypeError) as error:
-            faults.append(f"oil {name}: {key}: {error}")
+            told = str(error) if "expected" in str(error) else f"expected pairs, got {value!r}"
+            faults.append(f"oil {name}.{key}: {told}")
     for key, value in values.items():
         if fault := known[key].fault(value):
-            faults.append(f"oil {name}: {fault}")
+            faults.append(f"oil {name}.{fault}")
     return values
 
 
@@ -237,22 +226,25 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
     """Rows of the mask, None without one."""
     if chosen.mask is None or chosen.mask == "none":
         return None
-    shown = f"mask = {chosen.mask!r}" if isinstance(chosen.mask, str) else "mask"
+    shown = f"mask: {chosen.mask}" if isinstance(chosen.mask, str) else "mask"
     try:
         mask = (
             np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
             if isinstance(chosen.mask, str)
             else np.array(chosen.mask, dtype=float)
         )
-    except (OSError, ValueError) as error:
-        faults.append(f"{shown}: {error}")
+    except OSError as error:
+        faults.append(f"mask: {file_fault(str(chosen.mask), error)}")
+        return None
+    except ValueError:
+        faults.append(f"{shown}: expected rows of 0 and 1, got other text")
         return None
     if mask.shape != chosen.grid:
         given = " x ".join(map(str, mask.shape))
         wanted = " x ".join(map(str, chosen.grid))
-        faults.append(f"{shown}: {given} values, the grid has {wanted} cells")
+        faults.append(f"{shown}: expected the grid's {wanted} cells, got {given}")
     elif not np.isin(mask, (0.0, 1.0)).all():
-        faults.append(f"{shown}: only 1 (film) and 0 (cut-out) are allowed")
+        faults.append(f"{shown}: expected 1 for film and 0 for cut-out, got other values")
     elif not mask.any():
-        faults.append(f"{shown}: no cell is left with a film")
+        faults.append(f"{shown}: expected a film in at least one cell, got none")
     return mask.astype(int).tolist()

@@ -16,40 +16,39 @@ FAULTS = (
     "cavitation did not converge in {a} iterations: {b} cells still switch, first [{i},{j}] with "
     "u = {c}",
     "forces are not finite at [{i},{j}], film_thickness {a} m, sliding_velocity {b} m/s",
-    "viscosity_40 = {a} Pa.s: must be above viscosity_100 = {b} Pa.s",
-    "pressure_lower_edge = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_lower_edge = {c} (unit 1) at pressure_lower_edge = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-    "pressure_upper_edge = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_upper_edge = {c} (unit 1) at pressure_upper_edge = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-    "film_fraction_openings = {a} (unit 1), pressure_openings = {b} Pa with opening_supply = "
-    "lower_edge: without effect, leave them at 1 and 0 Pa or choose opening_supply = own",
+    "viscosity_40: expected more than viscosity_100 = {b} Pa.s, got {a} Pa.s",
+    "pressure_lower_edge: expected at least cavitation_pressure = {b} Pa, got {a} Pa",
+    "film_fraction_lower_edge: expected 1 above cavitation_pressure = {b} Pa, got {c} at "
+    "pressure_lower_edge = {a} Pa",
+    "pressure_upper_edge: expected at least cavitation_pressure = {b} Pa, got {a} Pa",
+    "film_fraction_upper_edge: expected 1 above cavitation_pressure = {b} Pa, got {c} at "
+    "pressure_upper_edge = {a} Pa",
+    "film_fraction_openings, pressure_openings: expected 1 and 0 Pa with opening_supply = "
+    "lower_edge, got {a} and {b} Pa; or set opening_supply = own",
     "the last step was refused, or there was none: it has no directional derivative",
-    "pressure_openings = {a} Pa: must not be below cavitation_pressure = {b} Pa",
-    "film_fraction_openings = {c} (unit 1) at pressure_openings = {a} Pa: what is only partly "
-    "filled must be at cavitation_pressure = {b} Pa, or filled to 1",
-    "flow_factors = patir_cheng_1978: needs roughness_rms > 0 m",
+    "pressure_openings: expected at least cavitation_pressure = {b} Pa, got {a} Pa",
+    "film_fraction_openings: expected 1 above cavitation_pressure = {b} Pa, got {c} at "
+    "pressure_openings = {a} Pa",
+    "roughness_rms: expected more than 0 m with flow_factors = patir_cheng_1978, got 0 m",
     "deflection of the coating did not converge in {a} iterations: last change {b} m at [{i},{j}]",
-    "film_thickness[{i},{j}] = {a} m: must be finite",
+    "film_thickness[{i},{j}]: expected a finite value, got {a} m",
     "the skirt comes to {a} m from where it started, farther than stroke = {b} m",
     *(
-        f"pressure_{edge}_edge = {{a}} Pa with {FROM_BORE}: an edge that oil may not fill must be "
-        "at cavitation_pressure = {b} Pa"
+        f"pressure_{edge}_edge: expected cavitation_pressure = {{b}} Pa with {FROM_BORE}, got "
+        f"{{a}} Pa"
         for edge in ("lower", "upper")
     ),
     *(
-        f"film_fraction_{edge}_edge = {{a}} with {FROM_BORE}: follows from the oil on the bore, "
-        "leave it at 1"
+        f"film_fraction_{edge}_edge: expected 1 with {FROM_BORE}, got {{a}}"
         for edge in ("lower", "upper")
     ),
-    f"opening_supply = own with {FROM_BORE}: what cut-outs give follows from the oil on the bore",
-    f"cavitation_model = reynolds, gumbel or full_film with {FROM_BORE}: needs jfo",
-    "sector_angle = {a} rad: a skirt is a ring, only a bearing can be a sector",
-    "oil_supply on a bearing: from the bore it is known for a skirt alone, choose edges",
-    "flow_factors = patir_cheng_1978 on a bearing: known for a skirt alone, choose none",
-    "sector_angle = {a} rad with cut-outs: those of a bearing need the full turn, {b} rad",
-    "stroke = {a} m: on skirt_length = {b} m a native FMU has room for {c} m",
+    f"opening_supply: expected lower_edge with {FROM_BORE}, got own",
+    f"cavitation_model: expected jfo with {FROM_BORE}, got another model",
+    "sector_angle: expected a full revolution for a skirt, got {a} rad",
+    "oil_supply: expected edges for a bearing, got bore or bore_and_ring",
+    "flow_factors: expected none for a bearing, got patir_cheng_1978",
+    "sector_angle: expected {b} rad for a bearing with cut-outs, got {a} rad",
+    "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, got {a} m",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (

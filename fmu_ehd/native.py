@@ -111,7 +111,7 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Sentences on build options, checked or as given, that the library does not cover."""
     match options.get("grid"):
         case [int(n_c), int(n_a)] if n_c > WIDEST:
-            yield f"grid = {n_c} x {n_a}: a native FMU covers {WIDEST} cells around"
+            yield f"grid: expected at most {WIDEST} cells around in a native FMU, got {n_c} x {n_a}"
 
 
 def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
@@ -119,8 +119,8 @@ def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
     room = STROKES * values["skirt_length"]
     if values["oil_supply"] != EDGES and values["stroke"] > room:
         yield (
-            f"stroke = {values['stroke']:g} m: on skirt_length = {values['skirt_length']:g} m a "
-            f"native FMU has room for {room:g} m"
+            f"stroke: expected at most {room:g} m for skirt_length = {values['skirt_length']:g} m "
+            f"in a native FMU, got {values['stroke']:g} m"
         )
 
 

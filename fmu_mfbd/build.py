@@ -315,7 +315,7 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
-            faults.append(f"{name}: {error}")
+            faults.append(f"{name}.{_told(error)}")
     film = eye_film(build)
     if film and build.floating_pin and build.floating_pin.small_end:
         try:
@@ -323,10 +323,17 @@ def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
-            faults.append(f"small_end: {error}")
+            faults.append(f"floating_pin.small_end.{_told(error)}")
     if faults:
         raise BadInput(faults)
     return files
+
+
+def _told(error: Exception) -> str:
+    """Return what is wrong with a body, "KEY: expected X, got Y"."""
+    if isinstance(error, MemoryError):
+        return "modes: expected a reduction that fits into memory, got too many nodes or modes"
+    return str(error)
 
 
 def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
@@ -364,7 +371,7 @@ def _training(
     if isinstance(body, Piston):
         return Training(loads, np.empty(0))
     if "piston" not in files:
-        raise ValueError("train_on: the heights of the film are those of its piston, give it too")
+        raise ValueError("train_on: expected a piston with the block, got none")
     skirt = load(ReducedPiston, files["piston"])
     return Training(loads, film_rows(skirt.skirt_lower, skirt.skirt_upper, build.grid))
 
@@ -418,18 +425,20 @@ def _check_own(
         held = anatomy & set(file.files)
     if held and held != anatomy:
         raise ValueError(
-            f"{path.name} lacks {', '.join(sorted(anatomy - held))}: not as `piston-cosim reduce` "
-            "writes it now (its film grid used to lie half a cell further around); reduce it again"
+            f"reduced: expected {', '.join(sorted(anatomy - held))} in {path.name}, got nothing; "
+            "run `piston-cosim reduce` again"
         )
     around, along = grid
     rows = around * along if kind is ReducedPiston else around
     if len(body.radial) != rows:
         raise ValueError(
-            f"{path.name} was reduced for another film grid "
-            f"({len(body.radial)} rows of modes, {rows} needed)"
+            f"reduced: expected {rows} rows of modes for this film grid in {path.name}, "
+            f"got {len(body.radial)}"
         )
     if not np.all(np.diff(body.omega) >= 0) or np.any(body.omega <= 0):
-        raise ValueError(f"{path.name}: frequencies must be positive and rise")
+        raise ValueError(
+            f"reduced: expected positive rising frequencies in {path.name}, got others"
+        )
 
 
 def _check_bosses(path: Path, films: BossFilms) -> None:
@@ -437,8 +446,8 @@ def _check_bosses(path: Path, films: BossFilms) -> None:
     around, along, _ = load(ReducedBosses, path).boss_outward.shape[1:]
     if (around, along) != films.grid:
         raise ValueError(
-            f"{path.name} was reduced for films of {around} x {along} cells in its bosses, the "
-            f"floating pin has {films.grid[0]} x {films.grid[1]}"
+            f"reduced: expected films of {films.grid[0]} x {films.grid[1]} cells in the bosses of "
+            f"{path.name}, got {around} x {along}"
         )
 
 

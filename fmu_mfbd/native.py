@@ -244,12 +244,12 @@ COVERED: dict[str, tuple[str, ...] | float] = {"crank_free": 0.0, "quasi_static_
 """The only value of a number that is in the library; all else is free."""
 
 FAULTS = (
-    "rod_length = {a} m: must exceed crank_radius plus the offsets, {b} m",
-    "rod_centre = {a} m: must lie within rod_length = {b} m",
-    "second_ring_height = {a} m: must lie between the skirt's upper edge, {b} m above the pin, and "
-    "top_ring_height = {c} m",
-    "crank_radius, rod_length: the skirt travels from {a} to {b} m above the crank axis, the bore "
-    "reaches from {c} to {i} m",
+    "rod_length: expected more than crank_radius plus the offsets, {b} m, got {a} m",
+    "rod_centre: expected at most rod_length = {b} m, got {a} m",
+    "second_ring_height: expected {b} m, the skirt's upper edge, to top_ring_height = {c} m, "
+    "got {a} m",
+    "crank_radius, rod_length: expected a skirt within the bore, {c} to {i} m, "
+    "got {a} to {b} m above the crank axis",
     "piston motion at crank angle {a} rad: Newton's method finds no accelerations; their last "
     "relative change is {b} (nan: diverged)",
     "crank angle = {a} rad: must be finite",
@@ -302,11 +302,11 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Sentences on build options that the library does not cover."""
     for name, what in OPTIONS.items():
         if options.get(name) or (name in ON_WHEN_EMPTY and options.get(name) == {}):
-            yield f"{name}: a native FMU has no {what.split(' ', 1)[1]}"
+            yield f"{name}: expected nothing in a native FMU, got {what}"
     if (options.get("block") or {}).get("bore_from_outside"):
-        yield "block.bore_from_outside: a native FMU has no bore that deflects from outside"
+        yield "block.bore_from_outside: expected nothing in a native FMU, got a table"
     if dict(options.get("floating_pin") or {}).get("pin_shapes"):
-        yield "floating_pin.pin_shapes: a native FMU has no pin that tilts or bends"
+        yield "floating_pin.pin_shapes: expected nothing in a native FMU, got a table"
 
 
 # ---- what the memory begins with
@@ -325,8 +325,8 @@ def given(slave: Any) -> np.ndarray:
     block = load(ReducedBlock, slave.resources / options.block.file)
     if piston.radius >= block.radius:
         raise BadInput(
-            f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
-            f"{block.radius:g} m"
+            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
+            f"{piston.radius:g} m"
         )
     contents = _contents(piston, block, options) | _of_pin(slave, piston, block)
     contents |= {"places": _places(slave), "film_places": _film_places(slave)}

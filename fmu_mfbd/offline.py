@@ -298,8 +298,8 @@ def recover(
     modes = [len(whole.body.omega) for whole in bodies.values()]
     if sum(modes) != len(modal_coordinate):
         raise BadInput(
-            f"{len(modal_coordinate)} modal coordinates; the bodies have "
-            f"{' + '.join(map(str, modes))} modes"
+            f"modal_coordinate: expected {' + '.join(map(str, modes))} values, one per mode, "
+            f"got {len(modal_coordinate)}"
         )
     path.parent.mkdir(parents=True, exist_ok=True)
     out = []
@@ -329,7 +329,7 @@ def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> R
     files = _flexible(options, folder, progress)
     block = load(ReducedBlock, files["block"]) if "block" in files else None
     if block is None or not len(block.omega):
-        raise BadInput("the block is rigid: nothing of it radiates; give it modes (block.modes)")
+        raise BadInput("block.modes: expected a flexible block, got a rigid one")
     piston = len(load(ReducedPiston, files["piston"]).omega) if "piston" in files else 0
     return radiated(block, _whole("block", files["block"]).anatomy, piston)
 
@@ -401,5 +401,5 @@ def _whole(name: str, path: Path) -> Reduced:
         return Reduced(body, load(Anatomy, path))
     except ValueError as error:
         raise BadInput(
-            f"{error}: an FMU can be built of it, pictures and recovery cannot"
+            f"{error}; an FMU can be built of it, pictures and recovery cannot"
         ) from None

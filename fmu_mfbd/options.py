@@ -17,7 +17,7 @@ from pydantic import (
 from pydantic_core import core_schema
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import near_key, with_meanings
+from ..master.fmi.option_classes import sentences, with_meanings
 from ..master.fmi.quantities import in_unit, to_si
 from .finite_elements.regions import Bore, Cylinder, Plane, Region
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
@@ -65,8 +65,8 @@ def _mode_count(value: Any) -> int | float:
     """Return a number of modes, or a float for an error."""
     low, high = ERROR_RANGE
     expected = (
-        f'expected a number of modes from 0 to {MOST_MODES}, or an error such as "1 %" '
-        f"({100 * low:g} % to {100 * high:g} %); got {value!r}"
+        f"expected a number of modes from 0 to {MOST_MODES} or an error "
+        f"of {100 * low:g} % to {100 * high:g} %, got {value!r}"
     )
     if isinstance(value, str) and value.strip().isdecimal():
         value = int(value)
@@ -113,7 +113,7 @@ class Surface(BaseModel):
         }
         for key in needed[self.shape]:
             if getattr(self, key) is None:
-                raise ValueError(f"a {self.shape} needs {key}")
+                raise ValueError(f"{key}: expected a value for a {self.shape}, got nothing")
         return self
 
     def region(self) -> Region:
@@ -223,15 +223,16 @@ class Body(BaseModel):
     def _source(self):
         sources = (self.mesh, self.reduced, self.rigid)
         if sum(source is not None for source in sources) != 1:
-            raise ValueError("give one of mesh, reduced and rigid")
+            raise ValueError("expected one of mesh, reduced and rigid, got none or several")
         if self.rigid:
             self._complete_sheet()
         if (self.basis == "trained") != (self.train_on is not None):
-            raise ValueError("basis = 'trained' and train_on, results of a run, belong together")
+            raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
         if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
             raise ValueError(
-                f"modes = {self.modes:g}: basis = '{self.basis}' needs a number of modes; an error "
-                "chooses it for 'smooth_pressure_modes' and 'trained' only"
+                f"modes: expected a number of modes with basis = '{self.basis}', got "
+                f"{self.modes:g}; "
+                "an error chooses the modes of 'smooth_pressure_modes' and 'trained'"
             )
         if self.modes_from is not None:
             self._check_selection(self.modes_from)
@@ -243,16 +244,19 @@ class Body(BaseModel):
             needed = ("density", "young", "poisson")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
-            raise ValueError(f"{what} needs {', '.join(missing)}")
+            raise ValueError(f"{missing[0]}: expected a value with {what}, got nothing")
         return self
 
     def _check_selection(self, candidates: int) -> None:
         """Raise ValueError unless `modes` can be selected from the lowest modes of the basis."""
         lowest = ("craig_bampton", "characteristic_constraint_modes")
         if self.basis not in lowest:
-            raise ValueError(f"modes_from: needs basis = {' or '.join(map(repr, lowest))}")
+            wanted = " or ".join(map(repr, lowest))
+            raise ValueError(f"modes_from: expected basis = {wanted}, got {self.basis!r}")
         if candidates < self.modes:
-            raise ValueError(f"modes_from = {candidates}: expected at least modes = {self.modes}")
+            raise ValueError(
+                f"modes_from: expected at least modes = {self.modes}, got {candidates}"
+            )
 
     def most_modes(self) -> int:
         """Return the largest number of modes that the body can have, before it is reduced."""
@@ -265,9 +269,9 @@ class Body(BaseModel):
         """Raise ValueError unless a data sheet has what it needs, and no modes."""
         missing = [key for key in self.ENDS if getattr(self, key) is None]
         if missing:
-            raise ValueError(f"a rigid body needs {', '.join(missing)}")
+            raise ValueError(f"{missing[0]}: expected a value for a rigid body, got nothing")
         if "modes" in self.model_fields_set and self.modes:
-            raise ValueError(f"modes = {self.modes}: a rigid body has none")
+            raise ValueError(f"modes: expected 0 for a rigid body, got {self.modes}")
 
 
 class ShapeTable(BaseModel):
@@ -310,9 +314,9 @@ class Table(BaseModel):
     @model_validator(mode="after")
     def _source(self):
         if (self.file is None) == (self.points is None):
-            raise ValueError("give either file or points")
+            raise ValueError("expected either file or points, got both or neither")
         if self.points is not None and len(self.points) < 2:
-            raise ValueError("needs two points or more")
+            raise ValueError(f"points: expected at least two points, got {len(self.points)}")
         return self
 
 
@@ -342,7 +346,7 @@ class Speed(Table):
     @model_validator(mode="after")
     def _over(self):
         if (self.time_unit is None) == (self.angle_unit is None):
-            raise ValueError("give either time_unit or angle_unit")
+            raise ValueError("expected either time_unit or angle_unit, got both or neither")
         return self
 
 
@@ -419,12 +423,9 @@ class Block(Body):
     def _bore_of_outside(self):
         if self.bore_from_outside:
             if not self.rigid:
-                raise ValueError(
-                    "bore_from_outside: the block's own modes are another participant's then; "
-                    "give rigid = .. in place of a mesh"
-                )
+                raise ValueError("rigid: expected a table with bore_from_outside, got nothing")
             if "stations" in self.model_fields_set:
-                raise ValueError("stations: not with bore_from_outside, whose axial it is")
+                raise ValueError("stations: expected nothing with bore_from_outside, got a value")
             self.stations = self.bore_from_outside.axial
         return self
 
@@ -453,7 +454,7 @@ class FilmSurface(BaseModel):
     def _wide(cls, rows):
         first, last = rows
         if last - first + 1 < LEAST_ROWS:
-            raise ValueError(f"a film surface has {LEAST_ROWS} rows or more")
+            raise ValueError(f"expected at least {LEAST_ROWS} rows, got {last - first + 1}")
         return rows
 
 
@@ -601,27 +602,26 @@ class Common(BaseModel):
             return bands
         rising = all(a.above < b.above for a, b in zip(bands, bands[1:]))
         if bands[0].above != 0.0 or not rising:
-            raise ValueError("the first band begins at 0 Hz, and the others above the one before")
+            got = ", ".join(f"{band.above:g}" for band in bands)
+            raise ValueError(f"expected rising bands from 0 Hz, got {got} Hz")
         return bands
 
     @model_validator(mode="after")
     def _of_floating_pin(self):
         if self.floating_pin and self.start:
-            raise ValueError("start: not with floating_pin, a snapshot does not hold its motion")
+            raise ValueError(f"start: expected nothing with floating_pin, got {self.start!r}")
         if self.floating_pin and self.mounted:
-            raise ValueError("mounted: not with floating_pin, whose block stands still")
+            raise ValueError("mounted: expected false with floating_pin, got true")
         if self.floating_pin and (eye := self.floating_pin.small_end):
             around, along = self.floating_pin.grid
             if eye.modes > around * along - 2:
                 raise ValueError(
-                    f"floating_pin.small_end.modes = {eye.modes}: {around} x {along} cells give at "
-                    f"most {around * along - 2}"
+                    f"floating_pin.small_end.modes: expected at most {around * along - 2} for "
+                    f"{around} x {along} cells, got {eye.modes}"
                 )
         alone = [] if self.floating_pin else [*self.crank_films()]
         if alone:
-            raise ValueError(
-                f"{', '.join(alone)}: needs floating_pin, a tied pin has no films but the skirt's"
-            )
+            raise ValueError(f"floating_pin: expected a table with {alone[0]}, got nothing")
         return self
 
     def crank_films(self) -> dict[str, CrankBearing]:
@@ -638,14 +638,16 @@ class Common(BaseModel):
             first, last = surface.rows
             where = f"film_surfaces.{k}"
             if surface.name in taken:
-                raise ValueError(f"{where}.name = {surface.name!r}: is taken by another")
+                raise ValueError(f"{where}.name: expected a new name, got {surface.name!r}")
             if first <= below:
                 raise ValueError(
-                    f"{where}.rows = {[first, last]}: must begin above the surface before, which "
-                    f"ends with row {below}"
+                    f"{where}.rows: expected rows above {below}, the end of the surface before, "
+                    f"got {[first, last]}"
                 )
             if last > along:
-                raise ValueError(f"{where}.rows = {[first, last]}: the grid has {along} rows")
+                raise ValueError(
+                    f"{where}.rows: expected at most {along} rows, got {[first, last]}"
+                )
             taken.add(surface.name)
             below = last
         return self
@@ -666,7 +668,7 @@ class Bodies(Common):
     @model_validator(mode="after")
     def _any(self):
         if self.piston is None and self.block is None:
-            raise ValueError("give a table [piston] or [block], or both")
+            raise ValueError("build: expected a table piston, block or both, got nothing")
         return self
 
 
@@ -685,10 +687,7 @@ class Build(Common):
     @model_validator(mode="after")
     def _beside_a_bore_from_outside(self):
         if self.block.bore_from_outside and not self.mounted:
-            raise ValueError(
-                "block.bore_from_outside: needs mounted = true, the participant that deflects the "
-                "bore moves the block too"
-            )
+            raise ValueError("mounted: expected true with block.bore_from_outside, got false")
         return self
 
     @model_validator(mode="after")
@@ -696,7 +695,7 @@ class Build(Common):
         if self.motion_in_space:
             faults = _faults_in_space(self, self.motion_in_space)
             if faults:
-                raise ValueError("motion_in_space: " + "; ".join(faults))
+                raise ValueError("\n".join(faults))
         return self
 
     @model_validator(mode="after")
@@ -705,13 +704,15 @@ class Build(Common):
             return self
         faults = []
         if not self.block.rigid and self.block.modes:
-            faults.append("the block must be rigid beside it (rigid = .., or modes = 0)")
+            got = f"{self.block.modes:g}"
+            faults.append(f"block.modes: expected 0 or a rigid block with floating_pin, got {got}")
         elif (self.piston.rigid or not self.piston.modes) and self.floating_pin.boss_modes:
-            faults.append(f"boss_modes = {self.floating_pin.boss_modes}: the piston is rigid")
+            got = self.floating_pin.boss_modes
+            faults.append(f"floating_pin.boss_modes: expected 0 for a rigid piston, got {got}")
         elif not self.piston.rigid and self.piston.modes:
             faults += _faults_of_bosses(self.piston, self.floating_pin.boss_modes)
         if faults:
-            raise ValueError("floating_pin: " + "; ".join(faults))
+            raise ValueError("\n".join(faults))
         return self
 
 
@@ -720,28 +721,36 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
     faults = []
     for name, body in (("piston", build.piston), ("block", build.block)):
         if not body.rigid and body.modes:
-            faults.append(f"the {name} must be rigid (rigid = .., or modes = 0)")
+            faults.append(
+                f"{name}.modes: expected 0 or a rigid {name} with motion_in_space, got "
+                f"{body.modes:g}"
+            )
     beside = {
         "floating_pin": build.floating_pin,
         "mounted": build.mounted,
         "start": build.start,
     }
-    faults += [f"not with {name}" for name, given in beside.items() if given]
+    faults += [
+        f"{name}: expected nothing with motion_in_space, got a value"
+        for name, given in beside.items()
+        if given
+    ]
     sheet = build.piston.rigid
     moments = {"inertia_x": space.inertia_x, "inertia_y": space.inertia_y}
     if sheet is None:
         if space.model_fields_set:
-            given = ", ".join(sorted(space.model_fields_set))
-            faults.append(f"{given}: of a data sheet alone, the mesh has its own")
+            given = min(space.model_fields_set)
+            faults.append(f"motion_in_space.{given}: expected nothing with a mesh, got a value")
         return faults
     missing = [name for name, value in moments.items() if value is None]
     if missing:
-        return [*faults, f"a data sheet needs {', '.join(missing)}"]
+        where = f"motion_in_space.{missing[0]}"
+        return [*faults, f"{where}: expected a value with a rigid piston, got nothing"]
     low, middle, high = np.linalg.eigvalsh(space.tensor(sheet.inertia))
     if low <= 0.0 or high > (1 + 1e-9) * (low + middle):
         faults.append(
-            f"principal moments of inertia {low:.4g}, {middle:.4g}, {high:.4g} kg.m2: no body has "
-            "them, each is positive and at most the sum of the other two"
+            "motion_in_space: expected positive principal moments, each at most the sum of the "
+            f"others, got {low:.4g}, {middle:.4g}, {high:.4g} kg.m2"
         )
     return faults
 
@@ -750,21 +759,20 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     """What keeps a flexible piston's bosses from yielding to their films."""
     faults = []
     if isinstance(piston.modes, float):
-        faults.append(f"piston.modes = {piston.modes:g}: must be a number beside boss_modes")
+        faults.append(f"piston.modes: expected a number with boss_modes, got {piston.modes:g}")
     elif not 0 < boss_modes < piston.modes:
         faults.append(
-            f"boss_modes = {boss_modes}: of a flexible piston's {piston.modes} modes from 1 to "
-            f"{piston.modes - 1} are for its bosses"
+            f"floating_pin.boss_modes: expected 1 to {piston.modes - 1} of {piston.modes} modes, "
+            f"got {boss_modes}"
         )
     if piston.tie != "rbe3":
-        faults.append(
-            f"piston.tie = {piston.tie!r}: holds the bosses against their films; must be 'rbe3', "
-            "which holds their mean motion alone"
-        )
+        faults.append(f"piston.tie: expected 'rbe3' with floating_pin, got {piston.tie!r}")
     if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
-        faults.append(f"piston.basis = {piston.basis!r}: must be {' or '.join(map(repr, films))}")
+        wanted = " or ".join(map(repr, films))
+        faults.append(f"piston.basis: expected {wanted} with floating_pin, got {piston.basis!r}")
     if piston.modes_off:
-        faults.append(f"piston.modes_off = {piston.modes_off}: must be empty")
+        got = piston.modes_off
+        faults.append(f"piston.modes_off: expected no entry with floating_pin, got {got}")
     return faults
 
 
@@ -795,7 +803,7 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     try:
         build = kind.model_validate(options)
     except ValidationError as error:
-        raise BadInput([sentence_of(fault, kind) for fault in error.errors()]) from None
+        raise BadInput(sentences(error, kind)) from None
     faults = []
     if build.piston:
         ends = ("skirt_lower", build.piston.skirt_lower), ("skirt_upper", build.piston.skirt_upper)
@@ -804,12 +812,12 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         ends = ("bore_lower", build.block.bore_lower), ("bore_upper", build.block.bore_upper)
         faults += _faults_of_body("block", build.block, *ends, folder)
     if build.start:
-        faults += _resolve(build, "start", f"start = {build.start!r}", folder)
+        faults += _resolve(build, "start", "start", folder)
     if build.floating_pin and (eye := build.floating_pin.small_end):
-        faults += _resolve(eye, "mesh", f"floating_pin.small_end.mesh = {eye.mesh!r}", folder)
+        faults += _resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
     for name, table in (("gas", build.gas), ("speed", build.speed)):
         if table and table.file:
-            faults += _resolve(table, "file", f"{name}: {table.file!r}", folder)
+            faults += _resolve(table, "file", f"{name}.file", folder)
     if faults:
         raise BadInput(faults)
     return build
@@ -834,38 +842,24 @@ def _faults_of_body(
     unknown = sorted({n for n in body.modes_off if n > most})
     if unknown:
         numbers = ", ".join(map(str, unknown))
-        faults.append(f"{name}.modes_off: {numbers}: there are {most} modes")
+        faults.append(f"{name}.modes_off: expected at most {most} modes, got {numbers}")
     for source in SOURCES:
         path = getattr(body, source)
         if path:
-            faults += _resolve(body, source, f"{name}.{source} = {path!r}", folder)
+            faults += _resolve(body, source, f"{name}.{source}", folder)
     for table in body.profiles:
-        faults += _resolve(table, "file", f"{name}.profiles: {table.file!r}", folder)
+        faults += _resolve(table, "file", f"{name}.profiles", folder)
     (low_key, low), (high_key, high) = lower, upper
     if low is not None and high is not None and low >= high:
         faults.append(
-            f"{name}.{low_key} = {low:g} m: must lie below {name}.{high_key} = {high:g} m"
+            f"{name}.{low_key}: expected a height below {high_key} = {high:g} m, got {low:g} m"
         )
     return faults
 
 
 def _resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list[str]:
     """Make a path absolute; a sentence if there is no such file."""
-    path = (Path(folder) / getattr(table, key)).resolve()
+    given = getattr(table, key)
+    path = (Path(folder) / given).resolve()
     setattr(table, key, str(path))
-    return [] if path.is_file() else [f"{where}: no such file in {folder}"]
-
-
-def sentence_of(fault: Any, kind: type[BaseModel]) -> str:
-    """One pydantic fault of an option class as a sentence; of the class as a whole, its own."""
-    path = ".".join(str(part) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        return f"{path}: unknown key{near_key(kind.model_json_schema(), fault['loc'])}"
-    if fault["type"] == "missing":
-        return f"{path}: is missing"
-    told = fault["msg"].removeprefix("Value error, ")
-    if not path:
-        return told
-    bound_crossed = fault["type"].startswith(("greater", "less"))
-    units = " in SI units" if isinstance(fault["input"], str) and bound_crossed else ""
-    return f"{path} = {fault['input']!r}: {told}{units}"
+    return [] if path.is_file() else [f"{where}: expected a file in {folder}, got {given!r}"]

@@ -422,27 +422,26 @@ def faults(
     reach = crank_radius + abs(offset)
     if rod_length**2 - reach**2 <= 0.0:
         return [
-            f"rod_length = {rod_length:g} m: must exceed crank_radius plus the offsets, {reach:g} m"
+            f"rod_length: expected more than crank_radius plus the offsets, {reach:g} m, "
+            f"got {rod_length:g} m"
         ]
     out = []
     if parameters.crank_free and options.speed:
-        out.append(
-            "crank_free = 1: must be 0 with a table of crank speed ([speed] in the build table)"
-        )
+        out.append("crank_free: expected 0 with a table build.speed, got 1")
     if parameters.gas_source == "table" and not options.gas:
         out.append(NO_GAS_TABLE)
     if parameters.rod_centre > rod_length:
         out.append(
-            f"rod_centre = {parameters.rod_centre:g} m: must lie within "
-            f"rod_length = {rod_length:g} m"
+            f"rod_centre: expected at most rod_length = {rod_length:g} m, "
+            f"got {parameters.rod_centre:g} m"
         )
     if parameters.top_ring_height and not (
         piston.skirt_upper <= parameters.second_ring_height <= parameters.top_ring_height
     ):
         out.append(
-            f"second_ring_height = {parameters.second_ring_height:g} m: must lie between the "
-            f"skirt's upper edge, {piston.skirt_upper:g} m above the pin, and "
-            f"top_ring_height = {parameters.top_ring_height:g} m"
+            f"second_ring_height: expected {piston.skirt_upper:g} m, the skirt's upper edge, to "
+            f"top_ring_height = {parameters.top_ring_height:g} m, "
+            f"got {parameters.second_ring_height:g} m"
         )
     if options.floating_pin:
         out += floating_faults(piston, block, parameters, bosses)
@@ -461,13 +460,13 @@ def faults(
     bore_upper = block.heights[-1]
     if lowest < bore_lower or highest > bore_upper:
         out.append(
-            f"crank_radius, rod_length: the skirt travels from {lowest:g} to {highest:g} m above "
-            f"the crank axis, the bore reaches from {bore_lower:g} to {bore_upper:g} m"
+            f"crank_radius, rod_length: expected a skirt within the bore, {bore_lower:g} to "
+            f"{bore_upper:g} m, got {lowest:g} to {highest:g} m above the crank axis"
         )
     if piston.radius >= block.radius:
         out.append(
-            f"piston mesh: skirt radius {piston.radius:g} m is not smaller than the bore radius "
-            f"{block.radius:g} m"
+            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
+            f"{piston.radius:g} m"
         )
     return out
 
@@ -477,16 +476,16 @@ PIN_TO_BOSS = 0.02
 choice.
 """
 
-BESIDE = "pin_radius: {a} mm lies more than 2% beside the radius of the {of} in {its} mesh, {b} mm"
+BESIDE = "pin_radius: expected within 2 % of the {of} in {its} mesh, {b} mm, got {a} mm"
 BESIDE_BOSSES = BESIDE.replace("{of}", "bosses").replace("{its}", "the")
 BESIDE_EYE = BESIDE.replace("{of}", "eye").replace("{its}", "its")
-NO_PIN_MASS = "pin_mass = 0 kg: must exceed 0 with a floating pin"
+NO_PIN_MASS = "pin_mass: expected more than 0 kg with a floating pin, got 0 kg"
 OTHER_FRICTION = {
-    name: name + " = {a}: the friction of a floating pin is that of its films"
+    name: name + ": expected 0 with a floating pin, got {a}; its films have the friction"
     for name in ("pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping")
 }
 NO_ROD = {
-    (name, films): f"{name} = 0 {unit}: must exceed 0 with a film in {films}"
+    (name, films): f"{name}: expected more than 0 {unit} with a film in {films}, got 0 {unit}"
     for films in ("big_end", "main_bearing", "big_end and main_bearing")
     for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2"))
 }
@@ -524,14 +523,14 @@ def floating_faults(
     fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
     if fastest > parameters.quasi_static_frequency:
         out.append(
-            f"quasi_static_frequency = {parameters.quasi_static_frequency:g} Hz: must lie above "
-            f"all modes with a floating pin, {fastest:.4g} Hz: its steps follow fast ones anyway"
+            f"quasi_static_frequency: expected more than all modes with a floating pin, "
+            f"{fastest:.4g} Hz, got {parameters.quasi_static_frequency:g} Hz"
         )
     radius = pin_radius(piston.radius, parameters)
     if bosses and lies_beside(radius, bosses.boss_radius):
         out.append(told(BESIDE_BOSSES, 1e3 * radius, 1e3 * bosses.boss_radius))
     if parameters.crank_free:
-        out.append("crank_free = 1: must be 0 with a floating pin")
+        out.append("crank_free: expected 0 with a floating pin, got 1")
     if not parameters.pin_mass:
         out.append(NO_PIN_MASS)
     usual = Parameters()
@@ -550,8 +549,8 @@ def modes_beside_pin(
     if not modes:
         return []
     return [
-        "floating_pin: bodies must be rigid beside it but for a piston with modes for its "
-        f"bosses, these have {modes} modes"
+        "floating_pin: expected rigid bodies or a piston with modes for its bosses, "
+        f"got {modes} modes"
     ]
 
 
@@ -582,14 +581,14 @@ def axis_faults(
     radius = pin_radius(piston.radius, parameters)
     if axis.pin_bore_radius >= radius:
         out.append(
-            f"pin_bore_radius = {1e3 * axis.pin_bore_radius:.4g} mm: must be less than the radius "
-            f"of the pin, {1e3 * radius:.4g} mm"
+            f"pin_bore_radius: expected less than the radius of the pin, {1e3 * radius:.4g} mm, "
+            f"got {1e3 * axis.pin_bore_radius:.4g} mm"
         )
     span = pin_span(pin, bosses)
     if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
         out.append(
-            f"pin_length = {1e3 * axis.pin_length:.4g} mm: must reach through all films of the "
-            f"pin, {1e3 * span:.4g} mm, or be 0, which takes that"
+            f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "
+            f"got {1e3 * axis.pin_length:.4g} mm"
         )
     return out
 
@@ -599,9 +598,9 @@ def space_faults(piston: ReducedPiston, block: ReducedBlock, parameters: Paramet
     out = []
     modes = len(block.omega) + len(piston.omega)
     if modes:
-        out.append(f"motion_in_space: bodies must be rigid, these have {modes} modes")
+        out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
     if parameters.crank_free:
-        out.append("crank_free = 1: must be 0 with motion in space")
+        out.append("crank_free: expected 0 with motion in space, got 1")
     return out
 
 

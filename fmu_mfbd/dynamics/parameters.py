@@ -23,7 +23,7 @@ GAS_TWICE = (
     "table, input or sum"
 )
 """Warning of a body whose gas pressure is given twice without a choice."""
-NO_GAS_TABLE = "gas_source = table: the build has no table of gas pressure ([gas] in its table)"
+NO_GAS_TABLE = "gas_source: expected a table build.gas with gas_source = table, got none"
 """Fault of a body that has no table to take its gas pressure from."""
 
 

@@ -61,8 +61,8 @@ def speed_table(
     bad = np.flatnonzero(speed < 0.0 if over == "time" else speed <= 0.0)
     if len(bad):
         raise TableFault(
-            f"{rows.row_names[bad[0]]}: crank speed {speed[bad[0]]:g} rad/s must "
-            f"{'not be negative' if over == 'time' else 'be positive'}"
+            f"{rows.row_names[bad[0]]}: expected a crank speed "
+            f"{'of at least' if over == 'time' else 'above'} 0 rad/s, got {speed[bad[0]]:g} rad/s"
         )
     if over == "angle":
         at, speed = closed(rows, at, speed, cycle, "speed {:g} rad/s")

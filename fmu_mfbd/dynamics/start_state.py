@@ -74,18 +74,18 @@ def read_start(path: Path | str) -> StartState:
         outputs = None
     if not isinstance(outputs, dict):
         raise ValueError(
-            f"start: {name} is not a JSON table of outputs; "
-            "write one with `piston-cosim results snapshot`"
+            f"start: expected a JSON table of outputs, got {name}; "
+            "`piston-cosim results snapshot` writes one"
         )
     missing = [key for key in SCALARS if key not in outputs]
     if missing:
-        raise ValueError(f"start: {name} lacks {', '.join(missing)}")
+        raise ValueError(f"start: expected {', '.join(missing)} in {name}, got nothing")
     try:
         motion: dict[str, Any] = {key: float(outputs[key]) for key in SCALARS}
         for key in FIELDS:
             motion[key] = np.array([float(v) for v in outputs.get(key, [])])
     except (TypeError, ValueError):
-        raise ValueError(f"start: {name} holds something else than numbers") from None
+        raise ValueError(f"start: expected numbers in {name}, got other values") from None
     motion["crank_angle"] -= 4 * pi * floor((motion["crank_angle"] + 2 * pi) / (4 * pi))
     return StartState(**motion)
 
@@ -100,6 +100,6 @@ def check_modes(start: StartState, modes: int) -> None:
     ):
         if len(values) != modes:
             raise ValueError(
-                f"start: {len(values)} values of {key} where these bodies have {modes} modes; "
-                "a run keeps them at the instants of its fields (record.every)"
+                f"start: expected {modes} values of {key}, one per mode, got {len(values)}; "
+                "a run records them every record.every"
             )

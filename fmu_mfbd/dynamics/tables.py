@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from ...master.fmi.errors import file_fault
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
@@ -75,7 +76,10 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
     TableFault
         At the first later row that is not all numbers.
     """
-    text = Path(path).read_text()
+    try:
+        text = Path(path).read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        raise TableFault(file_fault(path, error)) from None
     rows = Rows(str(path), [], [])
     lines = csv.reader(text.splitlines(), delimiter=";" if ";" in text else ",")
     for number, line in enumerate(lines, 1):
@@ -84,12 +88,12 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
         cells = [cell.strip() for cell in line if cell.strip()]
         values = _finite_numbers(cells)
         if values is None and rows.values:
-            raise TableFault(f"{path}, line {number}: {','.join(cells)!r} is not a row of numbers")
+            raise TableFault(f"{path}, line {number}: expected numbers, got {','.join(cells)!r}")
         if values:
             rows.row_names.append(f"{path}, line {number}")
             rows.values.append(values)
     if not rows.values:
-        raise TableFault(f"{path}: no row of numbers")
+        raise TableFault(f"{path}: expected rows of numbers, got none")
     return rows
 
 
@@ -128,13 +132,15 @@ def two_columns(rows: Rows, first: Column, second: Column) -> np.ndarray:
     for row_name, values in zip(rows.row_names, rows.values):
         if len(values) != 2:
             raise TableFault(
-                f"{row_name}: {len(values)} columns where {first.name} and {second.name} are needed"
+                f"{row_name}: expected two numbers, {first.name} and {second.name}, "
+                f"got {len(values)}"
             )
     columns = np.array(rows.values).T
     bad = np.flatnonzero(np.diff(columns[0]) <= 0) + 1
     if len(bad):
         raise TableFault(
-            f"{rows.row_names[bad[0]]}: {first.name} {columns[0, bad[0]]:g} does not rise"
+            f"{rows.row_names[bad[0]]}: expected {first.name} above "
+            f"{columns[0, bad[0] - 1]:g}, got {columns[0, bad[0]]:g}"
         )
     return columns * [[first.unit], [second.unit]]
 
@@ -167,15 +173,16 @@ def closed(
     widest_step = np.diff(angle).max(initial=0.0)
     if not cycle - 1.5 * widest_step <= span <= cycle * (1 + 1e-9):
         raise TableFault(
-            f"{rows.name}: spans {np.degrees(span):g} deg of a cycle of {np.degrees(cycle):g} deg"
+            f"{rows.name}: expected a cycle of {np.degrees(cycle):g} deg, "
+            f"got {np.degrees(span):g} deg"
         )
     if span < cycle * (1 - 1e-9):
         angle = np.append(angle, angle[0] + cycle)
         value = np.append(value, value[0])
     if abs(value[-1] - value[0]) > 0.01 * np.ptp(value):
         raise TableFault(
-            f"{rows.name}: does not close: {in_words.format(value[0])} at the start and "
-            f"{in_words.format(value[-1])} one cycle later"
+            f"{rows.name}: expected {in_words.format(value[0])} at the end as at the start, "
+            f"got {in_words.format(value[-1])}"
         )
     value[-1] = value[0]
     return angle, value
@@ -243,23 +250,25 @@ def profile_table(
     head, *body = rows.values
     for row_name, values in zip(rows.row_names[1:], body):
         if len(values) != len(head) + 1:
-            raise TableFault(f"{row_name}: {len(values)} numbers where {len(head) + 1} are needed")
+            raise TableFault(f"{row_name}: expected {len(head) + 1} numbers, got {len(values)}")
     if not body:
         raise TableFault(
-            f"{path}: the first row must hold the angles, the others a height and one value an "
-            "angle"
+            f"{path}: expected a row of angles and rows of a height and values, got one row"
         )
     angle = np.array(head) * angle_unit
     height = np.array([values[0] for values in body]) * height_unit
     for name, line in (("angles", angle), ("heights", height)):
         if np.any(np.diff(line) <= 0):
-            raise TableFault(f"{path}: {name} do not rise")
+            raise TableFault(f"{path}: expected rising {name}, got others")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
-        raise TableFault(f"{path}: angles span a full turn or more; leave the repeated one out")
+        raise TableFault(
+            f"{path}: expected angles below a full revolution, got one or more; "
+            "remove the repeated angle"
+        )
     gaps = np.diff(angle, append=angle[0] + 2 * np.pi)
     if gaps.max() > WIDEST_GAP * np.median(gaps):
         raise TableFault(
-            f"{path}: angles leave {np.degrees(gaps.max()):g} deg out, elsewhere "
-            f"{np.degrees(np.median(gaps)):g} deg; a shape closes all around"
+            f"{path}: expected gaps near {np.degrees(np.median(gaps)):g} deg between angles, got "
+            f"{np.degrees(gaps.max()):g} deg"
         )
     return MeasuredShape(angle, height, np.array([values[1:] for values in body]) * value_unit)

@@ -104,9 +104,7 @@ def read_abaqus(path: Path) -> Deck:
     inside = root
     for keyword in _keywords(path):
         if keyword.name in GENERATED and keyword.lines:
-            raise MeshFault(
-                [f"{path}: *{keyword.name} makes or moves nodes: write the mesh out in full"]
-            )
+            raise MeshFault([f"{path}: expected all nodes in full, got *{keyword.name}"])
         if keyword.name == "PART":
             inside = parts.setdefault(keyword.options["NAME"].casefold(), Part())
         elif keyword.name == "INSTANCE":
@@ -119,7 +117,7 @@ def read_abaqus(path: Path) -> Deck:
     if parts and not instances:
         if len(parts) > 1:
             names = ", ".join(parts)
-            raise MeshFault([f"{path}: parts {names} and no *Instance of any: which is the body?"])
+            raise MeshFault([f"{path}: expected an *Instance of a part, got parts {names} alone"])
         instances = [_placed("", part) for part in parts.values()]
     return _Assembly([*instances, _placed("", root)]).deck()
 
@@ -133,7 +131,9 @@ def _instance(keyword, parts):
     name = keyword.options["NAME"]
     part = parts.get(keyword.options.get("PART", "").casefold())
     if part is None:
-        raise MeshFault([f"*Instance {name}: part {keyword.options.get('PART')!r} is not there"])
+        raise MeshFault(
+            [f"*Instance {name}: expected a known part, got {keyword.options.get('PART')!r}"]
+        )
     own = Part(
         [*part.labels], [*part.points], dict(part.elements), Counter(part.other), [*part.sets]
     )
@@ -145,7 +145,7 @@ def _instance(keyword, parts):
         return Instance(name, own, shift, np.zeros(3), np.eye(3))
     if len(rows) > 2 or len(rows[0]) > 3 or len(rows[1]) != 7:
         raise MeshFault(
-            [f"*Instance {name}: a line of 3 numbers and one of 7 are read: {keyword.lines}"]
+            [f"*Instance {name}: expected lines of 3 and 7 numbers, got {keyword.lines}"]
         )
     *ends, angle = rows[1]
     first, second = np.reshape(ends, (2, 3))
@@ -158,7 +158,7 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     Eq. (M18):  R = I + sin(angle) W + (1 - cos(angle)) W W,   W v = n x v,  n = axis/|axis|
     """
     if not axis.any():
-        raise MeshFault(["*Instance: the two points of its axis of rotation are one"])
+        raise MeshFault(["*Instance: expected two points of its axis of rotation, got one"])
     x, y, z = axis / np.linalg.norm(axis)
     W = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * W + (1 - np.cos(angle)) * W @ W  # Eq. (M18)
@@ -169,7 +169,7 @@ def _take(part, keyword):
     options = keyword.options
     if keyword.name == "NODE":
         if options.get("SYSTEM", "R").upper() != "R":
-            raise MeshFault([f"*Node, system={options['SYSTEM']}: nodes in x, y, z are read"])
+            raise MeshFault([f"*Node: expected nodes in x, y, z, got system={options['SYSTEM']}"])
         rows = keyword.rows()
         labels = [int(row[0]) for row in rows]
         part.labels += labels
@@ -208,8 +208,8 @@ def _take_elements(part, keyword):
     if len(numbers) % (count + 1):
         raise MeshFault(
             [
-                f"*Element, type={kind}: {len(numbers)} numbers are no multiple of "
-                f"{count + 1}, a number and {count} nodes an element"
+                f"*Element, type={kind}: expected a multiple of {count + 1} numbers, got "
+                f"{len(numbers)}"
             ]
         )
     rows = [numbers[k : k + count + 1] for k in range(0, len(numbers), count + 1)]
@@ -326,7 +326,7 @@ class _Assembly:
         for place, one in enumerate(self.instances):
             if one.name.casefold() == name.casefold():
                 return place
-        raise MeshFault([f"a set names instance {name!r}, which is not there"])
+        raise MeshFault([f"set: expected a known instance, got {name!r}"])
 
     def _members(self, k, cell, sets):
         """What an entry of a set stands for: a number, a set's name, either after INSTANCE."""
@@ -342,7 +342,7 @@ class _Assembly:
         where, dot, rest = cell.rpartition(".")
         if dot and rest.isdigit():
             return self._members(self._scope(k, where), rest, sets)
-        raise MeshFault([f"a set or surface names {cell!r}, which is no set that stands before it"])
+        raise MeshFault([f"set: expected a set defined before it, got {cell!r}"])
 
     def _rows_of_elements(self, k, name):
         return [
@@ -369,7 +369,7 @@ def _keywords(path: Path) -> Iterator[Keyword]:
     for line in _lines(path, (path,)):
         if not line.startswith("*"):
             if now is None:
-                raise MeshFault([f"{path}: {line!r} stands before any keyword"])
+                raise MeshFault([f"{path}: expected a keyword first, got {line!r}"])
             now.lines.append(line)
             continue
         if now:

@@ -40,15 +40,15 @@ def read_ansys(path: Path) -> Deck:
             _read_nodes(lines, labels, points)
         elif command == "EBLOCK":
             if "SOLID" not in (word.upper() for word in words):
-                raise MeshFault([f"{path}: an EBLOCK without SOLID is not read"])
+                raise MeshFault([f"{path}: expected an EBLOCK with SOLID, got one without"])
             elements += _elements(lines)
         elif command == "CMBLOCK":
             components |= _component(lines, words)
     if not labels or not elements:
         raise MeshFault(
             [
-                f"{path}: no NBLOCK and EBLOCK (found {len(labels)} nodes, {len(elements)} "
-                "elements); write the archive in blocks: CDWRITE,DB,name,cdb,,,,BLOCKED"
+                f"{path}: expected NBLOCK and EBLOCK, got {len(labels)} nodes and {len(elements)} "
+                "elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
             ]
         )
     number = rows_by_number(labels, points)
@@ -71,12 +71,7 @@ def _all(kind, label, nodes):
     """The nodes of a tetrahedron; a middle node that is missing is 0 in the file."""
     count = TETRAHEDRA[kind]
     if len(nodes) < count or 0 in nodes[:count]:
-        raise MeshFault(
-            [
-                f"element {label}, SOLID{kind}: lacks nodes ({len(nodes)} of {count}, or a 0 among "
-                "them)"
-            ]
-        )
+        raise MeshFault([f"element {label}, SOLID{kind}: expected {count} nodes, got {len(nodes)}"])
     return nodes[:count]
 
 
@@ -85,7 +80,7 @@ def _read_nodes(lines, labels, points):
     style = next(lines)
     found = re.match(r"\s*\(\s*(\d+)i(\d+)\s*,\s*\d+[a-z](\d+)", style, re.IGNORECASE)
     if not found:
-        raise MeshFault([f"NBLOCK: format {style.strip()!r} is not read"])
+        raise MeshFault([f"NBLOCK: expected a known format, got {style.strip()!r}"])
     integers, width, size = (int(text) for text in found.groups())
     first = integers * width
     for line in lines:
@@ -130,7 +125,7 @@ def _width(style):
     """Width of the numbers of a block."""
     found = re.match(r"\s*\(\s*\d+i(\d+)\s*\)", style, re.IGNORECASE)
     if not found:
-        raise MeshFault([f"format {style.strip()!r} of a block is not read"])
+        raise MeshFault([f"block: expected a known format, got {style.strip()!r}"])
     return int(found[1])
 
 

@@ -62,16 +62,15 @@ def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list
     size = float(np.ptp(points, axis=0).max())
     if not 5e-3 < size < 5.0:
         faults.append(
-            f"the body is {size:.3g} m long; mesh_unit should say what a length of 1 in the file "
-            "means (e.g. '1 mm')"
+            f"expected a body of 5 mm to 5 m, got {size:.3g} m; set mesh_unit, for example '1 mm'"
         )
     position = np.vstack([quadrature(3).position, NODES[:4]])
     least = jacobian_determinants(points, tets, position).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
         faults.append(
-            f"{len(bad)} inverted elements, the first is number {bad[0] + 1} at "
-            f"{_place(points[tets[bad[0], :4]])} with Jacobian {least[bad[0]]:.3g} m3"
+            f"expected positive Jacobians, got {len(bad)} inverted elements; the first is number "
+            f"{bad[0] + 1} at {_place(points[tets[bad[0], :4]])} with {least[bad[0]]:.3g} m3"
         )
     faults += _duplicates(points, tets) or _loose_pieces(points, tets)
     faults += _coincident(points, outer_faces(tets))
@@ -92,8 +91,8 @@ def _duplicates(points, tets):
     if not len(copies):
         return []
     return [
-        f"{len(copies)} duplicate elements, the first is number {copies[0] + 1} at "
-        f"{_place(points[tets[copies[0], :4]])}: remove them"
+        f"expected different elements, got {len(copies)} duplicates; the first is number "
+        f"{copies[0] + 1} at {_place(points[tets[copies[0], :4]])}"
     ]
 
 
@@ -109,8 +108,8 @@ def _coincident(points, outer):
     if not len(pairs):
         return []
     return [
-        f"{len(pairs)} pairs of outer faces coincide, the first at "
-        f"{_place(corner[pairs[0, 0]])}: the body has a crack there; merge coincident nodes"
+        f"expected no crack, got {len(pairs)} pairs of coincident outer faces at "
+        f"{_place(corner[pairs[0, 0]])}; merge coincident nodes"
     ]
 
 
@@ -130,8 +129,11 @@ def _loose_pieces(points, tets):
     np.maximum.at(high, tets, piece[:, None])
     joints = np.flatnonzero(high > low)
     if not len(joints):
-        return [f"{pieces} unconnected pieces, of {sizes} elements: merge coincident nodes"]
+        return [
+            f"expected one body, got {pieces} unconnected pieces of {sizes} elements; merge "
+            "coincident nodes"
+        ]
     return [
-        f"{pieces} pieces, of {sizes} elements, are connected by {len(joints)} nodes but not "
-        f"through faces, the first at {_place(points[joints[:1]])}: merge coincident nodes"
+        f"expected elements connected through faces, got {pieces} pieces of {sizes} elements with "
+        f"{len(joints)} common nodes at {_place(points[joints[:1]])}; merge coincident nodes"
     ]

@@ -61,7 +61,7 @@ def rows_of(number: Mapping[int, int], nodes: Iterable[int], what: str) -> list[
     try:
         return [number[node] for node in nodes]
     except KeyError as error:
-        raise MeshFault([f"{what} names node {error.args[0]}, which is not there"]) from None
+        raise MeshFault([f"{what}: expected a known node, got {error.args[0]}"]) from None
 
 
 def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> dict[int, int]:
@@ -76,7 +76,7 @@ def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> 
     for row, label in enumerate(labels):
         first = number.setdefault(label, row)
         if tuple(points[first]) != tuple(points[row]):
-            raise MeshFault([f"node {label} stands at two places"])
+            raise MeshFault([f"node {label}: expected one position, got two"])
     return number
 
 
@@ -92,8 +92,8 @@ def tetrahedra(found: Sequence[Sequence[int]], first: int = 0) -> np.ndarray:
     if len(kinds) > 1:
         raise MeshFault(
             [
-                f"{kinds[QUADRATIC]} ten-node and {kinds[LINEAR]} four-node tetrahedra in one "
-                "body: their edges do not meet; mesh it with ten-node ones throughout"
+                f"body: expected ten-node tetrahedra throughout, got {kinds[LINEAR]} four-node "
+                f"ones of {kinds[LINEAR] + kinds[QUADRATIC]}"
             ]
         )
     shape = (-1, 10) if not found else (len(found), len(found[0]))
@@ -119,7 +119,9 @@ def included(path: Path, name: str, above: Sequence[Path]) -> Path:
     """
     found = path.parent / name
     if not found.is_file():
-        raise MeshFault([f"{path.name} includes {name!r}, which is not there ({found})"])
+        raise MeshFault(
+            [f"{path.name}: expected an included file, got no such file {name!r} in {found}"]
+        )
     if found.resolve() in [one.resolve() for one in above]:
-        raise MeshFault([f"{path.name} includes {name!r}, which includes it again"])
+        raise MeshFault([f"{path.name}: expected no circular include, got {name!r}"])
     return found

@@ -71,8 +71,8 @@ def read_matrix(path: Path | str, labels: np.ndarray) -> Sparse:
     if table.shape[1] != 3:
         raise MeshFault(
             [
-                f"{path.name}: {table.shape[1]} columns; wanted are node, direction, node, "
-                "direction, value, or row, column, value"
+                f"{path.name}: expected 3 or 5 columns, got {table.shape[1]}; write row, column, "
+                "value or node, direction, node, direction, value"
             ]
         )
     row, column, value = table.T
@@ -88,8 +88,8 @@ def _columns(path):
         first = next((line for line in file if line.strip() and not line.startswith("*")), "")
     try:
         return np.loadtxt(path, comments="*", delimiter="," if "," in first else None, ndmin=2)
-    except ValueError as error:
-        raise MeshFault([f"{path.name}: {error}"]) from None
+    except ValueError:
+        raise MeshFault([f"{path.name}: expected rows of numbers, got other text"]) from None
 
 
 def _whole(matrix, n, path):
@@ -97,8 +97,8 @@ def _whole(matrix, n, path):
     if matrix.shape != (3 * n, 3 * n):
         raise MeshFault(
             [
-                f"{path.name}: {matrix.shape[0]} x {matrix.shape[1]}; {n} nodes need {3 * n} rows, "
-                "x, y, z of each node in the order of the nodes' file"
+                f"{path.name}: expected {3 * n} rows for {n} nodes, got {matrix.shape[0]} x "
+                f"{matrix.shape[1]}"
             ]
         )
     return _symmetric(matrix.tocsc(), path)
@@ -116,8 +116,9 @@ def _symmetric(matrix, path):
         at = difference.data.argmax()
         raise MeshFault(
             [
-                f"{path.name}: not symmetric, rows {difference.row[at] + 1} and "
-                f"{difference.col[at] + 1} of the body differ by {difference.data[at]:.3g}"
+                f"{path.name}: expected a symmetric matrix, got a difference of "
+                f"{difference.data[at]:.3g} between rows {difference.row[at] + 1} and "
+                f"{difference.col[at] + 1}"
             ]
         )
     return sp.csc_matrix(matrix + (other - both))
@@ -155,13 +156,13 @@ def _faults_of_freedoms(node, direction, labels, path):
     if len(strange):
         at = strange[0]
         faults.append(
-            f"{path.name}, entry {at + 1}: node {int(node[at])} is not among the body's nodes"
+            f"{path.name}, entry {at + 1}: expected a node of the body, got {int(node[at])}"
         )
     if len(turned):
         at = turned[0]
         faults.append(
-            f"{path.name}, entry {at + 1}: node {int(node[at])} has direction "
-            f"{int(direction[at])}; solid bodies have 1, 2, 3"
+            f"{path.name}, entry {at + 1}: expected direction 1, 2 or 3, got {int(direction[at])} "
+            f"of node {int(node[at])}"
         )
     return faults
 
@@ -189,11 +190,11 @@ def _dmig(path: Path) -> Entries:
                 if node:
                     rows.append((int(node), int(direction or 1), *column, _real(value)))
         except ValueError:
-            what = f"not a DMIG entry: {','.join(fields)!r}"
+            what = f"expected a DMIG entry, got {','.join(fields)!r}"
             raise MeshFault([f"{path.name}, line {number}: {what}"]) from None
     if len(names) != 1 or not rows:
         present = ", ".join(sorted(names)) or "none"
-        raise MeshFault([f"{path.name}: one DMIG matrix is wanted, found {present}"])
+        raise MeshFault([f"{path.name}: expected one DMIG matrix, got {present}"])
     return Entries(*np.array(rows, dtype=float).T)
 
 
@@ -248,8 +249,8 @@ def matrix_faults(mesh: Mesh, K: Sparse, M: Sparse, where: str) -> list[str]:
         if len(bad):
             node, axis = divmod(int(bad[0]), 3)
             faults.append(
-                f"{where}: {len(bad)} diagonal entries of the {name} are not positive, the first "
-                f"at node {node + 1} of the body along {'xyz'[axis]}"
+                f"{where}: expected a positive diagonal of the {name}, got {len(bad)} other "
+                f"entries; the first is at node {node + 1} along {'xyz'[axis]}"
             )
     if faults:
         return faults
@@ -257,22 +258,22 @@ def matrix_faults(mesh: Mesh, K: Sparse, M: Sparse, where: str) -> list[str]:
     resisted = np.abs(K @ rigid).max(axis=0) / (abs(K) @ np.abs(rigid)).max(axis=0)  # Eq. (M8)
     if resisted.max() > 1e-5:
         faults.append(
-            f"{where}: the stiffness resists rigid motions ({resisted.max():.2g} of its size): "
-            "the body must be loose, and the rows in the order of the nodes"
+            f"{where}: expected no resistance to rigid motions, got {resisted.max():.2g} of the "
+            "stiffness; check the order of the rows"
         )
     distance, _ = KDTree(mesh.points).query(mesh.points, 2)
     near = np.median(distance[:, 1])
     speed = near * np.sqrt(np.median(K.diagonal() / M.diagonal()))  # Eq. (M9)
     if not 8e2 < speed < 8e4:
         faults.append(
-            f"{where}: stiffness, mass and size would make the speed of sound some {speed:.2g} "
-            "m/s; check stiffness_unit, mass_unit, mesh_unit"
+            f"{where}: expected a speed of sound of 800 to 80000 m/s, got {speed:.2g} m/s; check "
+            "stiffness_unit, mass_unit, mesh_unit"
         )
     mass = M.sum() / 3
     volume = np.prod(np.ptp(mesh.points, axis=0))
     if not 20.0 < mass / volume < 25e3:
         faults.append(
-            f"{where}: a mass of {mass:.3g} kg in a box of {volume:.3g} m3 "
-            f"({mass / volume:.2g} kg/m3); check mass_unit, mesh_unit"
+            f"{where}: expected 20 to 25000 kg/m3, got {mass / volume:.2g} kg/m3; check "
+            "mass_unit, mesh_unit"
         )
     return faults

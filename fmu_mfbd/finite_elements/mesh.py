@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...master.fmi.errors import file_fault
 from .abaqus import read_abaqus
 from .ansys import read_ansys
 from .connections import mesh_faults, outer_faces
@@ -92,14 +93,10 @@ def read_mesh(
     raw = read_raw(Path(path))
     if not len(raw.tets):
         present = ", ".join(f"{count} {kind}" for kind, count in raw.other.items()) or "nothing"
-        raise MeshFault(
-            [f"{path}: no tetrahedra (found {present}); write the mesh as 10-node tetrahedra"]
-        )
+        raise MeshFault([f"{path}: expected 10-node tetrahedra, got {present}"])
     if solids := {kind: n for kind, n in raw.other.items() if kind not in FLAT}:
         present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
-        raise MeshFault(
-            [f"{path}: {present} beside the tetrahedra; mesh the whole body with 10-node ones"]
-        )
+        raise MeshFault([f"{path}: expected 10-node tetrahedra throughout, got {present} as well"])
     tets = raw.tets
     points = to_body_axes(raw.points * scale, axes, origin)
     used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular
@@ -150,7 +147,7 @@ def turn_of(axes: Sequence[str]) -> np.ndarray:
     for row, axis in enumerate(axes):
         turn[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     if not np.isclose(np.linalg.det(turn), 1.0):
-        raise MeshFault([f"axes = {list(axes)}: not a right-handed set of three directions"])
+        raise MeshFault([f"axes: expected three right-handed directions, got {list(axes)}"])
     return turn
 
 
@@ -183,10 +180,11 @@ def _read(plain, path):
     except MeshFault as fault:
         faults = [text if str(path) in text else f"{path}: {text}" for text in fault.faults]
         raise MeshFault(faults) from None
-    # readers raise whatever comes, and meshio ends the process itself
-    except (Exception, SystemExit) as error:
+    except OSError as error:
+        raise MeshFault([file_fault(path, error)]) from None
+    except (Exception, SystemExit):  # readers raise whatever comes, meshio ends the process
         raise MeshFault(
-            [f"{path}: no mesh that can be read ({type(error).__name__}: {error})"]
+            [f"{path}: expected a mesh file, got other or incomplete content"]
         ) from None
 
 

@@ -79,12 +79,7 @@ def _corners(card):
     nodes = [_integer(card, place) for place in range(2, 12)]
     there = [node for node in nodes if node]
     if len(there) not in (4, 10) or None in nodes[:4]:
-        raise MeshFault(
-            [
-                f"{_what(card)} has {len(there)} nodes: 4, or 10 with all middles of its edges, "
-                "are read"
-            ]
-        )
+        raise MeshFault([f"{_what(card)}: expected 4 or 10 nodes, got {len(there)}"])
     return there
 
 
@@ -108,13 +103,10 @@ class _Basic:
             return self.known[system]
         card = self.systems.get(system)
         if card is None or system in above:
-            raise MeshFault([f"{what} stands in coordinate system {system}, which is not there"])
+            raise MeshFault([f"{what}: expected a known coordinate system, got {system}"])
         if card.name != "CORD2R":
             raise MeshFault(
-                [
-                    f"{what} stands in coordinate system {system}, a {card.name}: only CORD2R and "
-                    "the basic system are read; write the nodes in the basic system"
-                ]
+                [f"{what}: expected the basic system or CORD2R, got {card.name} {system}"]
             )
         origin, axes = self.frame(_integer(card, 1) or 0, _what(card), (*above, system))
         a, b, c = (
@@ -137,7 +129,7 @@ def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[str]:
             inner = included(path, found[1].strip(), above)
             yield from _lines(inner, (*above, inner))
         elif re.match(r"(?i)include\b", line):
-            raise MeshFault([f"{path.name}: {line.strip()!r} over several lines is not read"])
+            raise MeshFault([f"{path.name}: expected an include in one line, got {line.strip()!r}"])
         elif line.strip():
             yield line
 
@@ -169,10 +161,7 @@ def _cards(lines: list[str]) -> Iterator[Card]:
         if card is None or (begins and card.mark and begins != card.mark):
             before = _what(card) if card else "no entry"
             raise MeshFault(
-                [
-                    f"continuation {line[:24].strip()!r} follows {before}, to which it does not "
-                    "belong; continuations right behind their entry are read"
-                ]
+                [f"{before}: expected its continuations right behind it, got {line[:24].strip()!r}"]
             )
         card.fields += fields
         card.mark = mark
@@ -203,14 +192,14 @@ def _integer(card, place):
         return int(text) if text else None
     except ValueError:
         raise MeshFault(
-            [f"{_what(card)}: field {place + 2} is {text!r}, no whole number"]
+            [f"{_what(card)}: expected a whole number in field {place + 2}, got {text!r}"]
         ) from None
 
 
 def _needed(card, place):
     found = _integer(card, place)
     if found is None:
-        raise MeshFault([f"{_what(card)}: field {place + 2} is blank"])
+        raise MeshFault([f"{_what(card)}: expected a number in field {place + 2}, got nothing"])
     return found
 
 
@@ -220,4 +209,6 @@ def _real(card, place):
     try:
         return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"E\1", text)) if text else 0.0
     except ValueError:
-        raise MeshFault([f"{_what(card)}: field {place + 2} is {text!r}, no number"]) from None
+        raise MeshFault(
+            [f"{_what(card)}: expected a number in field {place + 2}, got {text!r}"]
+        ) from None

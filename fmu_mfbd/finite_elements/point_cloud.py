@@ -62,7 +62,8 @@ def read_nodes(
         if len(members[name]) < 3:
             known = ", ".join(sorted(set().union(*sets))) or "none"
             faults.append(
-                f"{path}: surface '{name}' has {len(members[name])} nodes (the file names {known})"
+                f"{path}: surface '{name}': expected at least 3 nodes, got {len(members[name])}; "
+                f"the file has {known}"
             )
         else:
             faces[name] = members[name][triangulate(points[mask], VIEWS[name])]
@@ -77,7 +78,12 @@ def _table(path):
         rows = list(csv.reader(file))
     header = [name.strip().lower() for name in rows[0]] if rows else []
     if header not in (["node", "x", "y", "z"], ["node", "x", "y", "z", "sets"]):
-        raise MeshFault([f"{path}: the first row must be node,x,y,z or node,x,y,z,sets"])
+        raise MeshFault(
+            [
+                f"{path}: expected a first row node,x,y,z or node,x,y,z,sets, got "
+                f"{','.join(header)!r}"
+            ]
+        )
     labels = []
     points = []
     sets = []
@@ -87,11 +93,11 @@ def _table(path):
             labels.append(int(label))
             points.append([float(x), float(y), float(z)])
         except ValueError:
-            what = f"{','.join(row)!r} is no node number with three coordinates"
+            what = f"expected a node number and three coordinates, got {','.join(row)!r}"
             raise MeshFault([f"{path}, row {number}: {what}"]) from None
         sets.append(frozenset(names[0].split() if names else ()))
     if len(set(labels)) < len(labels):
-        raise MeshFault([f"{path}: node numbers occur twice"])
+        raise MeshFault([f"{path}: expected different node numbers, got equal ones"])
     return np.array(labels), np.array(points), sets
 
 

@@ -18,10 +18,7 @@ from scipy.sparse.linalg import splu
 
 from .element import Sparse
 
-LOOSE = (
-    "the body can still move rigidly (fewer than three held nodes, or all in one line), has a "
-    "loose piece or an inverted element"
-)
+LOOSE = "hold three nodes off one line, and look for loose pieces and inverted elements"
 SMALLEST_PIVOT = 1e-12  # of the largest one
 
 
@@ -65,7 +62,9 @@ class SuperLU:
         pivots = self._lu.U.diagonal()
         bad = np.sum(pivots <= SMALLEST_PIVOT * np.abs(pivots).max())
         if bad:
-            raise ValueError(f"the stiffness has {bad} non-positive pivots: {LOOSE}")
+            raise ValueError(
+                f"mesh: expected a positive stiffness, got {bad} non-positive pivots; {LOOSE}"
+            )
 
     def solve(self, load: np.ndarray) -> np.ndarray:
         """K^-1 load, shape (n,) or (n, k)."""
@@ -102,11 +101,13 @@ class Pardiso:
                 raise MemoryError(
                     f"PARDISO cannot factorise {K.shape[0]} degrees of freedom: {error}"
                 ) from None
-            raise ValueError(f"the stiffness has a non-positive pivot: {LOOSE}") from None
+            raise ValueError(
+                f"mesh: expected a positive stiffness, got a non-positive pivot; {LOOSE}"
+            ) from None
         push = np.random.default_rng(1).standard_normal(K.shape[0])
         # a pivot that is round-off passes above
         if np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT:
-            raise ValueError(f"the stiffness is singular: {LOOSE}")
+            raise ValueError(f"mesh: expected a regular stiffness, got a singular one; {LOOSE}")
 
     def solve(self, load: np.ndarray) -> np.ndarray:
         """K^-1 load, shape (n,) or (n, k)."""

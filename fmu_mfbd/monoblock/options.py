@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
 
 from ...master.fmi.errors import BadInput
+from ...master.fmi.option_classes import sentences
 from ..options import (
     STRICT,
     BoreFromOutside,
@@ -15,7 +16,6 @@ from ..options import (
     Mass,
     Number,
     Pressure,
-    sentence_of,
 )
 
 
@@ -70,15 +70,15 @@ class BuildMonoblock(BaseModel):
     @classmethod
     def _rising(cls, places):
         if any(a >= b for a, b in zip(places, places[1:])):
-            raise ValueError("places along the crank must rise")
+            raise ValueError(f"expected rising places along the crank, got {list(places)}")
         return places
 
     @model_validator(mode="after")
     def _upright(self):
         if self.bore_lower >= self.bore_upper:
             raise ValueError(
-                f"bore_lower = {self.bore_lower:g} m: must lie below "
-                f"bore_upper = {self.bore_upper:g} m"
+                f"bore_lower: expected a height below bore_upper = {self.bore_upper:g} m, "
+                f"got {self.bore_lower:g} m"
             )
         return self
 
@@ -87,8 +87,8 @@ class BuildMonoblock(BaseModel):
         answers = 3 * len(self.cylinder_z) + 3 * self.mounts
         if self.modes <= self.free_modes + answers:
             raise ValueError(
-                f"modes = {self.modes}: {self.free_modes} free ones and {answers} answers to "
-                "forces on deck, bearings and mounts are among them, ask for more"
+                f"modes: expected more than {self.free_modes} free modes and {answers} answers to "
+                f"forces, got {self.modes}"
             )
         return self
 
@@ -104,8 +104,8 @@ def read_monoblock(options: dict[str, Any], folder: Path) -> BuildMonoblock:
     try:
         build = BuildMonoblock.model_validate(options)
     except ValidationError as error:
-        raise BadInput([sentence_of(fault, BuildMonoblock) for fault in error.errors()]) from None
+        raise BadInput(sentences(error, BuildMonoblock)) from None
     path = (folder / build.mesh).resolve()
     if not path.is_file():
-        raise BadInput([f"mesh = {build.mesh!r}: no such file in {folder}"])
+        raise BadInput([f"mesh: expected a file in {folder}, got {build.mesh!r}"])
     return build.model_copy(update={"mesh": str(path)})

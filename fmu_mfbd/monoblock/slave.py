@@ -55,8 +55,8 @@ class Monoblock(FieldSlave):
         if self.model.loose():
             raise BadInput(
                 [
-                    "mount_1_stiffness_x, ..: the block can move without a force of "
-                    "its mounts; hold it in all six directions, or by none (stiffness 0)"
+                    "mount_1_stiffness_x, ..: expected mounts that hold all six directions or "
+                    "none, got others"
                 ]
             )
         cylinders = self._cylinders(values)

@@ -328,8 +328,8 @@ def of_unit_energy(body: Elastic, shapes: np.ndarray) -> np.ndarray:
     dependent = np.count_nonzero(strength < 1e-13 * strength[-1])
     if dependent:
         raise ValueError(
-            f"{dependent} of {len(strength)} shapes are combinations of the others: ask for fewer "
-            "modes"
+            f"modes: expected independent shapes, got {dependent} dependent ones of "
+            f"{len(strength)}; ask for fewer modes"
         )
     return shapes @ (turn / np.sqrt(strength))
 

@@ -72,7 +72,9 @@ def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
     for name, sign in SIDES.items():
         own = faces[sign * middle > 0]
         if not len(own):
-            faults.append(f"surface '{SURFACE}': has no face at z {'>' if sign > 0 else '<'} 0")
+            faults.append(
+                f"surface '{SURFACE}': expected faces at z {'>' if sign > 0 else '<'} 0, got none"
+            )
             continue
         found, fault = _read(position, own, sign, radius, films)
         if fault:

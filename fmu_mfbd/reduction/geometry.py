@@ -64,8 +64,8 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     if abs(axis[1]) < np.cos(TILTED):
         along = ", ".join(f"{part:.2f}" for part in axis)
         return [
-            f"surface '{name}': its axis lies along ({along}), not along y: axes must name the "
-            "file's directions of thrust, head and pin"
+            f"surface '{name}': expected an axis along y, got ({along}); set axes to the file's "
+            "directions of thrust, head and pin"
         ]
     x, y, z = mesh.points[mesh.nodes(name)].T
     circle = circle_through(x, z)
@@ -73,18 +73,18 @@ def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
     faults = []
     if np.hypot(circle.first, circle.second) > OFF_AXIS * radius:
         faults.append(
-            f"surface '{name}': its axis lies at x = {1e3 * circle.first:.3g} mm, z = "
-            f"{1e3 * circle.second:.3g} mm, not at 0: origin must name a point of it"
+            f"surface '{name}': expected an axis at x = z = 0, got x = {1e3 * circle.first:.3g} "
+            f"mm, z = {1e3 * circle.second:.3g} mm; set origin to a point of it"
         )
     if circle.scatter > OUT_OF_ROUND * radius:
         faults.append(
-            f"surface '{name}': nodes lie up to {1e3 * circle.scatter:.3g} mm beside a cylinder of "
-            f"radius {1e3 * radius:.4g} mm"
+            f"surface '{name}': expected a cylinder, got nodes {1e3 * circle.scatter:.3g} mm off "
+            f"a radius of {1e3 * radius:.4g} mm"
         )
     if not SMALLEST_RADIUS <= radius <= LARGEST_RADIUS:
         faults.append(
-            f"surface '{name}': radius {radius:.3g} m; mesh_unit must say what a length of 1 in "
-            "the file means (e.g. '1 mm')"
+            f"surface '{name}': expected a radius of {SMALLEST_RADIUS:g} to {LARGEST_RADIUS:g} m, "
+            f"got {radius:.3g} m; set mesh_unit, for example '1 mm'"
         )
     return faults
 
@@ -150,17 +150,16 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
     if along < np.cos(tilt):
         degrees = np.degrees(np.arccos(along))
         return [
-            f"surface 'pin_bore': its axis is along ({across:.3f}, {up:.3f}, {along:.3f}), "
-            f"{degrees:.3g} deg off z; the pin is "
-            "along z: axes must name thrust, head, pin, and the mesh must not be turned"
+            f"surface 'pin_bore': expected an axis along z, got ({across:.3f}, {up:.3f}, "
+            f"{along:.3f}), {degrees:.3g} deg off; set axes to thrust, head and pin"
         ]
     circle, round_enough = pin_bore(mesh)
     height = PIN_HEIGHT if round_enough else PIN_BY_CENTROID
     faults = []
     if abs(circle.second) > height * radius:
         faults.append(
-            f"surface 'pin_bore': its axis lies at y = {1e3 * circle.second:.3g} mm, not at 0: "
-            "origin must lie at the height of the pin"
+            f"surface 'pin_bore': expected an axis at y = 0, got y = {1e3 * circle.second:.3g} "
+            "mm; set origin to the height of the pin"
         )
     return faults + offset_faults(circle.first, radius, pin_offset)
 
@@ -180,15 +179,15 @@ def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:
     skirt = float(mesh.points[mesh.nodes("skirt"), 1].mean())
     if up <= 0.0 or crown <= skirt:
         faults.append(
-            f"surface 'crown': faces {'down' if up <= 0.0 else 'up'} at y = {1e3 * crown:.3g} mm, "
-            f"the skirt's middle at {1e3 * skirt:.3g} mm: y must point to the head"
+            "surface 'crown': expected it above the skirt and facing up, got y = "
+            f"{1e3 * crown:.3g} mm over {1e3 * skirt:.3g} mm; let y point to the head"
         )
     faults += pin_faults(mesh, radius, pin_offset)
     density = mass / (np.pi * radius**2 * np.ptp(mesh.points[:, 1]))
     if not LEAST_DENSITY <= density <= MOST_DENSITY:
         faults.append(
-            f"the piston weighs {mass:.4g} kg, {density:.3g} kg/m^3 of the cylinder around it: "
-            "units of length, density or mass do not fit"
+            f"density: expected {LEAST_DENSITY:g} to {MOST_DENSITY:g} kg/m^3 of the cylinder "
+            f"around the piston, got {density:.3g} kg/m^3 and {mass:.4g} kg"
         )
     return faults
 
@@ -199,7 +198,7 @@ def block_faults(mesh: Mesh) -> list[str]:
     lowest = float(mesh.points[mesh.nodes("bore"), 1].min())
     if lowest <= 0.0:
         faults.append(
-            f"surface 'bore': begins at y = {1e3 * lowest:.3g} mm; the crank axis is y = 0 and y "
-            "points to the head: the bore must lie above"
+            "surface 'bore': expected it above the crank axis at y = 0, got y = "
+            f"{1e3 * lowest:.3g} mm; let y point to the head"
         )
     return faults

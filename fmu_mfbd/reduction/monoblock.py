@@ -158,7 +158,7 @@ def places(mesh: Mesh, plan: Plan) -> Places:
         bores.append(surface.reading)
         radii.append(surface.radius)
     if np.ptp(radii) > SLACK * radii[0]:
-        faults.append(f"bores of different radii: {', '.join(f'{r:g} m' for r in radii)}")
+        faults.append(f"bores: expected equal radii, got {', '.join(f'{r:g} m' for r in radii)}")
     if faults:
         raise MeshFault(faults)
     along = np.array([_mean(mesh, f"bearing_{k}") for k in range(1, plan.bearings + 1)])
@@ -182,13 +182,13 @@ def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
     slack = SLACK * radius.mean()
     if np.ptp(radius) > slack:
         return [
-            f"{name}: its nodes lie {radius.min():g} to {radius.max():g} m from the axis that "
-            "cylinder_z says"
+            f"{name}: expected a cylinder about the axis of cylinder_z, got radii of "
+            f"{radius.min():g} to {radius.max():g} m"
         ]
     if plan.lower < y.min() - slack or plan.upper > y.max() + slack:
         return [
-            f"bore_lower, bore_upper = {plan.lower:g}, {plan.upper:g} m: {name} reaches from "
-            f"{y.min():g} to {y.max():g} m"
+            f"bore_lower, bore_upper: expected within {name}, {y.min():g} to {y.max():g} m, got "
+            f"{plan.lower:g}, {plan.upper:g} m"
         ]
     return []
 
@@ -260,8 +260,8 @@ def reduce_monoblock(
     least = plan.free_modes + len(rows)
     if plan.modes <= least:
         raise ValueError(
-            f"modes = {plan.modes}: {plan.free_modes} free ones and {len(rows)} answers to forces "
-            "on deck, bearings and mounts are among them; ask for more"
+            f"modes: expected more than {plan.free_modes} free modes and {len(rows)} answers to "
+            f"forces, got {plan.modes}"
         )
     elastic = inertia_relief(body, factors)
     progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")

@@ -386,8 +386,8 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
         if mesh.labels is None:
             raise MeshFault(
                 [
-                    f"{path}: matrices need the nodes they belong to; this mesh has linear "
-                    "tetrahedra, or several instances with the same node numbers"
+                    f"{path}: expected nodes with numbers for the matrices, got linear tetrahedra "
+                    "or several instances"
                 ]
             )
         labels = mesh.labels
@@ -421,8 +421,8 @@ def ends(mesh, name, lower, upper):
     if lower < least - slack or upper > most + slack:
         raise MeshFault(
             [
-                f"{name}_lower, {name}_upper = {lower:g}, {upper:g} m: surface '{name}' reaches "
-                f"from {least:g} to {most:g} m"
+                f"{name}_lower, {name}_upper: expected within surface '{name}', {least:g} to "
+                f"{most:g} m, got {lower:g}, {upper:g} m"
             ]
         )
     return lower, upper
@@ -487,7 +487,9 @@ def _switched_on(modes: ClassedModes, off: list[int]) -> ClassedModes:
     """Modes without those of the given numbers, from 1 on."""
     count = len(modes.omega)
     if unknown := [number for number in off if number > count]:
-        raise ValueError(f"modes_off: {', '.join(map(str, unknown))}: there are {count} modes")
+        raise ValueError(
+            f"modes_off: expected at most {count} modes, got {', '.join(map(str, unknown))}"
+        )
     on = np.setdiff1d(np.arange(count), np.asarray(off, dtype=int) - 1)
     return ClassedModes(modes.shapes[:, on], modes.omega[on], modes.kind[on])
 
@@ -552,8 +554,8 @@ def faults_of_modes(
     loose = 6 - np.linalg.matrix_rank(rigid_motions(arms), tol=1e-9)
     if loose:
         faults.append(
-            f"surface '{held}' has {len(held_nodes)} nodes that leave the body {loose} rigid "
-            "motions"
+            f"surface '{held}': expected nodes that hold the body, got {len(held_nodes)} that "
+            f"leave {loose} rigid motions"
         )
     free_nodes = len(mesh.points) - len(held_nodes)
     free_on_surface = len(np.setdiff1d(mesh.nodes(surface), held_nodes))
@@ -566,8 +568,8 @@ def faults_of_modes(
     }[options.basis]
     if count > most:
         faults.append(
-            f"{'modes_from' if options.modes_from else 'modes'} = {count}: {options.basis} of this "
-            f"body on this grid gives at most {most}"
+            f"{'modes_from' if options.modes_from else 'modes'}: expected at most {most} with "
+            f"{options.basis} on this grid, got {count}"
         )
     if count and faults:
         raise MeshFault(faults)

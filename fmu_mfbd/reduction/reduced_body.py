@@ -25,9 +25,8 @@ def offset_faults(bore: float, radius: float, pin_offset: float) -> list[str]:
     if abs(bore - pin_offset) <= largest:
         return []
     return [
-        f"surface 'pin_bore': its axis lies at x = {1e3 * bore:.3g} mm, not at "
-        f"pin_offset = {1e3 * pin_offset:.3g} mm; expected a distance of at most "
-        f"{1e3 * largest:.3g} mm"
+        f"surface 'pin_bore': expected an axis within {1e3 * largest:.3g} mm of pin_offset = "
+        f"{1e3 * pin_offset:.3g} mm, got x = {1e3 * bore:.3g} mm"
     ]
 
 
@@ -328,12 +327,12 @@ def load(part: type[Part], path: Path) -> Part:
         Naming what the file lacks.
     """
     if not zipfile.is_zipfile(path):
-        raise ValueError(f"{path.name} is no .npz file")
+        raise ValueError(f"reduced: expected an .npz file, got {path.name}")
     names = [one.name for one in fields(part)]
     with np.load(path) as stored:
         missing = [name for name in names if name not in stored]
         if missing:
-            raise ValueError(f"{path.name} lacks {', '.join(missing)}")
+            raise ValueError(f"reduced: expected {', '.join(missing)} in {path.name}, got nothing")
         arrays = {name: stored[name] for name in names}
     return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
 

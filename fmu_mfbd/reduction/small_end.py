@@ -80,15 +80,15 @@ def eye_shell(mesh: Mesh, film: EyeFilm) -> Shells:
         film.length / 2 > (1 + BESIDE) * min(z.max(), -z.min())
     ):
         faults.append(
-            f"small end: surface '{EYE}': reaches from z = {1e3 * z.min():.4g} to "
-            f"{1e3 * z.max():.4g} mm, the film of small_end_length = {1e3 * film.length:.4g} mm "
-            f"lies about z = 0; {bare} of its {around * along} cells have no bore under them"
+            f"small end: surface '{EYE}': expected a bore under the film of "
+            f"{1e3 * film.length:.4g} mm, got z = {1e3 * z.min():.4g} to {1e3 * z.max():.4g} mm "
+            f"and {bare} of {around * along} bare cells"
         )
     highest = float(mesh.points[mesh.nodes(CUT), 1].max())
     if highest > -radius:
         faults.append(
-            f"small end: surface '{CUT}': reaches up to y = {1e3 * highest:.4g} mm; must lie below "
-            f"the eye, y < {-1e3 * radius:.4g} mm, the crank is towards -y"
+            f"small end: surface '{CUT}': expected y < {-1e3 * radius:.4g} mm, below the eye, got "
+            f"y = {1e3 * highest:.4g} mm"
         )
     if faults:
         raise MeshFault(faults)
@@ -108,8 +108,8 @@ def held_at_cut(body: SmallEndBody, factors: Factorise = factorise) -> Elastic:
     if len(held) < 3 or np.linalg.matrix_rank(place, tol=1e-9) < 2:
         raise MeshFault(
             [
-                f"small end: surface '{CUT}': its {len(held)} nodes lie on a line and leave the "
-                "body loose"
+                f"small end: surface '{CUT}': expected nodes off one line, got {len(held)} nodes "
+                "on a line"
             ]
         )
     return Elastic(body.K, body.M, held, factors)

@@ -229,8 +229,8 @@ def smooth_pressure_modes(
         needed = count + psi.shape[1]
         if needed > MOST_MODES:
             raise ValueError(
-                f"modes = {modes:g}: {needed} modes are needed for this error, at most "
-                f"{MOST_MODES} are possible; give a larger error"
+                f"modes: expected an error that {MOST_MODES} modes reach, got {modes:g} with "
+                f"{needed} modes; give a larger error"
             )
     loads = answers.root @ vector[:, :count]
     shapes = [psi]

@@ -107,7 +107,7 @@ def trained_shapes(
     Proper orthogonal decomposition of the deflections, see docs/measurements/trained_modes.md.
     """
     if not any(force.any() for force in film):
-        raise ValueError("train_on: the film of that run does no force to the body")
+        raise ValueError("train_on: expected a run whose film loads the body, got no force")
     pattern, strength = load_patterns(film)
     loads = spread @ (pattern * strength[:, None]).T
     parts = range(0, len(strength), AT_ONCE)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from ..case.schema import case_names, find_case, read_tree
+from ..case.schema import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from .cases import Case, Changes
@@ -92,6 +92,6 @@ def build_table(tree: dict[str, Any]) -> dict[str, Any]:
         if table.get("package") == package:
             return table.get("build", {})
     raise BadInput(
-        f"no participant of the case has package = {package!r}; cases that come with the tool: "
-        f"{', '.join(case_names())}"
+        f"participants: expected one with package = {package!r}, got none; "
+        "`piston-cosim list` lists the cases"
     )

@@ -12,7 +12,7 @@ from ..case import changes as changes_of
 from ..case import schema
 from ..case.contract import swap_all
 from ..case.system import open_system
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from ..fmi.notebook import html_table
 from ..participants.participant import Participant
 from ..results.file import Results
@@ -101,7 +101,7 @@ class Case:
     def variant(self, label: str) -> "Case":
         """The case as one of its variants; BadInput without one of that label."""
         if label not in self.variants:
-            raise BadInput(f"no variant {label!r}: the case has {', '.join(self.variants)}")
+            raise BadInput(f"variant: {unknown('variant', label, self.variants)}")
         changes = self.tree.get("variants", {}).get(label, {})
         return self.changed({**changes, "label": label, "variants": {}, "beside": []})
 
@@ -240,7 +240,7 @@ def open_case(case: str | Path, changes: Changes | None = None, variant: str | N
     0
     >>> pc.open_case("numerical_example", {"coupling.max_iterations": 0})
     Traceback (most recent call last):
-    piston_cosim.master.fmi.errors.BadInput: ...coupling.max_iterations: ... (given: 0)
+    piston_cosim.master.fmi.errors.BadInput: coupling.max_iterations: expected ...
     """
     path = schema.find_case(str(case))
     opened = Case(schema.read_tree(path), path)
@@ -287,7 +287,7 @@ def sweep(
     from ..runs import sweep as sweeps  # multiprocessing is slow to import
 
     if case.own:
-        raise BadInput(f"{', '.join(case.own)}: participants of this Python cannot be swept")
+        raise BadInput(f"participants: expected FMUs in a sweep, got objects {', '.join(case.own)}")
     combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]
     faults, points = [], []
     for values in combinations:

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, Union
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from ..participants.derivatives import Differenced
 from ..participants.participant import Participant
 from .cases import Case
@@ -117,7 +117,7 @@ def couple(
     strangers = sorted((given.keys() | options.keys()) - participants.keys())
     if strangers:
         raise BadInput(
-            f"no participant {', '.join(strangers)}: there are {', '.join(participants)}"
+            [f"wires: {unknown('participant', name, participants)}" for name in strangers]
         )
     tables, own = {}, {}
     for name, origin in participants.items():
@@ -173,5 +173,5 @@ def _wire(wire: str | Mapping[str, Any]) -> dict[str, Any]:
         return dict(wire)
     source, arrow, target = (part.strip() for part in wire.partition("->"))
     if not arrow:
-        raise BadInput(f"wire {wire!r}: write 'participant.output -> participant.input'")
+        raise BadInput(f"wires: expected 'participant.output -> participant.input', got {wire!r}")
     return {"from": source, "to": target}

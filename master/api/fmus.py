@@ -12,7 +12,7 @@ from ..case.export import experiment_ahead
 from ..case.given import build_options
 from ..case.schema import check_case
 from ..fmi import builder, builder_native
-from ..fmi.errors import BadInput, Discard
+from ..fmi.errors import BadInput, Discard, unknown
 from ..participants import open as opening
 from .cases import Case, open_case
 
@@ -68,7 +68,7 @@ def build_fmu(
     """
     if participant is None:
         if platforms:
-            raise BadInput(f"{source}: a slave of one file has no native FMU")
+            raise BadInput(f"{source}: expected a case for a native FMU, got a single file")
         built = builder.build_fmu_of_file(str(source), dict(options or {}), say, fmi)
     else:
         case = source if isinstance(source, Case) else open_case(source)
@@ -118,7 +118,7 @@ def _of_case(
     checked, folder = check_case(case.tree, case.path), case.path.parent
     buildable = [name for name, table in checked.participants.items() if table.package]
     if participant not in buildable:
-        raise BadInput(f"participant {participant!r}: the case builds {', '.join(buildable)}")
+        raise BadInput(f"participant: {unknown('participant', participant, buildable)}")
     for name, table in checked.participants.items():
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
@@ -172,5 +172,5 @@ def open_fmu(path: str | Path, name: str = "fmu") -> Any:
     """
     path = Path(path)
     if not path.is_file():
-        raise BadInput(f"{path}: no such file")
+        raise BadInput(f"{path}: expected an FMU, got no such file")
     return opening.open_fmu(name, path)

@@ -8,14 +8,16 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
-from ..fmi.errors import BadInput
-from ..fmi.option_classes import ANY, EACH, near
+from ..fmi.errors import BadInput, near
+from ..fmi.option_classes import ANY, EACH
 from .keys import case_keys
-from .schema import Case
+from .schema import Case, check_case
 
 Tree = dict[str, Any]
 ELSEWHERE = ("variants", "studies", "observers", "pictures", "axes")
 """Tables whose keys are no short names: changes themselves, and how things are shown."""
+MOST_PLACES = 4
+"""Dotted paths that a message lists."""
 
 
 def changed(tree: Tree, changes: Iterable[tuple[str, Any]], folder: Path) -> Tree:
@@ -30,8 +32,18 @@ def changed(tree: Tree, changes: Iterable[tuple[str, Any]], folder: Path) -> Tre
     tree = deepcopy(tree)
     faults = [fault for key, value in changes if (fault := change(tree, key, value, folder))]
     if faults:
-        raise BadInput(faults)
+        raise BadInput([*faults, *_other_faults(tree, folder)])
     return tree
+
+
+def _other_faults(tree: Tree, folder: Path) -> list[str]:
+    """Return the faults of a case that holds the changes that can be made."""
+    from .system import faults_ahead  # knows the schema
+
+    try:
+        return faults_ahead(check_case(tree, folder / "case.toml"), folder)
+    except BadInput as error:
+        return error.faults
 
 
 def value_at(tree: Tree, key: str, folder: Path) -> Any:
@@ -64,13 +76,10 @@ def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
         if not isinstance(inner, (dict, list)):
             known = node if isinstance(node, dict) else map(str, range(len(node)))
             where = ".".join(parents[: k + 1])
-            return f"{key}: there is no table {where} in the case{near(part, known)}"
+            return f"{key}: expected a table {where} in the case, got nothing{near(part, known)}"
         node = inner
     if isinstance(node, list):
-        return (
-            f"{key}: {'.'.join(parents)} is a list; "
-            "name a key in one of its entries, counted from 0"
-        )
+        return f"{key}: expected a key in an entry of a list, got the entry; count from 0"
     node[last] = value
     return None
 
@@ -102,11 +111,10 @@ def place(tree: Tree, key: str, folder: Path) -> list[str]:
         return found[0]
     if not found:
         names = sorted({path[-1] for path in known})
-        raise BadInput(
-            f"{key}: is nowhere in the case{near(parts[-1], names)}; piston-cosim keys lists all"
-        )
-    places = ", ".join(sorted(".".join(path) for path in found))
-    raise BadInput(f"{key}: is in {places}; give its dotted path")
+        question = near(parts[-1], names) or "; `piston-cosim keys` lists all keys"
+        raise BadInput(f"{key}: expected a key of the case, got an unknown key{question}")
+    places = " or ".join(sorted(".".join(path) for path in found)[:MOST_PLACES])
+    raise BadInput(f"{key}: expected a dotted path, got a name of several keys; write {places}")
 
 
 def _ends(path: list[str], parts: list[str]) -> bool:

@@ -89,7 +89,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     faults = faults_ahead(case, folder)
     previews = _previews(case, folder)
     for owner, one in previews.items():
-        told = [f"participants.{owner}: {line}" for line in one.faults]
+        told = [f"participants.{owner}, {line}" for line in one.faults]
         faults += [line for line in told if line not in faults]
     faults += _disagreements(case, folder, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
@@ -171,9 +171,9 @@ def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> li
             if abs(given - measured.value) > APART * abs(measured.value):
                 default = "" if key in values[name] else ", its default"
                 faults.append(
-                    f"participants.{name}.parameters.{key} = {short(given, measured.unit, 5)}"
-                    f"{default}: the {figure.replace('_', ' ')} of "
-                    f"{f'{giver}.{other.surface}'.removesuffix('.')} is "
-                    f"{short(measured.value, measured.unit, 5)}"
+                    f"participants.{name}.parameters.{key}: expected "
+                    f"{short(measured.value, measured.unit, 5)}, the {figure.replace('_', ' ')} of "
+                    f"{f'{giver}.{other.surface}'.removesuffix('.')}, got "
+                    f"{short(given, measured.unit, 5)}{default}"
                 )
     return faults

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ...models import MODELS
 from ..coupling.wiring import Wire, port_of
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, names_of, unknown
 from ..participants.open import open_fmu
 from .schema import reduced
 
@@ -141,7 +141,10 @@ def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
         name = next(ready, None)
         if name is None:
             left = ", ".join(one for one in waiting if one not in order)
-            raise BadInput([f"wires: {left} wait for one another's {', '.join(inputs)} to start"])
+            raise BadInput(
+                f"wires: expected a participant that can start first, got a loop of {left} through "
+                f"{', '.join(inputs)}"
+            )
         order.append(name)
     return order
 
@@ -169,13 +172,14 @@ def in_place_of(tree: dict, role: str, text: str) -> tuple[str, str]:
     if sign and named in known:
         return named, rest
     if sign and named.isidentifier():
-        raise BadInput(f"--{role} {text}: participants in this role are {', '.join(known)}")
+        raise BadInput(f"--{role}: {unknown('participant', named, known)}")
     if len(known) == 1:
         return known[0], text
     if not known:
-        raise BadInput(f"--{role} {text}: no participant of the case has role = {role!r}")
+        raise BadInput(f"--{role}: expected a participant with role = {role!r}, got none")
     raise BadInput(
-        f"--{role} {text}: {', '.join(known)} have this role; write --{role} {known[0]}={text}"
+        f"--{role}: expected one of {', '.join(known)}, got several; write --{role} "
+        f"{known[0]}={text}"
     )
 
 
@@ -204,10 +208,8 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
     participant = open_fmu("fmu", path)
     role = role or role_of(participant)
     if role is None:
-        wanted = "; ".join(
-            f"{name}: {', '.join(known.outputs['field'])}" for name, known in contract().items()
-        )
-        raise BadInput(f"{path}: has the outputs of no role of the contract ({wanted})")
+        wanted = names_of(contract())
+        raise BadInput(f"{path}: expected the outputs of {wanted}, got others")
     terms = contract()[role]
     breaches, remarks = _capabilities(participant)
     surfaces = surfaces_of(participant, role) or [""]
@@ -227,7 +229,7 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
         if len(shapes) > 1:
             of = f" of {one.removesuffix('.')}" if one else ""
             told = ", ".join(map(str, sorted(shapes)))
-            breaches.append(f"the fields{of} have different shapes: {told}")
+            breaches.append(f"fields{of}: expected equal shapes, got {told}")
     return role, breaches, remarks
 
 
@@ -248,17 +250,19 @@ def _compare(participant, terms, causalities, faults):
         for name, unit in variables.items():
             field = participant.fields.get(name)
             if field is None or field.causality not in causalities:
-                faults.append(f"{name}: no such {' or '.join(causalities)} [{unit}]")
+                faults.append(f"{name}: expected a {' or '.join(causalities)} [{unit}], got none")
             elif field.unit != unit and participant.declares_units:
-                faults.append(f"{name}: unit {field.unit}, the contract says {unit}")
+                faults.append(f"{name}: expected unit {unit}, got {field.unit}")
             elif (len(field.shape) == 2) != (shape == "field"):
-                faults.append(f"{name}: shape {field.shape}, the contract says {shape}")
+                faults.append(f"{name}: expected a {shape}, got shape {field.shape}")
 
 
 def _capabilities(participant):
     """Breaches and remarks on what the FMU can do."""
     can = participant.description.coSimulation
-    breaches = [f"{flag} is not true" for flag in CAPABILITIES if not getattr(can, flag)]
+    breaches = [
+        f"{flag}: expected true, got false" for flag in CAPABILITIES if not getattr(can, flag)
+    ]
     remarks = (
         []
         if participant.has_derivatives
@@ -318,7 +322,7 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], None])
         grid = table.get("build", {}).get("grid", [40, 40])
         return build_fmu_of_file(model, {"grid": list(grid)}, say)
     if not Path(model).is_file():
-        raise BadInput(f"--{role} {model}: no such file")
+        raise BadInput(f"--{role}: expected a file, got no such file {model!r}")
     return Path(model)
 
 

@@ -65,13 +65,12 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         made.
     """
     given = [
-        f"participants.{name}: is an FMU; only a package can go into one FMU"
+        f"participants.{name}: expected a package inside one FMU, got an FMU"
         for name, table in case.participants.items()
         if not table.package
     ]
     given += [
-        f"wire {wire.source} -> {wire.target}: interpolation = {kind!r}; inside one FMU inputs "
-        "are held"
+        f"wire {wire.source} -> {wire.target}: expected held inputs inside one FMU, got {kind!r}"
         for wire in case.wires
         if (kind := wire.interpolation or case.coupling.inputs) != "held"
     ]
@@ -83,7 +82,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         raise BadInput(
             [
                 f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}: "
-                "inside one FMU wires carry real numbers alone"
+                "expected real numbers inside one FMU, got another type"
                 for wire in system.held
             ]
         )
@@ -148,13 +147,14 @@ def _uncovered_ahead(case, platforms):
             continue
         packages.add(table.package)
         ahead = part.uncovered_ahead(table.build)
-        faults += [f"participants.{name}: {fault}" for fault in ahead]
+        faults += [f"participants.{name}.build.{fault}" for fault in ahead]
         for parameter, value in table.parameters.items():
             known = part.covered.get(parameter)
             if isinstance(known, tuple) and value not in known:
                 words = ", ".join(known)
                 faults.append(
-                    f"participants.{name}: {parameter} = {value}: a native FMU covers {words}"
+                    f"participants.{name}.parameters.{parameter}: expected {words} in a native "
+                    f"FMU, got {value}"
                 )
     return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 
@@ -181,7 +181,7 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
     codes = sorted(set(packages.values()))
     parts = {name: part_of(package) for name, package in packages.items()}
     faults = [
-        f"participants.{name}: {fault}"
+        f"participants.{name}.build.{fault}"
         for name, part in parts.items()
         for fault in part.uncovered(prepared[name][0])
     ]
@@ -196,7 +196,7 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
         *not_started_with(insides, system.parameters),
     ]
     if slave.string:
-        faults.append("a native FMU has no texts")
+        faults.append("participants: expected no texts in a native FMU, got some")
     if faults:
         raise BadInput(faults)
     slave.experiment = usual

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..fmi.errors import BadInput
-from ..fmi.option_classes import ANY, EACH, Key, keys, near
+from ..fmi.errors import BadInput, near
+from ..fmi.option_classes import ANY, EACH, Key, keys
 from ..fmi.tree import import_part
 from ..fmi.variables import Variable
 from .schema import Case
@@ -34,9 +34,12 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
         If there is no such part, or with the faults of its build options.
     """
     if table.package and not _is_installed(table.package):
-        raise BadInput(f"package = {table.package!r}: no installed package of that name")
+        raise BadInput(f"package: expected an installed package, got {table.package!r}")
     declared = part_function(table.package, "declared_variables")
-    return declared(table.build, folder) if declared else None
+    try:
+        return declared(table.build, folder) if declared else None
+    except BadInput as error:
+        raise BadInput([f"build.{line}" for line in error.faults]) from None
 
 
 def _is_installed(package: str) -> bool:
@@ -161,7 +164,8 @@ def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
     parts = {part for key in found for part in key.path.split(".")} - {ANY, EACH}
     words = {text for part in parts for text in part.split("_")}
     close = near(wanted[-1], sorted({*parts, *words, *SYNONYMS}))
-    raise BadInput(f"{word}: no key of a case contains this word{close}")
+    question = close or "; `piston-cosim keys` lists all keys"
+    raise BadInput(f"WORD: expected a word of a key, got {word!r}{question}")
 
 
 def _has(path: list[str], wanted: list[str]) -> bool:

@@ -5,7 +5,7 @@ Python, in a third of the time.
 from pathlib import Path
 from typing import Any
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from .keys import declared_variables
 
 
@@ -41,12 +41,12 @@ def of_machine_code(
         return chosen, []
     chosen = set(packages if case.native is True else case.native or ())
     faults = [
-        f"native: {name} is no participant that a package builds: {', '.join(packages)} are"
+        f"native: {unknown('participant', name, packages)}"
         for name in sorted(chosen - packages.keys())
     ]
     for name in sorted(chosen & packages.keys()):
         found = _uncovered(case.participants[name], folder, given.get(name, {}))
-        faults += [f"participants.{name}: {fault}" for fault in found]
+        faults += [f"participants.{name}, {fault}" for fault in found]
     return chosen, faults
 
 
@@ -57,7 +57,7 @@ def _uncovered(table, folder, given):
 
     platform = this_platform()
     if platform is None:
-        return ["there is no machine code for this kind of machine"]
+        return ["native: expected x86-64 or AArch64, got another machine; set native = false"]
     try:
         part = part_of(table.package)
     except BadInput as refusal:

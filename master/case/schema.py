@@ -2,6 +2,8 @@
 
 import re
 import tomllib
+from copy import deepcopy
+from itertools import takewhile
 from math import floor
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -19,9 +21,9 @@ from pydantic import (
 
 from ...models import MODELS
 from ..coupling.methods import METHODS
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, file_fault, near, unknown
 from ..fmi.fields import base_of
-from ..fmi.option_classes import near, near_key, with_meanings
+from ..fmi.option_classes import is_key, sentences, with_meanings
 from ..fmi.quantities import from_si, is_angle, registry, to_si
 from ..participants.plugins import names
 
@@ -33,7 +35,7 @@ brackets and all.
 
 def _file_name(text: str) -> str:
     if text in ("", ".", "..") or re.search(r"[/\\\x00-\x1f]", text):
-        raise ValueError("must be a plain file name, without / and \\")
+        raise ValueError(f"expected a file name without / and \\, got {text!r}")
     return text
 
 
@@ -64,7 +66,7 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(
-        extra="forbid", populate_by_name=True, json_schema_extra=with_meanings
+        extra="forbid", populate_by_name=True, allow_inf_nan=False, json_schema_extra=with_meanings
     )
 
 
@@ -108,10 +110,19 @@ class Time(Table):
     @model_validator(mode="after")
     def ends(self):
         if self.stop is None and not self.until_periodic:
-            raise ValueError("stop: required without until_periodic")
+            raise ValueError(
+                "stop: expected a time or an angle, got nothing; or set until_periodic"
+            )
         if self.least_periods > self.most_periods:
-            raise ValueError("least_periods: expected at most most_periods")
+            raise ValueError(
+                f"least_periods: expected at most most_periods = {self.most_periods}, "
+                f"got {self.least_periods}"
+            )
         return self
+
+
+ORIGINS = ("package", "file", "fmu", "table", "plugin")
+"""Keys that say what a participant is made of."""
 
 
 class ParticipantTable(Table):
@@ -164,19 +175,22 @@ class ParticipantTable(Table):
 
     @model_validator(mode="after")
     def one_origin(self):
-        if [self.package, self.file, self.fmu, self.table, self.plugin].count(None) != 4:
-            raise ValueError(
-                "give one of package, file (FILE.py:CLASS; both build an FMU), fmu (a file), "
-                "table (a CSV file) and plugin"
-            )
-        if (self.table or self.plugin) and (self.isolated or self.step or self.host):
-            raise ValueError("only an FMU has a process or a step of its own")
+        origins = [name for name in ORIGINS if getattr(self, name) is not None]
+        if len(origins) != 1:
+            got = " and ".join(origins) or "nothing"
+            raise ValueError(f"expected one of {', '.join(ORIGINS)}, got {got}")
+        for key in ("isolated", "step", "host"):
+            if (self.table or self.plugin) and getattr(self, key):
+                raise ValueError(f"{key}: expected an FMU for this key, got {origins[0]}")
         if self.host and self.isolated:
-            raise ValueError("an FMU is isolated on this machine or on a host, not both")
+            raise ValueError("host: expected isolated = false with a host, got true")
         if self.clones and not self.isolated:
-            raise ValueError("clones are those of an isolated FMU; write isolated = true")
+            raise ValueError("clones: expected isolated = true with clones, got false")
         if self.interpolation and not self.table:
-            raise ValueError("interpolation is that of a table; that of an input is its wire's")
+            raise ValueError(
+                f"interpolation: expected a table for this key, got {origins[0]}; "
+                "set the interpolation of an input at its wire"
+            )
         return self
 
 
@@ -282,7 +296,7 @@ class Coupling(Table):
     def known(cls, name):
         known = [*METHODS, *names("methods")]
         if name not in known:
-            raise ValueError(f"{name!r} is no method: there are {', '.join(known)}")
+            raise ValueError(unknown("method", name, known))
         return name
 
 
@@ -314,9 +328,9 @@ class Record(Table):
     def a_number_or_an_interval(cls, value):
         if isinstance(value, int):
             if value < 1:
-                raise ValueError("a number of macro steps is greater than or equal to 1")
+                raise ValueError(f"expected a number of macro steps of at least 1, got {value}")
         elif not to_si(value, "rad" if is_angle(value) else "s") > 0:
-            raise ValueError("must be positive")
+            raise ValueError(f"expected a positive time or angle, got {value!r}")
         return value
 
 
@@ -363,10 +377,10 @@ class Picture(Table):
             return text
         try:
             to_si(text, "s")
-        except ValueError as error:
+        except ValueError:
             raise ValueError(
-                f"{error}; write a time, a crank angle, e.g. '24 deg', or 'min|max "
-                "participant.variable'"
+                f"expected a time, a crank angle or min|max participant.variable, got {text!r}; "
+                "write for example '24 deg'"
             ) from None
         return text
 
@@ -387,7 +401,8 @@ class Picture(Table):
         needed = ("x", "y") if self.kind == "lines" else ("fields", "time")
         missing = [key for key in needed if not getattr(self, key)]
         if missing:
-            raise ValueError(f"a picture of kind {self.kind!r} needs {' and '.join(missing)}")
+            wanted = " and ".join(missing)
+            raise ValueError(f"expected {wanted} in a picture of kind {self.kind!r}, got nothing")
         return self
 
 
@@ -499,11 +514,9 @@ class Study(Table):
     @model_validator(mode="after")
     def consistent(self):
         if self.curves and not self.x:
-            raise ValueError("curves need an x")
+            raise ValueError("x: expected an output with curves, got nothing")
         if self.reference not in self.points:
-            raise ValueError(
-                f"reference = {self.reference!r}: the points are {', '.join(self.points)}"
-            )
+            raise ValueError(f"reference: {unknown('point', self.reference, self.points)}")
         return self
 
 
@@ -561,7 +574,7 @@ class Case(Table):
             owner, _, variable = port.partition(".")
             if kind not in REDUCTIONS or not owner or not variable:
                 raise ValueError(
-                    f"{name} = {text!r}: write 'min|max|mean|last participant.variable'"
+                    f"{name}: expected 'min|max|mean|last participant.variable', got {text!r}"
                 )
         return entries
 
@@ -571,8 +584,8 @@ class Case(Table):
         for name in tables:
             if not re.fullmatch(r"\w+", name) or name in TAKEN:
                 raise ValueError(
-                    f"{name!r} cannot name a participant: letters, digits and _, "
-                    f"and none of {', '.join(TAKEN)}"
+                    f"expected a name of letters, digits and _ other than {', '.join(TAKEN)}, "
+                    f"got {name!r}"
                 )
         return tables
 
@@ -586,18 +599,16 @@ class Case(Table):
     def names_exist(self):
         used = {port.partition(".")[0] for port in self._ports()}
         used |= {name.partition(".")[0] for pair in self.axes for name in pair.participants}
-        unknown = sorted((used | set(self.coupling.order)) - set(self.participants))
-        if unknown:
-            raise ValueError(
-                f"no participant {', '.join(unknown)}: there are {', '.join(self.participants)}"
-            )
-        if missing := [label for label in self.beside if label not in self.variants]:
-            raise ValueError(
-                f"beside = {missing[0]!r}: the variants are {', '.join(self.variants) or 'none'}"
-            )
+        for name in sorted((used | set(self.coupling.order)) - set(self.participants)):
+            where = "coupling.order" if name in self.coupling.order else "participants"
+            raise ValueError(f"{where}: {unknown('participant', name, self.participants)}")
+        for label in self.beside:
+            if label not in self.variants:
+                raise ValueError(f"beside: {unknown('variant', label, self.variants)}")
         if sorted(self.coupling.order) != sorted(self.participants):
             raise ValueError(
-                f"coupling.order must name each participant once: {', '.join(self.participants)}"
+                f"coupling.order: expected each of {', '.join(self.participants)} once, "
+                f"got {', '.join(self.coupling.order) or 'nothing'}"
             )
         return self
 
@@ -688,9 +699,10 @@ def find_case(name):
         if candidate.is_file():
             return candidate.resolve()
     known = case_names()
+    question = near(Path(name).name, known) or "; `piston-cosim list` lists the cases"
     raise BadInput(
-        f"no case {name!r}: neither a file, nor a folder with a case.toml, nor one of "
-        f"{', '.join(known)}{near(Path(name).name, known)}"
+        f"case: expected a file, a folder with case.toml or the name of a case, "
+        f"got {name!r}{question}"
     )
 
 
@@ -707,8 +719,10 @@ def read_tree(path, changes=()):
             tree = read_ssp(path)
         else:
             tree = tomllib.loads(Path(path).read_text())
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{path}: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"{path}: {toml_fault(error)}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(file_fault(path, error)) from None
     from .changes import changed  # knows the schema, and the parts' own keys
 
     return changed(tree, changes, Path(path).parent)
@@ -721,17 +735,74 @@ def check_case(tree, path):
     try:
         return Case.model_validate(tree)
     except ValidationError as error:
-        raise BadInput([f"{path}: {_sentence(fault)}" for fault in error.errors()]) from None
+        faults = sentences(error, Case)
+        deeper = _faults_below(tree, error, Path(path).parent)
+    raise BadInput([*faults, *(one for one in deeper if _key(one) not in map(_key, faults))])
 
 
-def _sentence(fault):
-    where = ".".join(str(part) for part in fault["loc"]) or "case"
-    if fault["type"] == "extra_forbidden":
-        return f"{where}: unknown key{near_key(Case.model_json_schema(), fault['loc'])}"
-    if fault["type"] == "string_type":
-        return f"{where}: must be text, with its unit if it has one (given: {fault['input']!r})"
-    given = f" (given: {fault['input']!r})" if isinstance(fault["input"], (str, int, float)) else ""
-    return f"{where}: {fault['msg'].removeprefix('Value error, ')}{given}"
+def _key(fault: str) -> str:
+    """Return the key of a fault."""
+    return fault.partition(": ")[0]
+
+
+MOST_ROUNDS = 4
+"""Rounds of leaving entries out of a case, for faults that show only without others."""
+
+
+def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
+    """Return the faults of a case that its first faults hide.
+
+    The entries with a fault are left out of a copy of the case. The copy then has the next checks:
+    those between keys, then those of build options, parameters and wires.
+    """
+    from .system import faults_ahead  # knows the schema
+
+    tree = deepcopy(tree)
+    faults: list[str] = []
+    for _ in range(MOST_ROUNDS):
+        found = sorted(error.errors(), key=lambda one: str(one["loc"]), reverse=True)
+        if not all(_leave_out(tree, list(takewhile(is_key, one["loc"])), one) for one in found):
+            return faults
+        try:
+            case = Case.model_validate(tree)
+        except ValidationError as next_error:
+            error = next_error
+            # an entry that is left out is no fault of the case
+            faults += [one for one in sentences(error, Case) if "got nothing" not in one]
+        else:
+            return [*faults, *faults_ahead(case, folder)]
+    return faults
+
+
+def _leave_out(tree, place: list[str | int], fault) -> bool:
+    """Remove the value of a fault from a case's tree, of an incomplete entry of a list the entry.
+    A number that lacks its unit becomes a string. Returns whether the rest makes sense without it.
+    """
+    if fault["type"] == "missing":
+        place = place[:-1] if len(place) > 1 and isinstance(place[-2], int) else []
+    if not place:
+        return False
+    *parents, last = place
+    node = tree
+    try:
+        for part in parents:
+            node = node[part]
+        if isinstance(node[last], (dict, list)) and not isinstance(last, int):
+            return False
+        if fault["type"] == "string_type":
+            node[last] = str(node[last])
+        else:
+            del node[last]
+    except (LookupError, TypeError):
+        return False
+    return True
+
+
+def toml_fault(error: tomllib.TOMLDecodeError) -> str:
+    """Return what is wrong with a text that is no TOML, and where."""
+    line = re.search(r"line (\d+)", str(error))
+    place = f"line {line[1]}" if line else "its last line"
+    return f"expected TOML, got invalid syntax in {place}; write KEY = VALUE, texts in quotes"
 
 
 def record_interval(case: Case, speed: float | None) -> float:
@@ -741,7 +812,7 @@ def record_interval(case: Case, speed: float | None) -> float:
     every = case.record.every
     try:
         return 0.0 if isinstance(every, int) else _seconds(every, speed)
-    except (ValueError, ZeroDivisionError) as error:
+    except ValueError as error:
         raise BadInput(f"record.every: {error}") from None
 
 
@@ -769,25 +840,21 @@ def times(case: Case, speed: float | None) -> Clock:
         try:
             values[key] = _seconds(text, speed)
             if not values[key] > 0:
-                faults.append(f"time.{key} = {text}: must be positive")
-        except (ValueError, ZeroDivisionError) as error:
+                faults.append(f"time.{key}: expected a positive value, got {text!r}")
+        except ValueError as error:
             faults.append(f"time.{key}: {error}")
     if faults:
         raise BadInput(faults)
     begin, step, period = start_time(case, speed), values["step"], values.get("period", 0.0)
     if case.time.until_periodic and not period:
-        raise BadInput(
-            "time.period: required with time.until_periodic in a case without time.angular_speed"
-        )
-    if fault := period and _whole_fault(
-        f"time.period = {case.period}", None, period / step, case.time
-    ):
+        raise BadInput("time.period: expected a time with time.until_periodic, got nothing")
+    if fault := period and _whole_fault("time.period", case.period, None, period / step, case.time):
         if case.time.period or case.time.until_periodic:
             raise BadInput(fault)
         period = 0.0  # a derived one that macro steps do not come by
     stop = values.get("stop", begin + case.time.most_periods * period)
-    where = f"time.stop = {case.time.stop}"
-    if fault := _whole_fault(where, case.time.start, (stop - begin) / step, case.time):
+    steps = (stop - begin) / step
+    if fault := _whole_fault("time.stop", case.time.stop, case.time.start, steps, case.time):
         raise BadInput(fault)
     earliest = begin + case.time.least_periods * period if case.time.until_periodic else stop
     smallest = values.get("smallest_step", step / 64)
@@ -798,25 +865,32 @@ def start_time(case: Case, speed: float | None) -> float:
     """Where the run starts [s]; `speed` as in `times`."""
     try:
         return 0.0 if case.time.start is None else _seconds(case.time.start, speed)
-    except (ValueError, ZeroDivisionError) as error:
+    except ValueError as error:
         raise BadInput(f"time.start: {error}") from None
 
 
 def _seconds(text: str, speed: float | None) -> float:
     """A time, or an angle at a speed [rad/s], in seconds."""
-    return to_si(text, "s") if speed is None else to_si(text, "rad") / speed
+    if speed is None:
+        return to_si(text, "s")
+    if not speed:
+        raise ValueError("expected an angular speed above 0 with crank angles, got 0 rad/s")
+    return to_si(text, "rad") / speed
 
 
-def _whole_fault(where: str, start: str | None, steps: float, time: Time) -> str:
-    """What is wrong with a time of so many macro steps after `start`; they may be off a whole
-    number by what rounding does to two units.
+def _whole_fault(key: str, text: str | None, start: str | None, steps: float, time: Time) -> str:
+    """Return what is wrong with a time of so many macro steps after `start`; they may be off a
+    whole number by what rounding does to two units.
     """
     whole = round(steps)
     if whole >= 1 and abs(steps - whole) <= 1e-9 * whole:
         return ""
     if steps < 1:
-        return f"{where}: is before the end of the first step, {time.step}"
+        return f"{key}: expected at least one step of {time.step}, got {text!r}"
     step = registry().Quantity(time.step)
     begin = registry().Quantity(start) if start else 0 * step
     nearest = [f"{begin + count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
-    return f"{where}: is no multiple of time.step = {time.step}; {nearest[0]} and {nearest[1]} are"
+    return (
+        f"{key}: expected a multiple of time.step = {time.step}, got {text!r}; "
+        f"the nearest are {nearest[0]} and {nearest[1]}"
+    )

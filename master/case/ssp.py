@@ -23,7 +23,7 @@ import numpy as np
 from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder
 from ..fmi.description import BASE_UNITS, VENDOR
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import base_of
 from ..fmi.quantities import pint_unit
 
@@ -65,15 +65,15 @@ def export_ssp(tree, system, path):
         If a wire joins an array with scalars: an FMU of FMI 3.0 with one of FMI 2.0.
     """
     mixed = [
-        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: an FMU of FMI 3.0 on one side alone; "
-        "take one version on both"
+        f"{'.'.join(c.source)} -> {'.'.join(c.target)}: expected one FMI version on both sides, "
+        "got 2.0 and 3.0"
         for c in system.wires
         if c.shape
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
     mixed += [
-        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: is no wire of real numbers; "
-        "none other goes into an SSP"
+        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected real numbers in an SSP, got "
+        "another type"
         for wire in system.held
     ]
     if mixed:
@@ -313,14 +313,16 @@ def read_ssp(path):
     BadInput
         If the file is no SSP.
     """
-    folder = cache_folder("ssp") / sha256(Path(path).read_bytes()).hexdigest()[:16]
     try:
+        folder = cache_folder("ssp") / sha256(Path(path).read_bytes()).hexdigest()[:16]
         with zipfile.ZipFile(path) as archive:
             check_archive(archive, Path(path))
             archive.extractall(folder)
         root = ElementTree.parse(folder / "SystemStructure.ssd").getroot()
-    except (zipfile.BadZipFile, OSError, ElementTree.ParseError) as error:
-        raise BadInput(f"{path} is no SSP: {error}") from None
+    except (zipfile.BadZipFile, ElementTree.ParseError):
+        raise BadInput(f"{path}: expected an SSP, got another file") from None
+    except OSError as error:
+        raise BadInput(file_fault(path, error)) from None
     components = list(root.iter(_q("ssd:Component")))
     participants = {
         node.get("name"): {

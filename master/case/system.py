@@ -12,9 +12,8 @@ import numpy as np
 
 from ..coupling.wiring import HeldWire, System, Wire, is_unknown, port_of
 from ..coupling.work import conjugates
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, file_fault, unknown
 from ..fmi.fields import NO_NUMBERS, base_of
-from ..fmi.option_classes import near
 from ..fmi.quantities import duration, is_known, pint_unit, registry, to_si
 from ..participants.clones import ClonedParticipant
 from ..participants.converted import Conversion, ConvertedParticipant
@@ -67,6 +66,9 @@ def faults_ahead(case, folder):
     for table in case.wires:
         if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
             _wire(table, declared, case.coupling, faults)
+    for name, table in case.participants.items():
+        if not table.host and (fault := _missing_file(table, folder)):
+            faults.append(f"participants.{name}.{fault}")
     faults += of_machine_code(case, folder, parameters)[1]
     if declared.keys() == case.participants.keys():
         _check_ports(case, declared, faults)
@@ -104,7 +106,7 @@ def declared_participants(case, folder, faults):
         try:
             variables = declared_variables(table, folder)
         except BadInput as error:
-            faults += [f"participants.{name}: {line}" for line in error.faults]
+            faults += [f"participants.{name}.{line}" for line in error.faults]
             continue
         if variables is not None:
             fields = {one.name: _as_fmu(one) for one in variables}
@@ -171,7 +173,7 @@ def open_system(case, folder, progress, own=None):
                 else _participant(name, case, builds[name], folder, progress, name in native)
             )
         except BadInput as error:
-            faults += [f"participants.{name}: {line}" for line in error.faults]
+            faults += [f"participants.{name}.{line}" for line in error.faults]
     if faults:
         raise BadInput(faults)
     parameters = {
@@ -290,7 +292,7 @@ def _participant(name, case, build, folder, progress, native):
     if not table.clones:
         return apart
     if not (apart.can_redo and apart.can_serialise):
-        raise BadInput(f"clones: {path.name} cannot save and serialise its state")
+        raise BadInput(f"clones: expected an FMU that saves its state, got {path.name}")
     return ClonedParticipant(
         apart, [IsolatedParticipant(participant, timeout) for _ in range(table.clones)]
     )
@@ -320,13 +322,22 @@ def _fmu(table, build, folder, progress, native):
     """Return the path of a participant's FMU, built where the case asks for it."""
     if table.package or table.file:
         return _built(table, build, folder, progress, native)
-    path = folder / table.fmu
+    if fault := _missing_file(table, folder):
+        raise BadInput(fault)
+    return folder / table.fmu
+
+
+def _missing_file(table, folder):
+    """Return what is wrong with the path of a participant's FMU or table; "" if nothing is."""
+    key = "fmu" if table.fmu else "table"
+    name = getattr(table, key)
     try:
-        if path.is_file():
-            return path
+        if not name or (folder / name).is_file():
+            return ""
+        (folder / name).open().close()
     except (OSError, ValueError) as error:
-        raise BadInput(f"fmu = {table.fmu[:80]!r}: {error.args[-1]}") from None
-    raise BadInput(f"fmu = {table.fmu!r}: no such file in {folder}")
+        return f"{key}: {file_fault(name[:80], error)}"
+    return f"{key}: expected a file, got {name!r}"
 
 
 def _built(table, build, folder, progress, native):
@@ -350,7 +361,7 @@ def _parameters(participant, given, faults):
         field = participant.fields.get(name)
         if field is None or field.causality not in SETTABLE:
             settable = [f.name for f in participant.fields.values() if f.causality in SETTABLE]
-            faults.append(f"{where}: the FMU has no such parameter or input{near(name, settable)}")
+            faults.append(f"{where}: {unknown('parameter or input', name, settable)}")
             continue
         try:
             values[name] = _array(field, text) if isinstance(text, list) else _value(field, text)
@@ -363,30 +374,28 @@ def _array(field, rows):
     """An array of values, each as `_value` says."""
     array = np.array(rows, dtype=object)
     if array.shape != field.shape:
-        raise ValueError(f"is an array of shape {array.shape}, the FMU has {field.shape}")
+        raise ValueError(f"expected shape {field.shape}, got {array.shape}")
     return np.array([_value(field, text) for text in array.ravel()]).reshape(field.shape)
 
 
 def _value(field, text):
     """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
     if field.type == "Clock":
-        raise ValueError("a clock ticks, it has no value")
+        raise ValueError(f"expected no value for a clock, got {text!r}")
     if field.type == "String":
         return str(text)
     if field.type == "Binary":
         try:
             return bytes.fromhex(str(text))
         except ValueError:
-            raise ValueError(f"{text!r} must be bytes as hexadecimal digits") from None
+            raise ValueError(f"expected hexadecimal digits, got {text!r}") from None
     if field.type == "Boolean":
         if not isinstance(text, bool):
-            raise ValueError(f"{text!r} must be true or false")
+            raise ValueError(f"expected true or false, got {text!r}")
         return text
     if field.type == "Enumeration" and isinstance(text, str):
         if text not in field.choices:
-            raise ValueError(
-                f"{text!r}: allowed are {', '.join(field.choices)}{near(text, field.choices)}"
-            )
+            raise ValueError(unknown("choice", text, field.choices))
         return field.choices[text]
     is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
     value = text if is_whole else _quantity(text, field)  # 2^53 + 1 is no float
@@ -396,9 +405,9 @@ def _value(field, text):
     if not low <= value <= high:
         unit = "" if field.unit == "1" else f" {field.unit}"
         ends = " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (low, high))
-        raise ValueError(f"{text} is {value:g}{unit}, allowed is {ends}{unit}")
+        raise ValueError(f"expected {ends}{unit}, got {text}")
     if field.type in ("Integer", "Enumeration") and value != int(value):
-        raise ValueError(f"{text} must be a whole number")
+        raise ValueError(f"expected a whole number, got {text}")
     return value if field.type == "Real" else int(value)
 
 
@@ -412,7 +421,7 @@ def _quantity(text, field):
     try:
         return definition.from_base(to_si(text, definition.base))
     except ValueError as error:
-        raise ValueError(f"{error} (the FMU has {field.unit})") from None
+        raise ValueError(f"{error}; the unit of the FMU is {field.unit}") from None
 
 
 def _field(port, causalities, participants, where, faults):
@@ -420,9 +429,9 @@ def _field(port, causalities, participants, where, faults):
     field = participants[owner].fields.get(name)
     known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
     if field is None or field.causality not in causalities:
-        faults.append(
-            f"{where}: {port} is no {' or '.join(causalities)} of the FMU{near(name, known)}"
-        )
+        kind = "variable" if len(causalities) > 1 else causalities[0]
+        hint = "`piston-cosim fmu info` lists the variables"
+        faults.append(f"{where}: {unknown(kind, port, (f'{owner}.{n}' for n in known), hint)}")
         return None
     return field
 
@@ -433,7 +442,7 @@ def _check_sources(tables, faults):
     for table in tables:
         sources.setdefault(table.target, []).append(table.source)
     faults += [
-        f"wire to {target}: has {len(several)} sources, {' and '.join(several)}; an input takes one"
+        f"wire to {target}: expected one source, got {' and '.join(several)}"
         for target, several in sources.items()
         if len(several) > 1
     ]
@@ -447,7 +456,7 @@ def _check_elements(tables, participants, faults):
         whole = participants[owner].fields.get(base_of(name))
         if base_of(target) in targets - {target} and whole is not None and whole.shape:
             faults.append(
-                f"wire to {target}: {base_of(target)} is wired too; wire the array or its elements"
+                f"wire to {target}: expected a wire to the array or to its elements, got both"
             )
 
 
@@ -470,17 +479,15 @@ def _wire(table, participants, coupling, faults):
     if source is None or target is None:
         return None
     if source.type != target.type:
-        faults.append(
-            f"{where}: types differ, {source.type} and {target.type}; a wire joins equal types"
-        )
+        faults.append(f"{where}: expected equal types, got {source.type} and {target.type}")
         return None
     if source.shape != target.shape:
         faults.append(
-            f"{where}: shapes differ, {source.shape} and {target.shape} "
-            "(build both FMUs with the same grid)"
+            f"{where}: expected equal shapes, got {source.shape} and {target.shape}; "
+            "build both FMUs with the same grid"
         )
     if source.type == "Clock" and _clock_kind(table.target, participants) != "triggered":
-        faults.append(f"{where}: the clock ticks by its own interval; a triggered one takes a wire")
+        faults.append(f"{where}: expected a triggered clock, got one with an interval of its own")
     if source.type != "Real" or getattr(target, "clocked", False):
         return _held_wire(table, source, target, where, faults)
     named = source
@@ -488,7 +495,8 @@ def _wire(table, participants, coupling, faults):
     try:
         named, conversion = _common_unit(table, participants)
     except ValueError as error:
-        faults.append(f"{where}: units differ, {source.unit} and {target.unit}{error}")
+        got = f"{source.unit} and {target.unit}"
+        faults.append(f"{where}: expected units of one kind, got {got}{error}")
     nominal = _nominal(source, target, conversion)
     tolerance = _amount(table.tolerance, "tolerance", nominal, named, where, faults)
     local_error = _amount(table.local_error, "local_error", nominal, named, where, faults)
@@ -523,9 +531,8 @@ def _held_wire(table, source, target, where, faults):
     said += ["interpolation"] if table.interpolation not in (None, "held") else []
     if said:
         faults.append(
-            f"{where}: {', '.join(said)}: a wire of type {source.type}"
-            f"{' to a clocked input' if getattr(target, 'clocked', False) else ''} is handed over "
-            "as it is and held over a macro step"
+            f"{where}: expected a wire of real numbers for {', '.join(said)}, got type "
+            f"{source.type}{' to a clocked input' if getattr(target, 'clocked', False) else ''}"
         )
     return HeldWire(port_of(table.source), port_of(table.target))
 
@@ -562,7 +569,7 @@ def _conversion(source, target):
     second = _definition(target)
     if first is not None and second is not None:
         if first.exponents != second.exponents:
-            raise ValueError(f": {first.base} and {second.base} in base units")
+            raise ValueError(f"; in base units {first.base} and {second.base}")
         return Conversion(
             first.factor / second.factor, (first.offset - second.offset) / second.factor
         )
@@ -614,10 +621,10 @@ def _amount(given, key, nominal, named, where, faults):
     try:
         amount = given * nominal if isinstance(given, float) else _difference(given, named)
     except ValueError as error:
-        faults.append(f"{where}: {key}: {error}")
+        faults.append(f"{where}, {key}: {error}")
         return None
     if not amount > 0:
-        faults.append(f"{where}: {key} = {given}: must be positive")
+        faults.append(f"{where}, {key}: expected a positive value, got {given}")
     return amount
 
 
@@ -639,18 +646,20 @@ def _interpolating(case, participants, reals, faults):
         if kind == "held" or (target, inlet) not in reals:
             continue
         kinds.setdefault(target, {})[inlet] = kind
-        where = f"wire {wire.source} -> {wire.target}: interpolation = {kind!r}"
+        where = f"wire {wire.source} -> {wire.target}, interpolation"
         if case.participants[target].clones:
-            faults.append(f"{where}: clones probe held inputs alone")
+            faults.append(
+                f"{where}: expected held inputs for a participant with clones, got {kind!r}"
+            )
         if kind != "mean" and not participants[target].can_interpolate:
             faults.append(
-                f"{where}: {participants[target].path.name} cannot follow inputs over a step "
-                "(canInterpolateInputs of FMI 2.0); write mean or held"
+                f"{where}: expected an FMU with canInterpolateInputs, got "
+                f"{participants[target].path.name}; write mean or held"
             )
         if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(
-                f"{where}: {participants[owner].path.name} declares no output as the "
-                f"derivative of {name}; write linear"
+                f"{where}: expected an output declared as derivative of {name}, got none in "
+                f"{participants[owner].path.name}; write linear"
             )
     if faults:
         return participants
@@ -703,8 +712,8 @@ def _able(case, participants, faults):
     unable = [name for name, participant in participants.items() if not participant.can_redo]
     if any(wire.local_error is not None for wire in case.wires):
         faults += [
-            f"participant {name}: {participants[name].path.name} cannot save and restore its "
-            "state, so no step can be repeated; take no local_error"
+            f"participants.{name}: expected an FMU that saves its state with local_error, got "
+            f"{participants[name].path.name}; remove local_error"
             for name in unable
         ]
         return participants
@@ -715,8 +724,8 @@ def _check_fixed(case, participants, faults):
     """Where steps are as long as the local error says, an FMU of one step length cannot follow."""
     if any(wire.local_error is not None for wire in case.wires):
         faults += [
-            f"participant {name}: {participant.path.name} takes steps of one length alone "
-            "(canHandleVariableCommunicationStepSize = false); take no local_error"
+            f"participants.{name}: expected an FMU with variable steps with local_error, got "
+            f"{participant.path.name}; remove local_error"
             for name, participant in participants.items()
             if _is_fixed(participant)
         ]
@@ -732,12 +741,12 @@ def _check_ports(case, participants, faults):
     for port in case.record.fields:
         field = _field(port, outputs, participants, "record.fields", faults)
         if field is not None and field.type in NO_NUMBERS:
-            faults.append(f"record.fields: {port} is of type {field.type}, no numbers")
+            faults.append(f"record.fields: expected numbers, got {port} of type {field.type}")
     for where, port in _curves(case):
         field = _field(port, ("output",), participants, where, faults)
         if field is not None and (field.shape or field.type in NO_NUMBERS):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
-            faults.append(f"{where}: {port} is {shape}; {_taken(where)} takes scalar numbers")
+            faults.append(f"{where}: expected a scalar number, got {port}, {shape}")
     for picture in case.pictures:
         for port in picture.fields:
             _field(port, ("output",), participants, f"pictures.{picture.file}", faults)
@@ -761,11 +770,6 @@ def _curves(case):
             yield f"studies.{name}", port
 
 
-def _taken(where):
-    """The table of a place, with its article."""
-    return f"a {where.partition('.')[0].removesuffix('s')}"
-
-
 def _angular_speed(case, parameters):
     """Start value [rad/s] of the input that turns angles into times; None if the case is in
     times.
@@ -775,7 +779,7 @@ def _angular_speed(case, parameters):
     owner, name = port_of(case.time.angular_speed)
     if name not in parameters[owner]:
         raise BadInput(
-            f"time.angular_speed = {case.time.angular_speed}: give it a value in "
-            f"participants.{owner}.parameters"
+            f"time.angular_speed: expected a parameter with a value, got "
+            f"{case.time.angular_speed!r}; set it in participants.{owner}.parameters"
         )
     return parameters[owner][name]

@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput, Stopped
+from .usage import faults_of
 
 STARTED = time.perf_counter()
 SUMMARY = "Simulate the elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
@@ -95,15 +96,14 @@ def main():
             print(listed)
             return
         if moved := new_spelling(words):
-            raise BadInput(f"{words[0]}: this command was renamed; type: {moved}")
-        app(words, exit_on_error=False, print_error=True)
-    except CycloptsError:
-        sys.exit(2)
-    except BadInput as error:
-        say_faults(
-            f"bad input[/], {len(error.faults)} fault{'s' * (len(error.faults) > 1)}:",
-            [f"- {f}" for f in error.faults],
-        )
+            raise BadInput(f"{words[0]}: expected `{moved}`, got a former spelling")
+        app(words, exit_on_error=False, print_error=False)
+    except (CycloptsError, BadInput, OSError) as error:
+        if isinstance(error, OSError) and not error.filename:
+            raise  # no file of the user's
+        faults = faults_of(error)
+        title = f"bad input[/], {len(faults)} fault{'s' * (len(faults) > 1)}:"
+        say_faults(title, [f"- {fault}" for fault in faults])
         sys.exit(2)
     except Stopped as error:
         title, *lines = [*filter(None, [error.headline]), error, *getattr(error, "__notes__", ())]

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from .common import console
 
 
@@ -20,12 +20,12 @@ def command(*names: str):
     """
     folder = Path(__file__).resolve().parents[2] / "tests" / "bench"
     known = {path.stem: path for path in sorted(folder.rglob("*.py"))}
-    unknown = [name for name in names if name not in known]
-    if unknown or not known:
+    strange = [name for name in names if name not in known]
+    if strange or not known:
         raise BadInput(
-            f"no benchmark {', '.join(unknown)}: there are {', '.join(known)}"
+            [f"NAMES: {unknown('benchmark', name, known)}" for name in strange]
             if known
-            else "benchmarks are in the source checkout, not in the installed package"
+            else "bench: expected a source checkout, got an installed package"
         )
     for name in names or [name for name, path in known.items() if path.parent == folder]:
         console.print(f"[bold]{name}[/]")

@@ -6,10 +6,10 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, console, default_folder, parse_change
+from .common import Changes, OutputFile, console, default_folder, parse_changes
 
 
-def command(source: str, /, *, set_: Changes = [], picture: Path | None = None):
+def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = None):
     """Check a case without a run.
 
     The command prints every fault, geometry, masses, clearance and the cells with a film, and draws
@@ -27,7 +27,7 @@ def command(source: str, /, *, set_: Changes = [], picture: Path | None = None):
     picture
         PNG file of skirt and bore. Default: results/CASE/check.png.
     """
-    found = check(source, [parse_change(text) for text in set_])
+    found = check(source, parse_changes(set_))
     print_checked(found, picture or default_folder(found.path) / "check.png")
 
 

@@ -13,11 +13,15 @@ from rich.table import Table
 from ..case.changes import value_at
 from ..case.contract import players
 from ..case.schema import case_names, check_case, find_case, read_tree
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from ..fmi.tree import import_part
+from .usage import new_file, new_folder, positive
 
 console = Console()
 
+OutputFile = Annotated[Path, Parameter(validator=new_file)]
+Workers = Annotated[int, Parameter(validator=positive)]
+OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
 Changes = Annotated[list[str], Parameter(name="--set")]
 """Changes KEY=VALUE of a case."""
 
@@ -46,11 +50,24 @@ def parse_change(text):
     """Return dotted key and value of KEY=VALUE; a value that is not valid TOML is text."""
     key, sign, value = text.partition("=")
     if not sign or not key:
-        raise BadInput(f"--set {text!r}: write KEY=VALUE")
+        raise BadInput(f"--set: expected KEY=VALUE, got {text!r}")
     try:
         return key.strip(), tomllib.loads(f"v = {value}")["v"]
     except tomllib.TOMLDecodeError:
         return key.strip(), value.strip().strip("\"'")
+
+
+def parse_changes(texts):
+    """Return the pairs of all --set; BadInput with every one that is none."""
+    changes, faults = [], []
+    for text in texts:
+        try:
+            changes.append(parse_change(text))
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(faults)
+    return changes
 
 
 def parse_grid(text):
@@ -60,7 +77,9 @@ def parse_grid(text):
     except ValueError:
         sizes = []
     if len(sizes) != 2:
-        raise BadInput(f"--grid {text!r}: write CIRCUMFERENTIALxAXIAL cells, e.g. 40x40")
+        raise BadInput(
+            f"--grid: expected CIRCUMFERENTIALxAXIAL cells, got {text!r}; write for example 40x40"
+        )
     return sizes
 
 
@@ -76,11 +95,11 @@ def variant_trees(path, changes, only, say=lambda text: None):
     change overrides a variant; `say` reports it.
     """
     tree = read_tree(path, changes)
-    own = tree.get("label", "base")
-    variants = {own: {}} | tree.get("variants", {})
+    case = check_case(tree, path)
+    variants = {case.label: {}} | case.variants
     if only and only not in variants:
-        raise BadInput(f"--only {only}: the case has {', '.join(variants)}")
-    wanted = (only,) if only else (own, *tree.get("beside", []))
+        raise BadInput(f"--only: {unknown('variant', only, variants)}")
+    wanted = (only,) if only else (case.label, *case.beside)
     chosen = {label: changed for label, changed in variants.items() if label in wanted}
     trees = {}
     for label, changed in chosen.items():
@@ -97,25 +116,25 @@ def open_runs(files):
 
     A label is the name of a file, with its folder if several files have that name.
     """
-    from ..results.file import Results
+    from ..results.file import open_results
 
-    missing = [f"{file}: no such file" for file in files if not file.is_file()]
-    if missing or not files:
-        raise BadInput(missing or "give one or more results files")
+    if not files:
+        raise BadInput("files: expected at least one results file, got nothing")
     labels = [
         file.stem
         if sum(f.stem == file.stem for f in files) == 1
         else f"{file.parent.name}/{file.stem}"
         for file in files
     ]
-    try:
-        runs = {label: Results(file) for label, file in zip(labels, files)}
-        tree = next(iter(runs.values())).case
-    except (OSError, KeyError) as error:
-        raise BadInput(
-            f"{', '.join(map(str, files))}: not all are results of a run: {error}"
-        ) from None
-    return check_case(tree, files[0]), runs
+    runs, faults = {}, []
+    for label, file in zip(labels, files):
+        try:
+            runs[label] = open_results(file)
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(faults)
+    return check_case(next(iter(runs.values())).case, files[0]), runs
 
 
 def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:

@@ -6,7 +6,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from ..fmi.errors import BadInput
-from .common import Changes, console, draw_pictures, parse_change, say
+from .common import Changes, OutputFolder, console, draw_pictures, parse_changes, say
 
 
 def command(
@@ -15,7 +15,7 @@ def command(
     *,
     lubrication: list[str],
     set_: Changes = [],
-    output: Path | None = None,
+    output: OutputFolder | None = None,
 ):
     """Compare lubrication models on a case.
 
@@ -46,20 +46,18 @@ def command(
 
     role = "lubrication"
     faults = [
-        f"--{role} {model}: no such file"
+        f"--{role}: expected an FMU, got no such file {model!r}"
         for model in lubrication
         if model.endswith(".fmu")
         and not Path(model).is_file()
         and not Path(model.partition("=")[2]).is_file()
     ]
     if len(lubrication) < 2:
-        faults.append(f"give two or more times --{role}")
+        faults.append(f"--{role}: expected at least two, got {len(lubrication)}")
     if faults:
         raise BadInput(faults)
     path = find_case(case)
-    rivals = rivals_of(
-        read_tree(path, [parse_change(text) for text in set_]), role, lubrication, say
-    )
+    rivals = rivals_of(read_tree(path, parse_changes(set_)), role, lubrication, say)
     for label, keys in rivals.left_out.items():
         if keys:
             say(f"{label} has no variable for, and goes without: {', '.join(keys)}")

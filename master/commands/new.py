@@ -53,8 +53,8 @@ def command(
     name
         Folder to create.
     peak_pressure
-        Maximum gas pressure, gauge [bar]. Default: estimated; combustion adds 1.9 times the
-        pressure of compression.
+        Maximum gas pressure, gauge [bar]. Default: estimated from the heat of a full load of
+        petrol.
     motored
         Compression and expansion without combustion.
     piston
@@ -69,7 +69,7 @@ def command(
     made = engine(vars(sizes), peak_pressure, motored)
     given = {"--piston": piston, "--mesh": mesh, "--step": step}
     if len(named := [option for option, value in given.items() if value]) > 1:
-        raise BadInput(f"{' and '.join(named)}: give one of them")
+        raise BadInput(f"{named[0]}: expected one source of the piston, got {' and '.join(named)}")
     with tempfile.TemporaryDirectory() as place:
         if step:
             mesh = Path(place) / "piston.msh"

@@ -1,15 +1,13 @@
 """`piston-cosim reduce`."""
 
-from pathlib import Path
-
 from rich.table import Table
 
 from ..api.bodies import reduced
 from ..case.schema import find_case, read_tree
-from .common import Changes, console, default_folder, parse_change
+from .common import Changes, OutputFolder, console, default_folder, parse_changes
 
 
-def command(source: str, /, *, set_: Changes = [], output: Path | None = None):
+def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None = None):
     """Reduce flexible bodies and list their modes.
 
     The command reads meshes or matrices. It writes a reduced body, a table of its modes, pictures
@@ -28,7 +26,7 @@ def command(source: str, /, *, set_: Changes = [], output: Path | None = None):
         Folder. Default: results/SOURCE/bodies.
     """
     path = find_case(source)
-    tree = read_tree(path, [parse_change(text) for text in set_])
+    tree = read_tree(path, parse_changes(set_))
     folder = output or default_folder(path) / "bodies"
     with console.status("reducing") as status:
 

@@ -34,7 +34,7 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory
     if not checkpoint.name.endswith(".h5.checkpoint"):
-        raise BadInput(f"{checkpoint}: give the file <results>.h5.checkpoint")
+        raise BadInput(f"CHECKPOINT: expected a file *.h5.checkpoint, got {str(checkpoint)!r}")
     kept = Checkpoint.read(checkpoint)
     output = checkpoint.with_suffix("")
     check_code(kept, say)

@@ -20,10 +20,12 @@ from ..runs.run import run as run_system
 from .app import STARTED
 from .common import (
     Changes,
+    OutputFile,
+    OutputFolder,
     console,
     default_folder,
     draw_pictures,
-    parse_change,
+    parse_changes,
     print_answers,
     say,
     variant_trees,
@@ -35,9 +37,9 @@ def command(
     /,
     *,
     set_: Changes = [],
-    output: Path | None = None,
+    output: OutputFolder | None = None,
     only: str | None = None,
-    summary_json: Path | None = None,
+    summary_json: OutputFile | None = None,
     plots: bool = True,
     lubrication: str | None = None,
     bodies: str | None = None,
@@ -76,7 +78,7 @@ def command(
         Also print every period, all counters, the summary of the case and every check.
     """
     path = find_case(case)
-    changes = [parse_change(text) for text in set_]
+    changes = parse_changes(set_)
     trees = swap_all(
         variant_trees(path, changes, only, say), {"lubrication": lubrication, "bodies": bodies}, say
     )

@@ -8,11 +8,17 @@ from ..case.schema import find_case
 from ..results.pictures import draw
 from ..runs import studies
 from ..runs import sweep as sweeps
-from .common import Changes, console, parse_change, say
+from .common import Changes, OutputFolder, Workers, console, parse_changes, say
 
 
 def command(
-    case: str, name: str, /, *, set_: Changes = [], output: Path | None = None, workers: int = 1
+    case: str,
+    name: str,
+    /,
+    *,
+    set_: Changes = [],
+    output: OutputFolder | None = None,
+    workers: Workers = 1,
 ):
     """Run a study of a case.
 
@@ -35,9 +41,7 @@ def command(
         Number of processes. More than one disturbs the wall times.
     """
     path = find_case(case)
-    checked, chosen, points = studies.study_points(
-        path, [parse_change(text) for text in set_], name
-    )
+    checked, chosen, points = studies.study_points(path, parse_changes(set_), name)
     folder = output or Path("results") / f"study_{path.parent.name}_{name}"
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 

@@ -10,7 +10,16 @@ from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
 from .app import say_faults
-from .common import Changes, console, page_of, parse_change, say, variant_trees
+from .common import (
+    Changes,
+    OutputFolder,
+    Workers,
+    console,
+    page_of,
+    parse_changes,
+    say,
+    variant_trees,
+)
 
 
 def command(
@@ -20,8 +29,8 @@ def command(
     vary: list[str],
     set_: Changes = [],
     only: str | None = None,
-    output: Path | None = None,
-    workers: int | None = None,
+    output: OutputFolder | None = None,
+    workers: Workers | None = None,
     dask: str | None = None,
     time_limit: str | None = None,
     reports: bool = False,
@@ -66,12 +75,12 @@ def command(
     if dask and not dask.startswith("tls://"):
         say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
     path = find_case(case)
-    changes = [parse_change(text) for text in set_]
+    changes = parse_changes(set_)
     tree = read_tree(path, changes)
     if only:
         variant_trees(path, changes, only, say)
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
-    axes = [sweeps.parse_axis(text, tree, path.parent) for text in vary]
+    axes = sweeps.parse_axes(vary, tree, path.parent)
     points = sweeps.all_points(path, changes, axes)
     folder = Path(
         output
@@ -135,5 +144,5 @@ def _seconds(time_limit, dask):
     if time_limit is None:
         return None
     if dask:
-        raise BadInput("--time-limit: is of local processes only, not of --dask")
+        raise BadInput("--time-limit: expected nothing with --dask, got a time")
     return duration("--time-limit", time_limit)

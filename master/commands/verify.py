@@ -1,17 +1,16 @@
 """`piston-cosim verify`."""
 
 import sys
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from ..verification.importers import verify_importers
 from ..verification.rows import PARTS
 from ..verification.rows import verify as compute
-from .common import console, say
+from .common import OutputFile, console, say
 
 IMPORTERS = "importers"
 
@@ -19,7 +18,7 @@ IMPORTERS = "importers"
 def command(
     *parts: str,
     all_: Annotated[bool, Parameter(name="--all", negative=())] = False,
-    output: Path | None = None,
+    output: OutputFile | None = None,
 ):
     """Compute the verification figures next to their references.
 
@@ -38,9 +37,9 @@ def command(
     output
         Also write the figures to this Markdown file.
     """
-    unknown = [part for part in parts if part not in (*PARTS, IMPORTERS)]
-    if unknown:
-        raise BadInput(f"no part {', '.join(unknown)}: there are {', '.join((*PARTS, IMPORTERS))}")
+    known = (*PARTS, IMPORTERS)
+    if strange := [part for part in parts if part not in known]:
+        raise BadInput([f"PARTS: {unknown('part', part, known)}" for part in strange])
     figures = [part for part in parts or PARTS if part != IMPORTERS]
     wide = Console(width=max(console.width, 190))
     failed = compute(figures, all_, wide, output) if figures else 0

@@ -107,5 +107,5 @@ def ledger(
     for name, port in (*ports, *sizes):
         unit = participants[name].fields[port].unit
         if unit != "J":
-            raise BadInput(f"{name}.{port}: is in {unit}, the contract says J")
+            raise BadInput(f"{name}.{port}: expected unit J, got {unit}")
     return Ledger(ports, sizes) if len(ports) > 1 and conjugates else None

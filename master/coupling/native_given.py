@@ -38,9 +38,9 @@ CAUSALITIES = ("parameter", "input", "output")
 def uncovered(coupling: Any) -> Iterator[str]:
     """Sentences on a case's coupling table that a native FMU does not cover."""
     if coupling.method != "newton":
-        yield f"coupling.method = {coupling.method}: a native FMU covers newton"
+        yield f"coupling.method: expected newton in a native FMU, got {coupling.method!r}"
     if coupling.differences:
-        yield "coupling.differences = true: a native FMU covers false"
+        yield "coupling.differences: expected false in a native FMU, got true"
 
 
 def uncovered_wires(wires: Iterable[Any]) -> Iterator[str]:
@@ -48,7 +48,7 @@ def uncovered_wires(wires: Iterable[Any]) -> Iterator[str]:
     for wire in wires:
         for name in ("relative_tolerance", "residual_relative_tolerance"):
             if value := getattr(wire, name):
-                yield f"{_named(wire)}: {name} = {value:g}: a native FMU covers 0"
+                yield f"{_named(wire)}, {name}: expected 0 in a native FMU, got {value:g}"
 
 
 def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> Iterator[str]:
@@ -57,14 +57,14 @@ def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> 
         owner, variable = wire.source
         reads = any(other.target[0] == owner for other in wires)
         if reads and reserved(PRODUCT, variable) not in insides[owner].slave.references:
-            yield f"{_named(wire)}: {'.'.join(wire.source)} has no directional derivative"
+            yield f"{_named(wire)}: expected a directional derivative in a native FMU, got none"
 
 
 def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) -> Iterator[str]:
     """Sentences on parameters of a case that are valid, but not covered by the machine code."""
     for name, inside in insides.items():
         for fault in uncovered_values(inside.part, inside.slave.table, given[name]):
-            yield f"participants.{name}: {fault}"
+            yield f"participants.{name}.parameters.{fault}"
 
 
 def _named(wire: Any) -> str:
@@ -310,8 +310,8 @@ class Layout:
             of_wires += [
                 f"{'.'.join(wire.target)}{index}: expected a residual of at most "
                 f"{{b}}{unit}, got {{a}}{unit}",
-                f"{name}{index} = {{a}}{unit}: must be finite",
-                f"{name} = {{a}}{unit}: allowed is {{b}} to {{c}}{unit}",
+                f"{name}{index}: expected a finite value, got {{a}}{unit}",
+                f"{name}: expected {{b}} to {{c}}{unit}, got {{a}}{unit}",
             ]
         own = [
             f"{name}: {sentence}"

@@ -37,7 +37,10 @@ def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
         if fault:
             reasons[name] = fault
     if any(wire.local_error is not None for wire in system.wires):
-        faults += [f"{name}: {why}; take no local_error" for name, why in reasons.items()]
+        faults += [
+            f"participants.{name}: expected a restored state with local_error, got {why}"
+            for name, why in reasons.items()
+        ]
     if faults:
         raise BadInput(faults)
     return reasons

@@ -109,13 +109,13 @@ def _agree(interface: Interface) -> None:
         solution = newton.solve(begin, first.outputs, newton.memory())
     except NotConverged as failure:
         raise BadInput(
-            f"no start values of the wires agree with one another: {failure.explained()}; give "
-            "start values nearer to a solution in participants.NAME.parameters"
+            f"wires: expected start values that agree, got none: {failure.explained()}; give "
+            "values nearer to a solution in participants.NAME.parameters"
         ) from None
     if names := _undetermined(begin, solution.x):
         raise BadInput(
             f"{', '.join(names)}: expected a loop that determines its values, got a singular one; "
-            "every value is a solution at the start: break the loop or change an equation of it"
+            "break the loop or change one of its equations"
         )
 
 

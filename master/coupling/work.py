@@ -143,12 +143,12 @@ def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> li
         where = f"wire {table.source} -> {table.target}: conjugate = {table.conjugate!r}"
         if back is None:
             faults.append(
-                f"{where}: no field of this shape is wired from there to {wires[k].source[0]}"
+                f"{where}: expected a wire of this shape to {wires[k].source[0]}, got none"
             )
             continue
         product = worth(wires[k].unit, wires[back].unit)
         if product not in ("energy", "power"):
-            faults.append(f"{where}: the product is in {product}, neither work nor power")
+            faults.append(f"{where}: expected a product of work or power, got unit {product}")
         tolerance = wires[k].tolerance if np.isfinite(wires[k].tolerance) else 0.0
         pairs.append(ConjugatePair(k, back, product == "power", tolerance))
     if faults:

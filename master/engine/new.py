@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi, sqrt
+from math import nan, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,8 @@ INTAKE = 1.0e5
 """Pressure at bottom dead centre before compression, absolute [Pa]."""
 EXPONENT = 1.33
 """Of compression and expansion."""
+HEAT = 9.3
+"""Heat of a full load over c_v T_1 of the charge, per share of it that is fresh; Eq. (D13)."""
 OPEN = 20.0
 """Crank angle over which what is left falls to 1/e after the exhaust valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"
@@ -60,11 +62,16 @@ class Size:
             pass
         try:
             value = to_si(plain, _si(self.unit))
-        except ValueError as error:
-            raise ValueError(f"--{name.replace('_', '-')}: {error}; allowed is {allowed}") from None
+        except ValueError:
+            value = nan
         if not self.low <= value <= self.high:
-            raise ValueError(f"--{name.replace('_', '-')} {text}: allowed is {allowed}")
+            raise ValueError(f"{option_of(name)}: expected {allowed}, got {text!r}")
         return value
+
+
+def option_of(name: str) -> str:
+    """Return the command-line option of a size."""
+    return f"--{name.replace('_', '-')}"
 
 
 def _si(unit: str) -> str:
@@ -281,11 +288,19 @@ class Engine:
 
     @cached_property
     def gain(self) -> float:
-        """What burning multiplies the polytrope by, less 1 [-]."""
+        """What burning multiplies the polytrope by, less 1 [-].
+
+        Eq. (D13):  gain = 9.3 (r - 1) / r^n        r = compression ratio
+
+        This is the rise of temperature that a full load of stoichiometric isooctane and air brings
+        at constant volume, over the temperature after compression: Heywood (1988), chapter 5,
+        Q / (c_v T_1) = 9.3 (r - 1) / r. It has no heat losses.
+        """
         if self.motored:
             return 0.0
         if self.peak is None:
-            return 1.9
+            ratio = self["compression"]
+            return HEAT * (ratio - 1.0) / ratio**EXPONENT  # Eq. (D13)
         low, high = 0.0, 50.0
         for _ in range(60):
             middle = (low + high) / 2
@@ -354,7 +369,7 @@ def engine(
     sizes: dict[str, float] = {}
     said = {name: value for name, value in given.items() if value is not None}
     for name, size in SIZES.items():
-        option = f"--{name.replace('_', '-')}"
+        option = option_of(name)
         if name in said:
             try:
                 sizes[name] = size.read(name, said[name])
@@ -362,7 +377,7 @@ def engine(
                 faults.append(str(error))
                 sizes[name] = size.low
         elif size.rule is None:
-            faults.append(f"{option} is needed: {size.meaning.lower()}, e.g. {option} 86")
+            faults.append(f"{option}: expected a value in {size.unit}, got nothing")
             sizes[name] = size.low
         else:
             sizes[name] = size.rule(sizes)
@@ -386,26 +401,25 @@ def _contradictions(found: Engine) -> list[str]:
     reach = found.crank_radius + abs(found["pin_offset"] - found["crank_offset"])
     if found["rod"] <= 1.05 * reach:
         faults.append(
-            f"--rod {1e3 * found['rod']:g} mm: must be longer than half the stroke and the "
-            f"offsets, {1e3 * reach:g} mm, by a twentieth"
+            f"--rod: expected more than {1050 * reach:g} mm, 1.05 times half the stroke and the "
+            f"offsets, got {1e3 * found['rod']:g} mm"
         )
     if found["skirt_above"] >= found["compression_height"]:
         faults.append(
-            f"--skirt-above {1e3 * found['skirt_above']:g} mm: must lie below the crown, "
-            f"--compression-height {1e3 * found['compression_height']:g} mm"
+            f"--skirt-above: expected less than the compression height, "
+            f"{1e3 * found['compression_height']:g} mm, got {1e3 * found['skirt_above']:g} mm"
         )
     if found["rod_centre"] >= found["rod"]:
         faults.append(
-            f"--rod-centre {1e3 * found['rod_centre']:g} mm: must lie within the rod, "
-            f"{1e3 * found['rod']:g} mm"
+            f"--rod-centre: expected less than the rod, {1e3 * found['rod']:g} mm, got "
+            f"{1e3 * found['rod_centre']:g} mm"
         )
     if found.peak is not None:
         bare = float(found._pressure(CYCLE, 0.0).max())
         if found.motored or not bare < found.peak < 40.0 * bare:
             faults.append(
-                f"--peak-pressure {found.peak / 1e5:g} bar: compression alone gives "
-                f"{bare / 1e5:.3g} bar; allowed is more, up to 40 times that, and none with "
-                "--motored"
+                f"--peak-pressure: expected {bare / 1e5:.3g} bar of compression to "
+                f"{40 * bare / 1e5:.3g} bar without --motored, got {found.peak / 1e5:g} bar"
             )
     return faults
 
@@ -434,9 +448,9 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     """
     faults = []
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        faults.append(f"{folder}: is there already; give a name that is not")
+        faults.append(f"{folder}: expected a new or empty folder, got an existing one")
     if mesh and not mesh.is_file():
-        faults.append(f"{mesh}: no such file")
+        faults.append(f"--mesh: expected a mesh, got no such file {str(mesh)!r}")
     if faults:
         raise BadInput(faults)
     folder.mkdir(parents=True, exist_ok=True)

@@ -90,12 +90,12 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     port = f"{owner}.modal_velocity"
     if port not in results.recorded:
         raise BadInput(
-            f"{results.path}: holds no {port}; run the case with it among record.fields and "
-            'record.every = "1 deg", which is the highest frequency that can be told'
+            f"{results.path}: expected {port}, got none; add it to record.fields and set "
+            "record.every = '1 deg'"
         )
     crank = crank_angle(results)
     if crank is None:
-        raise BadInput(f"{results.path}: knows no crank angle")
+        raise BadInput(f"{results.path}: expected a crank angle, got none")
     instants = results.instants
     angle = np.interp(instants, *crank)
     first = _begin(results.path, angle)
@@ -104,8 +104,8 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     n = int(length / np.diff(instants[first:]).max() + EVEN)
     if n < PER_CYCLE:
         raise BadInput(
-            f"{results.path}: {n} even instants in the last cycle, {PER_CYCLE} or more are needed; "
-            'record.every = "1 deg"'
+            f"{results.path}: expected at least {PER_CYCLE} even instants in the last cycle, "
+            f"got {n}; set record.every = '1 deg'"
         )
     # the first instant is the last one of the cycle before
     time = instants[first] + length / n * np.arange(1.0, n + 1.0)
@@ -134,8 +134,8 @@ def _begin(path, angle):
         if abs(angle[-1] - length - angle[first]) < EVEN * spacing:
             return first
     raise BadInput(
-        f"{path}: {np.degrees(np.ptp(angle)):.4g} deg are recorded; {CYCLES[1]:g} are needed, and "
-        "an instant where they begin"
+        f"{path}: expected {CYCLES[1]:g} deg from an instant on, got "
+        f"{np.degrees(np.ptp(angle)):.4g} deg"
     )
 
 

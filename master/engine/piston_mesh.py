@@ -46,8 +46,8 @@ def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
         from ...models.meshes import make
     except ImportError:
         raise BadInput(
-            f"--piston {kind}: needs gmsh, which is not installed: pip install "
-            "'piston-cosim[mesh]'; or give --mesh with a mesh of your own, or --piston data-sheet"
+            f"--piston: expected gmsh for {kind!r}, got none; run pip install 'piston-cosim[mesh]' "
+            "or give --mesh or --piston data-sheet"
         ) from None
     target.parent.mkdir(parents=True, exist_ok=True)
     make(target, shape(made, kind), SIZE * MM * made["bore"], TURN)
@@ -60,21 +60,21 @@ def contradictions(made: Engine) -> list[str]:
     lowest = BOSS * pin + CROWN * made["bore"]
     if crown < lowest:
         faults.append(
-            f"--compression-height {MM * crown:.4g} mm: pin boss and crown need {MM * lowest:.4g} "
-            "mm; give more, or a smaller --pin-diameter"
+            f"--compression-height: expected at least {MM * lowest:.4g} mm for pin boss and crown, "
+            f"got {MM * crown:.4g} mm; or give a smaller --pin-diameter"
         )
     if pin > LARGEST_PIN * made["bore"]:
         faults.append(
-            f"--pin-diameter {2 * MM * pin:.4g} mm: allowed is "
-            f"{2 * MM * LARGEST_PIN * made['bore']:.4g} mm, {2 * LARGEST_PIN:g} of the bore"
+            f"--pin-diameter: expected at most {2 * MM * LARGEST_PIN * made['bore']:.4g} mm, "
+            f"{2 * LARGEST_PIN:g} of the bore, got {2 * MM * pin:.4g} mm"
         )
     if made["skirt_above"] <= 0.0:
-        faults.append("--skirt-above 0 mm: the skirt must reach above the pin's axis")
+        faults.append("--skirt-above: expected a skirt above the pin axis, got 0 mm")
     belt = MM * (crown - CROWN * made["bore"] - made["skirt_above"])
     if belt <= 0.0:
         faults.append(
-            f"--skirt-above {MM * made['skirt_above']:.4g} mm: leaves no ring belt below the "
-            f"crown; allowed is less than {MM * made['skirt_above'] + belt:.4g} mm"
+            f"--skirt-above: expected less than {MM * made['skirt_above'] + belt:.4g} mm below a "
+            f"ring belt, got {MM * made['skirt_above']:.4g} mm"
         )
     return faults
 

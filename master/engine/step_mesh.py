@@ -54,11 +54,10 @@ def mesh_of_step(step: Path, target: Path, bore: float) -> None:
         import gmsh  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise BadInput(
-            f"--step {step}: needs gmsh, which is not installed: pip install 'piston-cosim[mesh]'; "
-            "or mesh it elsewhere and give --mesh"
+            "--step: expected gmsh, got none; run pip install 'piston-cosim[mesh]' or give --mesh"
         ) from None
     if not step.is_file():
-        raise BadInput(f"--step {step}: no such file")
+        raise BadInput(f"--step: expected a STEP file, got no such file {str(step)!r}")
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -66,7 +65,7 @@ def mesh_of_step(step: Path, target: Path, bore: float) -> None:
         try:
             gmsh.model.occ.importShapes(str(step), format="step")
         except Exception as error:
-            raise BadInput(f"--step {step}: no STEP file that gmsh reads: {error}") from None
+            raise BadInput(f"--step: expected a STEP file, got {str(step)!r}") from error
         gmsh.model.occ.synchronize()
         _mesh(gmsh, step, bore)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -80,15 +79,15 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
     """Name the surfaces of the one solid and mesh it."""
     solids = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(solids) != 1:
-        raise BadInput(f"--step {step}: holds {len(solids)} solids; a piston is one")
+        raise BadInput(f"--step: expected one solid, got {len(solids)}")
     faces = [_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
     found = {"skirt": _skirt(faces), "crown": _crown(faces), "pin_bore": _pin_bore(faces)}
     missing = [name for name, tags in found.items() if not tags]
     if missing:
         raise BadInput(
-            f"--step {step}: no face is {' or '.join(missing)}: x must be thrust, y towards the "
-            "head, z along the pin, the origin on the pin's axis and the skirt's; the skirt a "
-            "cylinder, its profile belongs in the case"
+            f"--step: expected faces {' and '.join(missing)}, got none; let x be thrust, y up and "
+            "z "
+            "the pin, with the origin on the axes of pin and skirt"
         )
     gmsh.model.addPhysicalGroup(3, solids, name="all")
     for name, tags in found.items():

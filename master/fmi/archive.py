@@ -27,15 +27,15 @@ def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
     packed = Path(path).stat().st_size
     if unpacked > max(ALWAYS, LARGEST_RATIO * packed):
         raise BadInput(
-            f"{path}: {packed / 1e6:.3g} MB would unpack to {unpacked / 1e6:.3g} MB, more than "
-            f"{LARGEST_RATIO} times as much; not unpacked"
+            f"{path}: expected at most {LARGEST_RATIO} times the packed {packed / 1e6:.3g} MB, "
+            f"got {unpacked / 1e6:.3g} MB"
         )
     if len(members) > MOST_MEMBERS:
-        raise BadInput(f"{path}: holds {len(members)} files, more than {MOST_MEMBERS}")
+        raise BadInput(f"{path}: expected at most {MOST_MEMBERS} files, got {len(members)}")
     for member in members:
         parts = Path(member.filename.replace("\\", "/")).parts
         if ".." in parts or member.filename.startswith("/"):
-            raise BadInput(f"{path}: its member {member.filename!r} leads out of it")
+            raise BadInput(f"{path}: expected files inside it, got path {member.filename!r}")
 
 
 def heal(path: Path, folder: Path) -> list[str]:

@@ -215,11 +215,15 @@ def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"
     file, _, slave = origin.rpartition(":")
     path = Path(file)
     if path.suffix != ".py" or not path.is_file():
-        raise BadInput(f"{origin!r}: write FILE.py:CLASS; there is no file {file!r}")
+        raise BadInput(f"file: expected an existing FILE.py:CLASS, got {origin!r}")
     sys.path.insert(0, str(path.resolve().parent))
     try:
-        if not hasattr(importlib.import_module(path.stem), slave):
-            raise BadInput(f"{origin!r}: {path.name} has no class {slave}")
+        try:
+            module = importlib.import_module(path.stem)
+        except Exception as error:  # the user's code raises whatever it likes
+            raise BadInput(f"file: expected code that can be imported, got {error}") from error
+        if not hasattr(module, slave):
+            raise BadInput(f"file: expected a class of {path.name}, got {slave!r}")
         code = code_with(f"{path.stem}:{slave}", path.stem)
         return pack_fmu(path.stem, code, options, {}, progress, version)
     finally:
@@ -247,7 +251,7 @@ def pack_fmu(
         What the description says of a run, in place of the slave's own.
     """
     if version == "3.0" and not compiler():
-        raise BadInput("an FMI 3.0 FMU needs a C compiler (cc, or $CC) on Linux x86-64")
+        raise BadInput("fmi: expected a C compiler, cc or $CC, for FMI 3.0, got none")
     codes = {one.name: one for one in (code, *participants)}
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
     front = front_sources(version) if compiler() else {"stock": version_of("pythonfmu").encode()}

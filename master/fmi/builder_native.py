@@ -31,7 +31,7 @@ from . import native_code
 from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder, write_whole
 from .compiler import HOME
-from .errors import BadInput
+from .errors import BadInput, unknown
 from .native_parts import NativePart, symbol
 from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .tree import ROOT, import_part, reached, slave_class
@@ -310,8 +310,8 @@ def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]
     """Why there can be no native FMU of these packages (as for `libraries`) for these platforms on
     this machine.
     """
-    if unknown := [name for name in platforms if name not in PLATFORMS]:
-        return [f"platform = {', '.join(unknown)}: allowed: {', '.join(PLATFORMS)}"]
+    if strange := [name for name in platforms if name not in PLATFORMS]:
+        return [f"platform: {unknown('platform', name, PLATFORMS)}" for name in strange]
     made = [
         name
         for name in platforms
@@ -327,14 +327,15 @@ def part_of(package: str) -> NativePart:
         return import_part(f"{package}.native").PART
     except ModuleNotFoundError:
         raise BadInput(
-            f"{package}: there is no native FMU of it yet; build it without --native"
+            f"package: expected a package with a native FMU, got {package}; remove --native"
         ) from None
 
 
 def _missing_compilers(platforms):
     return [
-        f"platform = {name}: needs a C compiler, "
+        f"platform {name}: expected a C compiler, "
         + " or ".join(command[0] for command in PLATFORMS[name].compilers)
+        + ", got none"
         for name in platforms
         if compiler_of(name) is None
     ]
@@ -345,8 +346,8 @@ def too_old() -> list[str]:
     if tuple(map(int, version_of("llvmlite").split(".")[:2])) >= NEW_PASSES:
         return []
     return [
-        f"numba {version_of('numba')} is too old to build a native FMU, which was made with 0.68; "
-        "run: pip install --upgrade numba"
+        f"numba: expected version 0.68 for a native FMU, got {version_of('numba')}; "
+        "run pip install --upgrade numba"
     ]
 
 
@@ -360,7 +361,7 @@ def slave_inside(
             shutil.copy(file, scratch)
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
         if slave.string or slave.courses:
-            raise BadInput(f"{package}: a native FMU has no texts and interpolates no inputs")
+            raise BadInput(f"{package}: expected no texts in a native FMU, got some")
         return Inside(slave, part, part.given(slave))
 
 

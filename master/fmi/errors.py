@@ -2,19 +2,78 @@
 that stops, a bug in a participant.
 """
 
+import os
+import tomllib
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
 
 class BadInput(ValueError):
-    """Input that cannot be used. Carries every fault found, so that the user mends them in one go.
+    """Input that cannot be used. It carries every fault, so that the user can correct all at once.
 
     Parameters
     ----------
-    faults : list of str
-        One sentence each: what, where, value with unit, what is allowed.
+    faults : str or list of str
+        One sentence each: "KEY: expected X, got Y; hint".
     """
 
     def __init__(self, faults):
         self.faults = [faults] if isinstance(faults, str) else list(faults)
         super().__init__("\n".join(self.faults))
+
+
+MOST_NAMES = 7
+"""Names that a sentence lists; of more it lists the first ones."""
+
+
+def names_of(known: Iterable[str]) -> str:
+    """Return names as the expected part of a sentence: "one of a, b, c"."""
+    names = [str(name) for name in known]
+    if len(names) < 2:
+        return names[0] if names else "no name"
+    more = ", ..." if len(names) > MOST_NAMES else ""
+    return f"one of {', '.join(names[:MOST_NAMES])}{more}"
+
+
+def near(name: str, known: Iterable[str]) -> str:
+    """Return "; did you mean 'name'?", or nothing if no known name is similar."""
+    close = get_close_matches(name, [str(one) for one in known], 2, 0.6)
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+
+
+def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> str:
+    """Return "expected one of a, b, got unknown KIND 'name'; did you mean 'a'?"; `hint` replaces
+    the question if no known name is similar.
+    """
+    known = list(known)
+    if not known:
+        return f"expected no {kind}, got {name!r}"
+    question = near(str(name), known) or (f"; {hint}" if hint else "")
+    return f"expected {names_of(known)}, got unknown {kind} {name!r}{question}"
+
+
+def file_fault(path: Path | str | None, error: Exception) -> str:
+    """Return the sentence of a file or folder that cannot be read or written."""
+    path = path or getattr(error, "filename", None) or "file"
+    for kind, sentence in FILE_FAULTS.items():
+        if isinstance(error, kind):
+            return f"{path}: {sentence}"
+    code = getattr(error, "errno", None)
+    words = os.strerror(code).lower() if code else "an unreadable file"
+    return f"{path}: expected a usable file, got {words}"
+
+
+FILE_FAULTS: dict[type[Exception], str] = {
+    FileNotFoundError: "expected an existing file, got no such file or folder",
+    FileExistsError: "expected a new name, got an existing file or folder",
+    IsADirectoryError: "expected a file, got a folder",
+    NotADirectoryError: "expected a folder, got a file",
+    PermissionError: "expected a file with permission, got access denied",
+    UnicodeDecodeError: "expected a text file in UTF-8, got other bytes",
+    tomllib.TOMLDecodeError: "expected a TOML file, got invalid syntax",
+}
+"""Sentences of the errors that reading and writing raise."""
 
 
 class Discard(RuntimeError):

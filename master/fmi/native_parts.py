@@ -89,5 +89,5 @@ def uncovered_values(
         else:
             said, is_covered, words = f"{value:g}", value == known, f"{known:g}"
         if not is_covered:
-            yield f"{v.name} = {said}: a native FMU covers {words}"
+            yield f"{v.name}: expected {words} in a native FMU, got {said}"
     yield from part.uncovered_values(values)

@@ -8,14 +8,16 @@ looked at without being known. A bound of a quantity with a unit stands there as
 
 import ast
 import inspect
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from textwrap import dedent
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
+
+from .errors import unknown
 
 Schema = Mapping[str, Any]
 LOW = {"minimum": "", "ge": "", "exclusiveMinimum": "above ", "gt": "above "}
@@ -68,17 +70,109 @@ def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
             yield one.target.id, inspect.cleandoc(str(below.value.value))
 
 
-def near(name: str, known: Iterable[str]) -> str:
-    """ " (did you mean ...?)", or nothing where no known name is like it."""
-    close = get_close_matches(name, list(known), 2, 0.6)
-    return f" (did you mean {' or '.join(close)}?)" if close else ""
+def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:
+    """Return the faults of an option class, "KEY: expected X, got Y; hint" each."""
+    told: dict[str, list[str]] = {}
+    for fault in error.errors():
+        for sentence in _sentences(fault, kind):
+            told.setdefault(where_of(fault) if _of_choice(fault) else sentence, []).append(sentence)
+    return [_either(several) for several in told.values()]
 
 
-def near_key(schema: Schema, place: Sequence[str | int]) -> str:
-    """The same for the last part of a place that pydantic names, which is no key there."""
-    *parents, last = place
-    known = [name for here in _tables(schema, schema, parents) for name in here["properties"]]
-    return near(str(last), known)
+OPTION = re.compile(r"(str|bool|int|float|(list|dict|tuple|constrained|function)[\[-].*)")
+"""Part of a place that names one of several types, not a key."""
+
+
+EXPECTED = re.compile(r"(.*?: expected )(.*)(, got .*)")
+
+
+def where_of(fault: Any) -> str:
+    """Return the dotted key of a pydantic fault."""
+    return ".".join(str(part) for part in takewhile(is_key, fault["loc"]))
+
+
+def is_key(part: str | int) -> bool:
+    """Return whether a part of a pydantic place is a key, not a type."""
+    return isinstance(part, int) or not OPTION.fullmatch(part)
+
+
+def _of_choice(fault: Any) -> bool:
+    """Return whether a fault is about one of several types that a value may have."""
+    return not all(map(is_key, fault["loc"]))
+
+
+def _either(sentences: list[str]) -> str:
+    """Return one sentence about a value that has none of its possible types."""
+    parts = [match for one in sentences if (match := EXPECTED.fullmatch(one))]
+    if len(parts) < 2:
+        return sentences[-1]
+    wanted = dict.fromkeys(part[2] for part in parts)
+    return f"{parts[-1][1]}{' or '.join(wanted)}{parts[-1][3]}"
+
+
+def _sentences(fault: Any, kind: type[BaseModel]) -> list[str]:
+    """Return one pydantic fault as sentences; those of a validator may begin with a key."""
+    where = where_of(fault)
+    if fault["type"] == "value_error":
+        return [
+            f"{where}{': ' if line.startswith('expected ') else '.'}{line}".removeprefix(".")
+            for line in str(fault["ctx"]["error"]).splitlines()
+        ]
+    return [_sentence(fault, where, kind)]
+
+
+def _sentence(fault: Any, where: str, kind: type[BaseModel]) -> str:
+    """Return one fault that pydantic itself finds as a sentence."""
+    context = fault.get("ctx", {})
+    if fault["type"] == "extra_forbidden":
+        *parents, last = fault["loc"]
+        schema = kind.model_json_schema()
+        known = [name for here in _tables(schema, schema, parents) for name in here["properties"]]
+        return f"{where}: {unknown('key', last, known)}"
+    if fault["type"] == "missing":
+        return f"{where}: expected a value, got nothing"
+    if fault["type"] in ("literal_error", "enum"):
+        choices = [text.strip(" '") for text in re.split(",| or ", context["expected"])]
+        return f"{where}: {unknown('choice', fault['input'], choices)}"
+    wanted = WANTED.get(fault["type"], "another value").format(**context)
+    return f"{where or 'case'}: expected {wanted}, got {_shown(fault['input'])}"
+
+
+def _shown(value: Any) -> str:
+    """Return a value as a sentence shows it."""
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, (list, tuple)):
+        return f"a list of {len(value)}" if len(value) > 3 else repr(list(value))
+    return repr(value)
+
+
+WANTED = {
+    "string_type": 'a string with a unit if it has one, such as "720 deg"',
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "finite_number": "a finite number",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "set_type": "a list",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "mapping_type": "a table",
+    "greater_than": "a value above {gt:g}",
+    "greater_than_equal": "a value of at least {ge:g}",
+    "less_than": "a value below {lt:g}",
+    "less_than_equal": "a value of at most {le:g}",
+    "too_short": "a list of at least {min_length} entries",
+    "too_long": "a list of at most {max_length} entries",
+    "string_pattern_mismatch": 'a name such as "participant.variable"',
+}
+"""Expected value of a fault, by pydantic's name of it."""
 
 
 def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Schema]:

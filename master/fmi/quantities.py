@@ -6,6 +6,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
+from math import isfinite
 from shutil import rmtree
 from typing import Annotated, Any
 
@@ -69,7 +70,21 @@ def _without_pint(value, unit):
 def to_si(value, unit):
     """Convert a user's value to SI; see `_by_pint`."""
     plain = _without_pint(value, unit)
-    return _by_pint(value, unit) if plain is None else plain
+    plain = _by_pint(value, unit) if plain is None else plain
+    if not isfinite(plain):
+        raise _not_a_quantity(value, unit)
+    return plain
+
+
+EXAMPLES = {"m": "1 mm", "rad": "10 deg", "rad/s": "3000 rpm", "K": "90 degC", "1": "0.5"}
+"""A quantity as users write it, by its SI unit; default: "1 UNIT"."""
+
+
+def _not_a_quantity(value, unit):
+    """Return the error of a value that is no finite quantity of the unit."""
+    wanted = "a number" if unit == "1" else f"a quantity in {unit}"
+    example = EXAMPLES.get(unit, f"1 {pint_unit(unit)}".replace("**", "^"))
+    return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
 
 
 @kept_answers("pint")
@@ -89,24 +104,18 @@ def _by_pint(value, unit):
         If the text is no quantity, or of another dimension; the sentence names value and unit.
     """
     if not is_known(unit):
-        raise ValueError(f"{value!r}: nothing is known of the unit {unit}")
+        raise ValueError(f"expected a known unit, got {unit!r}")
     ureg = registry()
     target = ureg.Unit(pint_unit(unit))
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise ValueError(f"{value!r} is not a quantity in {unit}")
+        raise _not_a_quantity(value, unit)
     try:
         quantity = ureg.Quantity(value)
-    except Exception:
-        raise ValueError(
-            f"{value!r} is not a quantity (write a number and a unit, e.g. '1 {unit}')"
-        ) from None
-    if not quantity.is_compatible_with(target):
-        wanted = "a pure number" if unit == "1" else f"a unit of {unit}"
-        raise ValueError(
-            f"{value!r} is in {quantity.units:~P}: {wanted} is needed"
-            if str(quantity.units) != "dimensionless"
-            else f"{value!r} has no unit: {wanted} is needed"
-        )
+        compatible = quantity.is_compatible_with(target)
+    except Exception:  # pint raises errors of many kinds
+        compatible = False
+    if not compatible:
+        raise _not_a_quantity(value, unit)
     return float(quantity.to(target).magnitude)
 
 
@@ -120,7 +129,7 @@ def from_si(value: float, si: str, unit: str) -> float:
     try:
         return float(registry().Quantity(value, pint_unit(si)).to(unit).magnitude)
     except pint.PintError as error:
-        raise ValueError(error) from None
+        raise ValueError(f"expected a unit of {si}, got {unit!r}") from error
 
 
 @kept_answers("pint")
@@ -140,7 +149,7 @@ def duration(name, text):
     except ValueError as error:
         raise BadInput(f"{name}: {error}") from None
     if not seconds > 0:
-        raise BadInput(f"{name} = {text}: must be positive")
+        raise BadInput(f"{name}: expected a positive time, got {text!r}")
     return seconds
 
 

@@ -380,7 +380,7 @@ class FieldSlave(Fmi2Slave):
         if np.isfinite(values[k]):
             return [v.fault(values[k])]
         unit = "" if v.unit == "1" else f" {v.unit}"
-        return [f"{element_names(v)[k]} = {values[k]}{unit}: must be finite"]
+        return [f"{element_names(v)[k]}: expected a finite value, got {values[k]}{unit}"]
 
     def _choice_faults(self, v):
         """A sentence where a choice has a number that none of them has."""
@@ -388,7 +388,7 @@ class FieldSlave(Fmi2Slave):
         if 1 <= number <= len(v.choices):
             return []
         known = ", ".join(f"{k} {name}" for k, name in enumerate(v.choices, 1))
-        return [f"{v.name} = {number}: allowed are {known}"]
+        return [f"{v.name}: expected {known}, got {number}"]
 
     def do_step(self, current_time, step_size):
         """One step; False (fmi2Discard) with a log line where it cannot be taken, the state

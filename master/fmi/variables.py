@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
+from .errors import unknown
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -70,14 +72,14 @@ class Variable:
         if self.type == "String":
             return None
         if self.choices:
-            allowed = ", ".join(self.choices)
-            return None if value in self.choices else f"{self.name} = {value!r}: allowed: {allowed}"
+            known = value in self.choices
+            return None if known else f"{self.name}: {unknown('choice', value, self.choices)}"
         low = float("-inf") if self.minimum is None else self.minimum
         high = float("inf") if self.maximum is None else self.maximum
         if low <= value <= high:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.name} = {value:g}{unit}: allowed is {low:g} to {high:g}{unit}"
+        return f"{self.name}: expected {low:g} to {high:g}{unit}, got {value:g}{unit}"
 
     def number(self, value: Any) -> Any:
         """What is stored of a value: of a choice its number."""

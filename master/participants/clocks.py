@@ -83,7 +83,7 @@ class ClockedFmu3(Fmu3Participant):
         try:
             described = [_clock(node) for node in self._model_description().iter("Clock")]
         except (TypeError, ValueError, ArithmeticError) as error:
-            raise BadInput(f"participant {name}: {path}: a clock cannot be read: {error}") from None
+            raise BadInput(f"participants.{name}: {path}, clocks: {error}") from None
         self.clocks = {clock.name: clock for clock in described}
         by_reference = {clock.reference: clock.name for clock in described}
         self._clocks_of: dict[str, set[str]] = {}
@@ -92,7 +92,8 @@ class ClockedFmu3(Fmu3Participant):
                 references = {clock.valueReference for clock in variable.clocks}
                 if not references <= by_reference.keys():
                     raise BadInput(
-                        f"participant {name}: {path}: {variable.name}: its clocks are no clocks"
+                        f"participants.{name}: {path}, {variable.name}: expected clocks, "
+                        "got other variables"
                     )
                 self._clocks_of[variable.name] = {by_reference[k] for k in references}
         self._timed = [c for c in self._inputs() if c.kind != "triggered"]
@@ -226,8 +227,8 @@ class ClockedFmu3(Fmu3Participant):
                 interval, _ = self._interval(clock)
                 if not 0.0 < interval < inf:
                     raise BadInput(
-                        f"{self.name}.{clock.name}: its interval is {interval:g} s, allowed is "
-                        "above 0"
+                        f"{self.name}.{clock.name}: expected an interval above 0 s, got "
+                        f"{interval:g} s"
                     )
                 self._work.due[clock.name] = self._now + shift, interval, 0
             elif clock.kind == "changing":
@@ -307,7 +308,7 @@ def _clock(node):
     """A clock of its element in the model description; ValueError if it is none."""
     kind = node.get("intervalVariability")
     if kind not in KINDS:
-        raise ValueError(f"intervalVariability = {kind!r}: allowed are {', '.join(KINDS)}")
+        raise ValueError(f"expected intervalVariability {', '.join(KINDS)}, got {kind!r}")
     return Clock(
         str(node.get("name")),
         int(node.get("valueReference")),

@@ -22,7 +22,7 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import check_archive, heal
 from ..fmi.cache import cache_folder
-from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
+from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault, file_fault
 from ..fmi.fields import VENDOR, gather_fields
 from ..fmi.notebook import html_table
 from .derivatives import difference
@@ -113,19 +113,28 @@ class FmuParticipant:
 
     def _read_description(self):
         """Description and fields from the file; BadInput if it is no FMU for co-simulation."""
-        one = f"participant {self.name}: {self.path}"
+        one = f"participants.{self.name}: {self.path}"
         try:
             with zipfile.ZipFile(self.path) as archive:
                 check_archive(archive, self.path)
             self.description: Any = fmpy.read_model_description(str(self.path), validate=False)
         except BadInput:
             raise
-        except Exception as error:
-            raise BadInput(f"{one} cannot be read as an FMU: {error}") from None
+        except OSError as error:
+            raise BadInput(f"participants.{self.name}: {file_fault(self.path, error)}") from None
+        except zipfile.BadZipFile:
+            raise BadInput(f"{one}: expected an FMU, got another file") from None
+        except Exception:  # FMPy raises errors of many kinds
+            raise BadInput(
+                f"{one}: expected an FMU, got an invalid modelDescription.xml; "
+                "`fmpy validate` lists its faults"
+            ) from None
         if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
             self.version
         ):
-            raise BadInput(f"{one} is no FMI {self.version}.0 FMU for co-simulation")
+            raise BadInput(
+                f"{one}: expected an FMU for co-simulation of FMI {self.version}.0, got another"
+            )
         try:
             self.fields = gather_fields(self.description, self.sizes, self.elements)
         except ValueError as error:
@@ -222,7 +231,9 @@ class FmuParticipant:
         try:
             yield
         except Exception as error:
-            raise self._refusal() or BadInput(f"{self.name}: {error}{self._hint}") from error
+            raise self._refusal() or BadInput(
+                f"participants.{self.name}: expected a start, got {error}{self._hint}"
+            ) from error
         if refusal := self._refusal():
             raise refusal
 
@@ -260,7 +271,7 @@ class FmuParticipant:
         if any(text.startswith("Traceback") for _, text in self.log):
             return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
         lines = [
-            f"{self.name}: {line}"
+            f"participants.{self.name}, {line}"
             for status, text in self.log
             if status in FAILED
             for line in text.splitlines()

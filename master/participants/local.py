@@ -48,7 +48,9 @@ class LocalParticipant:
         """Leave Initialization Mode, as the second half of `start`."""
         self.slave.exit_initialization_mode()
         if self.slave.fault:
-            raise BadInput([f"{self.name}: {line}" for line in self.slave.fault.splitlines()])
+            raise BadInput(
+                [f"participants.{self.name}, {line}" for line in self.slave.fault.splitlines()]
+            )
 
     def set(self, name, value):
         """Set a field, or a scalar of any type."""

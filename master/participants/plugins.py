@@ -11,7 +11,7 @@ piston_cosim.observers      factory(options, system, results file) -> `attempted
 from importlib.metadata import entry_points
 from typing import Any
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 
 GROUP = "piston_cosim."
 
@@ -25,12 +25,14 @@ def plugin(kind: str, name: str) -> Any:
     """The factory of that name; BadInput if there is none, or its package cannot be imported."""
     found = [entry for entry in entry_points(group=GROUP + kind) if entry.name == name]
     if not found:
-        there = ", ".join(names(kind)) or "none"
-        raise BadInput(f"{name!r}: no installed package brings it; of {kind} there are: {there}")
+        hint = "install the package that has it"
+        raise BadInput(f"{kind}: {unknown('plugin', name, names(kind), hint)}")
     try:
         return found[0].load()
     except Exception as error:
-        raise BadInput(f"{name!r}: {found[0].value} cannot be imported: {error}") from None
+        raise BadInput(
+            f"{kind}.{name}: expected a module that can be imported, got {found[0].value}: {error}"
+        ) from None
 
 
 def made(kind: str, name: str, *arguments: Any) -> Any:
@@ -41,4 +43,4 @@ def made(kind: str, name: str, *arguments: Any) -> Any:
     except BadInput:
         raise
     except (ValueError, TypeError, KeyError) as error:
-        raise BadInput(f"{name!r}: {error}") from None
+        raise BadInput(f"{kind}.{name}: {error}") from None

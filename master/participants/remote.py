@@ -63,15 +63,23 @@ class RemoteParticipant(IsolatedParticipant):
         try:
             from dask.distributed import Client
         except ImportError:
-            raise BadInput(f"{self.name}: host: install dask[distributed] first") from None
+            raise BadInput(
+                f"participants.{self.name}.host: expected dask installed, got nothing; "
+                "run pip install 'dask[distributed]'"
+            ) from None
         try:
             self._process = Client(self.host, timeout=CONNECTED, set_as_default=False)
             workers = sorted(self._process.ncores())
-        except (OSError, TypeError, ValueError, RuntimeError) as error:
-            raise BadInput(f"{self.name}: host = {self.host!r}: {error}") from None
+        except (OSError, TypeError, ValueError, RuntimeError):
+            raise BadInput(
+                f"participants.{self.name}.host: expected a scheduler that answers, got "
+                f"{self.host!r}"
+            ) from None
         if not workers:
             self._process.close()
-            raise BadInput(f"{self.name}: host = {self.host!r}: there is no worker")
+            raise BadInput(
+                f"participants.{self.name}.host: expected a worker at {self.host!r}, got none"
+            )
         self._worker = min(workers, key=lambda worker: BUSY[worker])
         BUSY[self._worker] += 1
         self._values = {}

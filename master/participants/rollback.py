@@ -57,8 +57,8 @@ def rollback_fault(
             for name, value in _outputs(participant).items()
         ):
             raise BadInput(
-                f"{participant.name}: a second instance changes the outputs of the first, although "
-                "canBeInstantiatedOnlyOncePerProcess is false; set isolated = true"
+                f"participants.{participant.name}: expected independent instances, got outputs "
+                "that a second instance changes; set isolated = true"
             )
         return fault
     try:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import Field
 from ..fmi.quantities import is_known, pint_unit, registry
 from .interpolated import slope_of
@@ -49,7 +49,7 @@ class TableParticipant:
         self.name, self.path, self.kind = name, Path(path), kind
         names, units, self.times, columns = read_table(self.path)
         if kind == "cubic" and len(self.times) < 4:
-            raise BadInput(f"{path}: a cubic needs four rows, there are {len(self.times)}")
+            raise BadInput(f"{path}: expected at least four rows for cubic, got {len(self.times)}")
         self.fields = {}
         self.columns = {}
         for column, unit, values in zip(names, units, columns):
@@ -80,8 +80,8 @@ class TableParticipant:
         spare = 1e-9 * (stop_time - start_time)
         if start_time < first - spare or (self.kind != "hold" and stop_time > last + spare):
             raise BadInput(
-                f"{self.name}: {self.path.name} reaches from {first:g} s to {last:g} s, "
-                f"the run from {start_time:g} s to {stop_time:g} s"
+                f"participants.{self.name}.table: expected times from {start_time:g} s to "
+                f"{stop_time:g} s, got {first:g} s to {last:g} s in {self.path.name}"
             )
         self.now = start_time
 
@@ -151,26 +151,31 @@ def read_table(path):
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"{path}: {error}") from None
+        raise BadInput(file_fault(path, error)) from None
     rows = [row for row in csv.reader(lines) if row and not row[0].lstrip().startswith("#")]
     if len(rows) < 3:
-        raise BadInput(f"{path}: needs a line of names and at least two rows")
+        got = f"{len(rows)} lines" if rows else "an empty file"
+        raise BadInput(f"{path}: expected a line of names and at least two rows, got {got}")
     head, *body = rows
     faults = []
     named = [_column(path, cell, faults) for cell in head]
     names = [name for name, _ in named]
-    faults += [f"{path}: two columns are named {n!r}" for n in set(names) if names.count(n) > 1]
+    faults += [
+        f"{path}: expected different names, got {n!r} twice"
+        for n in set(names)
+        if names.count(n) > 1
+    ]
     table = _numbers(path, body, len(head), faults)
     if faults:
         raise BadInput(faults)
     columns = [(unit.m_from(values), unit) for values, (_, unit) in zip(table.T, named)]
     times, unit = columns[0]
     if unit.si not in ("s", "1"):
-        faults.append(f"{path}: the first column must be the time, it is in {unit.si}")
+        faults.append(f"{path}: expected the time in the first column, got unit {unit.si}")
     if not (np.diff(times) > 0).all():
-        faults.append(f"{path}: the times must increase from row to row")
+        faults.append(f"{path}: expected times that increase from row to row, got others")
     if len(columns) < 2:
-        faults.append(f"{path}: there is no column beside the time")
+        faults.append(f"{path}: expected a column after the time, got none")
     if faults:
         raise BadInput(faults)
     others = columns[1:]
@@ -182,7 +187,7 @@ class _Unit:
 
     def __init__(self, text):
         if not is_known(text):
-            raise ValueError(f"nothing is known of the unit {text}")
+            raise ValueError(f"expected a known unit, got {text!r}")
         self.unit = registry().Unit(pint_unit(text))
         self.base: Any = registry().Quantity(1.0, self.unit).to_base_units().units
         units = self.base._units.items()
@@ -198,12 +203,12 @@ def _column(path, cell, faults):
     """Name and unit of a column."""
     found = HEAD.fullmatch(cell)
     if not found or not found["name"]:
-        faults.append(f"{path}: {cell!r} names no column; write NAME or NAME [unit]")
+        faults.append(f"{path}: expected NAME or NAME [unit], got {cell!r}")
         return "", _Unit("1")
     try:
         return found["name"], _Unit(found["unit"] or "1")
     except ValueError as error:
-        faults.append(f"{path}: column {found['name']}: {error}")
+        faults.append(f"{path}, column {found['name']}: {error}")
         return found["name"], _Unit("1")
 
 
@@ -214,7 +219,7 @@ def _numbers(path, rows, width, faults):
         try:
             table[k] = [float(cell) for cell in row]
         except ValueError:
-            faults.append(f"{path}: row {k + 2} does not hold {width} numbers")
+            faults.append(f"{path}, row {k + 2}: expected {width} numbers, got {', '.join(row)!r}")
     if not np.isfinite(table).all():
-        faults.append(f"{path}: there are values that are not finite")
+        faults.append(f"{path}: expected finite values, got others")
     return table

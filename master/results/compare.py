@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import players
-from ..fmi.errors import BadInput
-from ..fmi.option_classes import near
+from ..fmi.errors import BadInput, file_fault, unknown
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .figures import subplots
@@ -77,8 +76,8 @@ def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np
     reference = y_reference[inside]
     if inside.sum() < 3 or not np.ptp(reference) > 0:
         raise BadInput(
-            f"{inside.sum()} points of the reference lie inside {x[0]:g} to {x[-1]:g}, "
-            f"and they vary by {np.ptp(reference) if inside.any() else 0:g}: nothing to compare"
+            f"reference: expected three points that differ from {x[0]:g} to {x[-1]:g}, "
+            f"got {inside.sum()} that vary by {np.ptp(reference) if inside.any() else 0:g}"
         )
     values = np.interp(grid, x, y)
     size = np.ptp(reference)
@@ -126,21 +125,27 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
     BadInput
         With every faulty header and the first faulty row.
     """
-    rows = list(csv.reader(Path(path).read_text().splitlines()))
+    try:
+        rows = list(csv.reader(Path(path).read_text().splitlines()))
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(file_fault(path, error)) from None
     heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
     faults = [
-        f"{path}: column {k + 1} is headed {rows[0][k]!r}: write participant.variable [unit]"
+        f"{path}, column {k + 1}: expected 'participant.variable [unit]', got {rows[0][k]!r}"
         for k, head in enumerate(heads)
         if not head
     ]
     if faults or len(heads) < 2:
-        raise BadInput(faults or f"{path}: needs a header and at least two columns")
+        got = len(heads) or "an empty file"
+        raise BadInput(faults or f"{path}: expected a header of at least two columns, got {got}")
     try:
         values = np.array([[float(cell) for cell in row] for row in rows[1:] if row])
-    except ValueError as error:
-        raise BadInput(f"{path}: {error}") from None
-    if values.ndim != 2 or values.shape[1] != len(heads) or np.any(np.diff(values[:, 0]) <= 0):
-        raise BadInput(f"{path}: every row needs {len(heads)} numbers, the first rising")
+    except ValueError:
+        values = np.empty(0)
+    if values.shape[1:] != (len(heads),) or not np.isfinite(values).all():
+        raise BadInput(f"{path}: expected {len(heads)} numbers in each row, got other text")
+    if np.any(np.diff(values[:, 0]) <= 0):
+        raise BadInput(f"{path}: expected rising numbers in the first column, got others")
     return _columns(path, [head for head in heads if head], values.T)
 
 
@@ -153,19 +158,20 @@ def _columns(path, heads, columns):
         if bound:
             missing = [other for other in (None, *BOUNDS) if (port, other) not in known]
             faults += [
-                f"{path}: {port} {bound} needs a column {port} {other or ''}".rstrip()
+                f"{path}: expected a column '{f'{port} {other or str()}'.strip()}' "
+                f"with '{port} {bound}', got none"
                 for other in missing
             ]
             continue
         bounds = {other: known[port, other] for other in BOUNDS if (port, other) in known}
         faults += [
-            f"{path}: {port} {other} is in {heads[n]['unit']}, {port} in {heads[k]['unit']}"
+            f"{path}, {port} {other}: expected unit {heads[k]['unit']}, got {heads[n]['unit']}"
             for other, n in bounds.items()
             if heads[n]["unit"] != heads[k]["unit"]
         ]
         band = {other: columns[n] for other, n in bounds.items()}
         if len(band) == 2 and np.any(band["low"] > band["high"]):
-            faults.append(f"{path}: {port} low is above {port} high")
+            faults.append(f"{path}, {port} low: expected values up to {port} high, got higher ones")
         found[port] = Measured(columns[k], heads[k]["unit"], **band)
     if faults:
         raise BadInput(faults)
@@ -189,7 +195,7 @@ def check_measured(runs, measured):
     for port, column in measured.items():
         for label, results in runs.items():
             if port not in results.ports:
-                faults.append(f"measured {port}: {label} has none{near(port, results.ports)}")
+                faults.append(f"measured {label}: {unknown('variable', port, results.ports)}")
                 continue
             try:
                 _factor(column.unit, results.series(port).unit)
@@ -253,7 +259,7 @@ def _factor(unit, si):
     try:
         return to_si(f"1 {unit}", si)
     except ValueError as error:
-        raise BadInput(f"measured column: {error}") from None
+        raise BadInput(f"measured: {error}") from None
 
 
 def against_first(runs, x_port, ports):

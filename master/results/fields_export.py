@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ..case.schema import NEUTRAL
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from .instants import crank_angle
 
 
@@ -53,19 +53,17 @@ def read_block(results, expression):
     sign = "+" if "+" in expression else "*"
     ports = [part.strip() for part in expression.split(sign)]
     recorded = results.recorded
-    unknown = [port for port in ports if port not in recorded]
-    if unknown:
-        raise BadInput(
-            f"{', '.join(unknown)}: recorded are {', '.join(recorded)} "
-            "(record.fields of the case); join them by + or *"
-        )
+    strange = [port for port in ports if port not in recorded]
+    if strange:
+        hint = "name fields in record.fields of the case, join them by + or *"
+        raise BadInput([f"field: {unknown('field', port, recorded, hint)}" for port in strange])
     sets = [results.dataset(port) for port in ports]
     units = [dataset.attrs["unit"] for dataset in sets]
     if len({dataset.shape for dataset in sets}) > 1 or len(sets[0].shape) != 3:
         shapes = ", ".join(str(dataset.shape[1:]) for dataset in sets)
-        raise BadInput(f"{expression}: shapes are {shapes}; equal grids are needed")
+        raise BadInput(f"{expression}: expected equal grids, got shapes {shapes}")
     if sign == "+" and len(set(units)) > 1:
-        raise BadInput(f"{expression}: units are {', '.join(units)}")
+        raise BadInput(f"{expression}: expected equal units, got {', '.join(units)}")
     values = np.sum(sets, axis=0) if sign == "+" else np.prod(sets, axis=0)
     unit = units[0] if sign == "+" else ".".join(unit for unit in units if unit != "1") or "1"
     i, j = (np.arange(1, size + 1) for size in values.shape[1:])
@@ -77,7 +75,7 @@ def chosen(block, time=None, i=None, j=None):
     None takes all.
     """
     faults = [
-        f"{axis} = {index}: the grid has 1 to {len(line)}"
+        f"{axis}: expected 1 to {len(line)}, got {index}"
         for axis, index, line in (("i", i, block.i), ("j", j, block.j))
         if index is not None and not 1 <= index <= len(line)
     ]

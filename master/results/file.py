@@ -378,12 +378,13 @@ def open_results(path: str | Path) -> Results:
     """
     path = Path(path)
     if not path.is_file():
-        raise BadInput(f"{path}: no such file")
+        got = "a folder" if path.is_dir() else "no such file"
+        raise BadInput(f"{path}: expected a results file, got {got}")
     try:
         results = Results(path)
         results.case  # noqa: B018  every results file has its case inside
-    except (OSError, KeyError, ValueError) as error:
-        raise BadInput(f"{path}: no results of a run: {error}") from None
+    except (OSError, KeyError, ValueError, AttributeError):
+        raise BadInput(f"{path}: expected the results file of a run, got another file") from None
     return results
 
 

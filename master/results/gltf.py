@@ -72,8 +72,8 @@ def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Pa
     """
     if not solids or len(instants) < 2:
         raise BadInput(
-            f"{path}: {len(solids)} bodies at {len(instants)} recorded instants; "
-            "a body and two instants are needed"
+            f"{path}: expected a body and two instants, got {len(solids)} bodies and "
+            f"{len(instants)} instants"
         )
     buffer = _Buffer()
     shown = (instants - instants[0]) / float(np.mean(np.diff(instants))) / RATE

@@ -6,8 +6,7 @@ import numpy as np
 
 from ..case.contract import players
 from ..case.schema import reduced
-from ..fmi.errors import BadInput
-from ..fmi.option_classes import near
+from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import is_angle, short, to_si
 
 CRANK_ANGLE = "crank_angle"
@@ -55,32 +54,35 @@ def instant(results, text: str) -> float:
     kind, port = reduced(text)
     if kind in EXTREMES:
         if port not in results.ports:
-            raise BadInput(f"{text!r}: the run has no {port}{near(port, results.ports)}")
+            raise BadInput(f"time: {unknown('variable', port, results.ports)}")
         last = results.last
         return float(last.time[EXTREMES[kind](last.series(port).values)])
     if not is_angle(text):
         try:
             time = to_si(text, "s")
-        except ValueError as error:
+        except ValueError:
             raise BadInput(
-                f"{error}, or a crank angle, e.g. '24 deg', or 'max bodies.side_force'"
+                f"time: expected a time, a crank angle or min|max participant.variable, "
+                f"got {text!r}; write for example '24 deg'"
             ) from None
         begin, *_, end = results.time
         if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
             time = _moved(time, results, results.time)
         if not begin - 1e-9 * end <= time <= end * (1 + 1e-9):
-            raise BadInput(f"{text!r}: the run goes from {short(begin, 's')} to {short(end, 's')}")
+            ends = f"{short(begin, 's')} to {short(end, 's')}"
+            raise BadInput(f"time: expected a time of the run, {ends}, got {text!r}")
         return time
     crank = crank_angle(results)
     if crank is None:
-        raise BadInput(f"{text!r}: the run says no crank angle; give a time, e.g. '18 ms'")
+        raise BadInput(f"time: expected a time such as '18 ms', got {text!r} without crank angles")
     wanted = to_si(text, "rad")
     first, *_, last = crank.angle
     if not first - 1e-9 <= wanted <= last + 1e-9:
         wanted = _moved(wanted, results, crank.angle)
     if not first - 1e-9 <= wanted <= last + 1e-9:
         low, high = np.degrees([first, last])
-        raise BadInput(f"{text!r}: the run goes from {low:.6g} to {high:.6g} deg of crank angle")
+        ends = f"{low:.6g} to {high:.6g} deg"
+        raise BadInput(f"time: expected a crank angle of the run, {ends}, got {text!r}")
     return float(np.interp(wanted, crank.angle, crank.time))
 
 

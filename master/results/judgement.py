@@ -9,6 +9,7 @@ import numpy as np
 
 from ..case.schema import reduced
 from ..coupling.wiring import port_of
+from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry, to_si
 
 
@@ -118,7 +119,10 @@ def last_period(case, results, period):
     angles).
     """
     speed = angular_speed(case)
-    length = to_si(period, "s") if speed is None else to_si(period, "rad") / speed
+    try:
+        length = to_si(period, "s") if speed is None else to_si(period, "rad") / speed
+    except ValueError as error:
+        raise BadInput(f"period: {error}") from None
     return results.time >= results.time[-1] - length * (1 + 1e-9)
 
 

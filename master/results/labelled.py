@@ -18,7 +18,7 @@ def _library(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise BadInput(
-            f"{name} is not installed: pip install 'piston-cosim[xarray]' brings it"
+            f"{name}: expected it installed, got nothing; run pip install 'piston-cosim[xarray]'"
         ) from None
 
 

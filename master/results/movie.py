@@ -7,8 +7,7 @@ from matplotlib import rcParams
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from ..case.schema import Case
-from ..fmi.errors import BadInput
-from ..fmi.option_classes import near
+from ..fmi.errors import BadInput, names_of, unknown
 from .figures import subplots
 from .file import Results
 from .instants import told
@@ -51,22 +50,23 @@ def write_movie(
     ports = ports or [port for picture in maps[:1] for port in picture.fields]
     known = [port for port in results.recorded if results.dataset(port).ndim == 3]
     faults = [
-        f"--field {port}: recorded are {', '.join(known)}{near(port, known)}"
+        f"--field: {unknown('field', port, known, 'name it in record.fields of the case')}"
         for port in ports
         if port not in known
     ]
     if not ports:
-        faults.append(f"--field: the case has no picture of maps; recorded are {', '.join(known)}")
+        faults.append(f"--field: expected {names_of(known)}, got nothing")
     if frames < 2:
-        faults.append(f"--frames {frames}: 2 or more")
+        faults.append(f"--frames: expected at least 2, got {frames}")
     _use_packaged_ffmpeg()
     writer = WRITERS.get(path.suffix)
     if writer is None:
-        faults.append(f"{path}: the file ends with {' or '.join(WRITERS)}, .glb or .pvd")
+        endings = names_of([*WRITERS, ".glb", ".pvd"])
+        faults.append(f"--output: expected a file that ends with {endings}, got {str(path)!r}")
     elif not writer.isAvailable():
         faults.append(
-            f"{path}: needs ffmpeg, which is not installed: pip install 'piston-cosim[movie]'; "
-            ".gif needs nothing more"
+            f"--output: expected ffmpeg for {path.suffix}, got none; "
+            "run pip install 'piston-cosim[movie]' or write .gif"
         )
     if faults or writer is None:
         raise BadInput(faults)
@@ -101,7 +101,7 @@ def write_movie(
 def chosen_instants(results: Results, frames: int) -> np.ndarray:
     """So many at most of the recorded instants, evenly chosen; raises BadInput for less than 2."""
     if frames < 2:
-        raise BadInput(f"--frames {frames}: 2 or more")
+        raise BadInput(f"--frames: expected at least 2, got {frames}")
     count = len(results.instants)
     return np.unique(np.linspace(0, count - 1, min(frames, count)).round().astype(int))
 

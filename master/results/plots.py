@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ..case.schema import Case, Picture
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, names_of, unknown
 from ..fmi.notebook import html_table
 from .coordinates import crank_angle_port
 from .pictures import DRAWN
@@ -97,11 +97,11 @@ class Plots:
 
     def _known(self, ports: Any, known: list[str]) -> None:
         """BadInput for ports that the file does not have."""
-        unknown = [port for port in ports if port not in known]
-        if unknown or not ports:
-            raise BadInput(
-                f"{', '.join(unknown) or 'nothing to draw'}: recorded are {', '.join(known)}"
-            )
+        strange = [port for port in ports if port not in known]
+        if strange:
+            raise BadInput([f"plot: {unknown('variable', port, known)}" for port in strange])
+        if not ports:
+            raise BadInput(f"plot: expected {names_of(known)}, got nothing")
 
     def _drawn(self, picture: Picture, beside: "dict[str, Results] | None") -> "Figure":
         runs = {self._results.path.stem: self._results, **(beside or {})}

@@ -76,7 +76,8 @@ def rivals_of(
     """
     pairs = [in_place_of(tree, role, model) for model in models]
     if len({name for name, _ in pairs}) > 1:
-        raise BadInput(f"--{role}: models for {', '.join(name for name, _ in pairs)}; take one")
+        names = " and ".join(dict.fromkeys(name for name, _ in pairs))
+        raise BadInput(f"--{role}: expected models of one participant, got {names}")
     name = pairs[0][0]
     parameter = contract()[role].model_parameter
     trees = {}
@@ -89,7 +90,7 @@ def rivals_of(
             trees[label], left_out[label] = swap(tree, name, fmu)
             common, _ = swap(common, name, fmu)
         elif parameter is None:
-            raise BadInput(f"--{role} {model}: expected an FMU (*.fmu) or FILE.py:CLASS")
+            raise BadInput(f"--{role}: expected an FMU or FILE.py:CLASS, got {model!r}")
         else:
             own = tree["participants"][name]
             parameters = own.get("parameters", {}) | {parameter: model}

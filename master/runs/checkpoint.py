@@ -16,7 +16,7 @@ from types import SimpleNamespace
 from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
-from ..fmi.errors import BadInput, Stopped
+from ..fmi.errors import BadInput, Stopped, file_fault
 from ..participants.plain import NotPlain, pack, unpack
 from .extrapolation import Extrapolation
 from .reductions import Reduction
@@ -129,23 +129,23 @@ class Checkpoint:
         try:
             whole = Path(path).read_bytes()
         except OSError as error:
-            raise BadInput(f"{path}: cannot read the checkpoint: {error}") from None
+            raise BadInput(file_fault(path, error)) from None
         begin = len(MAGIC) + 4 + CHECKSUM
         if not whole.startswith(MAGIC) or len(whole) < begin:
-            raise BadInput(f"{path}: expected a checkpoint of this version")
+            raise BadInput(f"{path}: expected a checkpoint of this version, got another file")
         version = int.from_bytes(whole[len(MAGIC) : len(MAGIC) + 4], "little")
         if version != VERSION:
-            raise BadInput(f"{path}: expected checkpoint layout {VERSION}, got {version}")
+            raise BadInput(
+                f"{path}: expected a checkpoint of layout {VERSION}, got layout {version}"
+            )
         data = whole[begin:]
         if sha256(data).digest() != whole[begin - CHECKSUM : begin]:
-            raise BadInput(
-                f"{path}: the checkpoint is damaged: its checksum does not match its content"
-            )
+            raise BadInput(f"{path}: expected an intact checkpoint, got another checksum")
         try:
             checkpoint = Checkpoint(**unpack(data, ACCOUNTS))
             _unbounded(checkpoint.account)
-        except (NotPlain, TypeError, AttributeError, KeyError) as error:
-            raise BadInput(f"{path}: cannot read the checkpoint: {error}") from None
+        except (NotPlain, TypeError, AttributeError, KeyError):
+            raise BadInput(f"{path}: expected a checkpoint, got other content") from None
         return checkpoint
 
 
@@ -203,13 +203,13 @@ def check_code(checkpoint, say):
                 content = sha256(path.read_bytes()).hexdigest() if key == "file" else None
                 same = (content or _content_hash(path)) == expected.get(name)
             except (OSError, zipfile.BadZipFile) as error:
-                faults.append(f"participants.{name}.{key}: {path}: {error}")
+                faults.append(f"participants.{name}.{key}: {file_fault(path, error)}")
                 continue
             if not same:
                 kind = "Python file" if key == "file" else "FMU"
                 faults.append(
-                    f"participants.{name}.{key}: {path}: the {kind} of {name} has changed since "
-                    "the checkpoint; run again from the start"
+                    f"participants.{name}.{key}: expected the {kind} of the run, got another "
+                    f"content of {path}; run again from the start"
                 )
             files.append(f"executes participants.{name}.{key} = {path}")
     if faults:

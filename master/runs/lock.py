@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, file_fault
 
 
 def lock_path(output):
@@ -48,18 +48,19 @@ def _held(path, output):
             path.parent.mkdir(parents=True, exist_ok=True)
             handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         except OSError as error:
-            raise BadInput(f"{path} cannot be written: {error.strerror or error}") from None
+            raise BadInput(f"--output: {file_fault(path, error)}") from None
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             words = _who(os.pread(handle, 4096, 0))
             os.close(handle)
             raise BadInput(
-                f"{output}: {words} is writing this file; wait for it, or give another --output"
+                f"--output: expected a file that no run writes, got {output}, written by {words}; "
+                "wait, or give another --output"
             ) from None
         except OSError as error:
             os.close(handle)
-            raise BadInput(f"{path} cannot be locked: {error.strerror or error}") from None
+            raise BadInput(f"--output: {file_fault(path, error)}") from None
         if _is_there(path, handle):
             break
         os.close(handle)  # its last holder has removed it meanwhile

@@ -232,8 +232,8 @@ class Recorder:
         """
         try:
             before = open_unfinished(self.partial)
-        except OSError as error:
-            raise BadInput(f"{self.partial}: the file is damaged: {error}") from None
+        except OSError:
+            raise BadInput(f"{self.partial}: expected results so far, got a damaged file") from None
         with before as file:
             old: Any = file
             due = [self.schedule.instant(k, t) for k, t in enumerate(old["time"][: self.rows])]
@@ -249,7 +249,7 @@ class Recorder:
                 self.file.visititems(copy)
             except (KeyError, TypeError, ValueError, AttributeError):
                 raise BadInput(
-                    f"{self.partial}: expected the first {self.rows} rows of this run"
+                    f"{self.partial}: expected the first {self.rows} rows of this run, got others"
                 ) from None
 
     def _largest_growth(self):

@@ -142,14 +142,14 @@ def _check_resumable(checkpoint, system, output):
     """BadInput where the FMUs are not those of the checkpoint, or the results so far are gone."""
     now = fingerprints(system.participants)
     faults = [
-        f"{Checkpoint.path(output)}: the FMU of {name} has changed since the checkpoint; "
-        "run again from the start"
+        f"{Checkpoint.path(output)}: expected the FMU of {name} that began the run, got another "
+        "content; run again from the start"
         for name in sorted(now.keys() | checkpoint.fmus.keys())
         if now.get(name) != checkpoint.fmus.get(name)
     ]
     partial_file = Path(f"{output}.partial")
     if not partial_file.exists():
-        faults.append(f"{partial_file}: missing; run again from the start")
+        faults.append(f"{partial_file}: expected the results so far, got no such file")
     if faults:
         raise BadInput(faults)
 
@@ -201,10 +201,9 @@ class March:
         if begin_at:
             try:
                 thaw(self.stepper, begin_at.frozen)
-            except NotPlain as error:
-                raise BadInput(
-                    f"{Checkpoint.path(output)}: the checkpoint does not match this run: {error}"
-                ) from None
+            except NotPlain:
+                where = Checkpoint.path(output)
+                raise BadInput(f"{where}: expected a checkpoint of this run, got another") from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
             self.stepper.interface.spent = self.account.spent
         else:

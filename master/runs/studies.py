@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..case.schema import check_case, read_tree
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
 from ..results.figures import subplots
 from ..results.file import Results
@@ -62,7 +62,7 @@ def study_points(path, changes, name):
     """
     case = check_case(read_tree(path, changes), path)
     if name not in case.studies:
-        raise BadInput(f"unknown study {name!r}; the case has {', '.join(case.studies) or 'none'}")
+        raise BadInput(f"study: {unknown('study', name, case.studies)}")
     study = case.studies[name]
     points = resolved(
         path,
@@ -93,7 +93,7 @@ def study_rows(study, case, rows, runs) -> list[StudyRow]:
     """
     if study.reference not in runs:
         why = "; ".join(row["message"] for row in rows if row["run"] == study.reference)
-        raise BadInput(f"the reference {study.reference!r} has not finished: {why}")
+        raise BadInput(f"reference: expected a finished run {study.reference!r}, got {why}")
     reference = runs[study.reference]
     return [
         _study_row(study, case, row, runs[row["run"]], reference)

@@ -48,6 +48,11 @@ class Axis:
     values: tuple
 
 
+AXIS_FORMS = "KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE"
+MOST_VALUES = 100_000
+"""Values of a range."""
+
+
 def parse_axis(text, tree, folder=Path()):
     """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined
     by "+". `folder`: of the case.
@@ -59,13 +64,26 @@ def parse_axis(text, tree, folder=Path()):
     """
     name, sign, rest = text.partition("=")
     if not sign or not rest:
-        raise BadInput(f"--vary {text!r}: write KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE")
+        raise BadInput(f"--vary: expected {AXIS_FORMS}, got {text!r}")
     try:
         keys = tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
     except BadInput as error:
-        raise BadInput(f"--vary {error}") from None
+        raise BadInput([f"--vary {line}" for line in error.faults]) from None
     values = _range(text, rest) if ".." in rest else tuple(_plain(part) for part in rest.split(";"))
     return Axis(name.strip(), keys, values)
+
+
+def parse_axes(texts, tree, folder):
+    """Return the axes of several texts; BadInput with every fault."""
+    axes, faults = [], []
+    for text in texts:
+        try:
+            axes.append(parse_axis(text, tree, folder))
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(faults)
+    return axes
 
 
 def _plain(text):
@@ -79,16 +97,16 @@ def _plain(text):
 def _range(text, rest):
     ends, _, count = rest.rpartition(":")
     low, _, high = ends.partition("..")
+    if count.strip().isdecimal() and not 2 <= int(count) <= MOST_VALUES:
+        raise BadInput(f"--vary: expected 2 to {MOST_VALUES} values in a range, got {count}")
     try:
         ureg, number = registry(), int(count)
         first, last = ureg.Quantity(low), ureg.Quantity(high)
         points = np.linspace(first.magnitude, last.to(first.units).magnitude, number)
     except Exception:
         raise BadInput(
-            f"--vary {text!r}: write KEY=LOW..HIGH:COUNT, both ends in units of one kind"
+            f"--vary: expected {AXIS_FORMS}, got {text!r}; give both ends in units of one kind"
         ) from None
-    if number < 2:
-        raise BadInput(f"--vary {text!r}: a range needs at least 2 values")
     unit = one_micro(f"{first.units:~}").replace("\N{MICRO SIGN}", "u")
     return tuple(f"{value:.10g} {unit}".strip() for value in points)
 
@@ -110,12 +128,39 @@ class Point:
 
 def all_points(path, changes, axes):
     """All combinations of the axes as points; raises BadInput with every fault of every tree."""
+    _check_values(path, changes, axes)
     runs = []
     for values in itertools.product(*(axis.values for axis in axes)):
         made = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
         named = {axis.name: value for axis, value in zip(axes, values)}
         runs.append((named, [*changes, *made]))
     return resolved(path, runs)
+
+
+def _check_values(path, changes, axes):
+    """Raise BadInput with the faults of single values that show before a run: those of a list, and
+    both ends of longer ones.
+    """
+    from ..case.system import faults_ahead  # slow to import
+
+    faults = []
+    for axis in axes:
+        ends = (
+            axis.values if len(axis.values) <= MOST_CHECKED else (axis.values[0], axis.values[-1])
+        )
+        for value in ends:
+            try:
+                tree = read_tree(path, [*changes, *((key, value) for key in axis.keys)])
+                found = faults_ahead(check_case(tree, path), Path(path).parent)
+            except BadInput as error:
+                found = error.faults
+            faults += [fault for fault in found if fault not in faults]
+    if faults:
+        raise BadInput(faults)
+
+
+MOST_CHECKED = 20
+"""Values of an axis that are all checked before a sweep; of more both ends."""
 
 
 def resolved(path, runs):
@@ -333,6 +378,8 @@ def dask_executor(address):
 
         return Client(address, timeout=10).get_executor(pure=False)
     except ImportError:
-        raise BadInput("--dask: install dask[distributed] first") from None
-    except OSError as error:
-        raise BadInput(f"--dask {address}: {error}") from None
+        raise BadInput(
+            "--dask: expected dask installed, got nothing; run pip install 'dask[distributed]'"
+        ) from None
+    except (OSError, ValueError):
+        raise BadInput(f"--dask: expected a scheduler that answers, got {address!r}") from None

@@ -185,8 +185,8 @@ class MountedBlock(FieldSlave):
         if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
             raise BadInput(
                 [
-                    "mount_x, .. stiffness_z: the block can move without a force of its mounts; "
-                    "hold it in all six directions, or by none (stiffness 0)"
+                    "mount_x, .. stiffness_z: expected mounts that hold all six directions or "
+                    "none, got others"
                 ]
             )
         still = np.zeros(6)

@@ -58,7 +58,7 @@ def test_restored_state_repeats_the_bytes(slave, supply):
 def test_range_and_cross_faults_stop_the_start(slave):
     slave.views["pressure_upper_edge"][...] = -1e4
     slave.exit_initialization_mode()
-    assert "pressure_upper_edge = -10000 Pa" in slave.fault
+    assert "pressure_upper_edge: expected at least" in slave.fault
     assert not slave.do_step(0.0, 1e-4)
 
 
@@ -71,10 +71,10 @@ def test_bad_build_options_are_reported_together():
 @pytest.mark.parametrize(
     "name, value, element, words",
     [
-        ("film_thickness", np.nan, (0, 0), "film_thickness[1,1] = nan m"),
+        ("film_thickness", np.nan, (0, 0), "expected a finite value, got nan m"),
         ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
         ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
-        ("sliding_velocity", np.inf, (1, 2), "sliding_velocity[2,3] = inf m/s"),
+        ("sliding_velocity", np.inf, (1, 2), "expected a finite value, got inf m/s"),
     ],
 )
 def test_senseless_input_is_refused_by_name_and_changes_nothing(slave, name, value, element, words):
@@ -116,7 +116,7 @@ def test_unknown_law_is_a_fault_with_the_allowed_ones(slave, number):
     slave.set_integer([slave.first_references["cavitation_model"]], [number])
     slave.exit_initialization_mode()
     known = "1 jfo, 2 reynolds, 3 gumbel, 4 full_film"
-    assert f"cavitation_model = {number}: allowed are {known}" in slave.fault
+    assert f"cavitation_model: expected {known}, got {number}" in slave.fault
 
 
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
@@ -152,7 +152,7 @@ def test_mask_and_library_faults_are_reported_together(tmp_path):
     (tmp_path / "mask.csv").write_text("1,1,2\n0,0,0\n")
     with pytest.raises(BadInput) as error:
         prepare({"grid": [8, 6], "mask": "mask.csv", "oil": "olive"}, tmp_path, print)
-    assert len(error.value.faults) == 2 and "2 x 3 values" in "\n".join(error.value.faults)
+    assert len(error.value.faults) == 2 and "got 2 x 3" in "\n".join(error.value.faults)
 
 
 def test_mask_cuts_cells_out(tmp_path):

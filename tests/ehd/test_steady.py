@@ -107,5 +107,5 @@ def test_a_change_above_the_tolerance_raises():
 
 def test_oil_from_the_bore_is_rejected():
     film = pc.Film((4, 8), oil_supply="bore")
-    with pytest.raises(pc.BadInput, match="oil_supply: a steady film expects edges, got bore"):
+    with pytest.raises(pc.BadInput, match="oil_supply: expected edges for a steady film, got bore"):
         film.steady(1e-5, sliding_velocity=1.0)

@@ -190,7 +190,7 @@ def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
     for words in (
         "radial_clearance: -5 um is -5e-06 m, allowed is 1e-06 to 0.001 m",
         "12 mm",
-        "did you mean viscosity",
+        "did you mean 'viscosity'",
         "shapes differ, (40, 40) and (20, 40)",
     ):
         assert words in run.stderr

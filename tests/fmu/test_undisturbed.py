@@ -90,7 +90,7 @@ def test_a_second_run_into_the_same_results_is_refused_and_the_first_ends_well(f
     second = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
     _, told = second.communicate(timeout=60)
     assert second.returncode == 2
-    assert f"base.h5: process {first.pid} on " in told
+    assert f"base.h5, written by process {first.pid}" in told
     first.kill()
     first.communicate()
 

@@ -110,9 +110,9 @@ def test_faults_of_a_case_are_told_together():
     with pytest.raises(pc.BadInput) as told:
         pc.open_case("numerical_example", {"coupling.halvings": -1, "time.speed": 3})
     assert len(told.value.faults) == 2
-    with pytest.raises(pc.BadInput, match="no table participants.oil in the case"):
+    with pytest.raises(pc.BadInput, match="viscosity: expected a table"):
         pc.open_case("numerical_example", {"participants.oil.viscosity": "1 Pa s"})
-    with pytest.raises(pc.BadInput, match="no variant 'soft': the case has flexible, rigid"):
+    with pytest.raises(pc.BadInput, match="variant: expected one of flexible, rigid,"):
         pc.open_case("numerical_example", variant="soft")
 
 
@@ -154,7 +154,10 @@ def test_an_exception_in_progress_ends_the_run(here):
 
 def test_files_that_are_no_results_are_told(here):
     (here / "a.h5").write_text("no")
-    for name, words in (("a.h5", "no results of a run"), ("b.h5", "no such file")):
+    for name, words in (
+        ("a.h5", "h5: expected the results file of a run, got"),
+        ("b.h5", "no such file"),
+    ):
         with pytest.raises(pc.BadInput, match=words):
             pc.open_results(name)
 
@@ -204,7 +207,7 @@ def test_results_as_a_table(oscillator):
 
 def test_a_missing_library_is_told(oscillator, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(pc.BadInput, match=r"pandas is not installed: pip install"):
+    with pytest.raises(pc.BadInput, match="pandas: expected it installed, got nothing"):
         to_dataframe(oscillator)
 
 
@@ -217,11 +220,11 @@ def test_own_participants_take_part(here):
 
 
 def test_what_is_wrong_with_a_description_is_told(here):
-    with pytest.raises(pc.BadInput, match="no participant three: there are one, two"):
+    with pytest.raises(pc.BadInput, match="wires: expected one of one, two, got"):
         _pair(parameters={"three": {}})
-    with pytest.raises(pc.BadInput, match="write 'participant.output -> participant.input'"):
+    with pytest.raises(pc.BadInput, match=r"wires: expected 'participant\.output ->"):
         _pair(wires=["one.x two.x"])
-    with pytest.raises(pc.BadInput, match="two.y is no input"):
+    with pytest.raises(pc.BadInput, match="unknown input 'two.y'"):
         _pair(wires=["one.x -> two.y"]).run("pair.h5")
     with pytest.raises(pc.BadInput, match="participants of this Python cannot be swept"):
         pc.sweep(_pair(), {"coupling.relaxation": [0.5, 0.6]})
@@ -278,23 +281,23 @@ def test_a_film_tells_every_wrong_parameter():
         "skirt_length",
         "cavitation_model",
     ]
-    assert "did you mean viscosity?" in told.value.faults[0]
-    with pytest.raises(pc.BadInput, match="must be above viscosity_100"):
+    assert "did you mean 'viscosity'" in told.value.faults[0]
+    with pytest.raises(pc.BadInput, match="viscosity_40: expected more than"):
         pc.Film(viscosity_law="two_point", viscosity_40="5 mPa s", viscosity_100="9 mPa s")
     with pytest.raises(pc.BadInput, match="two numbers of cells"):
         pc.Film((4.5, 3))
-    with pytest.raises(pc.BadInput, match=r"open_cells has shape \(2,\)"):
+    with pytest.raises(pc.BadInput, match=r"open_cells: expected shape \(8, 8\), got \(2,\)"):
         pc.Film((8, 8), open_cells=np.zeros(2))
 
 
 def test_a_film_asks_for_what_it_needs():
     film = pc.Film((8, 4))
-    with pytest.raises(pc.BadInput, match="call start first"):
+    with pytest.raises(pc.BadInput, match="film: expected a call of start before step,"):
         film.step(1e-5, 1e-4, sliding_velocity=0.0)
-    with pytest.raises(pc.BadInput, match=r"shape \(4, 8\): the grid is \(8, 4\)"):
+    with pytest.raises(pc.BadInput, match=r"array: expected shape \(8, 4\), got \(4, 8\)"):
         film.start(np.full((4, 8), 1e-5), sliding_velocity=0.0)
     film.start(1e-5, sliding_velocity=0.0)
-    with pytest.raises(pc.BadInput, match="must be positive"):
+    with pytest.raises(pc.BadInput, match="expected a positive"):
         film.step(1e-5, 0.0, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match="not finite"):
         film.step(np.nan, 1e-4, sliding_velocity=0.0)
@@ -338,7 +341,7 @@ def test_pictures_of_a_run(skirt):
     assert shown.axes[-1].get_ylabel() == "pressure [kPa]"
     section = results.plot.section("bodies.film_thickness", time="0 s", beside={"again": results})
     assert len(section.axes[0].lines) == 2
-    with pytest.raises(pc.BadInput, match=r"ehd.presure: recorded are .*ehd.pressure"):
+    with pytest.raises(pc.BadInput, match="plot: expected one of"):
         results.plot.map("ehd.presure", time="0 s")
 
 
@@ -353,7 +356,7 @@ def test_time_is_the_abscissa_without_a_crank(oscillator):
 def test_an_fmu_of_a_case_has_the_options_asked_for(here):
     film = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
     assert film.fields["film_thickness"].shape == (16, 8)
-    with pytest.raises(pc.BadInput, match="participant 'oil': the case builds bodies, ehd"):
+    with pytest.raises(pc.BadInput, match="participant: expected one of bodies, ehd,"):
         pc.build_fmu("data_sheet", "oil")
     with pytest.raises(pc.BadInput, match="no such file"):
         pc.open_fmu("film.fmu")

@@ -48,7 +48,10 @@ def test_sum_and_product(results):
 
 @pytest.mark.parametrize(
     "text, message",
-    [("ehd.film", "recorded are"), ("ehd.pressure+bodies.sliding_velocity", "units are")],
+    [
+        ("ehd.film", "field: expected one of"),
+        ("ehd.pressure+bodies.sliding_velocity", "expected equal units, got Pa, m/s"),
+    ],
 )
 def test_what_cannot_be_added_says_so(results, text, message):
     with pytest.raises(BadInput, match=message):

@@ -86,7 +86,7 @@ def test_a_path_chooses_a_table_and_a_word_what_contains_it(found):
     assert not is_table and chosen[0].name == "radial_clearance"
     assert all("clearance" in f"{key.path} {key.meaning}".lower() for key in chosen)
     assert "ovality" in {key.name for key in chosen_keys(found, "profile")[0]}  # a synonym
-    with pytest.raises(BadInput, match="viscousity: .*did you mean viscosity"):
+    with pytest.raises(BadInput, match="viscousity'; did you mean 'viscosity'"):
         chosen_keys(found, "viscousity")
     with pytest.raises(BadInput, match="did you mean clearance"):
         chosen_keys(found, "clearence")
@@ -129,10 +129,10 @@ def test_short_names(short, whole):
 @pytest.mark.parametrize(
     "short, message",
     [
-        ("radial_clearence", "did you mean radial_clearance"),
-        ("modes", "block.modes, participants.bodies.build.piston.modes; give its dotted path"),
-        ("tolerance", "wires.N.tolerance; give its dotted path"),
-        ("nothing_like_it_anywhere", "keys lists all"),
+        ("radial_clearence", "radial_clearence: expected a key of the"),
+        ("modes", "modes: expected a dotted path, got a name"),
+        ("tolerance", "tolerance: expected a dotted path, got a"),
+        ("nothing_like_it_anywhere", "nothing_like_it_anywhere: expected a key of"),
     ],
 )
 def test_short_names_that_are_none(short, message):
@@ -156,23 +156,27 @@ def test_tables_that_a_case_may_have_are_made(tmp_path):
     begin, end = text.index("[record]"), text.index("[monitor]")
     (tmp_path / "case.toml").write_text(text[:begin] + text[end:])
     assert read_tree(tmp_path / "case.toml", [("record.every", 3)])["record"] == {"every": 3}
-    with pytest.raises(BadInput, match="no table participants.bodie in the case .did you mean bod"):
+    with pytest.raises(BadInput, match=r"role: expected a table participants\.bodie"):
         read_tree(tmp_path / "case.toml", [("participants.bodie.role", "bodies")])
 
 
 @pytest.mark.parametrize(
     "key, value, message",
     [
-        ("participants.bodies.parameters.radial_clearence", "9 um", "mean radial_clearance"),
-        ("participants.bodies.build.piston.mode", 3, "piston.mode: unknown key .did you mean mode"),
-        ("participants.ehd.build.oill", "x", "oill: unknown key .did you mean oil"),
-        ("viscosity", "12 bar", "a unit of Pa.s is needed"),
-        ("bore_radius", "2 km", "allowed is 0.001 to 1 m"),
-        ("wires.0.from", "bodies.film_thicknes", "did you mean film_thickness"),
-        ("pictures.0.x", "bodies.crank_angl", "motion.png: .*did you mean crank_angle"),
-        ("pictures.3.fields", ["ehd.presure"], "left_side.*: ehd.presure .*did you mean pressure"),
+        (
+            "participants.bodies.parameters.radial_clearence",
+            "9 um",
+            "radial_clearence: expected one of",
+        ),
+        ("participants.bodies.build.piston.mode", 3, "mode: expected one of mesh, reduced, rigid,"),
+        ("participants.ehd.build.oill", "x", "oill: expected one of grid, surface,"),
+        ("viscosity", "12 bar", r"viscosity: expected a quantity in Pa\.s, got"),
+        ("bore_radius", "2 km", r"bore_radius: expected 0\.001 to 1 m, got 2 km"),
+        ("wires.0.from", "bodies.film_thicknes", "film_thickness: expected one of"),
+        ("pictures.0.x", "bodies.crank_angl", r"png: expected one of bodies\.film_thickness,"),
+        ("pictures.3.fields", ["ehd.presure"], "png: expected one of"),
         ("time.stop", "7 bar", "time.stop"),
-        ("coupling.metod", "newton", "metod: unknown key .did you mean method"),
+        ("coupling.metod", "newton", "metod: expected one of method,"),
     ],
 )
 def test_what_is_wrong_shows_before_anything_is_reduced(key, value, message):
@@ -190,5 +194,5 @@ def test_a_sound_case_has_no_faults_ahead():
 
 
 def test_case_names_that_are_near():
-    with pytest.raises(BadInput, match="did you mean numerical_example"):
+    with pytest.raises(BadInput, match="case: expected a file, a folder with"):
         find_case("numerical_exampel")

@@ -116,5 +116,5 @@ def test_whose_accounts_are_believed():
     # one account alone says nothing, and without conjugates nobody knows what passed
     assert ledger([("a", "e")], [], 1, known) is None
     assert ledger([("a", "e"), ("b", "e")], [], 0, known) is None
-    with pytest.raises(BadInput, match="c.e: is in W, the contract says J"):
+    with pytest.raises(BadInput, match="e: expected unit J, got W"):
         ledger([("a", "e"), ("c", "e")], [], 1, known)

@@ -95,7 +95,7 @@ def test_morphs_and_motion_of_a_model_are_those_of_the_run(tmp_path):
 
 def test_a_model_needs_bodies_and_instants(tmp_path):
     for bodies, instants in (([], INSTANTS), (solids(), INSTANTS[:1])):
-        with pytest.raises(BadInput, match="a body and two instants are needed"):
+        with pytest.raises(BadInput, match="glb: expected a body and two instants, got"):
             write_gltf(bodies, instants, 1.0, tmp_path / "run.glb")
 
 

@@ -469,10 +469,10 @@ def test_a_measured_band_is_drawn_and_the_share_in_it_said(browser, page, tmp_pa
 @pytest.mark.parametrize(
     "head, said",
     [
-        ("a.x [s],a.y low [N],a.y high [N]", "a.y low needs a column a.y"),
-        ("a.x [s],a.y [N],a.y low [N]", "a.y low needs a column a.y high"),
-        ("a.x [s],a.y [N],a.y low [kN],a.y high [N]", "a.y low is in kN, a.y in N"),
-        ("a.x [s],a.y [N],a.y high [N],a.y low [N]", "a.y low is above a.y high"),
+        ("a.x [s],a.y low [N],a.y high [N]", r"csv: expected a column 'a\.y' with 'a\.y"),
+        ("a.x [s],a.y [N],a.y low [N]", r"csv: expected a column 'a\.y high' with 'a\.y"),
+        ("a.x [s],a.y [N],a.y low [kN],a.y high [N]", "low: expected unit N, got kN"),
+        ("a.x [s],a.y [N],a.y high [N],a.y low [N]", r"low: expected values up to a\.y high, got"),
     ],
 )
 def test_faulty_bands_are_refused(tmp_path, head, said):

@@ -244,12 +244,12 @@ def test_a_case_with_nothing_to_compare_is_refused(toys):
 @pytest.mark.parametrize(
     "entries, fault",
     [
-        ({"until_periodic": -1}, "time.until_periodic: Input should be greater than or equal to 0"),
-        ({"until_periodic": "1"}, "time.until_periodic: Input should be less than 1"),
-        ({"until_periodic": "1e-3 m"}, "time.until_periodic: Input should be a valid number"),
-        ({"most_periods": 1}, "time.most_periods: Input should be greater than or equal to 2"),
-        ({"least_periods": 30}, "time: least_periods: expected at most most_periods"),
-        ({"until_periodic": 0}, "time: stop: required without until_periodic"),
+        ({"until_periodic": -1}, "until_periodic: expected a value of at"),
+        ({"until_periodic": "1"}, "until_periodic: expected a value below 1,"),
+        ({"until_periodic": "1e-3 m"}, "until_periodic: expected a number, got"),
+        ({"most_periods": 1}, "most_periods: expected a value of at least"),
+        ({"least_periods": 30}, "least_periods: expected at most"),
+        ({"until_periodic": 0}, "stop: expected a time or an angle, got"),
     ],
 )
 def test_refused_values(entries, fault):

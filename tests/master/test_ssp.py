@@ -162,7 +162,7 @@ def test_foreign_ssp_lacks_only_the_macro_step(package, tmp_path):
 
 def test_no_ssp_is_bad_input(tmp_path):
     (tmp_path / "no.ssp").write_text("no")
-    with pytest.raises(BadInput, match="is no SSP"):
+    with pytest.raises(BadInput, match="ssp: expected an SSP, got another file"):
         read_tree(tmp_path / "no.ssp")
 
 
@@ -213,7 +213,7 @@ def test_arrays_and_scalars_are_not_mixed(tmp_path):
     case = check_case(read_tree(PATH, SMALL), PATH)
     both = built(case, PATH.parent, "3.0").participants
     mixed = case.model_copy(update={"participants": case.participants | {"ehd": both["ehd"]}})
-    with pytest.raises(BadInput, match="one side alone") as refusal:
+    with pytest.raises(BadInput, match="film_thickness: expected one FMI version on") as refusal:
         export_ssp(
             read_tree(PATH, SMALL), open_system(mixed, PATH.parent, print), tmp_path / "mixed.ssp"
         )

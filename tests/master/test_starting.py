@@ -124,7 +124,7 @@ def test_a_start_without_solution_is_said():
         (lambda u: u + 1, "the loop has no solution near here, its equations are singular"),
         (lambda u: -1.0 if u > 0 else 1.0, "the residual stalls; an output jumps"),
     ):
-        with pytest.raises(BadInput, match=f"no start values of the wires agree.*{words}"):
+        with pytest.raises(BadInput, match=f"expected start values that agree.*{words}"):
             start(loop(Follower("one", follows), Follower("two", lambda u: u)))
 
 

@@ -85,5 +85,5 @@ def test_distance_from_the_reference(tmp_path):
     assert written[-2]["truncation_error"] == table[-2].truncation["truncation_error"]
     assert table[-2].truncation["truncation_error"] == "unknown: nothing recorded"
     del runs[study.reference]
-    with pytest.raises(BadInput, match="has not finished"):
+    with pytest.raises(BadInput, match=r"reference: expected a finished run '0\.125"):
         study_rows(study, case, rows, runs)

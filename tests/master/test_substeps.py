@@ -97,9 +97,9 @@ def test_a_table_between_and_at_its_rows(tmp_path):
 
 def test_a_table_that_ends_too_early(tmp_path):
     text = "time [s], x\n1, 1\n2, 2\n"
-    with pytest.raises(BadInput, match="reaches from 1 s to 2 s, the run from 0 s to 2 s"):
+    with pytest.raises(BadInput, match="table: expected times from 0 s to 2 s, got"):
         signal(tmp_path, text, "linear")
-    with pytest.raises(BadInput, match="the run from 1 s to 3 s"):
+    with pytest.raises(BadInput, match="table: expected times from 1 s to 3 s, got"):
         signal(tmp_path, text, "linear", 1.0, 3.0)
     assert signal(tmp_path, text, "hold", 1.0, 3.0).get("x") == 1.0
     with pytest.raises(BadInput, match="a cubic needs four rows"):

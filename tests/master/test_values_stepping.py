@@ -312,8 +312,8 @@ def test_work_on_both_sides_by_hand(affine, unit, first, second, exchanged):
 @pytest.mark.parametrize(
     "conjugate, unit, message",
     [
-        ("b.other", "N", "no field of this shape is wired from there to a"),
-        ("b.F", "Pa", "neither work nor power"),
+        ("b.other", "N", "expected a wire of this shape to a, got none"),
+        ("b.F", "Pa", "expected a product of work or power, got"),
     ],
 )
 def test_what_is_no_conjugate_is_refused(affine, conjugate, unit, message):

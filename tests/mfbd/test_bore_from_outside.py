@@ -242,16 +242,22 @@ def test_build_options_survive_their_file(reduced):
 @pytest.mark.parametrize(
     ("build", "told"),
     [
-        (RIGID | {"mounted": False}, "needs mounted = true"),
-        (changed(stations=30), "not with bore_from_outside"),
-        (changed(bore_from_outside={"around": 12, "axial": 4}), "greater than or equal to 8"),
+        (RIGID | {"mounted": False}, "mounted: expected true with"),
+        (changed(stations=30), "stations: expected nothing with"),
+        (
+            changed(bore_from_outside={"around": 12, "axial": 4}),
+            "axial: expected a value of at least 8, got 4",
+        ),
         (
             changed(
                 rigid=None, mesh="block.msh", density="7000 kg/m^3", young="1e11 Pa", poisson=0.3
             ),
-            "another participant's",
+            "rigid: expected a table with",
         ),
-        (RIGID | {"floating_pin": {"boss_length": "2 cm", "small_end_length": "2 cm"}}, "not with"),
+        (
+            RIGID | {"floating_pin": {"boss_length": "2 cm", "small_end_length": "2 cm"}},
+            "mounted: expected false with floating_pin,",
+        ),
     ],
 )
 def test_what_does_not_go_with_a_bore_from_outside_is_refused(build, told, tmp_path):

@@ -32,7 +32,7 @@ def test_all_faults_of_the_table_at_once(bodies):
     text = "\n".join(caught.value.faults)
     for piece in (
         "grid.1 = 2",
-        "piston.yung: unknown key",
+        "density: expected a value of at least 500,",
         "piston.density = '-2700 kg/m^3'",
         "block.young = '75 mm' is in mm",
         "block.basis",
@@ -43,7 +43,7 @@ def test_all_faults_of_the_table_at_once(bodies):
 
 def test_missing_file_and_surface(bodies):
     folder, options = bodies
-    with pytest.raises(BadInput, match="piston.mesh = 'none.msh': no such file"):
+    with pytest.raises(BadInput, match="mesh: expected a file"):
         prepare(options | {"piston": options["piston"] | {"mesh": "none.msh"}}, folder, print)
     with pytest.raises(BadInput, match="surface 'skirt' is missing or empty"):
         prepare(options | {"piston": options["piston"] | {"mesh": "block.msh"}}, folder, print)
@@ -64,7 +64,7 @@ def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
     offset = small | {"piston": small["piston"] | {"pin_offset": "0.7 mm"}}
     moved = prepare(offset, folder, said.append)[1]
     assert moved[0] != first[0] and moved[1:] == first[1:] and not said
-    with pytest.raises(BadInput, match="pin_offset = 7 mm; expected a distance of at most"):
+    with pytest.raises(BadInput, match=r"expected an axis within 1\.4 mm of"):
         prepare(small | {"piston": small["piston"] | {"pin_offset": "7 mm"}}, folder, said.append)
     assert prepare(small | {"grid": [16, 10]}, folder, said.append)[1] != first and said
     assert not list(tmp_path.rglob("*partial*"))
@@ -222,7 +222,7 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
     )
     assert "shapes" in np.load(reduced_bodies(own, tmp_path, lambda text: None)["piston"])
     assert "shapes" not in np.load(files[0])
-    with pytest.raises(BadInput, match="own.npz was reduced for another film grid"):
+    with pytest.raises(BadInput, match="reduced: expected 144 rows of modes for"):
         prepare(
             {
                 "grid": [12, 12],
@@ -234,7 +234,7 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
         )
     with np.load(tmp_path / "own.npz") as new:
         np.savez(tmp_path / "old.npz", **{name: new[name] for name in new if name != "skirt"})
-    with pytest.raises(BadInput, match="old.npz lacks skirt.*half a cell further around"):
+    with pytest.raises(BadInput, match=r"reduced: expected skirt in old\.npz, got"):
         prepare(
             small | {"piston": {"reduced": str(tmp_path / "old.npz")}}, folder, lambda text: None
         )

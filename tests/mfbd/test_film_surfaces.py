@@ -174,10 +174,12 @@ def faults(options, folder):
 
 
 def test_surfaces_that_cannot_be_are_refused(tmp_path):
-    assert "film_surfaces.1.rows = [5, 9]: must begin above" in faults(
+    assert "rows: expected rows above 5, the end of the" in faults(
         table(("a", [1, 5]), ("b", [5, 9])), tmp_path
     )
-    assert "'a': is taken" in faults(table(("a", [1, 5]), ("a", [6, 9])), tmp_path)
+    assert "name: expected a new name, got 'a'" in faults(
+        table(("a", [1, 5]), ("a", [6, 9])), tmp_path
+    )
     assert "the grid has 12 rows" in faults(table(("a", [1, 5]), ("b", [6, 13])), tmp_path)
     assert "has 4 rows or more" in faults(table(("a", [1, 3])), tmp_path)
     assert "film_surfaces.0.name" in faults(table(("Upper band", [1, 5])), tmp_path)

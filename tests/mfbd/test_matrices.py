@@ -270,13 +270,16 @@ def test_piston_of_nodes_alone_has_its_gas_force(coarse, tmp_path, monkeypatch):
 FAULTS = {
     "size": (
         "%%MatrixMarket matrix coordinate real symmetric\n3 3 1\n1 1 1.0\n",
-        "3 x 3; 2 nodes need 6 rows",
+        "mtx: expected 6 rows for 2 nodes, got 3 x 3",
     ),
-    "strange node": ("1,1,1,1,2.0\n7,1,7,1,2.0\n", "entry 2: node 7 is not among the body's nodes"),
-    "rotation": ("1,1,1,1,2.0\n1,4,1,4,2.0\n", "entry 2: node 1 has direction 4"),
-    "not symmetric": ("1,1,2,1,2.0\n2,1,1,1,3.0\n1,1,1,1,1.0\n", "not symmetric, rows"),
-    "columns": ("1 2\n", "2 columns; wanted are"),
-    "text": ("1,1,1,1,two\n", "two"),
+    "strange node": ("1,1,1,1,2.0\n7,1,7,1,2.0\n", "2: expected a node of the body, got 7"),
+    "rotation": ("1,1,1,1,2.0\n1,4,1,4,2.0\n", "2: expected direction 1, 2 or 3, got 4 of"),
+    "not symmetric": (
+        "1,1,2,1,2.0\n2,1,1,1,3.0\n1,1,1,1,1.0\n",
+        "mtx: expected a symmetric matrix, got a",
+    ),
+    "columns": ("1 2\n", "mtx: expected 3 or 5 columns, got 2"),
+    "text": ("1,1,1,1,two\n", "mtx: expected rows of numbers, got other"),
 }
 
 
@@ -293,10 +296,10 @@ def test_faults_of_dmig(tmp_path):
     (tmp_path / "two.pch").write_text(
         "DMIG,K,0,6,2\nDMIG,K,1,1,,1,1,5.\nDMIG,M,0,6,2\nDMIG,M,1,1,,1,1,5.\n"
     )
-    with pytest.raises(MeshFault, match="one DMIG matrix is wanted, found K, M"):
+    with pytest.raises(MeshFault, match="pch: expected one DMIG matrix, got K, M"):
         read_matrix(tmp_path / "two.pch", np.array([1]))
     (tmp_path / "odd.pch").write_text("DMIG,K,0,6,2\nDMIG,K,1,1,,1,1,five\n")
-    with pytest.raises(MeshFault, match="odd.pch, line 2: not a DMIG entry"):
+    with pytest.raises(MeshFault, match="2: expected a DMIG entry, got '1,1,five'"):
         read_matrix(tmp_path / "odd.pch", np.array([1]))
 
 
@@ -305,10 +308,10 @@ def test_faults_of_dmig(tmp_path):
     [
         (
             {"stiffness_unit": "1 N/m"},
-            "speed of sound some .* check stiffness_unit, mass_unit, mesh_unit",
+            "mtx: expected a speed of sound of 800 to",
         ),
         ({"mass_unit": "1 kg"}, "check mass_unit, mesh_unit"),
-        ({"mass": None}, "a body of matrices needs mass"),
+        ({"mass": None}, "mass: expected a value with a body of"),
         ({"mesh_unit": "1 m"}, "check"),
     ],
 )
@@ -354,7 +357,7 @@ def test_held_or_misordered_matrices_are_refused(original, tmp_path, monkeypatch
     mmwrite(tmp_path / "K.mtx", K[wrong][:, wrong])
     mmwrite(tmp_path / "M.mtx", M)
     table = {"mesh": "block.inp", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS}
-    with pytest.raises(BadInput, match="K.mtx: the stiffness resists rigid motions"):
+    with pytest.raises(BadInput, match="mtx: expected no resistance to rigid"):
         reduced(table, tmp_path, monkeypatch)
 
 
@@ -368,9 +371,7 @@ def test_supports_in_one_line_are_refused(original, tmp_path, monkeypatch):
     (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
     mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
     mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")
-    with pytest.raises(
-        BadInput, match=f"surface 'bolts' has {len(line)} nodes that leave the body 1 rigid motions"
-    ):
+    with pytest.raises(BadInput, match=f"got {len(line)} that leave 1 rigid motions"):
         reduced(
             {"mesh": "nodes.csv", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS},
             tmp_path,

@@ -471,12 +471,12 @@ TABLE = {
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"cylinder_z": ["65 mm", "-65 mm"]}, "must rise"),
-        ({"bore_lower": "370 mm"}, "must lie below"),
-        ({"modes": 20}, "ask for more"),
-        ({"mesh": "nowhere.msh"}, "no such file"),
+        ({"cylinder_z": ["65 mm", "-65 mm"]}, "cylinder_z: expected rising places along"),
+        ({"bore_lower": "370 mm"}, "bore_lower: expected a height below"),
+        ({"modes": 20}, "modes: expected more than 10 free modes and"),
+        ({"mesh": "nowhere.msh"}, "mesh: expected a file"),
         ({"youngs": "1 Pa"}, "unknown key"),
-        ({"bore": {"around": 4}}, "greater than or equal to 8"),
+        ({"bore": {"around": 4}}, "around: expected a value of at least 8, got"),
     ],
 )
 def test_build_tables_that_are_refused(change, told):

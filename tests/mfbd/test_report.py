@@ -111,5 +111,5 @@ def test_modes_switched_off(bodies, report, kept_bodies, monkeypatch):
     omega = np.load(files[0])["omega"]
     assert options["piston"]["modes"] == len(omega) == 10
     np.testing.assert_array_equal(omega, np.delete(report["piston"].body.omega, [1, 4]))
-    with pytest.raises(BadInput, match="piston.modes_off: 13: there are 12 modes"):
+    with pytest.raises(BadInput, match="modes_off: expected at most 12 modes, got 13"):
         prepare(bodies[1] | {"piston": bodies[1]["piston"] | {"modes_off": [13]}}, folder, print)

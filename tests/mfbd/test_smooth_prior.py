@@ -130,7 +130,7 @@ def test_modes_are_added_until_the_expected_error_is_reached(plate):
 def test_an_error_that_needs_too_many_modes_is_named():
     body, reading = springs(300, 1.0)
     many = SurfaceAnswers(np.eye(300), np.eye(300), np.zeros((300, 300)))
-    with pytest.raises(ValueError, match="300 modes are needed for this error, at most 200"):
+    with pytest.raises(ValueError, match="modes: expected an error that 200 modes"):
         smooth_pressure_modes(body, reading.radial, many, 0.01, np.empty((300, 0)))
 
 
@@ -148,11 +148,11 @@ def test_a_number_or_an_error(given, read):
 @pytest.mark.parametrize(
     "change, said",
     [
-        ({"modes": 300}, "modes = 300: expected a number of modes from 0 to 200, or an error such"),
-        ({"modes": "60 %"}, r"or an error such as \"1 %\" \(0.01 % to 50 %\); got '60 %'"),
+        ({"modes": 300}, "modes: expected a number of modes from 0 to"),
+        ({"modes": "60 %"}, "modes: expected a number of modes from 0 to"),
         ({"modes": "1 mm"}, "got '1 mm'"),
         ({"modes": True}, "got True"),
-        ({"modes": "1 %", "basis": "craig_bampton"}, "basis = 'craig_bampton' needs a number of"),
+        ({"modes": "1 %", "basis": "craig_bampton"}, "modes: expected a number of modes with"),
     ],
 )
 def test_other_modes_are_rejected(coarse, change, said):
@@ -173,5 +173,7 @@ def test_bodies_by_their_error(coarse, kept_bodies, monkeypatch):
         counts.append([len(load(kind, files[name]).omega) for name, kind in kinds.items()])
     assert np.all(np.diff(counts, axis=0) > 0)
     few = options["piston"] | {"modes": "20 %", "modes_off": [150]}
-    with pytest.raises(BadInput, match=f"modes_off: 150: there are {counts[0][0]} modes"):
+    with pytest.raises(
+        BadInput, match=f"modes_off: expected at most {counts[0][0]} modes, got 150"
+    ):
         reduced_bodies({"grid": options["grid"], "piston": few}, folder, lambda text: None)

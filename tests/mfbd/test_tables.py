@@ -57,21 +57,24 @@ def test_gas_repeats_every_cycle(gas_file):
 @pytest.mark.parametrize(
     "change, message",
     [
-        (lambda lines: lines[:200], "spans 396 deg of a cycle of 720 deg"),
+        (lambda lines: lines[:200], "csv: expected a cycle of 720 deg, got 396"),
         (
             lambda lines: [*lines[:50], lines[48], *lines[50:]],
-            "line 51: crank angle 94 does not rise",
+            "51: expected crank angle above 96, got 94",
         ),
-        (lambda lines: [*lines, "720, 3"], "does not close"),
+        (lambda lines: [*lines, "720, 3"], r"csv: expected pressure 1e\+06 Pa at the end"),
         (
             lambda lines: [*lines[:9], "16, abc", *lines[10:]],
-            "line 10: '16,abc' is not a row of numbers",
+            "10: expected numbers, got '16,abc'",
         ),
         (
             lambda lines: [*lines[:9], "16, nan", *lines[10:]],
-            "line 10: '16,nan' is not a row of numbers",
+            "10: expected numbers, got '16,nan'",
         ),
-        (lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]], "line 10: 3 columns"),
+        (
+            lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]],
+            "10: expected two numbers, crank angle and",
+        ),
     ],
 )
 def test_bad_gas_tables_name_the_row(gas_file, change, message):
@@ -94,10 +97,10 @@ def test_profile_file_and_interpolation(tmp_path):
     # cubic over 5 deg: (5 deg)^4 / 384 * 800 um, and straight in height
     np.testing.assert_allclose(table_shape(table, angle, height), wanted, atol=2e-10)
     path.write_text("h,0,5,10,15\n0,1,1,1,1")
-    with pytest.raises(TableFault, match="angles leave 345 deg out, elsewhere 5 deg"):
+    with pytest.raises(TableFault, match="csv: expected gaps near 5 deg between"):
         profile_table(path, DEG, 1e-3, 1e-6)
     path.write_text("\n".join([*rows[:3], "1,2,3"]))
-    with pytest.raises(TableFault, match="numbers where"):
+    with pytest.raises(TableFault, match="4: expected 73 numbers, got 3"):
         profile_table(path, DEG, 1e-3, 1e-6)
 
 
@@ -118,21 +121,21 @@ def test_a_coarse_table_is_as_good_as_a_dense_one(first):
 
 
 def test_tables_in_the_case_name_their_rows():
-    with pytest.raises(TableFault, match="gas.points, row 3: crank angle 1 does not rise"):
+    with pytest.raises(TableFault, match="3: expected crank angle above 2, got 1"):
         gas_table(inline_numbers("gas.points", [(0, 1), (2, 5), (1, 1)]), 4 * np.pi, 1.0, 1.0)
 
 
 @pytest.mark.parametrize(
     "over, points, message",
     [
-        ("time", [(0, 10), (1, -1)], "row 2: crank speed -1 rad/s must not be negative"),
-        ("angle", [(0, 10), (6, 0)], "row 2: crank speed 0 rad/s must be positive"),
+        ("time", [(0, 10), (1, -1)], "2: expected a crank speed of at least 0"),
+        ("angle", [(0, 10), (6, 0)], "2: expected a crank speed above 0 rad/s,"),
         (
             "angle",
             [(0, 10), (2 * np.pi, 11)],
-            "does not close: speed 10 rad/s at the start and speed 11 rad/s one cycle later",
+            "speed: expected speed 10 rad/s at the end",
         ),
-        ("angle", [(0, 10), (1, 10), (3, 10)], "spans 171.887 deg of a cycle of 360 deg"),
+        ("angle", [(0, 10), (1, 10), (3, 10)], "speed: expected a cycle of 360 deg, got"),
     ],
 )
 def test_bad_speed_tables_name_the_row(over, points, message):
@@ -325,7 +328,7 @@ def test_a_free_crank_has_no_table(reduced):
     free = Parameters(crank_free=1)
     assert faults(piston, block, options, free) == []
     (fault,) = faults(piston, block, replace(options, speed=table), free)
-    assert fault.startswith("crank_free = 1: must be 0 with a table of crank speed")
+    assert fault.startswith("crank_free: expected 0 with a table build.speed")
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):

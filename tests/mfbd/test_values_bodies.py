@@ -138,7 +138,7 @@ def test_modes_off_are_left_out_by_their_number(reduce):
 def test_bore_ends_and_stations(reduce):
     body = reduce("block", modes=0, stations=12, bore_lower="60 mm", bore_upper="148 mm")
     assert body["heights"] == pytest.approx(np.linspace(60e-3, 148e-3, 12), rel=1e-12)
-    with pytest.raises(BadInput, match="surface 'bore' reaches from"):
+    with pytest.raises(BadInput, match="bore_upper: expected within surface 'bore',"):
         reduce("block", modes=0, bore_lower="40 mm")
 
 
@@ -170,10 +170,10 @@ def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     "piston, words",
     [
-        (dict(skirt_upper=None), "a rigid body needs skirt_upper"),
-        (dict(modes=20), "modes = 20: a rigid body has none"),
-        (dict(mesh="piston.msh"), "give one of mesh, reduced and rigid"),
-        (dict(rigid=SHEET | {"mass": "0 kg"}), "greater than 0"),
+        (dict(skirt_upper=None), "skirt_upper: expected a value for a rigid"),
+        (dict(modes=20), "modes: expected 0 for a rigid body, got 20"),
+        (dict(mesh="piston.msh"), "piston: expected one of mesh, reduced and"),
+        (dict(rigid=SHEET | {"mass": "0 kg"}), "mass: expected a value above 0, got '0 kg'"),
     ],
 )
 def test_a_data_sheet_that_is_not_whole_is_refused(piston, words, tmp_path, monkeypatch):

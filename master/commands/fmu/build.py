@@ -1,12 +1,11 @@
 """`piston-cosim fmu build`."""
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from ...api.fmus import build_fmu
-from ..common import console, parse_grid, say
+from ..common import OutputFile, console, parse_grid, say
 
 
 def command(
@@ -15,7 +14,7 @@ def command(
     *,
     case: str = "numerical_example",
     grid: str | None = None,
-    output: Path | None = None,
+    output: OutputFile | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
     no_fields: Annotated[bool, Parameter(negative=())] = False,
     native: Annotated[bool, Parameter(negative=())] = False,

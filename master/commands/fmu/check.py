@@ -19,11 +19,9 @@ def command(fmu: Path, /):
     fmu
         File of the FMU.
     """
-    if not fmu.is_file():
-        raise BadInput(f"{fmu}: no such file")
     role, breaches, remarks = check_fmu(fmu)
     for line in remarks:
         console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
     if breaches:
-        raise BadInput([f"{fmu}, as {role}: {line}" for line in breaches])
+        raise BadInput([f"{fmu}, {line}" for line in breaches])
     console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)

@@ -1,6 +1,5 @@
 """`piston-cosim fmu export`."""
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
@@ -12,7 +11,7 @@ from ...case.schema import check_case, find_case, read_tree
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
-from ..common import Changes, console, parse_change, say
+from ..common import Changes, OutputFile, console, parse_changes, say
 
 command = App(
     name="export",
@@ -26,7 +25,7 @@ def fmu(
     /,
     *,
     set_: Changes = [],
-    output: Path,
+    output: OutputFile,
     fmi: Literal["2.0", "3.0"] = "2.0",
     native: Annotated[bool, Parameter(negative=())] = False,
     platform: str = "linux64",
@@ -56,7 +55,7 @@ def fmu(
     """
     platforms = platform.split(",") if native else ()
     path = find_case(case)
-    checked = check_case(read_tree(path, [parse_change(text) for text in set_]), path)
+    checked = check_case(read_tree(path, parse_changes(set_)), path)
     made = export_fmu(checked, path.parent, say, fmi, platforms)
     output.write_bytes(made.read_bytes())
     if not native:
@@ -65,7 +64,9 @@ def fmu(
 
 
 @command.command
-def ssp(case: str, /, *, set_: Changes = [], output: Path, fmi: Literal["2.0", "3.0"] = "2.0"):
+def ssp(
+    case: str, /, *, set_: Changes = [], output: OutputFile, fmi: Literal["2.0", "3.0"] = "2.0"
+):
     """Export a case as an SSP.
 
     The SSP contains the FMUs of the case, their parameters and their connections.
@@ -85,7 +86,7 @@ def ssp(case: str, /, *, set_: Changes = [], output: Path, fmi: Literal["2.0", "
         SSP 2.0 with arrays.
     """
     path = find_case(case)
-    tree = read_tree(path, [parse_change(text) for text in set_])
+    tree = read_tree(path, parse_changes(set_))
     system = open_system(built(check_case(tree, path), path.parent, fmi), path.parent, say)
     export_ssp(tree, system, output)
     for participant in system.participants.values():

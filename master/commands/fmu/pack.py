@@ -1,12 +1,10 @@
 """`piston-cosim fmu pack`."""
 
-from pathlib import Path
-
 from ...api.fmus import build_fmu
-from ..common import console, parse_grid, say
+from ..common import OutputFile, console, parse_grid, say
 
 
-def command(slave: str, /, *, grid: str = "40x40", output: Path):
+def command(slave: str, /, *, grid: str = "40x40", output: OutputFile):
     """Build an FMU from a single-file model class.
 
     Example: piston-cosim fmu pack models/lubrication_template/axial_film.py:AxialFilm

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...results import compare as curves
-from ..common import console, open_runs
+from ..common import OutputFile, console, open_runs
 
 
 def command(
@@ -17,7 +17,7 @@ def command(
     y: list[str] = [],
     period: str | None = None,
     measured: Path | None = None,
-    output: Path = Path("measured.png"),
+    output: OutputFile = Path("measured.png"),
 ):
     """Score curves of results files.
 
@@ -48,7 +48,9 @@ def command(
     case, runs = open_runs(files)
     lines = [picture for picture in case.pictures if picture.kind == "lines"]
     if not lines and not (x and y):
-        raise BadInput("the case has no picture with lines: give --x and --y")
+        raise BadInput(
+            "--x, --y: expected values in a case without a picture of lines, got nothing"
+        )
     x = x or lines[0].x
     y = y or [port for panel in lines[0].y for port in panel]
     assert x is not None  # a picture with lines has one
@@ -63,7 +65,7 @@ def command(
     elif len(runs) > 1:
         rows = curves.against_first(runs, x, y)
     else:
-        raise BadInput("one run alone: give --period or --measured, or a second run")
+        raise BadInput("FILES: expected a second run, --period or --measured, got one run")
     print_scores(rows, next(iter(runs.values())).series(x).unit)
 
 

@@ -7,7 +7,7 @@ from ...fmi.errors import BadInput
 from ...fmi.quantities import to_si
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import console, open_runs
+from ..common import OutputFile, console, open_runs
 
 
 def command(
@@ -15,7 +15,7 @@ def command(
     /,
     *,
     field: list[str],
-    output: Path,
+    output: OutputFile,
     time: str | None = None,
     i: int | None = None,
     j: int | None = None,
@@ -51,11 +51,11 @@ def command(
     case, runs = open_runs((file,))
     (results,) = runs.values()
     if output.suffix not in (".csv", ".h5", ".vtu") or (output.suffix == ".vtu" and (i or j)):
-        raise BadInput(f"--output {output}: write .csv, .h5, or .vtu (whole fields)")
+        raise BadInput(f"--output: expected .csv, .h5 or .vtu of whole fields, got {str(output)!r}")
     try:
         size = _size(results.case, radius, length)
     except ValueError as error:
-        raise BadInput(str(error)) from None
+        raise BadInput(f"--radius, --length: {error}") from None
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     if output.suffix == ".vtu":

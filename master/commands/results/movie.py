@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...fmi.errors import BadInput
-from ..common import body_skins, console, open_runs, say
+from ..common import OutputFile, body_skins, console, open_runs, say
 
 
 def command(
@@ -14,7 +14,7 @@ def command(
     frames: int = 90,
     times: float = 50.0,
     case: str | None = None,
-    output: Path | None = None,
+    output: OutputFile | None = None,
 ):
     """Write an animation of a results file.
 
@@ -56,7 +56,7 @@ def command(
         from ...results.series import write_series
 
         if not times > 0:
-            raise BadInput(f"--times {times:g}: more than 0")
+            raise BadInput(f"--times: expected more than 0, got {times:g}")
         chosen = chosen_instants(results, frames)
         solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
         if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):

@@ -8,10 +8,10 @@ from ...api.bodies import OFFLINE, build_tables
 from ...case.contract import players
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
-from ..common import case_folder, console, open_runs, say
+from ..common import OutputFolder, case_folder, console, open_runs, say
 
 
-def command(file: Path, /, *, case: str | None = None, output: Path | None = None):
+def command(file: Path, /, *, case: str | None = None, output: OutputFolder | None = None):
     """Compute the sound power that the block radiates.
 
     The equivalent radiated power is rho c int v_n^2 dA over the block's outer faces in the last
@@ -37,7 +37,7 @@ def command(file: Path, /, *, case: str | None = None, output: Path | None = Non
     folder = case_folder(results, case)
     tables = build_tables(results.case, players(results.case, "bodies"))
     if not tables:
-        raise BadInput(f"{file}: no participant of it is made of bodies")
+        raise BadInput(f"{file}: expected a participant of bodies, got none")
     for owner, table in tables.items():
         radiation = import_part(OFFLINE).radiation(table, folder, say)
         found = noise(results, owner, radiation)

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Literal
 
-from ..common import draw_pictures, open_runs
+from ..common import OutputFolder, draw_pictures, open_runs
 
 
 def command(
     *files: Path,
-    output: Path = Path("pictures"),
+    output: OutputFolder = Path("pictures"),
     format: Literal["png", "svg", "pdf"] | None = None,
 ):
     """Draw the pictures of results files.

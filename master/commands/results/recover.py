@@ -6,7 +6,7 @@ from ...api.bodies import OFFLINE, build_table
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, told
-from ..common import case_folder, console, open_runs, say
+from ..common import OutputFolder, case_folder, console, open_runs, say
 
 PORT = "{}.modal_coordinate"
 
@@ -17,7 +17,7 @@ def command(
     *,
     time: list[str],
     case: str | None = None,
-    output: Path | None = None,
+    output: OutputFolder | None = None,
 ):
     """Write displacement and stress of the bodies as VTU.
 
@@ -47,8 +47,7 @@ def command(
     port = PORT.format(participant)
     if port not in results.recorded:
         raise BadInput(
-            f"{file}: holds no {port}: both bodies are rigid, or the file is of an older version; "
-            "run the case again with modes"
+            f"{file}: expected {port} in record.fields, got none; run the case with modes"
         )
     instants = [instant(results, text) for text in time]
     folder = case_folder(results, case)

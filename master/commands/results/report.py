@@ -4,12 +4,12 @@ from pathlib import Path
 
 from ...fmi.errors import BadInput
 from ...results.compare import check_measured, measured_section, read_measured
-from ..common import console, open_runs, page_of
+from ..common import OutputFolder, console, open_runs, page_of
 
 
 def command(
     *files: Path,
-    output: Path = Path("report"),
+    output: OutputFolder = Path("report"),
     notes: Path | None = None,
     study: list[Path] = [],
     measured: Path | None = None,
@@ -47,7 +47,11 @@ def command(
         columns = read_measured(measured)
         check_measured(runs, columns)
         ahead = [measured_section(runs, columns)]
-    missing = [f"--study {path}: no such file" for path in study if not path.is_file()]
+    missing = [
+        f"--study: expected a table, got no such file {str(path)!r}"
+        for path in study
+        if not path.is_file()
+    ]
     if missing:
         raise BadInput(missing)
     with console.status("drawing the page"):

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from fmpy.util import write_csv
 
-from ..common import console, open_runs
+from ..common import OutputFile, console, open_runs
 
 
-def command(file: Path, /, *, output: Path):
+def command(file: Path, /, *, output: OutputFile):
     """Write all scalar outputs as CSV.
 
     Values are in SI units. FMPy and the FMI cross-check read the same format.

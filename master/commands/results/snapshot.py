@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...fmi.errors import BadInput
-from ...results.file import Results
+from ...fmi.errors import BadInput, unknown
+from ...results.file import open_results
 from ...results.instants import instant, told
-from ..common import console
+from ..common import OutputFile, console
 
 
-def command(file: Path, /, *, participant: str, output: Path, time: str | None = None):
+def command(file: Path, /, *, participant: str, output: OutputFile, time: str | None = None):
     """Write the state of a participant at one instant.
 
     Another run starts from that state if its case sets `start = "start.json"` in the table
@@ -32,14 +32,10 @@ def command(file: Path, /, *, participant: str, output: Path, time: str | None =
         Recorded instant nearest to a time, a crank angle or an extreme, e.g. "18 ms",
         "24 deg" or "max ehd.maximum_pressure". Default: the last instant with fields.
     """
-    try:
-        results = Results(file)
-    except (OSError, KeyError) as error:
-        raise BadInput(f"{file}: no results of a run: {error}") from None
+    results = open_results(file)
     if participant not in results.case["participants"]:
-        raise BadInput(
-            f"--participant {participant}: {file} has {', '.join(results.case['participants'])}"
-        )
+        known = results.case["participants"]
+        raise BadInput(f"--participant: {unknown('participant', participant, known)}")
     instants = results.instants
     if not len(instants):
         instants = results.time

@@ -320,13 +320,7 @@ static int choice_fault(Native *N, int64_t variable, char *text)
     char written[32];
     append(text, *text ? "\n" : "");
     append(text, w->name);
-    snprintf(written, sizeof written, " = %lld", (long long)number);
-    append(text, written);
-    if (known) {
-        append(text, " ");
-        append(text, w->choice[number - 1]);
-    }
-    append(text, known ? ": a native FMU covers " : ": allowed are ");
+    append(text, ": expected ");
     const char *between = "";
     for (int64_t c = 0; c < v->choices; c++)
         if (!known || v->covered >> c & 1) {
@@ -335,6 +329,13 @@ static int choice_fault(Native *N, int64_t variable, char *text)
             append(text, w->choice[c]);
             between = ", ";
         }
+    snprintf(written, sizeof written, ", got %lld", (long long)number);
+    append(text, written);
+    if (known) {
+        append(text, " ");
+        append(text, w->choice[number - 1]);
+        append(text, "; a native FMU covers no other");
+    }
     return 1;
 }
 
@@ -351,19 +352,20 @@ static int number_fault(Native *N, int64_t variable, char *text)
         append(text, *text ? "\n" : "");
         if (!isfinite(x)) {
             append_element(N, text, variable, k);
-            append(text, " = ");
+            append(text, ": expected a finite value, got ");
             append_value(text, x, unit);
-            append(text, ": must be finite");
             return 1;
         }
         int allowed = x >= r->low && x <= r->high;
         append(text, N->words[variable].name);
-        append(text, " = ");
-        append_value(text, x, unit);
-        append(text, allowed ? ": a native FMU covers " : ": allowed is ");
+        append(text, ": expected ");
         append_number(text, allowed ? r->covered_low : r->low);
         append(text, " to ");
         append_value(text, allowed ? r->covered_high : r->high, unit);
+        append(text, ", got ");
+        append_value(text, x, unit);
+        if (allowed)
+            append(text, "; a native FMU covers no other");
         return 1;
     }
     return 0;

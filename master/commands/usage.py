@@ -1,0 +1,91 @@
+"""Faults of a call: what the command line, files and folders raise, as one sentence each."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+from cyclopts import CycloptsError
+from cyclopts import exceptions as usage
+
+from ..fmi.errors import BadInput, file_fault, unknown
+
+KINDS = {int: "a whole number", float: "a number", bool: "true or false", Path: "a path"}
+"""Expected value of an option, by its type."""
+
+
+def faults_of(error: Exception) -> list[str]:
+    """Return the sentences of an error that the user can correct."""
+    if isinstance(error, BadInput):
+        return error.faults
+    if isinstance(error, CycloptsError):
+        return [_of_call(error)]
+    return [file_fault(None, error)]
+
+
+def _of_call(error: CycloptsError) -> str:
+    """Return what is wrong with the words of a call."""
+    match error:
+        case usage.UnknownOptionError():
+            word = error.token.keyword or error.token.value
+            known = [name for one in error.argument_collection for name in one.names]
+            return f"{word}: {unknown('option', word, _options(known))}"
+        case usage.UnknownCommandError():
+            word = (error.unused_tokens or [""])[0]
+            return f"{word}: {unknown('command', word, _commands(error.app))}"
+        case usage.MissingArgumentError():
+            return f"{_name(error)}: expected a value, got nothing"
+        case usage.CoercionError():
+            value = error.token.value if error.token else ""
+            choices = get_args(error.target_type)
+            if choices and all(isinstance(one, str) for one in choices):
+                return f"{_name(error)}: {unknown('choice', value, choices)}"
+            wanted = KINDS.get(error.target_type or str, "another value")
+            return f"{_name(error)}: expected {wanted}, got {value!r}"
+        case usage.ValidationError():
+            return f"{_name(error)}: {error.exception_message}"
+        case usage.RepeatArgumentError():
+            return f"{error.token.keyword}: expected one value, got several"
+        case usage.RequiresEqualsError():
+            return f"{_name(error)}: expected {_name(error)}=VALUE, got no equals sign"
+    words = " ".join(error.unused_tokens or []) or "other words"
+    return f"arguments: expected the arguments of the command, got {words!r}; see --help"
+
+
+def _name(error: Any) -> str:
+    """Return an argument as the user writes it."""
+    name = error.argument.name if error.argument else "arguments"
+    return name if name.startswith("-") else name.upper()
+
+
+def _options(names: list[str]) -> Iterator[str]:
+    return (name for name in names if name.startswith("--"))
+
+
+def _commands(app: Any) -> list[str]:
+    """Return the names of the commands of an app."""
+    return [name for name in app or () if not name.startswith("-")]
+
+
+def new_file(_type: Any, path: Path | None) -> None:
+    """Raise ValueError unless a file can be written at `path`: a validator of options."""
+    if path is None:
+        return
+    if path.is_dir():
+        raise ValueError(f"expected a file, got the folder {str(path)!r}")
+    if not path.parent.is_dir():
+        raise ValueError(f"expected a file in an existing folder, got {str(path)!r}")
+
+
+def positive(_type: Any, value: float | None) -> None:
+    """Raise ValueError unless a number is above 0: a validator of options."""
+    if value is not None and not value > 0:
+        raise ValueError(f"expected a number above 0, got {value}")
+
+
+def new_folder(_type: Any, path: Path | None) -> None:
+    """Raise ValueError unless `path` is a folder or can become one: a validator of options."""
+    if path is None:
+        return
+    there = next(one for one in (path, *path.absolute().parents) if one.exists())
+    if not there.is_dir():
+        raise ValueError(f"expected a folder, got the file {str(there)!r}")
