@@ -168,6 +168,15 @@ def with_formulas(markdown, page):
     return "".join(parts)
 
 
+def with_formulas_in_paragraphs(page):
+    """Return the HTML of a notebook with the formulas of its text as MathML."""
+
+    def rendered(match):
+        return INLINE.sub(lambda part: notation.mathml(html.unescape(part[1])), match[0])
+
+    return re.sub(r"(?s)<p>.*?</p>", rendered, page)
+
+
 @cache
 def math_font():
     """Return STIX Two Math in WOFF with the characters of the site's formulas."""

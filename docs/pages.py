@@ -96,6 +96,8 @@ def on_post_page(output, page, config):
     """Reject a page without a picture where a picture is required; cut paths of this machine."""
     if re.fullmatch(PICTURED, page.file.src_uri) and "<img" not in output:
         raise PluginError(f"{page.file.src_uri}: expected at least one picture, got none")
+    if page.file.src_uri.startswith("notebooks/"):
+        output = equations.with_formulas_in_paragraphs(output)
     return output.replace(f"{ROOT}/", "")  # what notebooks print must not depend on the machine
 
 
@@ -147,7 +149,7 @@ def pictures():
 
 
 def reference():
-    """Public names, commands, case files, parameters, and all modules of the parts."""
+    """Return the pages of public names, commands, case files, variables and modules."""
     pages = {
         "reference/api.md": api(),
         "reference/commands.md": commands(),
@@ -158,7 +160,7 @@ def reference():
 
 
 def api():
-    """Every public name where it is defined."""
+    """Return the page of all public names."""
     import piston_cosim as pc
 
     lines = ["# `import piston_cosim as pc`", "", inspect.getdoc(pc).partition("Each is")[0], ""]
@@ -170,7 +172,7 @@ def api():
 
 
 def commands():
-    """What cyclopts says of every command and its options."""
+    """Return the page of all commands and their options."""
     from piston_cosim.master.commands.app import app
 
     text = app.generate_docs(output_format="markdown", recursive=True)
@@ -178,7 +180,7 @@ def commands():
 
 
 def options():
-    """Option classes: every table of a case file and of the build options, and its keys."""
+    """Return the page of all keys of a case file and of the build options."""
     from importlib import import_module
 
     from pydantic import BaseModel
@@ -199,7 +201,7 @@ def options():
 
 
 def keys_of(model):
-    """Rows of a pydantic class: key, type, default, meaning."""
+    """Yield the rows of a pydantic class: key, type, default, meaning."""
     described = model.model_json_schema()["properties"]
     for name, info in model.model_fields.items():
         kind = str(info.annotation).replace("typing.", "")
@@ -212,7 +214,7 @@ def keys_of(model):
 
 
 def parameters():
-    """Every variable of both FMUs, as they declare it."""
+    """Return the page of all variables of both FMUs."""
     from piston_cosim.fmu_ehd.variables import variables as of_film
     from piston_cosim.fmu_mfbd import variables as of_bodies
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
@@ -250,7 +252,7 @@ def parameters():
 
 
 def row_of(variable):
-    """Row of a variable."""
+    """Return the row of a variable."""
     ends = [variable.minimum, variable.maximum]
     allowed = (
         "" if ends == [None, None] else " to ".join("" if e is None else f"{e:g}" for e in ends)
@@ -262,7 +264,7 @@ def row_of(variable):
 
 
 def public():
-    """(module, name in it) of every public name; without a name the module itself is public."""
+    """Yield (module, name in it) of every public name; an empty name stands for the module."""
     import piston_cosim as pc
 
     for name, place in pc._PLACES.items():
@@ -271,7 +273,7 @@ def public():
 
 
 def modules(part):
-    """All modules of a part with their docstrings; public names have a page of their own."""
+    """Return the page of all modules of a part, without the public names."""
     lines = [f"# {part}", ""]
     elsewhere = list(public())
     for path in sorted((ROOT / part).rglob("*.py")):
@@ -288,12 +290,12 @@ def modules(part):
 
 
 def table(heads, rows):
-    """Lines of a Markdown table."""
+    """Return the lines of a Markdown table."""
     made = [heads, ["---"] * len(heads), *rows]
     cells = [[str(cell).replace("|", "\\|").replace("\n", " ") for cell in row] for row in made]
     return [*(f"| {' | '.join(row)} |" for row in cells), ""]
 
 
 def fence(text):
-    """A text as it stands."""
+    """Return a text as a block of code."""
     return f"```text\n{text.strip()}\n```"

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Two toy models coupled by Newton, IQN and Aitken
-# A mass on a squeeze film: what a piston and its oil do to each other, with one number each. The
-# film pushes the harder the faster it closes, f = -c (dh/dt) / h^3; a plain exchange of film and
-# force does not converge, for the film damps far more than the mass resists.
+# A mass on a squeeze film is a model of a piston and its oil with one number each. The force of the
+# film opposes the velocity of closing: $f = -c\,\dot h / h^3$. A plain exchange of film and force
+# does not converge, because the film damps far more than the mass resists.
 
 # %%
 import matplotlib.pyplot as plt
@@ -56,7 +56,7 @@ class Mass(pc.Slave):
 
 
 def coupled(method, **more):
-    """The pair under one method."""
+    """Return the coupled pair with one method."""
     wires = [
         {
             "from": "mass.thickness",
@@ -72,7 +72,7 @@ def coupled(method, **more):
 
 
 # %% [markdown]
-# The same answer by all of them, at different cost. The classes offer no derivative: Newton takes
+# All methods give the same answer at different cost. The classes have no derivative, so Newton uses
 # differences of steps.
 
 # %%
@@ -94,8 +94,8 @@ films = [run.series("mass.thickness").values for run in runs.values()]
 assert all(np.allclose(film, films[0], atol=1e-10) for film in films)  # 1 pm a step, 50 steps
 
 # %% [markdown]
-# A plain exchange, each side told the other's last word, fails; the master says so instead of
-# giving a wrong answer.
+# In a plain exchange each side uses the last value of the other side. It fails, and the master
+# raises an error instead of returning a wrong answer.
 
 # %%
 try:

@@ -1,7 +1,8 @@
 # %% [markdown]
 # # A first piston
-# A rigid piston of an open paper's data sheet, on a coarse film and for a short piece of its
-# cycle, so that this takes seconds. `pc.open_case("data_sheet").run()` is the whole of it.
+# This notebook runs a rigid piston from the data sheet of an open paper. The film is coarse and
+# the run is a short part of the cycle, so it takes seconds. `pc.open_case("data_sheet").run()`
+# runs all.
 
 # %%
 import numpy as np
@@ -19,8 +20,8 @@ case = pc.open_case(
 case
 
 # %% [markdown]
-# Everything about a case is text with units; `changed` gives another case and leaves the first as
-# it is.
+# The values of a case are text with units. `changed` returns another case and does not change the
+# first one.
 
 # %%
 thick = case.changed({"participants.ehd.parameters.viscosity": "12 mPa s"})
@@ -35,7 +36,7 @@ thick_run = thick.run("first_piston/thick.h5")
 }
 
 # %% [markdown]
-# Scalars are arrays in SI with their unit; pictures take units and other runs to draw beside.
+# Scalars are arrays in SI units. Pictures accept units, and other runs to draw in the same axes.
 
 # %%
 film, unit, meaning = thin_run.series("ehd.minimum_film_thickness")
@@ -49,7 +50,7 @@ thin_run.plot.lines(
 thin_run.plot.map("bodies.film_thickness", time="5 ms", units={"bodies.film_thickness": "um"})
 
 # %% [markdown]
-# The thrust side is the column at 90 deg from the pin axis:
+# The thrust side is the column of the grid at 90 deg from the pin axis:
 
 # %%
 field = thin_run.field("bodies.film_thickness", 5e-3)

@@ -1,8 +1,8 @@
 # %% [markdown]
-# # A lubrication model of your own, swapped in
-# The template `models/lubrication_template/axial_film.py` is a whole lubrication FMU in under 60
-# lines: Reynolds' equation along the axis alone. Here it takes the place of the project's film
-# under the same piston.
+# # Use your lubrication model
+# The template `models/lubrication_template/axial_film.py` is a complete lubrication FMU of less
+# than 60 lines. It solves the Reynolds equation along the axis alone. Here it replaces the film
+# of the project under the same piston.
 
 # %%
 from pathlib import Path
@@ -23,9 +23,9 @@ template = case.path.parents[1] / "lubrication_template" / "axial_film.py"
 print("\n".join(template.read_text().split("\n")[48:]))
 
 # %% [markdown]
-# The model is made an FMU. The case then names this FMU in place of what builds the shipped one;
-# its parameters are those of the new model, and what the case recorded or showed of outputs that
-# it does not have goes.
+# `build_fmu` makes an FMU of the model. The case uses this FMU instead of the shipped one, with
+# the parameters of the new model. The case must not record or show outputs that the model does
+# not have.
 
 # %%
 own = pc.build_fmu(f"{template}:AxialFilm", options={"grid": GRID}, output="axial_film.fmu")
@@ -71,5 +71,5 @@ shipped_run.plot.lines(
 )
 
 # %% [markdown]
-# `piston-cosim run CASE --lubrication own.fmu` does the swap by itself, `piston-cosim compare
-# CASE --lubrication jfo --lubrication own.fmu` holds models against each other.
+# On the command line, `piston-cosim run CASE --lubrication own.fmu` replaces the model.
+# `piston-cosim compare CASE --lubrication jfo --lubrication own.fmu` compares models.

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A sweep with a response surface
-# Friction and thinnest film over clearance and viscosity: nine short runs, a quadratic surface
-# through them, and what it says between.
+# This notebook shows friction power over clearance and viscosity. It fits a quadratic surface to
+# nine short runs, and checks the surface between them.
 
 # %%
 import matplotlib.pyplot as plt
@@ -23,8 +23,8 @@ VISCOSITY = "participants.ehd.parameters.viscosity"
 vary = {CLEARANCE: ["40 um", "50 um", "60 um"], VISCOSITY: ["4 mPa s", "7 mPa s", "10 mPa s"]}
 
 # %% [markdown]
-# Each run has a process of its own; a second call finds them all done. In a script, `if __name__
-# == "__main__":` belongs around the call.
+# Each run is a separate process. A second call finds all runs done. In a script, put the call under
+# `if __name__ == "__main__":`.
 
 # %%
 if __name__ == "__main__":
@@ -39,7 +39,7 @@ if __name__ == "__main__":
     power = np.array([row["mean_friction_power_w"] for row in rows])
 
     def terms(c, v):
-        """Of a quadratic surface in the middle of the points."""
+        """Return the terms of a quadratic surface about the middle of the points."""
         c, v = (c - 50.0) / 10.0, (v - 7.0) / 3.0
         return np.stack([np.ones_like(c), c, v, c * c, c * v, v * v], axis=-1)
 
@@ -58,7 +58,7 @@ if __name__ == "__main__":
     figure.suptitle("Dots: runs")
 
 # %% [markdown]
-# One run between the points tells whether the surface may be believed:
+# One run between the points shows the error of the surface:
 
 # %%
 if __name__ == "__main__":

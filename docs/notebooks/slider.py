@@ -1,8 +1,9 @@
 # %% [markdown]
 # # A slider with plain arrays
-# `pc.Film` is the film alone: film thickness and velocity in, pressure and forces out. An
-# inclined pad has a closed form to be held against: for h = h0 (1 + K (1 - y/L)) the load per
-# width is W = 6 mu U (L/h0)^2 [ln(1 + K) - 2 K/(2 + K)] / K^2.
+# `pc.Film` is the film alone. It takes film thickness and velocity, and returns pressure and
+# forces. The load of an inclined pad has a closed form. The film thickness is $h = h_0 (1 + K (1
+# - y/L))$, and the load per width is $W = 6 \mu U (L/h_0)^2 \left(\ln(1 + K) - 2 K/(2 + K)\right)
+# / K^2$.
 
 # %%
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ LENGTH, RADIUS, VISCOSITY, SPEED, LEAST = 27e-3, 28.25e-3, 0.02, 8.0, 10e-6
 
 
 def pad(cells, ratio=1.0):
-    """Pressure along an inclined pad, and its load per width."""
+    """Return height and pressure along an inclined pad, and its load per width."""
     film = pc.Film((4, cells), bore_radius=RADIUS, skirt_length=LENGTH, viscosity=VISCOSITY)
     y = (np.arange(cells) + 0.5) / cells
     thickness = np.broadcast_to(LEAST * (1.0 + ratio * (1.0 - y)), (4, cells))
@@ -25,7 +26,7 @@ def pad(cells, ratio=1.0):
 
 
 def exact(ratio=1.0):
-    """Its load per width in closed form."""
+    """Return the load per width in closed form."""
     scale = 6 * VISCOSITY * SPEED * (LENGTH / LEAST) ** 2
     return scale * (np.log(1 + ratio) - 2 * ratio / (2 + ratio)) / ratio**2
 
@@ -38,7 +39,7 @@ print("errors", [f"{error:.1e}" for error in errors], "orders", np.round(orders,
 assert np.allclose(orders, 2.0, atol=0.1)
 
 # %% [markdown]
-# The load by inclination, and the pressure of the best one:
+# The next figure shows the load over the inclination, and the pressure at the maximum load:
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
@@ -53,8 +54,8 @@ right.set(xlabel="along the pad [mm]", ylabel="pressure [MPa]")
 figure.suptitle("Inclined pad")
 
 # %% [markdown]
-# With roughness the asperities carry a part, and a film that opens again cavitates: the same
-# model, other parameters. `pc.Film.parameters()` lists them all.
+# On rough surfaces, asperities carry a part of the load. A film that opens again cavitates. Both
+# effects are parameters of the same model, and `pc.Film.parameters()` lists all of them.
 
 # %%
 film = pc.Film(
