@@ -215,7 +215,8 @@ def contact_share(results, film) -> float | None:
 
 def _peaks(run):
     port = f"{run.film}.pressure"
-    if port not in run.results.recorded:
+    bearing = f"{run.film}.friction_torque" in run.results.ports  # its load line turns
+    if bearing or port not in run.results.recorded:
         return ""
     axis = run.case.axes_of(port).first
     peaks = side_peaks(axis, run.results.dataset(port)[:])
