@@ -11,6 +11,7 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
+from ..master.fmi.quantities import short
 from .build import (
     Tables,
     boss_films,
@@ -30,20 +31,26 @@ from .finite_elements.element import jacobian_determinants, quadrature, shape_fu
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
 from .geometry.grid import cell_centres
-from .geometry.profile import BoreOrder
+from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Block, Build, Piston, RigidBlock, RigidPiston, read_options
 from .preview_picture import Shapes, draw_shapes
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
-from .reduction.reduced_body import Anatomy, ReducedBlock, load
+from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.small_end import eye_shell, read_small_end
 
 MISFIT = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
 mesh is drawn at the nominal diameter or a few tenths below."""
+LEAST_GAS, HIGH_GAS, IMPOSSIBLE_GAS = 0.05e6, 30e6, 100e6
+"""Highest gas pressures [Pa] below, above and far above those of engines."""
+ABSOLUTE = 0.7e5, 1.3e5
+"""Lowest gas pressure of a table in absolute pressure [Pa]."""
+LARGEST_PROFILE = 1e-3
+"""Deviation of a skirt's profile that is usual [m]."""
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
@@ -137,8 +144,10 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     ]
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
+        remarks += _remarks_on_gas(tables.gas.pressure)
     shapes = _shapes(prepared, piston, block, chosen)
     figures += _of_film(build, shapes)
+    remarks += _remarks_on_profiles(tables.skirt, piston.body)
     remarks += _remarks(build, piston, block, chosen, shapes)
     return Preview(figures, wrong, remarks, lambda path: draw_shapes(shapes, path))
 
@@ -506,17 +515,10 @@ def narrowest(shapes: Shapes, hot: bool) -> Narrowest:
     """Smallest clearance of the concentric, undeformed piston over the stroke, where there is a
     film.
     """
-    skirt = shapes.skirt_hot if hot else shapes.skirt_cold
-    bore = shapes.bore_hot if hot else shapes.bore_cold
-    best = Narrowest(np.inf, 0.0, 0.0)
-    for place in shapes.pin_height:
-        widening = [np.interp(place + shapes.height, shapes.bore_height, line) for line in bore]
-        gap = np.where(shapes.film, skirt + np.array(widening), np.inf)
-        i, j = np.unravel_index(gap.argmin(), gap.shape)
-        if gap[i, j] < best.gap:
-            degrees = float(np.degrees(shapes.angle[i])) % 360.0
-            best = Narrowest(float(gap[i, j]), degrees, float(shapes.height[j]))
-    return best
+    gap = np.where(shapes.film, shapes.clearance(hot), np.inf)
+    i, j = np.unravel_index(gap.argmin(), gap.shape)
+    degrees = float(np.degrees(shapes.angle[i])) % 360.0
+    return Narrowest(float(gap[i, j]), degrees, float(shapes.height[j]))
 
 
 def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
@@ -560,6 +562,38 @@ def _remarks(
     if not build.piston.profiles and not chosen.barrel:
         out.append(f"barrel = {_um(0.0)}: a straight skirt carries on its edges")
     return out + _thin_openings(shapes.film)
+
+
+def _remarks_on_gas(pressure: np.ndarray) -> list[str]:
+    """Return remarks on a gas pressure that is unusual, as from a wrong unit."""
+    low, high = float(pressure.min()), float(pressure.max())
+    told = f"highest gas pressure = {short(high, 'Pa')}"
+    if high > IMPOSSIBLE_GAS or high < LEAST_GAS:
+        return [f"{told}: check pressure_unit"]
+    out = [f"{told}: engines have less than 30 MPa"] if high > HIGH_GAS else []
+    if ABSOLUTE[0] < low < ABSOLUTE[1]:
+        out.append(
+            f"lowest gas pressure = {short(low, 'Pa')}: the table seems absolute; "
+            "expected gauge pressure, about 0 in the exhaust"
+        )
+    return out
+
+
+def _remarks_on_profiles(profiles: Sequence[MeasuredShape], piston: ReducedPiston) -> list[str]:
+    """Return remarks on measured profiles that are too large or do not cover the skirt."""
+    out = []
+    for shape in profiles:
+        largest = float(np.abs(shape.value).max())
+        if largest > LARGEST_PROFILE:
+            out.append(f"profile of {_um(largest)}: expected less than 1 mm; check its unit")
+        low, high = float(shape.height.min()), float(shape.height.max())
+        slack = (piston.skirt_upper - piston.skirt_lower) / 100
+        if low > piston.skirt_lower + slack or high < piston.skirt_upper - slack:
+            out.append(
+                f"profile from {1e3 * low:.4g} to {1e3 * high:.4g} mm does not cover the skirt, "
+                f"{1e3 * piston.skirt_lower:.4g} to {1e3 * piston.skirt_upper:.4g} mm"
+            )
+    return out
 
 
 def _um(length: float) -> str:

@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 
 UM = 1e6
 MM = 1e3
+BELOW = (0.5, -0.2)
+"""Position of a legend below its panel, where it covers no curve."""
 SIDES = {"thrust": 90.0, "anti-thrust": 270.0, "pin": 0.0}
 COLOURS = {"thrust": "#1b4f8a", "anti-thrust": "#c8553d", "pin": "#3a7d44"}
 
@@ -42,6 +44,18 @@ class Shapes(NamedTuple):
     bore_hot: np.ndarray
     pin_height: np.ndarray
 
+    def clearance(self, hot: bool) -> np.ndarray:
+        """Return the smallest clearance of each cell over the stroke [m], shape (c, a): that of the
+        concentric, undeformed piston.
+        """
+        skirt = self.skirt_hot if hot else self.skirt_cold
+        bore = self.bore_hot if hot else self.bore_cold
+        widening = [
+            [np.interp(place + self.height, self.bore_height, line) for line in bore]
+            for place in self.pin_height
+        ]
+        return skirt + np.min(widening, axis=0)
+
 
 def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     """One PNG: skirt developed, with the openings left white; bore developed; the skirt around at
@@ -50,11 +64,11 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     figure = Figure(figsize=(12, 8))
     FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
     (developed, bore), (around, along) = figure.subplots(2, 2)
-    figure.subplots_adjust(0.06, 0.08, 0.98, 0.95, wspace=0.2, hspace=0.35)
-    gap = np.where(shapes.film, shapes.skirt_hot, np.nan)
+    figure.subplots_adjust(0.06, 0.14, 0.98, 0.95, wspace=0.2, hspace=0.35)
+    gap = np.where(shapes.film, shapes.clearance(hot=True), np.nan)
     _developed(figure, developed, shapes.angle, shapes.height, gap)
     developed.set(
-        title=f"clearance and profile of the skirt, hot; {shapes.film.mean():.0%} has a film",
+        title=f"smallest clearance over the stroke, hot; {shapes.film.mean():.0%} has a film",
         ylabel="height above the pin [mm]",
     )
     _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
@@ -92,28 +106,30 @@ def _around(panel, shapes):
     order = np.argsort(np.degrees(shapes.angle) % 360)
     degrees = (np.degrees(shapes.angle) % 360)[order]
     count = len(shapes.height)
+    hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
     for share, colour in ((0.1, "#c8553d"), (0.5, "#1b4f8a"), (0.9, "#3a7d44")):
         j = min(int(share * count), count - 1)
         name = f"{MM * shapes.height[j]:.3g} mm above the pin"
-        panel.plot(degrees, UM * shapes.skirt_hot[order, j], color=colour, label=name)
-        panel.plot(degrees, UM * shapes.skirt_cold[order, j], "--", color=colour, lw=0.8)
+        panel.plot(degrees, UM * hot[order, j], color=colour, label=name)
+        panel.plot(degrees, UM * cold[order, j], "--", color=colour, lw=0.8)
     panel.set(title="section around (dashed: cold)", ylabel="clearance [\N{MICRO SIGN}m]")
     _mark(panel)
     panel.grid(alpha=0.3)
-    panel.legend(fontsize="small", frameon=False)
+    panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
 
 
 def _along(panel, shapes):
     """The skirt's clearance along the thrust faces and above the pin."""
     degrees = np.degrees(shapes.angle) % 360
+    hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
     for name, where in SIDES.items():
         i = int(np.argmin(np.abs((degrees - where + 180) % 360 - 180)))
-        panel.plot(UM * shapes.skirt_hot[i], MM * shapes.height, color=COLOURS[name], label=name)
-        panel.plot(UM * shapes.skirt_cold[i], MM * shapes.height, "--", color=COLOURS[name], lw=0.8)
+        panel.plot(UM * hot[i], MM * shapes.height, color=COLOURS[name], label=name)
+        panel.plot(UM * cold[i], MM * shapes.height, "--", color=COLOURS[name], lw=0.8)
     panel.set(
         title="section along (dashed: cold)",
         xlabel="clearance [\N{MICRO SIGN}m]",
         ylabel="height above the pin [mm]",
     )
     panel.grid(alpha=0.3)
-    panel.legend(fontsize="small", frameon=False)
+    panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)

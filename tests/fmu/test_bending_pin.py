@@ -107,7 +107,7 @@ def test_the_variant_is_sound_and_what_cannot_bend_is_told():
         return " ".join(check("floating_pin", [(f"{PIN}.pin_shapes", 5), *changes]).faults)
 
     assert told(BORE) == ""
-    assert "pin_bore_radius = 18 mm: must be less" in told((BORE[0], "18 mm"))
+    assert "pin_bore_radius: expected less" in told((BORE[0], "18 mm"))
     assert "pin_length = 80 mm: must reach through all films" in told(
         ("participants.bodies.parameters.pin_length", "80 mm")
     )

@@ -275,15 +275,15 @@ def test_wires_that_clocks_do_not_take_are_refused(folder, tmp_path, wire, words
 
 
 def test_other_misuse_of_clocks_is_refused(folder, tmp_path):
-    with pytest.raises(BadInput, match="its interval is 0 s, allowed is above 0"):
+    with pytest.raises(BadInput, match="expected an interval above 0 s, got 0 s"):
         solved(folder, tmp_path / "o.h5", case_text([], fmu="stopped"))
-    with pytest.raises(BadInput, match="a clock cannot be read: intervalVariability = 'often'"):
+    with pytest.raises(BadInput, match="expected intervalVariability .*, got 'often'"):
         open_fmu("a", folder / "odd.fmu")
     with pytest.raises(BadInput, match="y_in: its clocks are no clocks"):
         open_fmu("a", folder / "unclocked.fmu")
-    with pytest.raises(BadInput, match="a clock cannot be read: .*'ten'"):
+    with pytest.raises(BadInput, match="clocks: .*'ten'"):
         open_fmu("a", folder / "nothing.fmu")
-    with pytest.raises(BadInput, match="a clock ticks, it has no value"):
+    with pytest.raises(BadInput, match="expected no value for a clock"):
         solved(folder, tmp_path / "o.h5", case_text([], a="kick = true"))
     with pytest.raises(BadInput, match="a.crossed is a Clock"):
         text = case_text([]) + '[summary]\nx = "last a.crossed"\n'

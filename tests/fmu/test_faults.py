@@ -182,7 +182,7 @@ def test_a_state_that_is_not_restored_is_reported_before_anything_is_written(tmp
 
 
 def test_a_timeout_that_is_none_is_bad_input(tmp_path):
-    for timeout, words in (("5 kg", "timeout"), ("-1 s", "timeout = -1 s: must be positive")):
+    for timeout, words in (("5 kg", "timeout"), ("-1 s", "timeout: expected a positive time")):
         done = run(tmp_path, "", isolated=True, changes=[f"participants.bad.timeout={timeout}"])
         assert done.returncode == 2 and words in done.stderr
 

@@ -115,7 +115,7 @@ def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_pa
     code, _, errors = ask(host, unpacked.arguments("viscosity", -1.0, *CELL))
     assert code == 1
     assert "fmi2ExitInitializationMode answered 3" in errors
-    assert "viscosity = -1 Pa.s: allowed is" in errors
+    assert "viscosity: expected " in errors
 
 
 def test_a_description_of_another_fmu_is_refused(host, film, bodies):

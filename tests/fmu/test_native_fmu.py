@@ -322,7 +322,7 @@ def test_inputs_in_place_of_parameters(make_native):
         # exp of another library
         assert np.abs(one.get("nodal_pressure_force") - force).max() <= 1e-11 * np.abs(force).max()
     one.set("pressure_upper_edge", -1.0)
-    with pytest.raises(Discard, match="pressure_upper_edge = -1 Pa: must not be below"):
+    with pytest.raises(Discard, match="pressure_upper_edge: expected at least"):
         one.step(0.0, DEGREE)
     one.close()
 
@@ -342,9 +342,9 @@ def test_every_choice_and_number_is_covered():
 @pytest.mark.parametrize(
     "name, value, words",
     [
-        ("flow_factors", "patir_cheng_1978", "patir_cheng_1978: needs roughness_rms > 0 m"),
-        ("bore_radius", 7.0, "bore_radius = 7 m: allowed is 0.001 to 1 m"),
-        ("pressure_lower_edge", -1e3, "pressure_lower_edge = -1000 Pa: must not be below cavit"),
+        ("flow_factors", "patir_cheng_1978", "roughness_rms: expected more than 0 m"),
+        ("bore_radius", 7.0, "bore_radius: expected 0.001 to 1 m, got 7 m"),
+        ("pressure_lower_edge", -1e3, "pressure_lower_edge: expected at least cavitation_pressure"),
         ("film_fraction_openings", 0.5, "film_fraction_openings = 0.5 (unit 1), pressure_openin"),
     ],
 )
@@ -392,17 +392,17 @@ def test_options_that_are_not_covered_are_refused_before_anything_is_compiled():
         grid=[200, 4], surface="bearing", inputs=[], mask=[[0, 1, 1, 1]], no_fields=False, oil={}
     )
     assert len(list(uncovered(options))) == 1
-    with pytest.raises(BadInput, match="grid = 193 x 8: a native FMU covers 192"):
+    with pytest.raises(BadInput, match="grid: expected at most 192"):
         build_native_fmu("fmu_ehd", {"grid": [193, 8]}, Path("."))
-    with pytest.raises(BadInput, match="platform = beos: allowed: linux64"):
+    with pytest.raises(BadInput, match="platform: expected one of linux64"):
         build_native_fmu("fmu_ehd", {"grid": [8, 8]}, Path("."), platforms=["beos"])
 
 
 @pytest.mark.parametrize(
     "participant, options, platform, words",
     [
-        ("ehd", {"grid": [193, 8]}, "linux64", "grid = 193 x 8: a native FMU covers 192"),
-        ("ehd", {}, "beos", "platform = beos: allowed: linux64"),
+        ("ehd", {"grid": [193, 8]}, "linux64", "grid: expected at most 192"),
+        ("ehd", {}, "beos", "platform: expected one of linux64"),
     ],
 )
 def test_what_is_not_covered_is_refused_before_a_body_is_reduced(
@@ -419,7 +419,7 @@ def test_what_is_not_covered_is_refused_before_a_body_is_reduced(
     "shift, words",
     [
         (-1e-3, r"film_thickness\[\d+,\d+\] = -0\.\d+ m, and nowhere above 0 m: there is no film"),
-        (np.nan, r"film_thickness\[1,1\] = nan m: must be finite"),
+        (np.nan, r"film_thickness\[1,1\]: expected a finite value"),
     ],
 )
 def test_a_refused_step_says_why_in_the_words_of_the_model(native_fmu, shift, words):

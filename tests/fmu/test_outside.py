@@ -117,7 +117,7 @@ def test_a_step_control_from_outside(installed, tmp_path):
     [
         (lambda t: t["participants"]["wall"].update(plugin="nobody"), "there are: outside_wall"),
         (lambda t: t["participants"]["wall"].update(build={"x": 1}), "unknown options x"),
-        (lambda t: t["coupling"].update(method="nothing"), "is no method: there are newton"),
+        (lambda t: t["coupling"].update(method="nothing"), "unknown method 'nothing'"),
         (lambda t: t["coupling"].update(step_control="none"), "there are: every_half"),
         (lambda t: t.update(observers={"none": {}}), "there are: window_times"),
     ],

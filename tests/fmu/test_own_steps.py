@@ -133,11 +133,11 @@ def test_a_held_table_and_a_start_time(folder):
     [
         ("time [s], force [m]\n0, 1\n1, 2\n", "reaches from 0 s to 1 s, the run from 0 s to 2 s"),
         ("time [s], force [furl]\n0, 1\n2, 2\n", "nothing is known of the unit furl"),
-        ("time [kg], force [m]\n0, 1\n2, 2\n", "the first column must be the time"),
+        ("time [kg], force [m]\n0, 1\n2, 2\n", "expected the time in the first column"),
         ("time [s], force [m]\n0, 1\n0, 2\n", "the times must increase"),
         ("time [s], force [m]\n0, x\n2, 2\n", "row 2 does not hold 2 numbers"),
         ("time [s], force [m], force\n0, 1, 2\n2, 2, 3\n", "two columns are named 'force'"),
-        ("time [s]\n0\n2\n", "there is no column beside the time"),
+        ("time [s]\n0\n2\n", "expected a column after the time"),
         ("time [s], force [m]\n0, nan\n2, 2\n", "not finite"),
     ],
 )

@@ -142,7 +142,7 @@ def test_what_is_not_covered_is_said_with_all_that_is_wrong():
         ("participants.bodies.build.speed", SPEED),
     )
     faults = faults_ahead(case, PATH.parent)
-    assert any("piston is no participant that a package builds: bodies, ehd" in f for f in faults)
+    assert any("unknown participant 'piston'" in f for f in faults)
     assert any("participants.ehd: grid = 193 x 10" in fault for fault in faults)
     assert any("participants.bodies: speed" in fault for fault in faults)
 

@@ -174,12 +174,12 @@ def test_the_shipped_case_is_sound_and_what_cannot_yield_is_told():
     def told(*changes):
         return " ".join(check("yielding_bosses", list(changes)).faults)
 
-    assert "must be 'rbe3'" in told((f"{PISTON}.tie", "rbe2"))
+    assert "expected 'rbe3'" in told((f"{PISTON}.tie", "rbe2"))
     assert "from 1 to 99 are for its bosses" in told(
         ("participants.bodies.build.floating_pin.boss_modes", 100)
     )
     assert "the piston is rigid" in told((f"{PISTON}.modes", 0))
-    assert "must be 'smooth_pressure_modes' or 'pressure_modes'" in told(
+    assert "expected 'smooth_pressure_modes' or 'pressure_modes'" in told(
         (f"{PISTON}.basis", "craig_bampton")
     )
     assert "have no bore under them" in told(

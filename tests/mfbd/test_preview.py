@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.preview import _runs, mass_properties, preview
+from piston_cosim.fmu_mfbd.preview import _remarks_on_gas, _runs, mass_properties, preview
 
 SHEET = {
     "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
@@ -80,9 +80,9 @@ def test_an_interference_when_hot_is_told(tmp_path):
 @pytest.mark.parametrize(
     "given, message",
     [
-        ({"rod_length": 40e-3}, "rod_length = 0.04 m: must exceed"),
-        ({"crank_radius": 75e-3}, "the skirt travels"),
-        ({"rod_centre": 0.2}, "rod_centre = 0.2 m"),
+        ({"rod_length": 40e-3}, "rod_length: expected more than"),
+        ({"crank_radius": 75e-3}, "expected a skirt within the bore"),
+        ({"rod_centre": 0.2}, "rod_centre: expected at most"),
     ],
 )
 def test_geometry_that_does_not_go_together(given, message, tmp_path):
@@ -92,7 +92,7 @@ def test_geometry_that_does_not_go_together(given, message, tmp_path):
 def test_faults_of_a_mesh_and_of_its_modes(bodies):
     folder, table = bodies
     turned = table | {"piston": table["piston"] | {"axes": ["y", "x", "-z"]}}
-    assert "its axis lies along" in preview(turned, {}, folder).faults[0]
+    assert "expected an axis along y" in preview(turned, {}, folder).faults[0]
     count = {"modes": 60, "basis": "pressure_modes"}
     many = table | {"grid": [4, 4], "piston": table["piston"] | count}
     many["block"] = table["block"] | {"mesh": "no.msh"}
@@ -109,3 +109,18 @@ def test_a_picture_is_drawn(tmp_path):
 def test_runs_on_a_ring():
     assert _runs(np.array([1, 0, 0, 1, 1, 0, 1], dtype=bool)) == [2, 2]  # 1 at the end goes on
     assert _runs(np.ones(3, dtype=bool)) == [] and _runs(np.zeros(3, dtype=bool)) == []
+
+
+@pytest.mark.parametrize(
+    "low, high, words",
+    [
+        (0.0, 7e6, []),
+        (0.0, 40e6, ["less than 30 MPa"]),
+        (0.0, 7e9, ["check pressure_unit"]),
+        (0.0, 7e3, ["check pressure_unit"]),
+        (1e5, 7e6, ["seems absolute"]),
+    ],
+)
+def test_unusual_gas_pressures_are_remarked(low, high, words):
+    remarks = _remarks_on_gas(np.array([low, high, low]))
+    assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
