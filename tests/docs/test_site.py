@@ -125,7 +125,7 @@ def test_every_equation_is_rendered_on_its_page_with_links_to_its_code(site):
 
 
 def test_no_page_shows_an_equation_as_plain_text(site):
-    pages, _ = site
+    pages, folder = site
     source = ("source/", "changelog/")  # source code, and releases before
     plain = {
         path: re.findall(DEFINED, page.text)
@@ -133,6 +133,8 @@ def test_no_page_shows_an_equation_as_plain_text(site):
         if not path.as_posix().startswith(source)
     }
     assert {path: labels for path, labels in plain.items() if labels} == {}
+    notebooks = (folder / "notebooks").rglob("*.html")
+    assert [path for path in notebooks if re.search(r"<(p|li)>[^<]*\$", path.read_text())] == []
 
 
 def test_every_formula_of_the_theory_has_a_label_and_a_link_to_its_code(site):
