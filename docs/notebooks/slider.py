@@ -1,6 +1,6 @@
 # %% [markdown]
 # # A slider with plain arrays
-# `pc.Film` is the film alone. It takes film thickness and velocity, and returns pressure and forces.
+# `pc.Film` is the film alone. It takes film thickness and velocity and returns pressure and forces.
 # The load of an inclined pad has a closed form. The film thickness falls along the pad,
 # $h = h_0 (1 + K (1 - y/L))$, and the load per width is
 # $W = 6 \mu U (L/h_0)^2 \left(\ln(1 + K) - 2 K/(2 + K)\right) / K^2$.
