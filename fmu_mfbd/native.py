@@ -928,7 +928,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     if now.evaluations == 0:
         refuse(memory, NOT_SOLVED, crank.angle, now.change, 0.0, 0.0)
         return
-    scalars = scalars_of(now, crank, p.crank_inertia)
+    scalars = scalars_of(now, crank, p.crank_inertia, system.piston, system.surfaces)
     state = part(memory, NUMBERS)
     publish(real, integer, memory, now, scalars)
     if not at.begins:

@@ -300,6 +300,21 @@ def outputs(
             "Kinetic energy of the motion across the bore, including rocking and modes",
             1e-3,
         ),
+        output_variable(
+            "piston_kinetic_energy",
+            "J",
+            "Kinetic energy of the piston alone in lateral translation and rocking",
+            1e-3,
+        ),
+        *(
+            output_variable(
+                f"{edge}_edge_velocity",
+                "m/s",
+                f"Velocity of the {edge} edge of the films on the skirt towards the thrust side",
+                1e-2,
+            )
+            for edge in ("lower", "upper")
+        ),
         output_variable("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
         output_variable("film_work", "J", "Work of the film on the bodies over the step", 1e-3),
         output_variable(

@@ -4,8 +4,12 @@ the outside sees. Called by the model and by the native FMU alike.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ...master.fmi.compiled import compilable
+from ..geometry.surfaces import count_of, surface_at
 from .carrier import Carrier
+from .floating_frame import FlexibleBody
 from .gas_on_bore import WallPressures
 from .instant import Instant, OtherForces, RingForce, System
 from .piston_motion import LATERAL, ROCKING
@@ -30,6 +34,9 @@ class Scalars(NamedTuple):
     pin_friction_moment: float
     pin_friction_power: float
     kinetic_energy: float
+    piston_kinetic_energy: float
+    lower_edge_velocity: float
+    upper_edge_velocity: float
     elastic_energy: float
     film_work: float
     energy_error: float
@@ -54,8 +61,50 @@ def demand_of(system: System, others: OtherForces, crank: CrankMotion) -> float:
 
 
 @compilable
-def scalars_of(now: Instant, crank: CrankMotion, crank_inertia: float) -> Scalars:
+def piston_kinetic_energy(piston: FlexibleBody, velocity: float, rocking_velocity: float) -> float:
+    """Return the kinetic energy of the piston alone in lateral translation and rocking [J].
+
+    Eq. (K27):  E = (m v^2 + I w^2)/2,   v = v_A - w S_y/m,   I = I_A - (S_x^2 + S_y^2)/m
+                v at the centre of mass, w the rocking velocity, S and I_A about A
+
+    Parameters
+    ----------
+    piston : FlexibleBody
+    velocity : float
+        Lateral velocity of A [m/s].
+    rocking_velocity : float
+        [rad/s]
+    """
+    m, S = piston.mass, piston.S
+    at_centre = velocity - rocking_velocity * S[1] / m
+    inertia = piston.I0 - (S[0] ** 2 + S[1] ** 2) / m
+    return (m * at_centre**2 + inertia * rocking_velocity**2) / 2  # Eq. (K27)
+
+
+@compilable
+def skirt_edges(surfaces: np.ndarray) -> tuple[float, float]:
+    """Return the heights of the lower and the upper edge of all films on the skirt above A [m]."""
+    low, high = np.inf, -np.inf
+    for k in range(count_of(surfaces)):
+        height = surface_at(surfaces, k).skirt.height
+        last = len(height) - 1
+        half = (height[last] - height[0]) / (2 * max(last, 1))
+        low = min(low, height[0] - half)
+        high = max(high, height[last] + half)
+    return low, high
+
+
+@compilable
+def scalars_of(
+    now: Instant,
+    crank: CrankMotion,
+    crank_inertia: float,
+    piston: FlexibleBody,
+    surfaces: np.ndarray,
+) -> Scalars:
     """Scalar outputs at an instant; `energy_gain` and `energy_size` before `account`."""
+    lateral, rocking = now.kept_velocity[LATERAL], now.kept_velocity[ROCKING]
+    lower, upper = skirt_edges(surfaces)
     return Scalars(
         crank_angle=crank.angle,
         rotation_speed=crank.speed,
@@ -63,8 +112,8 @@ def scalars_of(now: Instant, crank: CrankMotion, crank_inertia: float) -> Scalar
         piston_velocity=now.piston_velocity,
         lateral_displacement=now.position[LATERAL],
         rocking_angle=now.position[ROCKING],
-        lateral_velocity=now.kept_velocity[LATERAL],
-        rocking_velocity=now.kept_velocity[ROCKING],
+        lateral_velocity=lateral,
+        rocking_velocity=rocking,
         side_force=now.side_force,
         crank_torque=now.torque + crank_inertia * crank.acceleration,
         pin_force_x=now.pin_x,
@@ -72,6 +121,9 @@ def scalars_of(now: Instant, crank: CrankMotion, crank_inertia: float) -> Scalar
         pin_friction_moment=now.pin_moment,
         pin_friction_power=now.pin_friction_power,
         kinetic_energy=now.ledger.kinetic,
+        piston_kinetic_energy=piston_kinetic_energy(piston, lateral, rocking),
+        lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
+        upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,
         film_work=now.ledger.film_work,
         energy_error=now.ledger.error,

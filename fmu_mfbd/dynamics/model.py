@@ -480,7 +480,9 @@ class PistonInBore:
                 f"{film.prefix}interface_work_error": error
                 for film, error in zip(self.films, now.work_error)
             },
-            **scalars_of(now, crank, self.crank.inertia)._asdict(),
+            **scalars_of(
+                now, crank, self.crank.inertia, self.system.piston, self.system.surfaces
+            )._asdict(),
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }

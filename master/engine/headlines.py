@@ -14,6 +14,7 @@ from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
+from .impacts import impacts
 from .peaks import ABOVE, BESIDE, side_peaks
 from .places import Place, film_body, thinnest_place, worst_place
 
@@ -258,14 +259,20 @@ def _sided(run, force):
 
 
 def _slap(run):
-    energy = run.values(f"{run.bodies}.kinetic_energy")
-    speed = run.values(f"{run.bodies}.lateral_velocity")
-    if energy is None or speed is None:
+    found = impacts(run.results, run.bodies)
+    if not found:
         return ""
-    k = int(energy.argmax())
+    worst = max(found, key=lambda impact: impact.loss)
     return (
-        f"kinetic energy {short(energy[k], 'J')}, velocity {short(speed[k], 'm/s')} {_at(run, k)}"
+        f"{short(worst.loss, 'J')} lost {_at(run, worst.row)}, {worst.edge} edge at "
+        f"{short(abs(worst.velocity), 'm/s')} on the {worst.side} side{_edge_height(run, worst)}"
     )
+
+
+def _edge_height(run, impact):
+    """Return the height of the edge that strikes, in the coordinate of the maps."""
+    axis = run.case.axes_of(f"{run.film}.pressure").second
+    return f", height {axis.range[impact.edge == 'upper']:.3g} {axis.unit}".rstrip()
 
 
 def _lateral(run):
@@ -305,9 +312,9 @@ MEASURES = (
 def measures(case, path) -> dict[str, float]:
     """Return the measures of a design over the last period of a results file.
 
-    The names are those of `MEASURES`. Slap energy is the largest kinetic energy of lateral motion.
-    The contact share is the fraction of the friction work. A measure is omitted if the run lacks
-    its outputs.
+    The names are those of `MEASURES`. Slap energy is the largest loss of the piston's own kinetic
+    energy in an impact. The contact share is the fraction of the friction work. A measure is
+    omitted if the run lacks its outputs.
     """
     with Results(path) as run:
         return _measured(case, run.last)
@@ -322,12 +329,12 @@ def _measured(case, results):
         return [results.series(port).values for port in ports if port in results.ports]
 
     thickness = values(films, "minimum_film_thickness")
-    energy = values(bodies[:1], "kinetic_energy")
+    losses = [impact.loss for body in bodies for impact in impacts(results, body) or ()]
     rocking = values(bodies[:1], "rocking_angle")
     found = {
         "minimum_film_thickness_m": min((one.min() for one in thickness), default=None),
         "friction_mean_effective_pressure_pa": friction_pressure(case, results),
-        "slap_energy_j": max((one.max() for one in energy), default=None),
+        "slap_energy_j": max(losses, default=None),
         "largest_rocking_angle_rad": max((np.abs(one).max() for one in rocking), default=None),
         "contact_share": contact_share(results, films[0]) if films else None,
     }

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import trapezoid
-from scipy.signal import find_peaks
 
 from ..case.contract import players
 from ..case.schema import Case
@@ -34,6 +33,7 @@ from ..results.instants import crank_angle
 from ..results.report import Special
 from ..results.solids import Solid, Stand
 from .headlines import friction_pressures
+from .impacts import impacts
 from .places import film_body, film_surface, gap_port
 from .stands import stands
 
@@ -43,8 +43,6 @@ WEAR_COEFFICIENT = 1e-17
 """Archard's wear coefficient [1/Pa] of Eq. (X15), an assumption for a run-in, lubricated skirt. The
 wear depth is proportional to it.
 """
-LEAST_SLAP = 0.1
-"""Minimum kinetic energy of a marked slap, relative to the largest one of the run."""
 LEAST_LOAD = 0.05
 """Minimum radial load for a friction coefficient, relative to the largest one of the run."""
 CRANK = "crank angle [deg]"
@@ -294,9 +292,9 @@ def _motion(runs, body, skirt):
     )
     drawn += _chart(
         runs,
-        "Kinetic energy of the lateral motion, which decreases at a slap",
+        "Kinetic energy of the piston's lateral and rocking motion",
         "[mJ]",
-        Line("kinetic", f"{body}.kinetic_energy", 1e3),
+        Line("kinetic", f"{body}.piston_kinetic_energy", 1e3),
     )
     drawn += _chart(runs, "Elastic energy", "[mJ]", Line("elastic", f"{body}.elastic_energy", 1e3))
     drawn += _slaps(runs, body)
@@ -304,19 +302,16 @@ def _motion(runs, body, skirt):
 
 
 def _slaps(runs, body) -> list[Drawn]:
-    """Kinetic energy across the bore where it is largest between two falls, at least a tenth of the
-    run's largest.
-    """
+    """Energy that the piston loses in each impact."""
     curves = []
     for k, (label, results) in enumerate(runs.items()):
-        port = f"{body}.kinetic_energy"
-        if port not in results.ports:
+        found = impacts(results, body)
+        if found is None:
             continue
-        energy = results.series(port).values
-        peaks, _ = find_peaks(energy, height=LEAST_SLAP * energy.max())
-        shown = 1e3 * energy[peaks]
-        curves.append(Curve(label, k, _degrees(results)[peaks], shown, points=True))
-    title = "Slaps: kinetic energy of the lateral motion at impact"
+        rows = [impact.row for impact in found]
+        shown = 1e3 * np.array([impact.loss for impact in found])
+        curves.append(Curve(label, k, _degrees(results)[rows], shown, points=True))
+    title = "Energy of the piston lost in each impact"
     return [Chart(title, CRANK, "[mJ]", curves, cursor=True)] if curves else []
 
 

@@ -8,6 +8,7 @@ import pytest
 from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
 from piston_cosim.master.engine.headlines import friction_pressure, headlines
+from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.sections import (
     STROKES,
     WEAR_COEFFICIENT,
@@ -120,12 +121,26 @@ def test_edges_of_the_skirt_move_with_the_tilt():
     assert lower.x == pytest.approx([0.0, 90.0]) and chart.cursor
 
 
-def test_slaps_are_the_peaks_of_a_tenth_or_more():
-    runs = {"r": run([0, 1, 2, 3, 4, 5, 6], kinetic_energy=[0, 1e-3, 0, 5e-5, 0, 2e-4, 0])}
+def test_impacts_lose_the_energy_from_a_peak_to_the_next_minimum():
+    """Peaks of 1 mJ and 0.2 mJ count, a ripple of 0.05 mJ does not. Minima are 0.1 and 0.05 mJ."""
+    runs = {
+        "r": run(
+            [0, 1, 2, 3, 4, 5, 6],
+            piston_kinetic_energy=[0, 1e-3, 1e-4, 1.5e-4, 1e-4, 3e-4, 5e-5],
+            lower_edge_velocity=[0, 0.02, 0, 0, 0, 0.05, 0],
+            upper_edge_velocity=[0, -0.03, 0, 0, 0, 0.04, 0],
+        )
+    }
+    found = impacts(runs["r"], "bodies")
+    assert [(one.row, one.edge, one.side, one.velocity) for one in found] == [
+        (1, "upper", "anti-thrust", -0.03),
+        (5, "lower", "thrust", 0.05),
+    ]
+    assert [one.loss for one in found] == pytest.approx([9e-4, 2.5e-4])
     section = special(Case.model_construct(), runs).sections[0]
-    chart = next(one for one in section.drawn if one.title.startswith("Slaps"))
+    chart = next(one for one in section.drawn if "lost" in one.title)
     (curve,) = chart.curves
-    assert curve.x == pytest.approx([1.0, 5.0]) and curve.y == pytest.approx([1.0, 0.2])
+    assert curve.x == pytest.approx([1.0, 5.0]) and curve.y == pytest.approx([0.9, 0.25])
 
 
 def test_coefficient_of_friction_over_load_and_speed():

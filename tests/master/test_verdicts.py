@@ -51,8 +51,9 @@ def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, **su
         "ehd/friction_power": (100.0 + 40.0 * np.cos(angle), "W"),
         "ehd/boundary_friction_share": (np.full(angle.size, 0.04), "1"),
         "ehd/contact_area_fraction": (np.full(angle.size, 1e-3), "1"),
-        "bodies/kinetic_energy": (2e-3 * np.cos(angle / 4) ** 2, "J"),
-        "bodies/lateral_velocity": (np.full(angle.size, -0.05), "m/s"),
+        "bodies/piston_kinetic_energy": (2e-3 * np.cos(angle / 4) ** 2, "J"),
+        "bodies/lower_edge_velocity": (np.full(angle.size, -0.05), "m/s"),
+        "bodies/upper_edge_velocity": (np.full(angle.size, 0.04), "m/s"),
         "bodies/rocking_angle": (np.radians(0.1) * np.sin(angle / 2), "rad"),
         "ehd/oil_in_film": (np.full(angle.size, 3e-7), "m3"),
         "ehd/flow_upper_edge": (np.full(angle.size, -2e-9), "m3/s"),
@@ -220,7 +221,9 @@ def test_the_first_screen_by_hand(tmp_path):
     assert said["side force"] == (
         "1 kN on the anti-thrust side at 540 deg; demand 1 kN on the anti-thrust side at 540 deg"
     )
-    assert said["slap"] == "kinetic energy 2 mJ, velocity -50 mm/s at 720 deg"
+    assert said["slap"] == (
+        "2 mJ lost at 720 deg, lower edge at 50 mm/s on the anti-thrust side, height 0 mm"
+    )
     assert said["lateral motion"] == "-10 µm to 10 µm"
     assert said["rocking angle"] == "-0.1 deg to 0.1 deg"
     assert said["oil"] == "300 mm³ in the film, outflow 2 mm³/s through the upper edge"

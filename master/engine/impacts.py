@@ -1,0 +1,58 @@
+"""Impacts of a piston on the bore: kinetic energy lost, and motion of the edge that strikes."""
+
+from typing import NamedTuple
+
+from scipy.signal import find_peaks
+
+from ..results.file import Results
+
+LEAST = 0.1
+"""Minimum prominence of an energy peak that counts, relative to the largest energy [-]."""
+
+
+class Impact(NamedTuple):
+    """Loss of the piston's own kinetic energy to the next minimum.
+
+    Parameters
+    ----------
+    row : int
+        Macro step of the maximum before the impact.
+    loss : float
+        Energy lost [J].
+    edge : str
+        "lower" or "upper": the edge of the skirt that is faster at `row`.
+    velocity : float
+        Velocity of that edge, positive towards the thrust side [m/s].
+    """
+
+    row: int
+    loss: float
+    edge: str
+    velocity: float
+
+    @property
+    def side(self) -> str:
+        """Side that the edge strikes."""
+        return "thrust" if self.velocity >= 0.0 else "anti-thrust"
+
+
+def impacts(results: Results, body: str) -> list[Impact] | None:
+    """Return the impacts of the piston of participant `body`, None if the run lacks its outputs.
+
+    Eq. (X23):  loss = max E - min E,   E of Eq. (K27), between a peak and the following one
+    """
+    ports = [
+        f"{body}.{name}"
+        for name in ("piston_kinetic_energy", "lower_edge_velocity", "upper_edge_velocity")
+    ]
+    if not {*ports} <= {*results.ports}:
+        return None
+    energy, *edges = (results.series(port).values for port in ports)
+    peaks, _ = find_peaks(energy, prominence=LEAST * energy.max(initial=0.0))
+    found = []
+    for row, end in zip(peaks, [*peaks[1:], len(energy)]):
+        loss = float(energy[row] - energy[row:end].min())  # Eq. (X23)
+        speeds = [float(edge[row]) for edge in edges]
+        faster = int(abs(speeds[1]) > abs(speeds[0]))
+        found.append(Impact(int(row), loss, ("lower", "upper")[faster], speeds[faster]))
+    return found
