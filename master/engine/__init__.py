@@ -5,6 +5,7 @@ step_mesh  its piston from a STEP file; piston_mesh: one of our own, slipper or 
 answer     what a run answers: its headlines and its verdicts
 headlines  film, pressure, friction, side force, slap, oil: ten lines
 impacts    energy that a piston loses where it strikes the bore, and the edge that strikes
+oil_balance  oil that passes the edges of a film in a period
 verdicts   what is amber or red
 truncation what the modes of its flexible bodies leave out of a run
 places     where a film has its worst place, by side, angle and height

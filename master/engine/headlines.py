@@ -15,6 +15,7 @@ from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
 from .impacts import impacts
+from .oil_balance import oil_balance
 from .peaks import ABOVE, BESIDE, side_peaks
 from .places import Place, film_body, thinnest_place, worst_place
 
@@ -289,14 +290,16 @@ def _range(values, told):
 
 
 def _oil(run):
-    content = run.values(f"{run.film}.oil_in_film")
-    upper = run.values(f"{run.film}.flow_upper_edge")
-    if content is None or upper is None:
+    balance = oil_balance(run.results, run.film)
+    if balance is None:
         return ""
-    time = run.results.time
-    held, inwards = 1e9 * mean_over(time, content), 1e9 * mean_over(time, upper)
-    way = "inflow" if inwards > 0.0 else "outflow"
-    return f"{held:.0f} mm³ in the film, {way} {abs(inwards):.0f} mm³/s through the upper edge"
+    ways = {"lower edge": balance.lower, "upper edge": balance.upper, "cut-outs": balance.openings}
+    net = ", ".join(
+        f"{1e9 * abs(volume):.3g} mm³ {'in' if volume > 0.0 else 'out'} through the {way}"
+        for way, volume in ways.items()
+        if volume
+    )
+    return f"net {net or '0 mm³'} per period; throughput {1e9 * balance.throughput:.3g} mm³"
 
 
 MEASURES = (

@@ -12,7 +12,9 @@ from piston_cosim.master.engine.headlines import (
     contact_share,
     friction_pressure,
     friction_pressures,
+    headlines,
 )
+from piston_cosim.master.engine.oil_balance import oil_balance
 from piston_cosim.master.engine.places import thinnest_place
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.file import Results
@@ -56,7 +58,9 @@ def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, **su
         "bodies/upper_edge_velocity": (np.full(angle.size, 0.04), "m/s"),
         "bodies/rocking_angle": (np.radians(0.1) * np.sin(angle / 2), "rad"),
         "ehd/oil_in_film": (np.full(angle.size, 3e-7), "m3"),
-        "ehd/flow_upper_edge": (np.full(angle.size, -2e-9), "m3/s"),
+        "ehd/flow_lower_edge": (1e-7 * np.cos(angle) + 2e-8, "m3/s"),
+        "ehd/flow_upper_edge": (np.full(angle.size, -2e-8), "m3/s"),
+        "ehd/flow_openings": (np.zeros(angle.size), "m3/s"),
     }
     gap = np.full((2, 40, 40), 1e-5)
     gap[1, 30, 9] = film  # cell 31 of 40 has its centre on 270 deg
@@ -226,15 +230,22 @@ def test_the_first_screen_by_hand(tmp_path):
     )
     assert said["lateral motion"] == "-10 µm to 10 µm"
     assert said["rocking angle"] == "-0.1 deg to 0.1 deg"
-    assert said["oil"] == "300 mm³ in the film, outflow 2 mm³/s through the upper edge"
+    assert said["oil"] == (
+        "net 2.51 mm³ in through the lower edge, 2.51 mm³ out through the upper edge per period; "
+        "throughput 5.33 mm³"
+    )
     assert said["periodicity"] == "change of 0.0002 between the last two periods"
     assert said["run"] == "1440 deg (2 periods) in 10 steps, wall time 3 s"
     assert said["checks"] == "6 pass"
     assert len(shown.lines) <= 12
 
 
-def test_a_run_shorter_than_a_period_says_no_fmep(tmp_path):
+def test_a_run_shorter_than_a_period_has_no_fmep_and_no_oil_per_period(tmp_path):
     with made(tmp_path, periods=0.5) as results:
+        assert oil_balance(results, "ehd") is None
+        assert "oil" not in [
+            line.name for line in headlines(check_case(results.case, PATH), results)
+        ]
         assert friction_pressure(check_case(results.case, PATH), results) is None
 
 

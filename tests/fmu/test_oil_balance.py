@@ -1,0 +1,32 @@
+"""Oil that passes the edges of a film closes with the change in the film."""
+
+import pytest
+
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.engine.oil_balance import oil_balance
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+
+@pytest.mark.parametrize("supply", ["edges", "bore_and_ring"])
+def test_net_flow_is_the_growth_of_the_film(supply, tmp_path):
+    """The limit is 1 % of the throughput. A period of the fired engine is 720 deg."""
+    path = find_case("data_sheet")
+    tree = read_tree(
+        path,
+        [
+            ("time.step", "5 deg"),
+            ("record.fields", []),
+            ("participants.ehd.parameters.oil_supply", supply),
+            ("participants.ehd.parameters.stroke", "160 mm"),
+            *((f"participants.{name}.build.grid", [16, 12]) for name in ("bodies", "ehd")),
+        ],
+    )
+    case = check_case(tree, path)
+    run(open_system(case, path.parent, lambda text: None), case, tree, tmp_path / "run.h5")
+    with Results(tmp_path / "run.h5") as results:
+        oil = oil_balance(results, "ehd")
+    assert oil is not None and oil.throughput > 0.0
+    apart = oil.lower + oil.upper + oil.openings - oil.growth
+    assert abs(apart) <= 0.01 * oil.throughput
