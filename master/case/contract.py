@@ -59,6 +59,7 @@ class Role:
     agree: dict[str, str] = field(default_factory=dict)
     of_each_film: tuple[str, ...] = ()
     starts_from: tuple[str, ...] = ()
+    larger_is_better: tuple[str, ...] = ()
     around: dict[str, str] = field(default_factory=dict)
 
 

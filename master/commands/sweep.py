@@ -3,9 +3,9 @@
 import sys
 from pathlib import Path
 
-from ..case.schema import find_case, read_tree
-from ..engine.headlines import MEASURES
-from ..fmi.errors import BadInput
+from ..case.schema import check_case, find_case, read_tree
+from ..engine.headlines import MEASURES, larger_is_better
+from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
@@ -34,6 +34,8 @@ def command(
     dask: str | None = None,
     time_limit: str | None = None,
     reports: bool = False,
+    maximise: list[str] = [],
+    minimise: list[str] = [],
 ):
     """Run a case over values of its keys.
 
@@ -70,6 +72,11 @@ def command(
         2 MB or more.
     time_limit
         Maximum time per point, e.g. "20 min". Local processes only.
+    maximise
+        Column of the table of which large values are good; repeatable. Default: minimum film
+        thicknesses.
+    minimise
+        Column of the table of which small values are good; repeatable. Default: all others.
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
@@ -82,6 +89,15 @@ def command(
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
     axes = sweeps.parse_axes(vary, tree, path.parent)
     points = sweeps.all_points(path, changes, axes)
+    weighed = [*dict.fromkeys([*MEASURES, *tree.get("summary", {})])]
+    if faults := [
+        f"--{option}: {unknown('column', name, weighed)}"
+        for option, names in (("maximise", maximise), ("minimise", minimise))
+        for name in names
+        if name not in weighed
+    ]:
+        raise BadInput(faults)
+    larger = (larger_is_better(check_case(tree, path)) | {*maximise}) - {*minimise}
     folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
@@ -104,11 +120,10 @@ def command(
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
-    weighed = [*dict.fromkeys([*MEASURES, *tree.get("summary", {})])]
     picture = draw_sweep(rows, axes, weighed, table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with console.status("drawing the page"):
-        page = _page(path, points, rows, axes, weighed, table, reports)
+        page = _page(path, points, rows, axes, weighed, larger, table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
@@ -118,9 +133,8 @@ def command(
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
 
 
-def _page(path, points, rows, axes, weighed, table, reports):
+def _page(path, points, rows, axes, weighed, larger, table, reports):
     """Write the page of the sweep and the missing reports of its points."""
-    from ..case.schema import check_case
     from ..results.file import Results
     from ..results.sweep_page import SweptPoint, write_sweep_page
 
@@ -136,7 +150,7 @@ def _page(path, points, rows, axes, weighed, table, reports):
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
-    return write_sweep_page(swept, varied, weighed, table.with_suffix(".html"))
+    return write_sweep_page(swept, varied, weighed, table.with_suffix(".html"), larger)
 
 
 def _seconds(time_limit, dask):

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..case.contract import players
-from ..case.schema import Case
+from ..case.contract import contract, players
+from ..case.schema import Case, reduced
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle
@@ -310,6 +310,14 @@ MEASURES = (
     "contact_share",
 )
 """Names of the measures of a design; each ends with its unit."""
+
+
+def larger_is_better(case: Case) -> set[str]:
+    """Return the measures and summary entries of which a design wants large values."""
+    outputs = {name for role in contract().values() for name in role.larger_is_better}
+    ports = {name: reduced(text).port for name, text in case.summary.items()}
+    entries = {name for name, port in ports.items() if port.rpartition(".")[2] in outputs}
+    return {"minimum_film_thickness_m"} | entries
 
 
 def measures(case, path) -> dict[str, float]:

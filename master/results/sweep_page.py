@@ -3,6 +3,7 @@ its report.
 """
 
 import json
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +27,11 @@ class SweptPoint:
 
 
 def write_sweep_page(
-    points: list[SweptPoint], axes: list[str], weighed: list[str], path: Path
+    points: list[SweptPoint],
+    axes: list[str],
+    weighed: list[str],
+    path: Path,
+    larger: Collection[str] = (),
 ) -> Path:
     """Write the page of a sweep's points that are done.
 
@@ -38,6 +43,8 @@ def write_sweep_page(
     weighed : list of str
         Columns that designs are judged by: those that vary are drawn, the others of a row are not.
     path : Path
+    larger : collection of str
+        Columns of which large values are good. Small values are good of all others.
     """
     done = [point for point in points if point.row["status"] == "done"]
     entries = [
@@ -53,6 +60,7 @@ def write_sweep_page(
         "axes": [_axis(name, done) for name in axes],
         "entries": entries,
         "said": [label for label, _ in shown],
+        "larger": [name in larger for name in entries],
         "chosen": [name for name in chosen if name],
         "points": [
             {

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.engine.headlines import larger_is_better
 from piston_cosim.master.results.figures import Figure
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 from piston_cosim.master.results.sweep_pictures import draw_sweep
@@ -31,6 +33,7 @@ def test_a_front_is_what_no_other_point_is_better_than():
 
 
 ENTRIES = ["mean_friction_power_w", "slap_energy_j", "contact_share"]
+FILM = "minimum_film_thickness_m"
 
 
 def swept():
@@ -44,6 +47,7 @@ def swept():
             "mean_friction_power_w": 100.0 / c + o,
             "slap_energy_j": 1e-4 * c * o,
             "contact_share": 0.1 / c,
+            FILM: 1e-6 * (c + o),
             "same": 1.0,
             "iterations": c + o,
         }
@@ -108,3 +112,29 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
     assert not all(told["two"])
     assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=1e-3)
     assert told["wide"] <= 0
+
+
+def test_no_dominated_point_is_ringed_of_a_film_that_is_to_be_thick(tmp_path):
+    """Friction is to be small and the film thick. Both directions can be changed by the case."""
+    if not found():
+        pytest.skip("no chromium: the sweep's page was not looked at")
+    points = swept()
+    axes, weighed = ["bodies.clearance", "ovality"], [ENTRIES[0], FILM]
+    values = np.array([[point.row[name] for name in weighed] for point in points[:-1]])
+    for larger, signs in (({FILM}, (1, -1)), ((), (1, 1)), (weighed, (-1, -1))):
+        path = write_sweep_page(points, axes, weighed, tmp_path / "sweep.html", larger)
+        with Browser(tmp_path / "profile") as browser:
+            browser.open(path)
+            ringed = browser.run("""
+              byId("x").value = 0; byId("y").value = 1; byId("z").value = 0; byId("z").onchange();
+              return [...document.querySelectorAll("#pareto .dot")]
+                .map(one => one.classList.contains("best"));""")
+        assert ringed == front(values * signs).tolist() and not all(ringed)
+
+
+def test_a_thicker_minimum_film_is_better():
+    path = find_case("data_sheet")
+    case = check_case(read_tree(path), path)
+    larger = larger_is_better(case)
+    assert FILM in larger and "maximum_pressure_pa" not in larger
+    assert "mean_friction_power_w" not in larger
