@@ -90,7 +90,7 @@ def special(
     return Special(
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
-        strip=_strip(bodies),
+        strip=_strip(bodies, is_fired(runs)),
         solids={
             label: [
                 solid
@@ -102,10 +102,20 @@ def special(
     )
 
 
-def _strip(bodies):
-    """Ports beneath the cursor: of many cylinders the side forces alone, to keep the bar low."""
+def is_fired(runs: Runs) -> bool:
+    """Return whether a run has gas pressure in a cylinder."""
+    return any(
+        results.series(port).values.any()
+        for results in runs.values()
+        for port in results.ports
+        if port.endswith(".cylinder_pressure")
+    )
+
+
+def _strip(bodies, fired):
+    """Ports beneath the cursor: side forces, and gas pressures of up to two cylinders."""
     force = {f"{body}.side_force": "kN" for body in reversed(bodies)}
-    if len(bodies) > 2:
+    if len(bodies) > 2 or not fired:
         return force
     return {f"{body}.cylinder_pressure": "MPa" for body in bodies} | force
 
@@ -216,9 +226,12 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
 
 
 def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
-    """Strokes that the runs come by; 0 deg is firing top dead centre, a cycle is 720 deg. Of a
-    cylinder whose crank angle is less by `ahead` [deg] than that of the abscissa.
+    """Return the strokes of the runs. Runs without gas pressure have dead centres only.
+
+    0 deg is firing top dead centre, a cycle is 720 deg. The crank angle of the cylinder is less by
+    `ahead` [deg] than that of the abscissa.
     """
+    fired = is_fired(runs)
     spans = [_degrees(results)[[0, -1]] - ahead for results in runs.values()]
     first = int(np.floor(min(low for low, _ in spans) / 180.0 + 1e-9))
     last = int(np.ceil(max(high for _, high in spans) / 180.0 - 1e-9))
@@ -226,8 +239,8 @@ def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
         Phase(
             180.0 * k + ahead,
             180.0 * (k + 1) + ahead,
-            STROKES[k % 4],
-            "" if k % 4 else "firing TDC",
+            STROKES[k % 4] if fired else "",
+            ("" if k % 4 else "firing TDC") if fired else ("TDC", "BDC")[k % 2],
         )
         for k in range(first, last)
     ]
@@ -252,7 +265,13 @@ def _degrees(results):
 
 
 def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Drawn]:
-    """Ports over the crank angle, runs by colour and ports by dash; none if no run has any."""
+    """Ports over the crank angle, runs by colour and ports by dash; none if all are zero."""
+    drawn = {
+        line.port
+        for line in lines
+        for results in runs.values()
+        if line.port in results.ports and results.series(line.port).values.any()
+    }
     curves = [
         Curve(
             label if len(lines) == 1 else f"{label}, {line.name}",
@@ -264,7 +283,7 @@ def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[D
         )
         for k, (label, results) in enumerate(runs.items())
         for dash, line in zip(DASHES, lines)
-        if line.port in results.ports
+        if line.port in drawn and line.port in results.ports
     ]
     return [Chart(title, CRANK, y, curves, cursor=True)] if curves else []
 

@@ -62,7 +62,8 @@ def skin(name, skirt):
 
 
 def test_strokes_begin_at_firing_top_dead_centre():
-    shown = strokes({"a": run([-360.0, 10.0]), "b": run([0.0, 725.0])})
+    fired = run([0.0, 725.0], cylinder_pressure=[0.0, 1e6])
+    shown = strokes({"a": run([-360.0, 10.0]), "b": fired})
     assert [(one.begin, one.name) for one in shown] == [
         (-360, "intake"),
         (-180, "compression"),
@@ -76,16 +77,33 @@ def test_strokes_begin_at_firing_top_dead_centre():
 
 
 def test_firing_top_dead_centre_is_marked_where_expansion_begins():
-    shown = strokes({"a": run([-360.0, 725.0])})
+    shown = strokes({"a": run([-360.0, 725.0], cylinder_pressure=[0.0, 1e6])})
     assert {one.begin: one.mark for one in shown if one.mark} == {
         0: "firing TDC",
         720: "firing TDC",
     }
 
 
+@pytest.mark.parametrize("gas", [{}, {"cylinder_pressure": [0.0, 0.0]}])
+def test_a_motored_run_without_gas_has_dead_centres_and_no_row_of_gas(gas):
+    runs = {"a": run([0.0, 400.0], side_force=[1.0, 2.0], **gas)}
+    found = special(Case.model_construct(), runs)
+    assert [(one.begin, one.name, one.mark) for one in found.phases] == [
+        (0, "", "TDC"),
+        (180, "", "BDC"),
+        (360, "", "TDC"),
+    ]
+    assert list(found.strip) == ["bodies.side_force"]
+    assert not [one for part in found.sections for one in part.drawn if "Gas" in one.title]
+    fired = run([0.0, 400.0], side_force=[1.0, 2.0], cylinder_pressure=[0.0, 1e6])
+    assert list(special(Case.model_construct(), {"a": fired}).strip)[0] == (
+        "bodies.cylinder_pressure"
+    )
+
+
 def test_strokes_of_another_cylinder_stand_where_its_own_crank_angle_says():
     """It fires when the first one stands at 180 deg."""
-    both = run([-360.0, 360.0])
+    both = run([-360.0, 360.0], cylinder_pressure=[0.0, 1e6])
     series = dict(zip(both.ports, map(both.series, both.ports)))
     series["rear.crank_angle"] = Series(np.radians([-540.0, 180.0]), "rad", "")
     both.ports, both.series = list(series), series.__getitem__
