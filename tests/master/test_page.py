@@ -626,3 +626,22 @@ def test_displacements_are_modes_times_coordinates(browser, page, tmp_path):
     x, y, z = (points + whole).T  # a quarter turn about z, then moved
     turned = np.column_stack([0.1 - y, 0.2 + x, z])
     assert np.reshape(found["places"], (7, 3)) == pytest.approx(turned, abs=1e-6 * 5)
+
+
+@pytest.mark.parametrize("width", [1440, 900, 420])
+def test_caption_and_cursor_agree_on_paper(browser, page, tmp_path, width):
+    """The paper is narrower than the screen, and the browser reports no new size for it."""
+    with Browser(tmp_path / "profile", width) as shown:
+        shown.open(page[0])
+        shown.run("go(13); await new Promise(done => requestAnimationFrame(done));")
+        shown.run('window.dispatchEvent(new Event("beforeprint"));')
+        shown.ask("Emulation.setEmulatedMedia", media="print")
+        told = shown.run("""
+          const at = part => document.querySelector(part).getBoundingClientRect();
+          document.body.style.width = "330px";
+          const strip = at("#strip"), range = positions[positions.length - 1] - positions[0];
+          return { caption: parseFloat(byId("place").textContent.match(/-?[0-9.]+/)[0]),
+            cursor: positions[0] + range * (at(".strip .now").left - strip.left) / strip.width,
+            wide: strip.width };""")
+    assert told["wide"] <= 330
+    assert told["cursor"] == pytest.approx(told["caption"], abs=1.0)

@@ -406,7 +406,7 @@ function strip() {
     lanes.forEach((lane, row) => {
       said[row].textContent = `${lane.name}: ${lane.runs.map(column).map(own => own.length ? withUnit(own[k], lane.unit) : "\u2013").join(" | ")}`;
     });
-    now.style.transform = `translateX(${X(positions[k], canvas.wide).toFixed(1)}px)`;
+    now.style.transform = `translateX(${X(positions[k], 100).toFixed(3)}%)`;
   };
   const set = event => { if (event.buttons) go(nearest(positions[0] + event.offsetX / canvas.clientWidth * (positions[positions.length - 1] - positions[0]))); };
   canvas.onpointerdown = canvas.onpointermove = set;
