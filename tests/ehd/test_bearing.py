@@ -274,7 +274,7 @@ def test_a_film_called_like_the_other_surface_raises():
     with pytest.raises(TypeError):
         bearing.start(1e-5, 2.0)
     bearing.start(1e-5, circumferential_velocity=0.0)
-    with pytest.raises(BadInput, match="circumferential_velocity: a bearing needs"):
+    with pytest.raises(BadInput, match="circumferential_velocity: expected the velocity"):
         bearing.step(1e-5, 1e-4)
     with pytest.raises(TypeError):
         bearing.step(1e-5, 2.0, 1e-4)

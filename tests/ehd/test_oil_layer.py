@@ -451,6 +451,6 @@ def test_what_does_not_go_with_oil_from_the_bore_is_told():
         cavitation_model="gumbel",
     )
     found = "\n".join(faults(p))
-    for name in ("pressure_upper_edge", "film_fraction_lower_edge", "gumbel"):
+    for name in ("pressure_upper_edge", "film_fraction_lower_edge", "cavitation_model"):
         assert name in found
     assert faults(Parameters(oil_supply="bore")) == []
