@@ -409,7 +409,8 @@ def account(
     """
     friction_work = before.friction_work + step * powers.friction
     boundary_work = before.boundary_work + step * powers.boundary
-    share = boundary_work / friction_work if friction_work > 0.0 else 0.0
+    spent = max(friction_work, boundary_work)  # a film that pressure drives does negative work
+    share = boundary_work / spent if spent > 0.0 else 0.0
     inflow = 0.0
     outflow = 0.0
     for i in range(passed.shape[0]):

@@ -15,7 +15,7 @@ from scipy.integrate import trapezoid
 
 from ..case.contract import players
 from ..case.schema import Case
-from ..fmi.quantities import to_si
+from ..fmi.quantities import short, to_si
 from ..results.charts import (
     DASHES,
     Carpet,
@@ -398,7 +398,29 @@ def _over_position(runs, body) -> list[Drawn]:
     return [Chart(title, "height [mm]", "[MPa]", curves)] if curves else []
 
 
+def _is_bearing(runs, film):
+    """Return whether the friction of a film is a torque."""
+    return any(f"{film}.friction_torque" in results.ports for results in runs.values())
+
+
 def _friction(runs, body, film):
+    if _is_bearing(runs, film):
+        drawn = [
+            *_chart(
+                runs,
+                "Friction torque on the shell",
+                "[N m]",
+                Line("torque", f"{film}.friction_torque"),
+            ),
+            *_chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power")),
+            *_chart(
+                runs,
+                "Contact area fraction of the bearing",
+                "[-]",
+                Line("area", f"{film}.contact_area_fraction"),
+            ),
+        ]
+        return Section("Friction", drawn)
     drawn = [
         *_chart(
             runs,
@@ -472,14 +494,16 @@ def _stribeck(runs, body, film) -> list[Drawn]:
 
 
 def _films(case, runs, film, gap):
+    thickness = f"{film}.minimum_film_thickness"
+    by_side = (
+        Line("thrust", f"{thickness}_thrust_side", 1e6),
+        Line("anti-thrust", f"{thickness}_anti_thrust_side", 1e6),
+    )
+    title, lines = "Minimum film thickness by side", by_side
+    if _is_bearing(runs, film):
+        title, lines = "Minimum film thickness", (Line("film", thickness, 1e6),)
     drawn = [
-        *_chart(
-            runs,
-            "Minimum film thickness by side",
-            "[µm]",
-            Line("thrust", f"{film}.minimum_film_thickness_thrust_side", 1e6),
-            Line("anti-thrust", f"{film}.minimum_film_thickness_anti_thrust_side", 1e6),
-        ),
+        *_chart(runs, title, "[µm]", *lines),
         *_chart(
             runs, "Maximum film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
         ),
@@ -567,7 +591,7 @@ def _carpets(case, runs, film, gap):
         _Carpeted(gap, "Film thickness", "µm", 1e6),
     )
     drawn = [carpet for one in shown for carpet in _along_lines(case, runs, one)]
-    return Section("Along the thrust lines", drawn)
+    return Section("Over crank angle and height", drawn)
 
 
 def _along_lines(case, runs, shown) -> list[Carpet]:
@@ -605,10 +629,12 @@ class _Envelope(NamedTuple):
 
 def _envelopes(case, runs, body, film, gap):
     envelopes = (
-        _Envelope("Maximum pressure over the period", "MPa", f"{film}.pressure", _highest(1e-6)),
-        _Envelope("Minimum film thickness over the period", "µm", gap, _lowest(1e6)),
         _Envelope(
-            "Maximum contact pressure over the period",
+            "Maximum pressure of the recorded instants", "MPa", f"{film}.pressure", _highest(1e-6)
+        ),
+        _Envelope("Minimum film thickness of the recorded instants", "µm", gap, _lowest(1e6)),
+        _Envelope(
+            "Maximum contact pressure of the recorded instants",
             "MPa",
             f"{film}.asperity_pressure",
             _highest(1e-6),
@@ -620,8 +646,9 @@ def _envelopes(case, runs, body, film, gap):
             lambda values, results: 1e6 * wear_depth(values, results, body) * _hourly(results),
         ),
     )
+    bearing = _is_bearing(runs, film)
     drawn: list[Drawn] = []
-    for envelope in envelopes:
+    for envelope in envelopes[:3] if bearing else envelopes:
         fields = [
             envelope.of(results.last.dataset(envelope.port)[:], results.last)
             if envelope.port in results.recorded
@@ -635,11 +662,30 @@ def _envelopes(case, runs, body, film, gap):
             ]
             axes = case.axes_of(envelope.port)
             drawn.append(StillMap(envelope.title, envelope.unit, axes, fields, there))
-    said = (
-        "The maps refer to the last period. Wear is contact pressure times piston speed, summed "
-        f"over the recorded instants, times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
+    said = "The maps hold the recorded instants of the last period. " + _between(runs, film)
+    if bearing:
+        return Section("Envelopes of recorded instants", drawn, said)
+    said += (
+        "Wear is contact pressure times piston speed, summed over the recorded instants, times an "
+        f"assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
     )
-    return Section("Envelopes and wear", drawn, said)
+    return Section("Envelopes of recorded instants, and wear", drawn, said)
+
+
+def _between(runs, film):
+    """Return sentences with the highest pressures of all steps and of the recorded instants."""
+    ports = f"{film}.maximum_pressure", f"{film}.pressure"
+    found = ""
+    for label, results in runs.items():
+        last = results.last
+        if ports[0] not in last.ports or ports[1] not in last.recorded:
+            continue
+        of_steps, of_maps = last.series(ports[0]).values.max(), last.dataset(ports[1])[:].max()
+        found += (
+            f"{label}: the highest film pressure of all steps is {short(of_steps, 'Pa')}, of "
+            f"{len(last.instants)} recorded instants {short(of_maps, 'Pa')}. "
+        )
+    return found
 
 
 def _highest(factor):

@@ -426,3 +426,20 @@ def test_boundary_friction_share_is_that_of_the_work_since_the_start():
         total += outputs["friction_power"] * step
     assert outputs["boundary_friction_share"] == pytest.approx(boundary / total, rel=1e-12)
     assert 0.001 < outputs["boundary_friction_share"] < 0.999
+
+
+def test_a_film_that_an_edge_pressure_drives_has_a_boundary_friction_share_of_one():
+    """The pressure flow shears the skirt along its motion, so friction is less than contact."""
+    model = LubricationModel(Parameters(SHAPE, roughness_rms=3e-6))
+    film, _ = motored_film(SHAPE, 0.0)
+    drive = {"pressure_lower_edge": 5e6}
+    found = []
+    for velocity in (-0.01, 0.01):
+        sliding = np.full(SHAPE, velocity)
+        state, _ = model.start(0.3 * film, sliding, **drive)
+        _, outputs = model.advance(state, 0.3 * film, sliding, 1e-4, **drive)
+        contact = -outputs["friction_force_asperity"] * velocity
+        found.append((outputs["friction_power"] / contact, outputs["boundary_friction_share"]))
+    (driven, one), (held, less) = sorted(found)
+    assert driven < 1.0 and one == 1.0
+    assert held > 1.0 and less == pytest.approx(1.0 / held, rel=1e-12)

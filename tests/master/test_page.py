@@ -561,9 +561,11 @@ def test_every_chart_is_drawn(looked):
     assert found["drawn"] >= found["waiting"] > 6
     # what never changes is a sentence, no flat line
     assert "iterations: 0.5 at every step of all runs." in found["constant"]
-    assert {"Motion of the piston", "Along the thrust lines", "Envelopes and wear"} <= {
-        *found["titles"]
-    }
+    assert {
+        "Motion of the piston",
+        "Over crank angle and height",
+        "Envelopes of recorded instants, and wear",
+    } <= {*found["titles"]}
 
 
 def test_numbers_in_tables_and_exports_are_those_of_the_file(looked, page):

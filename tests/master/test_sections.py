@@ -192,6 +192,45 @@ def test_without_the_skirt_the_pin_is_shown():
     assert chart.curves[0].y == pytest.approx([5.0, 7.0]) and "pin" in chart.title
 
 
+def bearing_run():
+    """Results of a shell: the axial friction force is round-off, the friction is a torque."""
+    results = run([0.0, 90.0], piston_velocity=[1.0, 2.0])
+    of_film = {
+        "friction_force_hydrodynamic": [1e-16, -1e-16],
+        "friction_torque": [0.2, 0.3],
+        "friction_power": [20.0, 30.0],
+        "minimum_film_thickness": [2e-6, 3e-6],
+        "maximum_pressure": [25.8e6, 1e6],
+    }
+    series = {f"ehd.{name}": Series(np.array(own), "", "") for name, own in of_film.items()}
+    old = results.series
+    results.series = lambda port: series.get(port) or old(port)
+    results.ports += list(series)
+    results.there = lambda port: None
+    field = {"ehd.pressure": np.array([[[1e6, 22.5e6]], [[2e6, 3e6]]])}
+    results.recorded, results.dataset = list(field), field.__getitem__
+    return results
+
+
+def test_friction_of_a_bearing_is_a_torque_and_no_side_is_thrust():
+    found = special(Case.model_construct(), {"a": bearing_run()}).sections
+    titles = [one.title for section in found for one in section.drawn]
+    assert "Friction torque on the shell" in titles and "Minimum film thickness" in titles
+    assert not [title for title in titles if "skirt" in title or "side" in title or "wear" in title]
+
+
+def test_envelopes_name_the_recorded_instants_and_the_highest_pressure_of_all_steps():
+    """The highest pressure of all steps, 25.8 MPa, is between two recorded instants."""
+    found = special(Case.model_construct(), {"a": bearing_run()}).sections
+    (section,) = (one for one in found if one.title.startswith("Envelopes"))
+    assert [one.title for one in section.drawn] == ["Maximum pressure of the recorded instants"]
+    assert section.drawn[0].fields[0] == pytest.approx(np.array([[2.0, 22.5]]))
+    assert section.said == (
+        "The maps hold the recorded instants of the last period. a: the highest film pressure of "
+        "all steps is 25.8 MPa, of 2 recorded instants 22.5 MPa. "
+    )
+
+
 def test_wear_is_the_integral_of_contact_pressure_and_speed():
     # 2 MPa at 0, -3 and 4 m/s, 1 ms apart: 2e6 (1.5 + 3.5) 1e-3 = 1e4 Pa m
     results = run([0.0, 1.0, 2.0], piston_velocity=[0.0, -3.0, 4.0])
