@@ -103,11 +103,11 @@ def _of_choice(fault: Any) -> bool:
 
 def _either(sentences: list[str]) -> str:
     """Return one sentence about a value that has none of its possible types."""
-    parts = [match for one in sentences if (match := EXPECTED.fullmatch(one))]
+    parts = [match.groups() for one in sentences if (match := EXPECTED.fullmatch(one))]
     if len(parts) < 2:
         return sentences[-1]
-    wanted = dict.fromkeys(part[2] for part in parts)
-    return f"{parts[-1][1]}{' or '.join(wanted)}{parts[-1][3]}"
+    starts, wanted, ends = zip(*parts, strict=True)
+    return f"{starts[-1]}{' or '.join(dict.fromkeys(wanted))}{ends[-1]}"
 
 
 def _sentences(fault: Any, kind: type[BaseModel]) -> list[str]:

@@ -41,7 +41,7 @@ def test_a_second_process_has_the_same_answers_without_the_library(tmp_path, mon
     (kept,) = (tmp_path / "answers").iterdir()
     # what is raised is asked again, with what it says
     said, imported = ask("to_si('3 kg', 'm')")
-    assert imported and said[1] == "'3 kg' is in kg: a unit of m is needed"
+    assert imported and said[1] == "expected a quantity in m, got '3 kg'; write for example '1 mm'"
     # a file that cannot be read, and a disk that keeps nothing
     kept.write_text(kept.read_text()[:20])
     assert ask() == (first, True) and ask() == (first, False)

@@ -54,6 +54,7 @@ def test_kernels_know_no_fmi(package):
                 isinstance(node, ast.ImportFrom)
                 and "master" in (node.module or "").split(".")
                 and node.module != COMPILED
+                and [alias.name for alias in node.names] != ["file_fault"]  # readers of files
             ):
                 guilty.append(f"{path.name}: {node.module}")
     assert guilty == []

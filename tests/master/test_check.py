@@ -30,7 +30,7 @@ def test_all_faults_at_once():
     assert "skirt_length: expected 27 mm, the skirt" in text
     assert "rod_length: expected more than crank_radius" in text
     assert "unknown parameter or input 'viscos'; did you mean 'viscosity" in text
-    assert "flow_factors = patir_cheng_1978: needs roughness_rms > 0 m" in text
+    assert "roughness_rms: expected more than 0 m with flow_factors" in text
     assert len(found.faults) == 5
     assert found.previews["ehd"].figure("roughness_rms").value == 0.0
 

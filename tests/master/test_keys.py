@@ -88,7 +88,7 @@ def test_a_path_chooses_a_table_and_a_word_what_contains_it(found):
     assert "ovality" in {key.name for key in chosen_keys(found, "profile")[0]}  # a synonym
     with pytest.raises(BadInput, match="viscousity'; did you mean 'viscosity'"):
         chosen_keys(found, "viscousity")
-    with pytest.raises(BadInput, match="did you mean clearance"):
+    with pytest.raises(BadInput, match="did you mean 'clearance'"):
         chosen_keys(found, "clearence")
 
 

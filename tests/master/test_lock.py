@@ -24,7 +24,7 @@ def test_the_second_writer_is_refused_and_one_that_died_gives_way(tmp_path):
         [sys.executable, "-c", HOLD, str(output)], stdout=subprocess.PIPE, text=True
     )
     assert holder.stdout.readline() == "held\n"
-    with pytest.raises(BadInput, match=f"process {holder.pid} on .* since .* is writing this file"):
+    with pytest.raises(BadInput, match=f"written by process {holder.pid} on .* since .*; wait"):
         with sole_writer(output):
             raise AssertionError
     holder.kill()

@@ -102,7 +102,7 @@ def test_a_table_that_ends_too_early(tmp_path):
     with pytest.raises(BadInput, match="table: expected times from 1 s to 3 s, got"):
         signal(tmp_path, text, "linear", 1.0, 3.0)
     assert signal(tmp_path, text, "hold", 1.0, 3.0).get("x") == 1.0
-    with pytest.raises(BadInput, match="a cubic needs four rows"):
+    with pytest.raises(BadInput, match="expected at least four rows for cubic, got 2"):
         signal(tmp_path, text, "cubic", 1.0, 2.0)
 
 
