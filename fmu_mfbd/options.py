@@ -244,7 +244,7 @@ class Body(BaseModel):
             needed = ("density", "young", "poisson")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
-            raise ValueError(f"{missing[0]}: expected a value with {what}, got nothing")
+            raise ValueError(_missing(missing, f"with {what}"))
         return self
 
     def _check_selection(self, candidates: int) -> None:
@@ -269,7 +269,7 @@ class Body(BaseModel):
         """Raise ValueError unless a data sheet has what it needs, and no modes."""
         missing = [key for key in self.ENDS if getattr(self, key) is None]
         if missing:
-            raise ValueError(f"{missing[0]}: expected a value for a rigid body, got nothing")
+            raise ValueError(_missing(missing, "for a rigid body"))
         if "modes" in self.model_fields_set and self.modes:
             raise ValueError(f"modes: expected 0 for a rigid body, got {self.modes}")
 
@@ -621,7 +621,7 @@ class Common(BaseModel):
                 )
         alone = [] if self.floating_pin else [*self.crank_films()]
         if alone:
-            raise ValueError(f"floating_pin: expected a table with {alone[0]}, got nothing")
+            raise ValueError(f"floating_pin: expected a table with {', '.join(alone)}, got nothing")
         return self
 
     def crank_films(self) -> dict[str, CrankBearing]:
@@ -738,14 +738,14 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
     sheet = build.piston.rigid
     moments = {"inertia_x": space.inertia_x, "inertia_y": space.inertia_y}
     if sheet is None:
-        if space.model_fields_set:
-            given = min(space.model_fields_set)
-            faults.append(f"motion_in_space.{given}: expected nothing with a mesh, got a value")
-        return faults
+        return faults + [
+            f"motion_in_space.{name}: expected nothing with a mesh, got a value"
+            for name in sorted(space.model_fields_set)
+        ]
     missing = [name for name, value in moments.items() if value is None]
     if missing:
-        where = f"motion_in_space.{missing[0]}"
-        return [*faults, f"{where}: expected a value with a rigid piston, got nothing"]
+        keys = [f"motion_in_space.{name}" for name in missing]
+        return [*faults, _missing(keys, "with a rigid piston")]
     low, middle, high = np.linalg.eigvalsh(space.tensor(sheet.inertia))
     if low <= 0.0 or high > (1 + 1e-9) * (low + middle):
         faults.append(
@@ -753,6 +753,11 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
             f"others, got {low:.4g}, {middle:.4g}, {high:.4g} kg.m2"
         )
     return faults
+
+
+def _missing(keys: list[str], context: str) -> str:
+    """Return a line about each missing key."""
+    return "\n".join(f"{key}: expected a value {context}, got nothing" for key in keys)
 
 
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:

@@ -74,7 +74,7 @@ def read_start(path: Path | str) -> StartState:
         outputs = None
     if not isinstance(outputs, dict):
         raise ValueError(
-            f"start: expected a JSON table of outputs, got {name}; "
+            f"start: expected a JSON table of outputs in {name}, got other content; "
             "`piston-cosim results snapshot` writes one"
         )
     missing = [key for key in SCALARS if key not in outputs]

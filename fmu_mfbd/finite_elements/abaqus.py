@@ -104,7 +104,9 @@ def read_abaqus(path: Path) -> Deck:
     inside = root
     for keyword in _keywords(path):
         if keyword.name in GENERATED and keyword.lines:
-            raise MeshFault([f"{path}: expected all nodes in full, got *{keyword.name}"])
+            raise MeshFault(
+                [f"{path}: expected written nodes, got *{keyword.name}; write the mesh in full"]
+            )
         if keyword.name == "PART":
             inside = parts.setdefault(keyword.options["NAME"].casefold(), Part())
         elif keyword.name == "INSTANCE":

@@ -70,7 +70,8 @@ def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list
     if len(bad):
         faults.append(
             f"expected positive Jacobians, got {len(bad)} inverted elements; the first is number "
-            f"{bad[0] + 1} at {_place(points[tets[bad[0], :4]])} with {least[bad[0]]:.3g} m3"
+            f"{bad[0] + 1} at {_place(points[tets[bad[0], :4]])} with a Jacobian of "
+            f"{least[bad[0]]:.3g} m3"
         )
     faults += _duplicates(points, tets) or _loose_pieces(points, tets)
     faults += _coincident(points, outer_faces(tets))
@@ -91,8 +92,8 @@ def _duplicates(points, tets):
     if not len(copies):
         return []
     return [
-        f"expected different elements, got {len(copies)} duplicates; the first is number "
-        f"{copies[0] + 1} at {_place(points[tets[copies[0], :4]])}"
+        f"expected different elements, got {len(copies)} duplicates; remove them, the first is "
+        f"number {copies[0] + 1} at {_place(points[tets[copies[0], :4]])}"
     ]
 
 

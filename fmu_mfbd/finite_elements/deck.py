@@ -92,8 +92,8 @@ def tetrahedra(found: Sequence[Sequence[int]], first: int = 0) -> np.ndarray:
     if len(kinds) > 1:
         raise MeshFault(
             [
-                f"body: expected ten-node tetrahedra throughout, got {kinds[LINEAR]} four-node "
-                f"ones of {kinds[LINEAR] + kinds[QUADRATIC]}"
+                f"body: expected ten-node tetrahedra only, got {kinds[LINEAR]} of "
+                f"{kinds[LINEAR] + kinds[QUADRATIC]} with four nodes"
             ]
         )
     shape = (-1, 10) if not found else (len(found), len(found[0]))
@@ -119,9 +119,7 @@ def included(path: Path, name: str, above: Sequence[Path]) -> Path:
     """
     found = path.parent / name
     if not found.is_file():
-        raise MeshFault(
-            [f"{path.name}: expected an included file, got no such file {name!r} in {found}"]
-        )
+        raise MeshFault([f"{path.name}: expected to include {name!r}, got no such file {found}"])
     if found.resolve() in [one.resolve() for one in above]:
         raise MeshFault([f"{path.name}: expected no circular include, got {name!r}"])
     return found

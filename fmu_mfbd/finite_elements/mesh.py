@@ -96,7 +96,7 @@ def read_mesh(
         raise MeshFault([f"{path}: expected 10-node tetrahedra, got {present}"])
     if solids := {kind: n for kind, n in raw.other.items() if kind not in FLAT}:
         present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
-        raise MeshFault([f"{path}: expected 10-node tetrahedra throughout, got {present} as well"])
+        raise MeshFault([f"{path}: expected 10-node tetrahedra only, got also {present}"])
     tets = raw.tets
     points = to_body_axes(raw.points * scale, axes, origin)
     used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular

@@ -18,7 +18,10 @@ from scipy.sparse.linalg import splu
 
 from .element import Sparse
 
-LOOSE = "hold three nodes off one line, and look for loose pieces and inverted elements"
+LOOSE = (
+    "hold three nodes off one line against rigid motions, and look for loose pieces and inverted "
+    "elements"
+)
 SMALLEST_PIVOT = 1e-12  # of the largest one
 
 

@@ -80,9 +80,9 @@ def eye_shell(mesh: Mesh, film: EyeFilm) -> Shells:
         film.length / 2 > (1 + BESIDE) * min(z.max(), -z.min())
     ):
         faults.append(
-            f"small end: surface '{EYE}': expected a bore under the film of "
-            f"{1e3 * film.length:.4g} mm, got z = {1e3 * z.min():.4g} to {1e3 * z.max():.4g} mm "
-            f"and {bare} of {around * along} bare cells"
+            f"small end: surface '{EYE}': expected a bore under all of small_end_length = "
+            f"{1e3 * film.length:.4g} mm about z = 0, got z = {1e3 * z.min():.4g} to "
+            f"{1e3 * z.max():.4g} mm, with no bore under {bare} of {around * along} cells"
         )
     highest = float(mesh.points[mesh.nodes(CUT), 1].max())
     if highest > -radius:

@@ -31,19 +31,20 @@ def test_all_faults_of_the_table_at_once(bodies):
         prepare(wrong, folder, print)
     text = "\n".join(caught.value.faults)
     for piece in (
-        "grid.1 = 2",
-        "density: expected a value of at least 500,",
-        "piston.density = '-2700 kg/m^3'",
-        "block.young = '75 mm' is in mm",
-        "block.basis",
+        "grid.1: expected a value of at least 4, got 2",
+        "piston.density: expected a value of at least 500, got '-2700 kg/m^3'",
+        "got unknown key 'yung'; did you mean 'young'?",
+        "block.young: expected a quantity in Pa, got '75 mm'",
+        "block.basis: expected one of",
+        "got unknown choice 'guyan'",
     ):
-        assert piece.split(" = ")[0] in text, text
+        assert piece in text, text
     assert len(caught.value.faults) == 5
 
 
 def test_missing_file_and_surface(bodies):
     folder, options = bodies
-    with pytest.raises(BadInput, match="mesh: expected a file"):
+    with pytest.raises(BadInput, match="piston.mesh: expected a file in .*, got 'none.msh'"):
         prepare(options | {"piston": options["piston"] | {"mesh": "none.msh"}}, folder, print)
     with pytest.raises(BadInput, match="surface 'skirt' is missing or empty"):
         prepare(options | {"piston": options["piston"] | {"mesh": "block.msh"}}, folder, print)
@@ -64,7 +65,9 @@ def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
     offset = small | {"piston": small["piston"] | {"pin_offset": "0.7 mm"}}
     moved = prepare(offset, folder, said.append)[1]
     assert moved[0] != first[0] and moved[1:] == first[1:] and not said
-    with pytest.raises(BadInput, match=r"expected an axis within 1\.4 mm of"):
+    with pytest.raises(
+        BadInput, match=r"expected an axis within 1\.4 mm of pin_offset = 7 mm, got"
+    ):
         prepare(small | {"piston": small["piston"] | {"pin_offset": "7 mm"}}, folder, said.append)
     assert prepare(small | {"grid": [16, 10]}, folder, said.append)[1] != first and said
     assert not list(tmp_path.rglob("*partial*"))
@@ -222,7 +225,9 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
     )
     assert "shapes" in np.load(reduced_bodies(own, tmp_path, lambda text: None)["piston"])
     assert "shapes" not in np.load(files[0])
-    with pytest.raises(BadInput, match="reduced: expected 144 rows of modes for"):
+    with pytest.raises(
+        BadInput, match=r"expected 144 rows of modes for this film grid in own\.npz, got"
+    ):
         prepare(
             {
                 "grid": [12, 12],
@@ -234,25 +239,29 @@ def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
         )
     with np.load(tmp_path / "own.npz") as new:
         np.savez(tmp_path / "old.npz", **{name: new[name] for name in new if name != "skirt"})
-    with pytest.raises(BadInput, match=r"reduced: expected skirt in old\.npz, got"):
+    with pytest.raises(BadInput, match=r"reduced: expected skirt in old\.npz, got nothing; run"):
         prepare(
             small | {"piston": {"reduced": str(tmp_path / "old.npz")}}, folder, lambda text: None
         )
     np.savez(tmp_path / "poor.npz", mass=1.0)
-    with pytest.raises(BadInput, match="poor.npz lacks S, I0"):
+    with pytest.raises(
+        BadInput, match=r"piston\.reduced: expected S, I0, .* in poor\.npz, got nothing"
+    ):
         prepare(
             small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None
         )
     with np.load(files[0]) as slim:
         np.savez(tmp_path / "slim.npz", **slim)
-    with pytest.raises(BadInput, match="slim.npz lacks points, tets, skin, shapes"):
+    with pytest.raises(
+        BadInput, match=r"reduced: expected points, tets, skin, shapes.* in slim\.npz, got"
+    ):
         reduce(
             small | {"piston": {"reduced": str(tmp_path / "slim.npz")}},
             folder,
             tmp_path,
             lambda text: None,
         )
-    with pytest.raises(BadInput, match="one of mesh, reduced and rigid"):
+    with pytest.raises(BadInput, match="piston: expected one of mesh, reduced and rigid, got none"):
         prepare(small | {"piston": {"modes": 3}}, folder, print)
 
 

@@ -174,12 +174,15 @@ def faults(options, folder):
 
 
 def test_surfaces_that_cannot_be_are_refused(tmp_path):
-    assert "rows: expected rows above 5, the end of the" in faults(
-        table(("a", [1, 5]), ("b", [5, 9])), tmp_path
-    )
-    assert "name: expected a new name, got 'a'" in faults(
+    told = faults(table(("a", [1, 5]), ("b", [5, 9])), tmp_path)
+    assert "film_surfaces.1.rows: expected rows above 5," in told and "got [5, 9]" in told
+    assert "film_surfaces.1.name: expected a new name, got 'a'" in faults(
         table(("a", [1, 5]), ("a", [6, 9])), tmp_path
     )
-    assert "the grid has 12 rows" in faults(table(("a", [1, 5]), ("b", [6, 13])), tmp_path)
-    assert "has 4 rows or more" in faults(table(("a", [1, 3])), tmp_path)
+    assert "film_surfaces.1.rows: expected at most 12 rows, got [6, 13]" in faults(
+        table(("a", [1, 5]), ("b", [6, 13])), tmp_path
+    )
+    assert "film_surfaces.0.rows: expected at least 4 rows, got 3" in faults(
+        table(("a", [1, 3])), tmp_path
+    )
     assert "film_surfaces.0.name" in faults(table(("Upper band", [1, 5])), tmp_path)

@@ -91,7 +91,9 @@ def test_inverted_and_loose_elements_are_named(warped):
     bad = tets.copy()
     bad[3] = bad[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
     [text] = mesh_faults(points, bad, "body")
-    assert "1 inverted elements, the first is number 4" in text
+    assert (
+        "body: expected positive Jacobians, got 1 inverted elements; the first is number 4" in text
+    )
     apart = np.vstack([points, points + 1.0]), np.vstack([tets, tets + len(points)])
     assert "2 unconnected pieces" in mesh_faults(*apart, "body")[0]
 
@@ -119,17 +121,17 @@ def test_pieces_that_faces_do_not_connect_are_named():
     points, tets = two_boxes()
     assert mesh_faults(*merged(points, tets, lambda at: at[:, 0] > 0), "body") == []
     pieces, crack = mesh_faults(points, tets, "body")
-    assert "2 unconnected pieces, of 12, 12 elements" in pieces
-    assert "4 pairs of outer faces coincide" in crack
+    assert "body: expected one body, got 2 unconnected pieces of 12, 12 elements" in pieces
+    assert "body: expected no crack, got 4 pairs of coincident outer faces at" in crack
     hinge, _ = mesh_faults(*merged(points, tets, lambda at: at[:, 1] + at[:, 2] < 1e-9), "body")
-    assert "2 pieces, of 12, 12 elements, are connected by 1 nodes but not through faces" in hinge
-    assert "the first at (0.1, 0, 0) m" in hinge
+    assert "body: expected elements connected through faces, got 2 pieces of 12, 12" in hinge
+    assert "with 1 common nodes at (0.1, 0, 0) m" in hinge
 
 
 def test_a_crack_is_named():
     """Nodes of their own over half the common side; faces connect the boxes over the other half."""
     (told,) = mesh_faults(*merged(*two_boxes(), lambda at: at[:, 1] > 0.049), "body")
-    assert "2 pairs of outer faces coincide, the first at (0.1, 0.0" in told
+    assert "expected no crack, got 2 pairs of coincident outer faces at (0.1, 0.0" in told
 
 
 def test_a_duplicate_element_is_named():
@@ -137,7 +139,8 @@ def test_a_duplicate_element_is_named():
     turned = tets[4, [1, 2, 0, 3, 5, 6, 4, 8, 9, 7]]  # another order of the same nodes
     (told,) = mesh_faults(points, np.vstack([tets, turned]), "body")
     x, y, z = points[tets[4, :4]].mean(axis=0)
-    assert f"1 duplicate elements, the first is number 7 at ({x:.4g}, {y:.4g}, {z:.4g}) m" in told
+    assert "body: expected different elements, got 1 duplicates; remove them" in told
+    assert f"the first is number 7 at ({x:.4g}, {y:.4g}, {z:.4g}) m" in told
 
 
 def test_aspect_ratio_by_hand():
@@ -160,7 +163,7 @@ def test_missing_surface_and_linear_elements(bodies, tmp_path):
         meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]),
         file_format="gmsh22",
     )
-    with pytest.raises(MeshFault, match="no tetrahedra .found 1 triangle"):
+    with pytest.raises(MeshFault, match="shell.msh: expected 10-node tetrahedra, got 1 triangle"):
         read_mesh(tmp_path / "shell.msh", {})
-    with pytest.raises(MeshFault, match="the body is 36 m long; mesh_unit"):
+    with pytest.raises(MeshFault, match="expected a body of 5 mm to 5 m, got 36 m; set mesh_unit"):
         read_mesh(bodies[0] / "piston.msh", {}, scale=1000.0 * 36 / 56)

@@ -552,7 +552,7 @@ def test_what_does_not_go_with_a_floating_pin_is_told():
         PARAMETERS, crank_free=1, pin_mass=0.0, pin_friction_coefficient=0.05
     )
     told = "\n".join(faults(piston, block, options(True), wrong))
-    assert "crank_free = 1: must be 0 with a floating pin" in told
-    assert "pin_mass = 0 kg: must exceed 0" in told
-    assert "pin_friction_coefficient = 0.05: the friction of a floating pin" in told
+    assert "crank_free: expected 0 with a floating pin, got 1" in told
+    assert "pin_mass: expected more than 0 kg with a floating pin, got 0 kg" in told
+    assert "pin_friction_coefficient: expected 0 with a floating pin, got 0.05; its films" in told
     assert faults(piston, block, options(True), PARAMETERS) == []

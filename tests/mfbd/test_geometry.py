@@ -92,9 +92,9 @@ def test_all_faults_of_both_bodies_are_one_answer(coarse, tmp_path, monkeypatch)
         reduced_bodies(table, tmp_path, lambda text: None)
     told = str(refused.value)
     for words in (
-        "expected an axis at x =",
-        "expected an axis at x =",
-        "'bore': begins at y = -10 mm",
+        "'skirt': expected an axis at x = z = 0, got x = 3 mm",
+        "'pin_bore': expected an axis at y = 0, got y = 10 mm",
+        "'bore': expected it above the crank axis at y = 0, got y = -10 mm",
     ):
         assert words in told
 

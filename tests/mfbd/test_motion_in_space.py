@@ -929,19 +929,24 @@ def test_what_cannot_move_in_space_is_refused(coarse, cached, tmp_path):
     pin = {"boss_length": "25 mm", "small_end_length": "36 mm"}
     told = refused(sheet(inertia_y=None) | {"mounted": True, "start": "here.npz"}, tmp_path)
     for words in (
-        "mounted: expected nothing with",
-        "mounted: expected nothing with",
-        "a data sheet needs inertia_y",
+        "mounted: expected nothing with motion_in_space, got",
+        "start: expected nothing with motion_in_space, got",
+        "motion_in_space.inertia_y: expected a value with a rigid piston, got nothing",
     ):
         assert words in told
-    assert "not with floating_pin" in refused(sheet() | {"floating_pin": pin}, tmp_path)
+    told = refused(sheet() | {"floating_pin": pin}, tmp_path)
+    assert "floating_pin: expected nothing with motion_in_space, got" in told
     told = refused(sheet(inertia_x="0.02 kg*m^2"), tmp_path)
-    assert "principal moments of inertia 0.0029, 0.003, 0.02 kg.m2" in told
+    assert "each at most the sum of the others, got 0.0029, 0.003, 0.02 kg.m2" in told
     told = refused(sheet(product_zx="0.01 kg*m^2"), tmp_path)
-    assert "each is positive" in told
+    assert "motion_in_space: expected positive principal moments" in told
     folder, table = coarse
     told = refused(table | {"motion_in_space": {"centre_z": "1 mm"}}, folder)
-    for words in ("the piston must be rigid", "the block must be rigid", "centre_z: of a data"):
+    for words in (
+        "piston.modes: expected 0 or a rigid piston with motion_in_space, got",
+        "block.modes: expected 0 or a rigid block with motion_in_space, got",
+        "motion_in_space.centre_z: expected nothing with a mesh, got a value",
+    ):
         assert words in told
 
 

@@ -255,4 +255,4 @@ def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built
     assert len(list(uncovered(dict.fromkeys(OPTIONS, True)))) == len(OPTIONS)
     assert list(uncovered({"floating_pin": {"boss_modes": 60, "pin_shapes": 0}})) == []
     (told,) = uncovered({"floating_pin": {"pin_shapes": 5}})
-    assert told == "floating_pin.pin_shapes: a native FMU has no pin that tilts or bends"
+    assert told == "floating_pin.pin_shapes: expected 0 in a native FMU, got 5"

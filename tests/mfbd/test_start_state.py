@@ -40,13 +40,13 @@ def test_whole_cycles_are_left_out(write, angle, reduced):
 @pytest.mark.parametrize(
     "content, message",
     [
-        ("no json", "not a JSON table of outputs"),
-        ("[1]", "not a JSON table of outputs"),
+        ("no json", "start: expected a JSON table of outputs in start.json, got other content"),
+        ("[1]", "start: expected a JSON table of outputs in start.json, got other content"),
         (
             {k: v for k, v in WHOLE.items() if k not in ("rocking_angle", "lateral_velocity")},
-            "lacks rocking_angle, lateral_velocity",
+            "start: expected rocking_angle, lateral_velocity in start.json, got nothing",
         ),
-        (WHOLE | {"crank_angle": "up"}, "something else than numbers"),
+        (WHOLE | {"crank_angle": "up"}, "start: expected numbers in start.json, got other values"),
     ],
 )
 def test_what_is_wrong_is_named(write, content, message):
@@ -57,6 +57,6 @@ def test_what_is_wrong_is_named(write, content, message):
 def test_other_bodies_are_refused(write):
     check_modes(read_start(write(WHOLE)), 2)
     with pytest.raises(
-        ValueError, match="2 values of modal_coordinate where these bodies have 3 modes"
+        ValueError, match="start: expected 3 values of modal_coordinate, one per mode, got 2"
     ):
         check_modes(read_start(write(WHOLE)), 3)
