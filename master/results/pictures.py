@@ -14,6 +14,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..case.schema import reduced
 from ..fmi.errors import BadInput
 from ..fmi.quantities import one_micro, pint_unit, registry, to_si
+from .coordinates import CRANK_ANGLE
 from .figures import subplots
 from .instants import instant, told
 
@@ -24,6 +25,8 @@ PALETTE_DARK = (
 )
 """The same on a dark ground."""
 WINDOW = "#3a7d44"
+MOST_TICKED = 1440
+"""Longest range of crank angle with a tick every 90 deg [deg]."""
 LETTERS = 9
 """Of a title to an inch: a longer one goes on in a second line."""
 WITH_PREFIX = ("m", "Pa", "N", "W", "J", "s", "m/s")
@@ -193,8 +196,10 @@ def draw_lines(case, picture, runs):
         figsize=(11, 1.2 + (6.0 if plane else 2.3) * len(picture.y)),
     )
     x_unit = ""
+    known: set[tuple[str, ...]] = set()
     for panel, ports in zip(panels[:, 0], picture.y):
         y_unit = ""
+        ports = _not_zero(ports, runs)
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, si, _ = results.series(picture.x)
             x, x_unit = scaled(x, si, picture.units.get(picture.x))
@@ -209,9 +214,34 @@ def draw_lines(case, picture, runs):
         panel.set_ylabel(labelled(_common(ports), y_unit))
         panel.grid(alpha=0.3)
         panel.margins(x=0)
-        panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        shown = tuple(panel.get_legend_handles_labels()[1])
+        if shown not in known:  # one legend for panels with the same curves
+            panel.legend(
+                fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0)
+            )
+        known.add(shown)
     panels[-1, 0].set_xlabel(labelled(name_of(picture.x), x_unit))
+    if picture.x.rpartition(".")[2] == CRANK_ANGLE and x_unit == "deg":
+        _mark_dead_centres(panels[-1, 0].xaxis)
     return figure
+
+
+def _not_zero(ports, runs):
+    """Return the ports of a panel that are not zero in all runs, or all ports if all are zero."""
+    return [
+        port for port in ports if any(own.series(port).values.any() for own in runs.values())
+    ] or ports
+
+
+def _mark_dead_centres(axis):
+    """Tick an axis of crank angles every 90 deg, or every 360 deg for many cycles."""
+    low, high = axis.get_view_interval()
+    step = 90 if high - low <= MOST_TICKED else 360
+    ticks = (
+        np.arange(np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6) + 1) * step + 0.0
+    )  # no -0
+    words = {0: "\nTDC", 180: "\nBDC"}
+    axis.set_ticks(ticks, [f"{tick:g}{words.get(tick % 360, '')}" for tick in ticks])
 
 
 def windows_of(ports, window, units, results):

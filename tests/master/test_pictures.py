@@ -228,3 +228,28 @@ def test_curves_of_one_variable_of_four_films_are_told_apart():
     legend = [text.get_text() for text in panel.get_legend().get_texts()]
     assert legend[2] == "r, minimum film thickness, big end"
     assert len({*legend}) == 4 and len({line.get_linestyle() for line in panel.get_lines()}) == 4
+
+
+def test_crank_angles_are_ticked_every_quarter_and_curves_of_zeros_left_out():
+    """Two panels with the same runs share one legend. The second port of the first is zero."""
+    angle = np.radians([0.0, 360.0])
+    held = {
+        "b.crank_angle": Series(angle, "rad", ""),
+        "b.force": Series(np.array([1.0, 2.0]), "N", ""),
+        "b.nothing": Series(np.zeros(2), "N", ""),
+        "b.power": Series(np.array([3.0, 4.0]), "W", ""),
+    }
+    picture = Picture(
+        file="force.png",
+        title="Force",
+        kind="lines",
+        x="b.crank_angle",
+        y=[["b.force", "b.nothing"], ["b.power"], ["b.nothing"]],
+        units={"b.crank_angle": "deg"},
+    )
+    results = SimpleNamespace(series=held.get)
+    figure = draw_lines(SimpleNamespace(window={}), picture, {"r": results})
+    assert [len(panel.lines) for panel in figure.axes] == [1, 1, 1]
+    assert [panel.get_legend() is not None for panel in figure.axes] == [True, False, False]
+    words = [label.get_text() for label in figure.axes[-1].get_xticklabels()]
+    assert words == ["0\nTDC", "90", "180\nBDC", "270", "360\nTDC"]
