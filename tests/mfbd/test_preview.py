@@ -1,9 +1,19 @@
 """What is said of the bodies before they are reduced, beside the reduced ones and closed forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.preview import _remarks_on_gas, _runs, mass_properties, preview
+from piston_cosim.fmu_mfbd import preview_picture
+from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape
+from piston_cosim.fmu_mfbd.preview import (
+    _remarks_on_gas,
+    _remarks_on_profiles,
+    _runs,
+    mass_properties,
+    preview,
+)
 
 SHEET = {
     "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
@@ -124,3 +134,44 @@ def test_runs_on_a_ring():
 def test_unusual_gas_pressures_are_remarked(low, high, words):
     remarks = _remarks_on_gas(np.array([low, high, low]))
     assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
+
+
+SKIRT = SimpleNamespace(skirt_lower=-25e-3, skirt_upper=20e-3)
+
+
+@pytest.mark.parametrize(
+    "low, high, largest, words",
+    [
+        (-25e-3, 20e-3, 0.9e-3, []),
+        (-24.6e-3, 19.6e-3, 0.1e-3, []),  # a hundredth of the skirt's 45 mm may be missing
+        (-25e-3, 20e-3, 1.1e-3, ["profile of 1100 \N{MICRO SIGN}m: expected less than 1 mm"]),
+        (-25e-3, 20e-3, -1.1e-3, ["profile of 1100 \N{MICRO SIGN}m: expected less than 1 mm"]),
+        (-24e-3, 20e-3, 0.1e-3, ["profile from -24 to 20 mm does not cover the skirt, -25 to 20"]),
+        (-25e-3, 19e-3, 0.1e-3, ["profile from -25 to 19 mm does not cover the skirt, -25 to 20"]),
+        (-25.0, 20.0, 0.1, ["profile of 1e+05 \N{MICRO SIGN}m: expected less than 1 mm"]),
+        (-20e-3, 20e-3, 2e-3, ["expected less than 1 mm", "does not cover the skirt"]),
+    ],
+)
+def test_unusual_profiles_are_remarked(low, high, largest, words):
+    shape = MeasuredShape(np.zeros(1), np.array([low, high]), np.array([[0.0], [largest]]))
+    remarks = _remarks_on_profiles([shape], SKIRT)
+    assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
+
+
+def test_the_picture_shows_the_clearance_of_the_text(tmp_path, monkeypatch):
+    drawn = {}
+    developed = preview_picture._developed
+
+    def noted(figure, panel, angle, height, value):
+        drawn.setdefault("clearance", value)  # the first panel is that of the skirt
+        developed(figure, panel, angle, height, value)
+
+    monkeypatch.setattr(preview_picture, "_developed", noted)
+    growth = {"skirt_growth_lower": 70e-6, "skirt_growth_upper": 70e-6}
+    growth |= {"bore_growth_lower": 60e-6, "bore_growth_upper": 50e-6}
+    seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
+    seen.draw(tmp_path / "shape.png")
+    hot = seen.figure("clearance_hot").value
+    # the skirt alone would overlap by 30 um; the bore grows by 50 to 60 um over its length
+    assert 20e-6 < hot < 30e-6
+    assert np.nanmin(drawn["clearance"]) == pytest.approx(hot, rel=1e-12)
