@@ -6,10 +6,12 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+import piston_cosim as pc
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
 from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
 from piston_cosim.master.engine.piston_mesh import mesh_of_sizes
+from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.fmi.errors import BadInput
 
 SQUARE = {"bore": "86", "stroke": "86 mm", "rod": 143}
@@ -61,6 +63,34 @@ def test_the_case_is_sound_and_marks_its_estimates(tmp_path):
     assert tree["participants"]["bodies"]["parameters"]["crank_radius"] == "43 mm"
     with pytest.raises(BadInput, match="own: expected a new or empty folder, got an"):
         write_case(made, tmp_path / "own")
+
+
+ENGINES = {
+    "motorcycle": {"bore": 52, "stroke": 49.5, "rod": 95, "speed": 8000},
+    "car": {"bore": 81, "stroke": 77, "rod": 144, "speed": 3000},
+    "truck": {"bore": 130, "stroke": 150, "rod": 250, "speed": 1400, "compression": 17.5},
+}
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_the_grid_of_a_new_case_has_no_remark(name, tmp_path):
+    seen = write_case(engine(ENGINES[name]), tmp_path / name)
+    assert seen.faults == []
+    assert [one for one in seen.remarks if "no thermal growth" not in one] == []
+    assert seen.figure("bodies.cells_around").value % 2 == 0  # a cell on the anti-thrust line
+
+
+@pytest.mark.parametrize(
+    "name", ["car", *(pytest.param(one, marks=pytest.mark.slow) for one in ("motorcycle", "truck"))]
+)
+def test_a_run_of_a_new_case_resolves_its_pressure_peak(name, tmp_path):
+    path = write_case(engine(ENGINES[name]), tmp_path / name).path
+    # from top dead centre the pressure peak is at about 40 deg
+    changes = {"time.stop": "80 deg", "participants.bodies.parameters.start_crank_angle": "0 deg"}
+    with pc.open_case(path, changes).run(tmp_path / "base.h5") as results:
+        found = verdicts(check_case(results.case, path), results)
+    grid = next(one for one in found if one.what == "grid")
+    assert grid.outcome == "pass", grid.said
 
 
 def test_a_mesh_brings_its_skirt(tmp_path):
