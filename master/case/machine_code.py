@@ -46,24 +46,26 @@ def of_machine_code(
     ]
     for name in sorted(chosen & packages.keys()):
         found = _uncovered(case.participants[name], folder, given.get(name, {}))
-        faults += [f"participants.{name}, {fault}" for fault in found]
+        faults += [f"participants.{name}{fault}" for fault in found]
     return chosen, faults
 
 
 def _uncovered(table, folder, given):
-    """Why a participant cannot be machine code here."""
+    """Return why a participant cannot be machine code here, as ends of "participants.NAME"."""
     from ..fmi.builder_native import cannot_build, part_of, this_platform
     from ..fmi.native_parts import uncovered_values
 
     platform = this_platform()
     if platform is None:
-        return ["native: expected x86-64 or AArch64, got another machine; set native = false"]
+        return [", native: expected x86-64 or AArch64, got another machine; set native = false"]
     try:
         part = part_of(table.package)
     except BadInput as refusal:
-        return refusal.faults
-    faults = [*cannot_build((platform,), (table.package,)), *part.uncovered_ahead(table.build)]
+        return [f", {fault}" for fault in refusal.faults]
+    faults = [f", {fault}" for fault in cannot_build((platform,), (table.package,))]
+    faults += [f".build.{fault}" for fault in part.uncovered_ahead(table.build)]
     variables = declared_variables(table, folder)
     if variables and not faults:
-        faults += uncovered_values(part, variables, given)
+        found = uncovered_values(part, variables, given)
+        faults += [f".parameters.{fault}" for fault in found]
     return faults

@@ -47,9 +47,9 @@ def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> st
     the question if no known name is similar.
     """
     known = list(known)
-    if not known:
-        return f"expected no {kind}, got {name!r}"
     question = near(str(name), known) or (f"; {hint}" if hint else "")
+    if not known:
+        return f"expected no {kind}, got {name!r}{question}"
     return f"expected {names_of(known)}, got unknown {kind} {name!r}{question}"
 
 

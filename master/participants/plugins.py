@@ -15,6 +15,10 @@ from ..fmi.errors import BadInput, unknown
 
 GROUP = "piston_cosim."
 
+KEYS = {"participants": "plugin", "methods": "coupling.method"}
+KEYS |= {"step_controls": "coupling.step_control", "observers": "observers"}
+"""Key of a case that names a plugin, by the kind of plugin."""
+
 
 def names(kind: str) -> list[str]:
     """What there is of "participants", "methods", "step_controls" or "observers"."""
@@ -26,12 +30,12 @@ def plugin(kind: str, name: str) -> Any:
     found = [entry for entry in entry_points(group=GROUP + kind) if entry.name == name]
     if not found:
         hint = "install the package that has it"
-        raise BadInput(f"{kind}: {unknown('plugin', name, names(kind), hint)}")
+        raise BadInput(f"{KEYS[kind]}: {unknown('plugin', name, names(kind), hint)}")
     try:
         return found[0].load()
     except Exception as error:
         raise BadInput(
-            f"{kind}.{name}: expected a module that can be imported, got {found[0].value}: {error}"
+            f"{KEYS[kind]}: expected a module that can be imported, got {found[0].value}: {error}"
         ) from None
 
 
@@ -43,4 +47,4 @@ def made(kind: str, name: str, *arguments: Any) -> Any:
     except BadInput:
         raise
     except (ValueError, TypeError, KeyError) as error:
-        raise BadInput(f"{kind}.{name}: {error}") from None
+        raise BadInput(f"{KEYS[kind]}: {name}: {error}") from None

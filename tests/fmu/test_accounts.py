@@ -137,8 +137,8 @@ def test_a_conjugate_that_is_none_is_named():
     )
     with pytest.raises(BadInput) as refusal:
         open_system(check_case(tree, PATH), PATH.parent, print)
-    assert "no field of this shape is wired from there to left" in refusal.value.faults[0]
-    assert "neither work nor power" in refusal.value.faults[1]
+    assert "expected a wire of this shape to left, got none" in refusal.value.faults[0]
+    assert "expected a product of work or power, got unit" in refusal.value.faults[1]
 
 
 def test_a_log_goes_on_after_its_checkpoint(tmp_path):

@@ -108,7 +108,7 @@ def test_the_variant_is_sound_and_what_cannot_bend_is_told():
 
     assert told(BORE) == ""
     assert "pin_bore_radius: expected less" in told((BORE[0], "18 mm"))
-    assert "pin_length = 80 mm: must reach through all films" in told(
+    assert "pin_length: expected 0 or at least the length of all films, 86 mm, got 80 mm" in told(
         ("participants.bodies.parameters.pin_length", "80 mm")
     )
     assert "floating_pin.pin_shapes" in told((f"{PIN}.pin_shapes", 12))

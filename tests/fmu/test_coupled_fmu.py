@@ -231,7 +231,7 @@ def test_a_bare_python_simulates_it(coupled):
 
 
 def test_refusals_name_the_participant(coupled):
-    with pytest.raises(BadInput, match="radial_clearance = -1"):
+    with pytest.raises(BadInput, match="radial_clearance: expected .*, got -1"):
         FmuParticipant("coupled", coupled).start({"radial_clearance": -1.0}, 0.0, 1.0)
 
 

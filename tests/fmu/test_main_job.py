@@ -189,9 +189,9 @@ def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
     assert run.returncode == 2
     for words in (
         "radial_clearance: expected 1e-06 to 0.001 m, got -5 um",
-        "12 mm",
-        "did you mean 'viscosity'",
-        "shapes differ, (40, 40) and (20, 40)",
+        "viscosity: expected a quantity in Pa.s, got '12 mm'",
+        "got unknown parameter or input 'viscosty'; did you mean 'viscosity'",
+        "expected equal shapes, got (40, 40) and (20, 40)",
     ):
         assert words in run.stderr
     assert not list(tmp_path.iterdir())
@@ -201,10 +201,16 @@ def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
     "change, words",
     [
         ("participants.bodies.build.piston.mesh=none.msh", "got 'none.msh'"),
-        ("participants.bodies.build.piston.densty=1 kg", "piston.densty: unknown key"),
-        ("coupling.methd=newton", "coupling.methd: unknown key"),
-        ("time.stop=3 bar", "time.stop: '3 bar'"),
-        ("participants.ehd.parameters.pressure_upper_edge=-1 bar", "pressure_upper_edge"),
+        (
+            "participants.bodies.build.piston.densty=1 kg",
+            "got unknown key 'densty'; did you mean 'density'?",
+        ),
+        ("coupling.methd=newton", "got unknown key 'methd'; did you mean 'method'?"),
+        ("time.stop=3 bar", "time.stop: expected a quantity in rad, got '3 bar'"),
+        (
+            "participants.ehd.parameters.pressure_upper_edge=-1 bar",
+            "pressure_upper_edge: expected at least",
+        ),
     ],
 )
 def test_bad_input_is_named(tmp_path, change, words):

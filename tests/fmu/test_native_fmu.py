@@ -345,7 +345,11 @@ def test_every_choice_and_number_is_covered():
         ("flow_factors", "patir_cheng_1978", "roughness_rms: expected more than 0 m"),
         ("bore_radius", 7.0, "bore_radius: expected 0.001 to 1 m, got 7 m"),
         ("pressure_lower_edge", -1e3, "pressure_lower_edge: expected at least cavitation_pressure"),
-        ("film_fraction_openings", 0.5, "film_fraction_openings = 0.5 (unit 1), pressure_openin"),
+        (
+            "film_fraction_openings",
+            0.5,
+            "film_fraction_openings, pressure_openings: expected 1 and 0 Pa",
+        ),
     ],
 )
 def test_what_cannot_start_is_said_by_name(native_fmu, name, value, words):
@@ -359,10 +363,15 @@ def test_what_cannot_start_is_said_by_name(native_fmu, name, value, words):
     [
         (
             dict(stroke=0.2, pressure_upper_edge=1e5),
-            ["stroke = 0.2 m: on skirt_length = 0.027 m a native FMU has room for 0.162 m"]
-            + ["pressure_upper_edge = 100000 Pa with oil_supply = bore or bore_and_ring"],
+            ["stroke: expected at most 0.162 m for skirt_length = 0.027 m", "got 0.2 m"]
+            + [
+                "pressure_upper_edge: expected cavitation_pressure = 0 Pa with oil_supply = bore or"
+            ],
         ),
-        (dict(opening_supply="own"), ["what cut-outs give follows from the oil on the bore"]),
+        (
+            dict(opening_supply="own"),
+            ["opening_supply: expected lower_edge with oil_supply = bore", "got own"],
+        ),
     ],
 )
 def test_what_does_not_go_with_oil_from_the_bore_is_said_by_name(native_fmu, wrong, words):

@@ -115,11 +115,20 @@ def test_a_step_control_from_outside(installed, tmp_path):
 @pytest.mark.parametrize(
     "change, words",
     [
-        (lambda t: t["participants"]["wall"].update(plugin="nobody"), "there are: outside_wall"),
+        (
+            lambda t: t["participants"]["wall"].update(plugin="nobody"),
+            "participants.wall.plugin: expected outside_wall, got unknown plugin 'nobody'",
+        ),
         (lambda t: t["participants"]["wall"].update(build={"x": 1}), "unknown options x"),
         (lambda t: t["coupling"].update(method="nothing"), "unknown method 'nothing'"),
-        (lambda t: t["coupling"].update(step_control="none"), "there are: every_half"),
-        (lambda t: t.update(observers={"none": {}}), "there are: window_times"),
+        (
+            lambda t: t["coupling"].update(step_control="none"),
+            "coupling.step_control: expected every_half, got unknown plugin",
+        ),
+        (
+            lambda t: t.update(observers={"none": {}}),
+            "observers: expected window_times, got unknown plugin 'none'",
+        ),
     ],
 )
 def test_what_no_package_brings_is_refused(installed, change, words):
@@ -130,5 +139,7 @@ def test_what_no_package_brings_is_refused(installed, change, words):
 
 
 def test_without_the_package_its_names_are_unknown():
-    with pytest.raises(BadInput, match="no installed package brings it"):
+    with pytest.raises(
+        BadInput, match="plugin: expected no plugin, got 'outside_wall'; install the package"
+    ):
         open_system(check_case(outside(read_tree(TUBE, SHORT)), "case"), TUBE.parent, print)

@@ -164,7 +164,10 @@ def test_who_is_not_trusted_is_refused(folder, trusting, tmp_path):
     "line, words",
     [
         ('host = "tcp://127.0.0.1:8786"', "host"),
-        ('host = "tls://127.0.0.1:8786"\nisolated = true', "not both"),
+        (
+            'host = "tls://127.0.0.1:8786"\nisolated = true',
+            "host: expected isolated = false with a host, got true",
+        ),
     ],
 )
 def test_what_is_no_host_is_refused(folder, line, words):

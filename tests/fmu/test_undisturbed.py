@@ -149,11 +149,11 @@ def test_names_of_files_stay_in_the_output_folder(tmp_path, more, name):
 def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(folder):
     with zipfile.ZipFile(folder / "a.fmu", "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("resources/zeros", bytes(2**27))
-    with pytest.raises(BadInput, match="would unpack to 134 MB, more than 200 times"):
+    with pytest.raises(BadInput, match="expected at most 200 times the packed .* MB, got 134 MB"):
         open_fmu("a", folder / "a.fmu")
     with zipfile.ZipFile(folder / "b.fmu", "a") as archive:
         archive.writestr("../../x", b"out")
-    with pytest.raises(BadInput, match="'../../x' leads out of it"):
+    with pytest.raises(BadInput, match="expected files inside it, got path '../../x'"):
         open_fmu("b", folder / "b.fmu")
 
 

@@ -175,10 +175,10 @@ def test_the_shipped_case_is_sound_and_what_cannot_yield_is_told():
         return " ".join(check("yielding_bosses", list(changes)).faults)
 
     assert "expected 'rbe3'" in told((f"{PISTON}.tie", "rbe2"))
-    assert "from 1 to 99 are for its bosses" in told(
+    assert "expected 1 to 99 of 100 modes, got 100" in told(
         ("participants.bodies.build.floating_pin.boss_modes", 100)
     )
-    assert "the piston is rigid" in told((f"{PISTON}.modes", 0))
+    assert "boss_modes: expected 0 for a rigid piston" in told((f"{PISTON}.modes", 0))
     assert "expected 'smooth_pressure_modes' or 'pressure_modes'" in told(
         (f"{PISTON}.basis", "craig_bampton")
     )
@@ -192,7 +192,10 @@ def test_the_shipped_case_is_sound_and_what_cannot_yield_is_told():
 def test_a_pin_that_is_not_the_bosses_is_refused_at_the_start(tmp_path):
     radius = [("participants.bodies.parameters.pin_radius", "9 mm")]
     radius += [(f"participants.{name}.parameters.bore_radius", "9 mm") for name in PINS]
-    with pytest.raises(Exception, match="beside the radius of the bosses in the mesh, 8.5 mm"):
+    with pytest.raises(
+        Exception,
+        match="pin_radius: expected within 2 % of the .*bosses in .* mesh, 8.5 mm, got 9 mm",
+    ):
         computed(tmp_path / "wide.h5", *radius)
 
 
@@ -201,7 +204,9 @@ def test_a_body_reduced_for_other_films_is_refused(tmp_path):
     own = reduced_bodies(build, PATH.parent, lambda text: None)["piston"]
     piston = {"reduced": str(own), "tie": "rbe3", "modes": 50}
     other = build["floating_pin"] | {"grid": [40, 4]}
-    with pytest.raises(BadInput, match="films of 48 x 4 cells in its bosses, .* has 40 x 4"):
+    with pytest.raises(
+        BadInput, match="expected films of 40 x 4 cells in the bosses of .*, got 48 x 4"
+    ):
         prepare(build | {"piston": piston, "floating_pin": other}, PATH.parent, lambda text: None)
 
 
