@@ -218,7 +218,7 @@ def in_space(build: Build, piston: Path) -> InSpace:
         try:
             mass, centre, about_centre = mass_properties(load(Anatomy, piston))
         except ValueError as error:
-            raise BadInput([f"motion_in_space: {error}"]) from None
+            raise BadInput([f"piston.{error}"]) from None
         centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset
     else:
         assert build.motion_in_space

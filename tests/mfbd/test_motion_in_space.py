@@ -948,6 +948,10 @@ def test_what_cannot_move_in_space_is_refused(coarse, cached, tmp_path):
         "motion_in_space.centre_z: expected nothing with a mesh, got a value",
     ):
         assert words in told
+    rigid = table | {name: table[name] | {"modes": 0} for name in ("piston", "block")}
+    _, files = prepare(rigid, folder, lambda text: None)
+    slim = rigid | {"piston": {"reduced": str(files[0]), "modes": 0}, "motion_in_space": {}}
+    assert "piston.reduced: expected points, tets" in refused(slim, folder)
 
 
 def test_a_native_fmu_refuses_it():
