@@ -340,12 +340,14 @@ def _measured(case, results):
         return [results.series(port).values for port in ports if port in results.ports]
 
     thickness = values(films, "minimum_film_thickness")
-    losses = [impact.loss for body in bodies for impact in impacts(results, body) or ()]
+    struck = [found for body in bodies if (found := impacts(results, body)) is not None]
     rocking = values(bodies[:1], "rocking_angle")
     found = {
         "minimum_film_thickness_m": min((one.min() for one in thickness), default=None),
         "friction_mean_effective_pressure_pa": friction_pressure(case, results),
-        "slap_energy_j": max(losses, default=None),
+        "slap_energy_j": max((one.loss for found in struck for one in found), default=0.0)
+        if struck
+        else None,
         "largest_rocking_angle_rad": max((np.abs(one).max() for one in rocking), default=None),
         "contact_share": contact_share(results, films[0]) if films else None,
     }

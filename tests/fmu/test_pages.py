@@ -328,7 +328,8 @@ def swept(tmp_path_factory):
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
     folder = tmp_path_factory.mktemp("sweep")
-    changes = [*SMALL, ("time.stop", "24 deg"), ("time.step", "4 deg"), ("record.every", "8 deg")]
+    # the first impact is about 90 deg after the start
+    changes = [*SMALL, ("time.stop", "120 deg"), ("time.step", "4 deg"), ("record.every", "40 deg")]
     given = {
         "vary": ["radial_clearance=40um;60um", "barrel=20um;40um"],
         "set_": [f"{key}={value!r}" for key, value in changes],
