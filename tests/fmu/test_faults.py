@@ -173,7 +173,8 @@ def test_a_state_that_is_not_restored_is_reported_before_anything_is_written(tmp
     changes = [f"participants.bad.isolated={isolated}", "time.stop=0.05 s"]
     done = run(tmp_path, "forgetful", changes=[*changes, "wires.0.local_error=0.1"])
     assert done.returncode == 2
-    assert "bad: x differs by " in done.stderr
+    words = "participants.bad: expected a restored state with local_error, got x differs by "
+    assert words in done.stderr
     assert not (tmp_path / "base.h5.partial").exists()
     done = run(tmp_path, "forgetful", changes=changes)
     assert done.returncode == 0

@@ -156,7 +156,7 @@ def test_jacobi_in_two_processes_gives_the_bits_of_one(folder, tmp_path):
 @pytest.mark.parametrize("isolated", [False, True])
 def test_an_fmu_that_is_not_to_be_instantiated_says_why(folder, tmp_path, isolated):
     done, _ = run(folder, tmp_path, a="refuses", isolated=isolated)
-    assert done.returncode == 2 and "a: no licence for this cell" in done.stderr
+    assert done.returncode == 2 and "participants.a, no licence for this cell" in done.stderr
 
 
 @pytest.mark.parametrize("isolated", [False, True])
