@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput, Stopped
+from ..runs.signals import ending_soon
 from .usage import faults_of
 
 STARTED = time.perf_counter()
@@ -97,7 +98,10 @@ def main():
             return
         if moved := new_spelling(words):
             raise BadInput(f"{words[0]}: expected `{moved}`, got a former spelling")
-        app(words, exit_on_error=False, print_error=False)
+        with ending_soon():
+            app(words, exit_on_error=False, print_error=False)
+    except KeyboardInterrupt:
+        say_faults("stopped:[/] by a signal", [])
     except (CycloptsError, BadInput, OSError) as error:
         if isinstance(error, OSError) and not error.filename:
             raise  # no file of the user's

@@ -15,6 +15,7 @@ from ..case.contract import players
 from ..case.schema import case_names, check_case, find_case, read_tree
 from ..fmi.errors import BadInput, unknown
 from ..fmi.tree import import_part
+from ..runs.working import working
 from .usage import new_file, new_folder, positive
 
 console = Console()
@@ -236,7 +237,7 @@ def draw_pictures(case, runs, folder, kind=None):
 
     for picture, why in left_out(case, runs).items():
         say(f"picture  {picture} is omitted: {why}")
-    with console.status("drawing"):
+    with working(console, "drawing"):
         drawn = draw(case, runs, folder, kind)
     for picture in drawn:
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

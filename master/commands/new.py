@@ -11,6 +11,7 @@ from ..engine.new import SIZES, engine, write_case
 from ..engine.piston_mesh import mesh_of_sizes
 from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
+from ..runs.working import working
 from .check import print_checked
 from .common import console
 
@@ -76,7 +77,7 @@ def command(
             mesh_of_step(step, mesh, made["bore"])
         elif piston in ("slipper", "full"):
             mesh = Path(place) / "piston.msh.xz"
-            with console.status("meshing"):
+            with working(console, "meshing"):
                 mesh_of_sizes(made, piston, mesh)
         found = write_case(made, name, mesh)
     console.print(f"case     {found.path}", highlight=False, soft_wrap=True)

@@ -4,6 +4,7 @@ from rich.table import Table
 
 from ..api.bodies import reduced
 from ..case.schema import find_case, read_tree
+from ..runs.working import working
 from .common import Changes, OutputFolder, console, default_folder, parse_changes
 
 
@@ -28,7 +29,7 @@ def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None =
     path = find_case(source)
     tree = read_tree(path, parse_changes(set_))
     folder = output or default_folder(path) / "bodies"
-    with console.status("reducing") as status:
+    with working(console, "reducing") as status:
 
         def progress(text):
             status.update(text)

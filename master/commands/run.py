@@ -17,6 +17,7 @@ from ..results.file import Results
 from ..runs.console import print_summary, watching
 from ..runs.live import Live, curves, serving
 from ..runs.run import run as run_system
+from ..runs.working import working
 from .app import STARTED
 from .common import (
     Changes,
@@ -154,7 +155,8 @@ def open_all(cases, folder):
     faults = []
     for label, case in cases.items():
         try:
-            with console.status("working"):  # bodies are reduced here, which may take minutes
+            # bodies are reduced here, which may take minutes
+            with working(console, "preparing FMUs and bodies"):
                 systems[label] = open_system(case, folder, say)
         except BadInput as error:
             faults += [fault for fault in error.faults if fault not in faults]

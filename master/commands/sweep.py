@@ -9,6 +9,7 @@ from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
+from ..runs.working import working
 from .app import say_faults
 from .common import (
     Changes,
@@ -122,7 +123,7 @@ def command(
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
     picture = draw_sweep(rows, axes, weighed, table.with_suffix(".png"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
-    with console.status("drawing the page"):
+    with working(console, "drawing the page"):
         page = _page(path, points, rows, axes, weighed, larger, table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]

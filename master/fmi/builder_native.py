@@ -16,14 +16,15 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -41,6 +42,9 @@ MARK = b"PCNATIV2"
 """What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
 
 OWN_NAME = Path(__file__).name
+
+REPORT = 4.0
+"""Time between two messages about another process that compiles [s]."""
 
 WORD = 8  # bytes that are summed up at once
 
@@ -458,10 +462,37 @@ def object_files(package, platforms, progress=lambda text: None):
     code = _digest_of_code(package)
     kept = {name: _object_file(package, name) for name in platforms}
     if not all(path.exists() for path in kept.values()):
-        with open(folder / f"{package}-{code}.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+        with sole_compiler(folder / f"{package}-{code}.lock", package, progress):
             _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)
     return {name: path.read_bytes() for name, path in kept.items()}
+
+
+@contextmanager
+def sole_compiler(path: Path, package: str, progress: Callable[[str], object]):
+    """Hold the lock at `path`; while another process holds it, report that process and wait."""
+    with open(path, "a+") as lock:
+        begin = time.monotonic()
+        due = begin
+        while not _locked(lock):
+            if (now := time.monotonic()) >= due:
+                lock.seek(0)
+                holder = lock.read().strip() or "another process"
+                progress(f"waiting for {holder}, which compiles {package}: {now - begin:.0f} s")
+                due = now + REPORT
+            time.sleep(0.1)
+        lock.truncate(0)
+        lock.write(f"process {os.getpid()} on {machine.node()}\n")
+        lock.flush()
+        yield
+
+
+def _locked(lock: IO[str]) -> bool:
+    """Return whether the lock could be taken."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
 
 
 def _compile(package, kept, module, progress):
@@ -470,7 +501,7 @@ def _compile(package, kept, module, progress):
     if not missing:
         return
     progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
-    for name, data in native_code.object_files(package, missing, module).items():
+    for name, data in native_code.object_files(package, missing, module, progress).items():
         write_whole(kept[name], data)
 
 

@@ -13,6 +13,9 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
+import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -118,7 +121,18 @@ TWICE = ("invert_in_place", "substitute", "read", "read_both")
 same bits, for no multiplication is fused with an addition."""
 
 
-def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, bytes]:
+REPORT = 3.0
+"""Time between two messages about the progress [s]."""
+KERNELS = 220
+"""Typical number of kernels of a package."""
+
+
+def object_files(
+    package: str,
+    platforms: list[str],
+    kept: Path,
+    progress: Callable[[str], object] = lambda text: None,
+) -> dict[str, bytes]:
     """Object file of a participant's entries for each of `TARGETS` asked for.
 
     Parameters
@@ -130,6 +144,8 @@ def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, by
     kept : Path
         The module that they are made of, compressed; made where it is not there. It is what takes
         minutes, and the same for all targets.
+    progress : callable, optional
+        Called with a message every `REPORT` s.
 
     Raises
     ------
@@ -141,9 +157,17 @@ def object_files(package: str, platforms: list[str], kept: Path) -> dict[str, by
         around = Path(sys.modules[ROOT].__path__[0]).parent
         path = os.pathsep.join([str(around), *filter(None, sys.path)])
         environment = os.environ | RAW | {"PYTHONPATH": path}
-        done = subprocess.run(command, capture_output=True, text=True, env=environment)
-        if done.returncode:
-            raise RuntimeError(f"{package} could not be compiled for a native FMU:\n{done.stderr}")
+        errors = Path(scratch, "errors")
+        pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        with (
+            errors.open("w") as stderr,
+            subprocess.Popen(command, stderr=stderr, env=environment, **pipes) as process,
+        ):
+            for line in process.stdout or ():
+                progress(line.rstrip())
+        if process.returncode:
+            text = errors.read_text()
+            raise RuntimeError(f"{package} could not be compiled for a native FMU:\n{text}")
         return {name: (Path(scratch) / f"{name}.o").read_bytes() for name in platforms}
 
 
@@ -332,6 +356,9 @@ def _machine(target: Target):
 
 def main(package: str, kept: str, folder: str, *platforms: str) -> None:
     """Write the object files into a folder; the module that they are made of is kept."""
+    threading.Thread(target=_follow, daemon=True).start()
+    phase = [f"compiling {package}"]
+    threading.Thread(target=_report, args=(phase,), daemon=True).start()
     gc.disable()  # numba makes millions of small objects, and the process ends with them
     part = import_part(f"{package}.native").PART
     if os.path.exists(kept):
@@ -340,7 +367,29 @@ def main(package: str, kept: str, folder: str, *platforms: str) -> None:
         text = module_text(package, part)
         write_whole(Path(kept), gzip.compress(text.encode(), 1))
     for name in platforms:
+        phase[0] = f"optimising {package} for {name}"
         Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name], part.asks))
+
+
+def _follow() -> None:
+    """End this process when the other side of its input has ended."""
+    sys.stdin.read()
+    os._exit(1)
+
+
+def _report(phase: list[str]) -> None:
+    """Print the phase, its time and the share of compiled kernels every `REPORT` s."""
+    from numba.core import event
+
+    begin = time.monotonic()
+    listener = event.RecordingListener()
+    event.register("numba:compile", listener)
+    while True:
+        time.sleep(REPORT)
+        share = min(99, 100 * sum(one.is_end for _, one in listener.buffer) // KERNELS)
+        seconds = time.monotonic() - begin
+        at = f"{share} %, " if phase[0].startswith("compiling") else ""
+        print(f"{phase[0]}: {at}{seconds:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

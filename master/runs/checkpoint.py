@@ -3,15 +3,11 @@ crash.
 """
 
 import os
-import signal
-import threading
 import zipfile
 from collections import Counter
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
-from types import SimpleNamespace
 
 from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
@@ -232,47 +228,3 @@ def _content_hash(path):
             digest.update(f"{name}\n".encode())
             digest.update(sha256(archive.read(name)).digest())
     return digest.hexdigest()
-
-
-@contextmanager
-def listening():
-    """SIGINT and SIGTERM are noted in `.signal` instead of ending the process, so that the macro
-    step can end; the second one ends it at once, even where an FMU hangs.
-    """
-    heard = SimpleNamespace(signal=None)
-    if threading.current_thread() is not threading.main_thread():
-        yield heard
-        return
-
-    def note(number, frame):
-        heard.signal = number
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    reading, writing = os.pipe()
-    os.set_blocking(writing, False)
-    woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
-    # a thread: while an FMU's code runs, Python calls no handler of a signal
-    watcher = threading.Thread(target=_end_at_second, args=(reading,), daemon=True)
-    watcher.start()
-    try:
-        yield heard
-    finally:
-        signal.set_wakeup_fd(woken)
-        os.close(writing)
-        watcher.join()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _end_at_second(reading):
-    """Count the signals that come through a pipe, until it is closed."""
-    heard = 0
-    while number := os.read(reading, 1):
-        if number[0] not in (signal.SIGINT, signal.SIGTERM):
-            continue
-        heard += 1
-        if heard == 2:
-            os.write(2, b"\nstopped immediately; the recorded data is in the .partial file\n")
-            os._exit(128 + number[0])
-        os.write(2, b"\nstopping after this macro step; repeat the signal to stop immediately\n")
-    os.close(reading)

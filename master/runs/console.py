@@ -7,8 +7,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Column, Table
 
 from ..fmi.quantities import short
+from .working import Phase, ticking
 
-STARTING = "starting; the first start on a machine compiles for a minute"
+STARTING = "starting"
 REFRESH = 0.2
 """Seconds from one progress line to the next: units of handy size take a millisecond to find."""
 
@@ -23,10 +24,25 @@ class Watch:
         self.task = task
         self.first: float | None = None
         self.next = 0.0
+        self.phase = Phase(STARTING)
+
+    def text(self):
+        """Return the progress outside a terminal."""
+        if self.first is None:
+            return self.phase.text()
+        fields = self.progress.tasks[self.task]
+        return f"{100 * fields.completed:.0f} %  {fields.fields['state']}"
+
+    def show(self, text):
+        """Show the progress of the start in a terminal."""
+        if self.first is None:
+            self.progress.update(self.task, state=text)
 
     def __call__(self, time, stop, solution, monitored):
         now = clock.perf_counter()
-        self.first = self.first or now
+        if self.first is None:
+            self.first = now
+            self.phase.compilation.finish()
         if now < self.next and time < stop:
             return
         self.next = now + REFRESH
@@ -41,7 +57,9 @@ def watching(console, label):
     name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
     columns = (name, BarColumn(8), TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
     with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
-        yield Watch(progress, progress.add_task(label, total=1.0, state=STARTING))
+        watch = Watch(progress, progress.add_task(label, total=1.0, state=STARTING))
+        with ticking(console, lambda: f"{label}: {watch.text()}", watch.show):
+            yield watch
 
 
 def print_summary(console, summaries):

@@ -20,8 +20,10 @@ def lock_path(output):
 
 @contextmanager
 def sole_writer(output):
-    """Hold the lock of `output`; what a dead process has left there is taken over. Folders made for
-    it go again if nothing has been written into them.
+    """Hold the lock of `output`, and yield the function that removes its file.
+
+    The lock of a dead process is taken over. Folders made for the lock are removed if they are
+    empty.
 
     Raises
     ------
@@ -31,14 +33,18 @@ def sole_writer(output):
     path = lock_path(output)
     made = [folder for folder in path.parents if not folder.exists()]
     handle = _held(path, output)
-    try:
-        yield
-    finally:
+
+    def release():
         path.unlink(missing_ok=True)
-        os.close(handle)
         with suppress(OSError):  # not empty
             for folder in made:
                 folder.rmdir()
+
+    try:
+        yield release
+    finally:
+        release()
+        os.close(handle)
 
 
 def _held(path, output):

@@ -42,7 +42,6 @@ from .checkpoint import (
     Interrupted,
     fingerprints,
     kept,
-    listening,
     source_hashes,
 )
 from .lock import sole_writer
@@ -50,6 +49,7 @@ from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, Schedule, writing
 from .reductions import Reduction
 from .repetition import repetition, turning
+from .signals import listening
 
 USUAL_CHECKPOINTS = 50
 """Macro steps from one checkpoint to the next, where the case does not say ..."""
@@ -111,7 +111,11 @@ def run(
     """
     output = Path(output).absolute()  # an FMU may change the working directory
     participants = system.participants.values()
-    with sole_writer(output), listening() as heard, closing(participants):
+    with (
+        sole_writer(output) as release,
+        listening(release) as heard,
+        closing(participants),
+    ):
         try:
             if begin_at:
                 _check_resumable(begin_at, system, output)
@@ -302,6 +306,7 @@ class March:
             if ended := self._advance(before, after - before):
                 return ended
             account.steps_done = k + 1
+            heard.stepped = True
             if hold := getattr(self.watch, "hold", None):
                 hold(heard)
             if heard.signal or self.is_due(k + 1):

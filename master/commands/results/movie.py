@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ...fmi.errors import BadInput
+from ...runs.working import working
 from ..common import OutputFile, body_skins, console, open_runs, say
 
 
@@ -68,6 +69,6 @@ def command(
         else:
             write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
     else:
-        with console.status("drawing"):
+        with working(console, "drawing"):
             write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from ...fmi.errors import BadInput
 from ...results.compare import check_measured, measured_section, read_measured
+from ...runs.working import working
 from ..common import OutputFolder, console, open_runs, page_of
 
 
@@ -54,7 +55,7 @@ def command(
     ]
     if missing:
         raise BadInput(missing)
-    with console.status("drawing the page"):
+    with working(console, "drawing the page"):
         page = page_of(
             described, runs, output, source=case, notes=notes, studies=study, ahead=ahead
         )

@@ -1,0 +1,109 @@
+"""SIGINT and SIGTERM during a command and during a run.
+
+A thread receives the signals: while compiled code runs, Python calls no handler of a signal.
+"""
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+from contextlib import contextmanager, suppress
+from types import SimpleNamespace
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+GRACE = 0.7
+"""Time after which a command ends if it does not react to a signal [s]."""
+EXIT_CODE = 1
+"""Exit code of a stopped command."""
+_command = SimpleNamespace(runs=False)
+"""Whether this process is a command, which may end at once, or a user's own Python."""
+
+
+@contextmanager
+def ending_soon():
+    """End the command within `GRACE` after a signal.
+
+    The signal raises KeyboardInterrupt; if that does not end the command, the process exits.
+    """
+
+    def ended(number: int, count: int) -> None:
+        timer = threading.Timer(0.0 if count > 1 else GRACE, _exit, [number])
+        timer.daemon = True
+        timer.start()
+
+    _command.runs = True
+    try:
+        with _watched(signal.default_int_handler, ended):
+            yield
+    finally:
+        _command.runs = False
+
+
+@contextmanager
+def listening(clean: Callable[[], object] = lambda: None):
+    """Yield an object that holds the `signal` that arrived, or None.
+
+    Once the caller has set `stepped`, the macro step can end after the first signal. The second
+    signal ends the process immediately, even if an FMU hangs. Before, during start and first
+    compilation, the first signal ends a command.
+
+    Parameters
+    ----------
+    clean : callable
+        Called before a command ends that has not `stepped`.
+    """
+    heard = SimpleNamespace(signal=None, stepped=False)
+    if threading.current_thread() is not threading.main_thread():
+        yield heard
+        return
+
+    def note(number, frame):
+        heard.signal = number
+
+    def react(number: int, count: int) -> None:
+        if _command.runs and not heard.stepped:
+            with suppress(OSError):
+                clean()
+            _exit(number)
+        if count > 1:
+            os.write(2, b"\nstopped immediately; the recorded data is in the .partial file\n")
+            os._exit(128 + number)
+        os.write(2, b"\nstopping after this macro step; repeat the signal to stop immediately\n")
+
+    with _watched(note, react):
+        yield heard
+
+
+def _exit(number: int) -> None:
+    """Print the signal that stopped the command, and end the process."""
+    os.write(2, f"\nstopped: by {signal.Signals(number).name}\n".encode())
+    os._exit(EXIT_CODE)
+
+
+@contextmanager
+def _watched(handler, react: Callable[[int, int], None]):
+    """Handle signals by `handler` in this thread, and by `react(number, count)` in another one."""
+    before = {number: signal.signal(number, handler) for number in SIGNALS}
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    watcher = threading.Thread(target=_watch, args=(reading, react), daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(woken)
+        os.close(writing)
+        watcher.join()
+        for number, old in before.items():
+            signal.signal(number, old)
+
+
+def _watch(reading: int, react: Callable[[int, int], None]) -> None:
+    """Count the signals that come through a pipe, until it is closed."""
+    count = 0
+    while number := os.read(reading, 1):
+        if number[0] in SIGNALS:
+            count += 1
+            react(number[0], count)
+    os.close(reading)
