@@ -30,7 +30,7 @@ INTAKE = 1.0e5
 EXPONENT = 1.33
 """Of compression and expansion."""
 HEAT = 9.3
-"""Factor of Eq. (D13) [-], our own choice: petrol engines at full load reach 6 to 8 MPa."""
+"""Factor of Eq. (D13) [-], our own choice: a compression ratio of 10.5 gives about 6.5 MPa."""
 VISCOSITY = 8e-3
 """Viscosity of the oil [Pa s]: our estimate, an engine oil near 110 degC."""
 CELLS, LEAST, MOST = 57.0, 40, 200
