@@ -240,7 +240,7 @@ def test_the_shipped_case_is_sound_and_lengths_are_held_against_the_body():
     assert check("floating_pin").faults == []
     told = check("floating_pin", [("participants.left_film.parameters.skirt_length", "24 mm")])
     (fault,) = told.faults
-    assert "the skirt length of bodies.boss_left is 25 mm" in fault
+    assert "expected 25 mm, the skirt length of bodies.boss_left" in fault
     told = check("floating_pin", [("participants.bodies.parameters.pin_radius", "17 mm")])
     assert sum("the bore radius of bodies." in fault for fault in told.faults) == 3
 

@@ -179,7 +179,7 @@ def test_each_film_is_held_against_its_own_surface():
     change = ("participants.upper_film.parameters.skirt_length", "40 mm")
     (fault,) = check("grooved_skirt", [change]).faults
     assert "upper_film.parameters.skirt_length = 40 mm" in fault
-    assert "the skirt length of bodies.upper is 39.33 mm" in fault
+    assert "expected 39.33 mm, the skirt length of bodies.upper" in fault
 
 
 def test_each_film_has_the_mask_of_its_own_surface(tmp_path, monkeypatch):
