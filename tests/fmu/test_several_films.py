@@ -178,7 +178,7 @@ def test_each_film_is_held_against_its_own_surface():
     """9 of 20 rows of 82.8 mm: 37.26 mm; told of the film that says otherwise alone."""
     change = ("participants.upper_film.parameters.skirt_length", "40 mm")
     (fault,) = check("grooved_skirt", [change]).faults
-    assert "upper_film.parameters.skirt_length = 40 mm" in fault
+    assert "upper_film.parameters.skirt_length: " in fault and "got 40 mm" in fault
     assert "expected 39.33 mm, the skirt length of bodies.upper" in fault
 
 
