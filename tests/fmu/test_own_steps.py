@@ -131,14 +131,17 @@ def test_a_held_table_and_a_start_time(folder):
 @pytest.mark.parametrize(
     "table, words",
     [
-        ("time [s], force [m]\n0, 1\n1, 2\n", "reaches from 0 s to 1 s, the run from 0 s to 2 s"),
-        ("time [s], force [furl]\n0, 1\n2, 2\n", "nothing is known of the unit furl"),
+        ("time [s], force [m]\n0, 1\n1, 2\n", "expected times from 0 s to 2 s, got 0 s to 1 s"),
+        ("time [s], force [furl]\n0, 1\n2, 2\n", "column force: expected a known unit, got 'furl'"),
         ("time [kg], force [m]\n0, 1\n2, 2\n", "expected the time in the first column"),
-        ("time [s], force [m]\n0, 1\n0, 2\n", "the times must increase"),
-        ("time [s], force [m]\n0, x\n2, 2\n", "row 2 does not hold 2 numbers"),
-        ("time [s], force [m], force\n0, 1, 2\n2, 2, 3\n", "two columns are named 'force'"),
+        ("time [s], force [m]\n0, 1\n0, 2\n", "expected times that increase from row to row"),
+        ("time [s], force [m]\n0, x\n2, 2\n", "row 2: expected 2 numbers, got '0,  x'"),
+        (
+            "time [s], force [m], force\n0, 1, 2\n2, 2, 3\n",
+            "expected different names, got 'force' twice",
+        ),
         ("time [s]\n0\n2\n", "expected a column after the time"),
-        ("time [s], force [m]\n0, nan\n2, 2\n", "not finite"),
+        ("time [s], force [m]\n0, nan\n2, 2\n", "expected finite values"),
     ],
 )
 def test_tables_that_cannot_be_used(folder, table, words):
@@ -176,4 +179,6 @@ def test_an_fmu_of_one_step_length_is_never_given_another(folder, library):
 def test_an_fmu_of_one_step_length_takes_no_steps_by_local_error(folder, library):
     one_length(folder, library)
     wires = [("a.x", "b.u", "local_error = 1e-3")]
-    assert "take no local_error" in refused(folder, case_text(wires))
+    assert "expected an FMU with variable steps with local_error" in refused(
+        folder, case_text(wires)
+    )
