@@ -34,7 +34,7 @@ HEAT = 9.3
 VISCOSITY = 8e-3
 """Viscosity of the oil [Pa s]: our estimate, an engine oil near 110 degC."""
 CELLS, LEAST, MOST = 57.0, 40, 200
-"""Factor of Eq. (D14) and its bounds [cells]: our own choice, see `Engine.cells_around`."""
+"""Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`."""
 OPEN = 20.0
 """Crank angle over which what is left falls to 1/e after the exhaust valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"
@@ -346,7 +346,7 @@ class Engine:
     def cells_around(self) -> int:
         """Cells around a rigid skirt, so that four or more span the pressure peak.
 
-        Eq. (D14):  n = 57 Z^(-1/2),   Z = mu U L^2 R / (F (b + c) (o/2 + c))
+        Eq. (D51):  n = 57 Z^(-1/2),   Z = mu U L^2 R / (F (b + c) (o/2 + c))
 
         mu is the viscosity, U the velocity of the crank pin, L the length of the skirt, R its
         radius, F the side force, b the barrel, c the clearance and o the ovality. The peak is
@@ -356,7 +356,7 @@ class Engine:
         length, c = self["skirt_below"] + self["skirt_above"], self["clearance"]
         lift = VISCOSITY * self["speed"] * self.crank_radius * length**2 * self.skirt_radius
         load = self.largest_side_force * (self["barrel"] + c) * (self["ovality"] / 2 + c)
-        cells = CELLS * (lift / load) ** -0.5  # Eq. (D14)
+        cells = CELLS * (lift / load) ** -0.5  # Eq. (D51)
         return int(np.clip(8 * np.ceil(cells / 8), LEAST, MOST))
 
     def volume_ratio(self, degrees: np.ndarray) -> np.ndarray:
