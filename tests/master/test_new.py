@@ -134,7 +134,7 @@ def test_the_command(tmp_path, capsys):
     command(tmp_path / "own", sizes=Sizes(bore="86", stroke="86", rod="143"))
     printed = capsys.readouterr().out
     assert "no faults" in printed and "499.56 cm^3" in printed and "piston-cosim run" in printed
-    with pytest.raises(BadInput, match="no such file|needs gmsh"):
+    with pytest.raises(BadInput, match="no such file|expected gmsh"):
         command(
             tmp_path / "other",
             sizes=Sizes(bore="86", stroke="86", rod="143"),
