@@ -211,6 +211,10 @@ class Body(BaseModel):
     rigid. An error requires smooth_pressure_modes or trained. `trained` adds its modes to this
     number.
     """
+    symmetric_film: bool = False
+    """Whether the film pressure is its own mirror image about the thrust plane. The smooth pressure
+    modes are then symmetric too, and about half as many are as accurate.
+    """
     modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
     """Number of lowest modes from which `modes` are selected by their part in the deflection under
     smooth pressures. Requires craig_bampton or characteristic_constraint_modes. Default: no

@@ -55,7 +55,7 @@ from .smooth_prior import (
     smooth_pressure_modes,
     surface_answers,
 )
-from .symmetry import ClassedModes, symmetric_modes
+from .symmetry import ClassedModes, mirror_image, symmetric_modes
 from .training import trained_shapes
 from .truncation import StaticModes, left_out
 
@@ -246,7 +246,7 @@ def reduce_piston(
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
-    root = pressure_root(angle, height, ALONG["skirt"], there.ravel())
+    root = pressure_root(angle, height, ALONG["skirt"], there.ravel(), options.symmetric_film)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body holds what of it is needed
@@ -317,7 +317,7 @@ def reduce_block(
     surface = film_surface(mesh, "bore", angle, heights)
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
     faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
-    root = pressure_root(angle, heights, ALONG["bore"], everywhere)
+    root = pressure_root(angle, heights, ALONG["bore"], everywhere, options.symmetric_film)
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
@@ -547,8 +547,14 @@ def faults_of_modes(
     """
     count = options.modes_from or options.modes
     grid_points = len(angle) * len(height)
-    patterns = pattern_count(angle, height, ALONG[surface])
+    patterns = pattern_count(angle, height, ALONG[surface], options.symmetric_film)
     faults = []
+    if options.symmetric_film and (len(angle) % 2 or mirror_image(mesh.points, 2) is None):
+        faults.append(
+            "symmetric_film: expected an even number of cells around and a mesh that is its own "
+            f"mirror image about the thrust plane, got {len(angle)} cells and {len(mesh.points)} "
+            "nodes"
+        )
     held_nodes = mesh.nodes(held)
     arms = mesh.points[held_nodes] - mesh.points.mean(axis=0)
     loose = 6 - np.linalg.matrix_rank(rigid_motions(arms), tol=1e-9)

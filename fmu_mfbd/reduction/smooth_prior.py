@@ -43,7 +43,7 @@ class SurfaceAnswers(NamedTuple):
 
 
 def pressure_root(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray
+    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, symmetric: bool = False
 ) -> np.ndarray:
     """Return a root of the prior covariance of nodal pressure forces.
 
@@ -51,7 +51,11 @@ def pressure_root(
                 C_theta = exp(-(d_theta/L_theta)^2 / 2),   C_y = exp(-(d_y/L_y)^2 / 2)
 
     D is 0 where the surface has no film and 1 elsewhere, apart from `THRUST`. d_theta is the
-    shorter way around.
+    shorter way around. A pressure that is its own mirror image about the thrust plane has
+
+    Eq. (J36):  P C_theta P,   P = (1 + M) / 2,   M: theta -> pi - theta
+
+    in place of C_theta.
 
     Parameters
     ----------
@@ -63,13 +67,15 @@ def pressure_root(
         L_y as a share of the surface's length, see `ALONG` [-].
     there : ndarray of bool, shape (c a,)
         Points that have a film, height fastest.
+    symmetric : bool
+        Whether the pressure is its own mirror image about the thrust plane.
 
     Returns
     -------
     ndarray, shape (c a, n)
         S, strongest patterns first.
     """
-    around, axial, variance = _prior(angle, height, along)
+    around, axial, variance = _prior(angle, height, along, symmetric)
     strength = np.sort(variance, axis=None)[::-1]
     strength = strength[strength > NEGLIGIBLE * strength[0]]
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
@@ -85,9 +91,11 @@ def _expected(angle, there):
     return np.repeat(weight, len(there) // len(angle)) * there
 
 
-def pattern_count(angle: np.ndarray, height: np.ndarray, along: float) -> int:
+def pattern_count(
+    angle: np.ndarray, height: np.ndarray, along: float, symmetric: bool = False
+) -> int:
     """Return the number of columns of `pressure_root`, which has the same arguments."""
-    variance = _prior(angle, height, along).variance
+    variance = _prior(angle, height, along, symmetric).variance
     return int(np.count_nonzero(variance > NEGLIGIBLE * variance.max()))
 
 
@@ -99,12 +107,21 @@ class _Prior(NamedTuple):
     variance: np.ndarray
 
 
-def _prior(angle, height, along):
-    apart = np.remainder(angle[:, None] - angle + np.pi, 2 * np.pi) - np.pi
+def _prior(angle, height, along, symmetric):
+    covariance = np.exp(-((_apart(angle, angle) / AROUND) ** 2) / 2)
+    if symmetric:
+        image = np.abs(_apart(np.pi - angle, angle)).argmin(axis=1)
+        covariance = (covariance + covariance[image]) / 2
+        covariance = (covariance + covariance[:, image]) / 2  # Eq. (J36)
     length = along * np.ptp(height) * len(height) / (len(height) - 1)
-    around, ring = la.eigh(np.exp(-((apart / AROUND) ** 2) / 2))
+    around, ring = la.eigh(covariance)
     axial, line = la.eigh(np.exp(-(((height[:, None] - height) / length) ** 2) / 2))
     return _Prior(ring, line, np.multiply.outer(around, axial))
+
+
+def _apart(first, second):
+    """Angles from each second to each first one, the shorter way around."""
+    return np.remainder(first[:, None] - second + np.pi, 2 * np.pi) - np.pi
 
 
 def surface_answers(body: Elastic, reading: SurfaceReading, root: np.ndarray) -> SurfaceAnswers:

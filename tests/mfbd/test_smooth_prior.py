@@ -53,6 +53,21 @@ def test_the_root_has_the_covariance_of_the_equation():
     assert np.all(strength[1:] <= 1.01**2 * strength[:-1])  # strongest first, but for the 1 %
 
 
+def test_a_symmetric_film_has_the_symmetric_part_of_the_prior():
+    """Eq. (J36): mirrored about the thrust plane the patterns are themselves, and their covariance
+    is that of (p + M p) / 2, here of all patterns without the condition.
+    """
+    image = (6 - np.arange(12)) % 12  # 180 deg - theta
+    mirror = np.kron(np.eye(12)[image], np.eye(5))
+    free = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
+    root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE, symmetric=True)
+    largest = np.linalg.norm(free, 2) ** 2
+    np.testing.assert_allclose(mirror @ root, root, atol=1e-12)
+    half = (free + mirror @ free) / 2
+    np.testing.assert_allclose(root @ root.T, half @ half.T, atol=60 * NEGLIGIBLE * largest)
+    assert root.shape[1] == 35  # 7 of 12 angles are their own or one of a pair of images
+
+
 def springs(points, stiffness):
     """A body of one spring a point."""
     diagonal = sp.identity(points, format="csr")
