@@ -160,9 +160,9 @@ def open_system(case, folder, progress, own=None):
     participants = {}
     native = _of_machine_code(case, folder)
     if case.native:
-        from ..fmi.builder_native import make_iteration_library
+        from ..fmi.builder_native import compile_ahead
 
-        make_iteration_library(progress)
+        compile_ahead([case.participants[name].package for name in sorted(native)], progress)
     builds = build_options(case, folder, progress)
     for name in case.participants:
         try:

@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
@@ -33,6 +34,7 @@ from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder, write_whole
 from .compiler import HOME
 from .errors import BadInput, unknown
+from .jobs import jobs
 from .native_parts import NativePart, symbol
 from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .tree import ROOT, import_part, reached, slave_class
@@ -389,7 +391,7 @@ def libraries(
     """
     ahead = {name: AHEAD / library_name(packages, name, version) for name in platforms}
     missing = [name for name, path in ahead.items() if not path.exists()]
-    codes = {one: object_files(one, missing, progress) for one in packages} if missing else {}
+    codes = compiled_packages(packages, missing, progress) if missing else {}
     return {
         name: link(name, version, {one: files[name] for one, files in codes.items()})
         if name in missing
@@ -442,11 +444,23 @@ def iteration_library() -> Path | None:
     return kept
 
 
-def make_iteration_library(progress: Callable[[str], object] = lambda text: None) -> None:
-    """Compile what `iteration_library` needs, where that can be done here and was not yet."""
+def compile_ahead(packages: Sequence[str], progress: Callable[[str], object]) -> None:
+    """Compile the packages and what `iteration_library` needs side by side, where no library exists
+    and this machine can compile.
+    """
     platform = this_platform()
-    if platform and iteration_library() is None and not cannot_build([platform], [ITERATING]):
-        object_files(ITERATING, [platform], progress)
+    needed = [one for one in dict.fromkeys(packages) if not is_made_ahead(one)]
+    if platform and iteration_library() is None:
+        needed.append(ITERATING)
+    if platform and needed and not cannot_build([platform], needed):
+        compiled_packages(needed, [platform], progress)
+
+
+def compiled_packages(packages, platforms, progress):
+    """Return the `object_files` of each package; packages are compiled side by side."""
+    with ThreadPoolExecutor(jobs()) as pool:
+        files = pool.map(lambda one: object_files(one, platforms, progress), packages)
+        return dict(zip(packages, files))
 
 
 def _object_file(package, platform):

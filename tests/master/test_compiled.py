@@ -1,6 +1,7 @@
 """Kernels kept on disk: true to what they call, made again when damaged, done without
 if need be."""
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -86,6 +87,29 @@ def test_an_edit_two_calls_away_takes_effect(package):
     (package.home / "leaf.py").write_text(LEAF.replace("2.0", "4.00"))
     assert package.top() == (130.0, 0)
     assert package.top() == (130.0, 1)
+
+
+def test_a_process_waits_for_a_kernel_that_another_one_compiles(package):
+    """The other process is this one: it holds the lock, and brings the kernels while it does."""
+    package.top()
+    files = {path: path.read_bytes() for path in (*package.kept("nbi"), *package.kept("nbc"))}
+    for path in files:
+        path.unlink()
+    (lock,) = (path for path in package.kept("lock") if ".callee" not in path.name)
+    read = "sum(top.dispatcher.stats.cache_hits.values())"
+    code = f"from kernels.top import top\nprint(top(3.0), {read})"
+    with lock.open() as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        command = [sys.executable, "-c", code]
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, env=package.environment
+        ) as other:
+            with pytest.raises(subprocess.TimeoutExpired):
+                other.wait(6)
+            for path, content in files.items():
+                path.write_bytes(content)
+            fcntl.flock(held, fcntl.LOCK_UN)
+            assert other.communicate(timeout=60)[0].split() == ["70.0", "1"]
 
 
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])

@@ -1,5 +1,6 @@
 """Machine code in two versions: both are there, and the processor chooses."""
 
+import threading
 from ctypes import CFUNCTYPE, POINTER, byref, c_double, c_int32, c_int64, c_void_p, cast
 
 import numpy as np
@@ -8,6 +9,7 @@ from llvmlite import binding
 
 from piston_cosim.fmu_ehd import blocks
 from piston_cosim.fmu_mfbd.geometry import modal_field
+from piston_cosim.master.fmi import builder_native
 from piston_cosim.master.fmi.native_code import (
     COUNTERS,
     COUNTING,
@@ -111,3 +113,17 @@ def test_references_are_counted_and_the_last_one_frees():
             assert (block.value, freed) == (left, of_freed)
         run(None)
         assert freed == [0]
+
+
+def test_packages_are_compiled_side_by_side(monkeypatch):
+    """Either one waits until the other has begun."""
+    both = threading.Barrier(2)
+
+    def compiled(package, platforms, progress):
+        both.wait(30)
+        return {platforms[0]: package.encode()}
+
+    monkeypatch.setattr(builder_native, "object_files", compiled)
+    monkeypatch.setenv("PISTON_COSIM_JOBS", "2")
+    made = builder_native.compiled_packages(["film", "bodies"], ["linux64"], print)
+    assert made == {"film": {"linux64": b"film"}, "bodies": {"linux64": b"bodies"}}
