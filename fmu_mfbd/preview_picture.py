@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -12,7 +13,10 @@ MM = 1e3
 BELOW = (0.5, -0.2)
 """Position of a legend below its panel, where it covers no curve."""
 SIDES = {"thrust": 90.0, "anti-thrust": 270.0, "pin": 0.0}
-COLOURS = {"thrust": "#1b4f8a", "anti-thrust": "#c8553d", "pin": "#3a7d44"}
+COLOURS = {"thrust": "#0072b2", "anti-thrust": "#d55e00", "pin": "#009e73"}
+"""Colours of Okabe and Ito (2008), which differ for all kinds of colour vision."""
+HEIGHTS = {0.1: "#d55e00", 0.5: "#0072b2", 0.9: "#009e73"}
+"""Heights of the sections around as fractions of the skirt, and their colours."""
 
 
 class Shapes(NamedTuple):
@@ -58,56 +62,70 @@ class Shapes(NamedTuple):
 
 
 def draw_shapes(shapes: Shapes, path: Path | str) -> None:
-    """One PNG: skirt developed, with the openings left white; bore developed; the skirt around at
-    three heights, and along on three sides, cold and hot.
+    """Draw skirt and bore developed, with grey openings, and the skirt around at three heights and
+    along on three sides, cold and hot; the suffix of the path is the type of the picture.
     """
     figure = Figure(figsize=(12, 8))
     FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
     (developed, bore), (around, along) = figure.subplots(2, 2)
     figure.subplots_adjust(0.06, 0.14, 0.98, 0.95, wspace=0.2, hspace=0.35)
-    gap = np.where(shapes.film, shapes.clearance(hot=True), np.nan)
+    gap = np.ma.masked_where(~shapes.film, shapes.clearance(hot=True))
     _developed(figure, developed, shapes.angle, shapes.height, gap)
     developed.set(
         title=f"smallest clearance over the stroke, hot; {shapes.film.mean():.0%} has a film",
         ylabel="height above the pin [mm]",
     )
-    _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
-    bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
+    if shapes.bore_hot.any():
+        _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
+        bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
+    else:
+        bore.set(title="the bore is a cylinder, hot and cold")
+        bore.set_axis_off()
     _around(around, shapes)
     _along(along, shapes)
-    figure.savefig(path, dpi=110, pil_kwargs={"compress_level": 1})  # quick: the picture is small
+    figure.savefig(path, dpi=110 if Path(path).suffix == ".png" else 72)
 
 
 def _developed(figure, panel, angle, height, values):
-    """A surface developed, [um]."""
-    degrees = np.degrees(angle)
+    """Draw a developed surface in um with contours; the first cell follows the last."""
+    values = UM * values[np.r_[: len(values), 0]].T
+    degrees = np.degrees(angle[0]) + 360.0 / len(angle) * np.arange(len(angle) + 1)
     half = 180.0 / len(angle)
     step = (height[1] - height[0]) / 2
-    extent = (
-        degrees[0] - half,
-        degrees[-1] + half,
-        MM * (height[0] - step),
-        MM * (height[-1] + step),
-    )
+    around = (degrees[0] - half, degrees[-1] + half)
+    along = MM * (height[0] - step), MM * (height[-1] + step)
     image = panel.imshow(
-        UM * values.T, origin="lower", aspect="auto", extent=extent, cmap="viridis"
+        values,
+        origin="lower",
+        aspect="auto",
+        extent=(*around, *along),
+        cmap=colormaps["viridis"].with_extremes(bad="#d5dade"),
+        interpolation="bilinear",
     )
+    if values.min() < values.max():
+        lines = panel.contour(degrees, MM * height, values, 6, colors="white", linewidths=0.5)
+        panel.clabel(lines, fontsize=6, fmt="%.3g")
     figure.colorbar(image, ax=panel, label="\N{MICRO SIGN}m")
     _mark(panel)
 
 
 def _mark(panel):
-    panel.set_xticks([0, 90, 180, 270, 360], ["0\npin", "90\nthrust", "180", "270\nanti", "360"])
+    panel.set_xticks(
+        [0, 90, 180, 270, 360], ["0\npin", "90\nthrust", "180", "270\nanti-thrust", "360\npin"]
+    )
+    panel.set_xlim(0, 360)
     panel.set_xlabel("angle from the pin axis [deg]")
 
 
 def _around(panel, shapes):
     """The skirt's clearance around, at its lower and upper quarter and in the middle."""
-    order = np.argsort(np.degrees(shapes.angle) % 360)
-    degrees = (np.degrees(shapes.angle) % 360)[order]
+    turn = np.degrees(shapes.angle)
+    order = np.argsort(turn % 360)
+    order = np.append(order, order[0])
+    degrees = np.append(turn[order[:-1]] % 360, turn[order[0]] % 360 + 360)
     count = len(shapes.height)
     hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
-    for share, colour in ((0.1, "#c8553d"), (0.5, "#1b4f8a"), (0.9, "#3a7d44")):
+    for share, colour in HEIGHTS.items():
         j = min(int(share * count), count - 1)
         name = f"{MM * shapes.height[j]:.3g} mm above the pin"
         panel.plot(degrees, UM * hot[order, j], color=colour, label=name)

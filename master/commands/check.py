@@ -25,7 +25,7 @@ def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = 
     set_
         Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
     picture
-        PNG file of skirt and bore. Default: results/CASE/check.png.
+        Picture of skirt and bore: .png, .svg or .pdf. Default: results/CASE/check.png.
     """
     found = check(source, parse_changes(set_))
     print_checked(found, picture or default_folder(found.path) / "check.png")

@@ -4,7 +4,7 @@ import json
 import tomllib
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -23,6 +23,8 @@ console = Console()
 OutputFile = Annotated[Path, Parameter(validator=new_file)]
 Workers = Annotated[int, Parameter(validator=positive)]
 OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
+Format = Literal["png", "svg", "pdf"]
+"""Type of pictures."""
 Changes = Annotated[list[str], Parameter(name="--set")]
 """Changes KEY=VALUE of a case."""
 
@@ -228,16 +230,16 @@ def print_answers(answers, verbose=False):
             console.print(shown, highlight=False, soft_wrap=True)
 
 
-def draw_pictures(case, runs, folder, kind=None):
+def draw_pictures(case, runs, folder, kind=None, paper=False):
     """Draw the pictures of a case for runs (label -> Results) and print their paths.
 
-    `kind` is the type of the files: png, svg or pdf; default: that of the case's file names.
+    `kind` and `paper` are those of `results.pictures.draw`.
     """
     from ..results.pictures import draw, left_out
 
     for picture, why in left_out(case, runs).items():
         say(f"picture  {picture} is omitted: {why}")
     with working(console, "drawing"):
-        drawn = draw(case, runs, folder, kind)
+        drawn = draw(case, runs, folder, kind, paper)
     for picture in drawn:
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

@@ -8,7 +8,7 @@ from ..case.schema import find_case
 from ..results.pictures import draw
 from ..runs import studies
 from ..runs import sweep as sweeps
-from .common import Changes, OutputFolder, Workers, console, parse_changes, say
+from .common import Changes, Format, OutputFolder, Workers, console, parse_changes, say
 
 
 def command(
@@ -19,6 +19,7 @@ def command(
     set_: Changes = [],
     output: OutputFolder | None = None,
     workers: Workers = 1,
+    format: Format = "png",
 ):
     """Run a study of a case.
 
@@ -39,6 +40,8 @@ def command(
         Folder. Default: results/study_CASE_NAME.
     workers
         Number of processes. More than one disturbs the wall times.
+    format
+        Type of the pictures.
     """
     path = find_case(case)
     checked, chosen, points = studies.study_points(path, parse_changes(set_), name)
@@ -72,10 +75,11 @@ def command(
         highlight=False,
         soft_wrap=True,
     )
-    drawn = [studies.draw_cost(chosen.title, said, folder / "cost.png")]
+    drawn = [studies.draw_cost(chosen.title, said, folder / f"cost.{format}")]
     if chosen.curves:
-        drawn.append(studies.draw_study(chosen, checked, said, runs, folder / "study.png"))
-    for picture in (*drawn, *draw(checked, runs, folder)):
+        path = folder / f"study.{format}"
+        drawn.append(studies.draw_study(chosen, checked, said, runs, path))
+    for picture in (*drawn, *draw(checked, runs, folder, format)):
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
 
 

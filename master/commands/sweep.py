@@ -13,6 +13,7 @@ from ..runs.working import working
 from .app import say_faults
 from .common import (
     Changes,
+    Format,
     OutputFolder,
     Workers,
     console,
@@ -37,6 +38,7 @@ def command(
     reports: bool = False,
     maximise: list[str] = [],
     minimise: list[str] = [],
+    format: Format = "png",
 ):
     """Run a case over values of its keys.
 
@@ -78,6 +80,8 @@ def command(
         thicknesses.
     minimise
         Column of the table of which small values are good; repeatable. Default: all others.
+    format
+        Type of the picture.
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
@@ -121,7 +125,7 @@ def command(
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
-    picture = draw_sweep(rows, axes, weighed, table.with_suffix(".png"))
+    picture = draw_sweep(rows, axes, weighed, table.with_suffix(f".{format}"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with working(console, "drawing the page"):
         page = _page(path, points, rows, axes, weighed, larger, table, reports)

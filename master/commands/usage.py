@@ -67,13 +67,15 @@ def _commands(app: Any) -> list[str]:
 
 
 def new_file(_type: Any, path: Path | None) -> None:
-    """Raise ValueError unless a file can be written at `path`: a validator of options."""
+    """Create the folder of the file `path`; raise ValueError if this is impossible, or if `path` is
+    a folder: a validator of options.
+    """
     if path is None:
         return
     if path.is_dir():
         raise ValueError(f"expected a file, got the folder {str(path)!r}")
-    if not path.parent.is_dir():
-        raise ValueError(f"expected a file in an existing folder, got {str(path)!r}")
+    new_folder(_type, path.parent)
+    path.parent.mkdir(parents=True, exist_ok=True)
 
 
 def positive(_type: Any, value: float | None) -> None:

@@ -9,9 +9,10 @@ from fmpy.util import write_csv
 from scipy.interpolate import make_interp_spline
 
 from ..fmi.errors import BadInput
-from ..results.figures import subplots
+from ..results.figures import PALETTE, add_legend, save, subplots
 from ..results.file import Results
-from ..results.instants import crank_angle
+from ..results.instants import CRANK_ANGLE, crank_angle
+from ..results.pictures import label_abscissa
 
 AIR = 413.0
 """Density times speed of sound of air at 20 degC and 1 bar [kg/(m2 s)]."""
@@ -160,29 +161,23 @@ def write_noise(found: Noise, path: Path) -> list[Path]:
         for name, values in table.items():
             rows[name] = values
         write_csv(file, rows)
-    figure = draw(found)
-    figure.savefig(picture, dpi=110)
-    return [over, by, picture]
+    return [over, by, save(draw(found), picture)]
 
 
 def draw(found: Noise) -> Any:
     """Level over crank angle and by frequency, all sides and each."""
     figure, (over, by) = subplots(2, 1, figsize=(11, 7.5))
     degrees = np.degrees(found.angle)
-    for side, power in {"all sides": found.total, **found.power}.items():
-        bold = side == "all sides"
-        over.plot(degrees, level(power), lw=1.6 if bold else 0.8, label=side, zorder=2 + bold)
-    for side, power in {"all sides": found.total_spectrum, **found.spectrum}.items():
-        bold = side == "all sides"
-        by.plot(
-            found.frequency[1:],
-            level(power[1:]),
-            lw=1.6 if bold else 0.8,
-            label=side,
-            zorder=2 + bold,
-        )
-    over.set_xlabel("crank angle [deg]")
-    over.set_xticks(np.arange(np.ceil(degrees[0] / 90.0) * 90.0, degrees[-1] + 1e-6, 90.0))
+    for panel, x, powers in (
+        (over, degrees, {**found.power, "all sides": found.total}),
+        (by, found.frequency[1:], {**found.spectrum, "all sides": found.total_spectrum}),
+    ):
+        for colour, (side, power) in zip((*PALETTE[1:], PALETTE[0]), powers.items()):
+            bold = side == "all sides"
+            panel.plot(
+                x, level(power[-len(x) :]), lw=1.6 if bold else 0.8, label=side, color=colour
+            )
+    label_abscissa(over, CRANK_ANGLE, "deg")
     over.set_ylabel("radiated power [dB re 1 pW]")
     by.set_ylabel("mean power [dB re 1 pW]")
     by.set_xlabel("frequency [Hz]")
@@ -192,5 +187,5 @@ def draw(found: Noise) -> Any:
         panel.margins(x=0)
         bottom, top = panel.get_ylim()
         panel.set_ylim(max(bottom, top - 80.0), top)
-        panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    add_legend(over)
     return figure

@@ -12,10 +12,10 @@ from ..case.contract import players
 from ..fmi.errors import BadInput, file_fault, unknown
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
-from .figures import subplots
+from .figures import PALETTE, add_legend, save, stack
 from .instants import CRANK_ANGLE
 from .judgement import last_period
-from .pictures import PALETTE, name_of
+from .pictures import label_abscissa, labelled, name_of, unit_shown
 
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
 
@@ -294,14 +294,8 @@ def against_last_cycle(case, runs, x_port, ports, period):
 def draw_measured(runs, measured, path):
     """The measured points over the runs' curves, in the measured units."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
-    figure, panels = subplots(
-        len(columns),
-        1,
-        sharex=True,
-        squeeze=False,
-        figsize=(11, 1.2 + 2.6 * len(columns)),
-    )
-    for panel, (port, (y, unit, low, high)) in zip(panels[:, 0], columns):
+    figure, panels = stack(len(columns))
+    for panel, (port, (y, unit, low, high)) in zip(panels, columns):
         if low is not None and high is not None:
             panel.fill_between(x, low, high, color="black", alpha=0.12, lw=0, label="measured band")
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
@@ -315,9 +309,7 @@ def draw_measured(runs, measured, path):
                 label=label,
             )
         panel.plot(x, y, "o", ms=3, mfc="none", color="black", label="measured")
-        panel.set_ylabel(f"{name_of(port)} [{unit}]")
-        panel.grid(alpha=0.3)
-        panel.legend(frameon=False, fontsize="small")
-    panels[-1, 0].set_xlabel(f"{name_of(x_port)} [{x_unit}]")
-    figure.savefig(path, dpi=130)
-    return path
+        panel.set_ylabel(labelled(name_of(port), unit_shown(unit, None)))
+    add_legend(panels[0])
+    label_abscissa(panels[-1], x_port, x_unit)
+    return save(figure, path)

@@ -1,10 +1,38 @@
 """Figures without pyplot: they need no display and do not choose a backend."""
 
+import re
+from base64 import b64decode, b64encode
+from functools import cache
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
-from matplotlib import figure
+import numpy as np
+from matplotlib import colormaps, figure
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+PAPER: dict[Any, Any] = {
+    "font.size": 8.0,
+    "axes.linewidth": 0.6,
+    "pdf.fonttype": 42,
+}
+"""Settings of pictures in publications."""
+PAPER_SCALE = 0.64
+"""Size of a picture in a publication, relative to its size on a screen."""
+PAPER_RESOLUTION = 300
+"""Resolution of a PNG picture in a publication [1/in]."""
+RESOLUTION = 130
+"""Resolution of a PNG picture for the screen [1/in]."""
+VECTOR_RESOLUTION = 72
+"""Resolution of maps in PDF and SVG files [1/in]; they are smooth."""
+
+
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Colours of Okabe and Ito (2008), which differ for all kinds of colour vision."""
+COLOURS = colormaps["viridis"].with_extremes(bad="#d5dade")
+"""Colours of maps; cells without a film are grey."""
 
 
 class Figure(figure.Figure):
@@ -32,3 +60,85 @@ def subplots(rows: int = 1, columns: int = 1, *, figsize: tuple[float, float], *
     made = Figure(figsize=figsize, layout="constrained")
     FigureCanvasAgg(made)
     return made, made.subplots(rows, columns, **given)
+
+
+def stack(rows: int, height: float = 2.3) -> Any:
+    """Return a figure, and its panels above each other, which share the abscissa.
+
+    Parameters
+    ----------
+    rows : int
+        Number of panels.
+    height : float
+        Height of a panel [in].
+    """
+    size = (11, 1.2 + height * rows)
+    made, panels = subplots(rows, 1, sharex=True, squeeze=False, figsize=size)
+    for panel in panels[:, 0]:
+        panel.grid(alpha=0.3)
+        panel.margins(x=0)
+    return made, panels[:, 0]
+
+
+def add_legend(panel: Any, handles: dict[str, Any] | None = None) -> None:
+    """Add a legend to the right of a panel, from handles by label; default: all of the panel."""
+    own = {} if handles is None else {"handles": handles.values(), "labels": handles.keys()}
+    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+    panel.legend(**own, **place, fontsize="small", frameon=False)
+
+
+def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Path:
+    """Save a figure as PNG, PDF or SVG, and return the path.
+
+    Images have a palette of 256 colours, and coordinates in SVG files two decimals.
+
+    Parameters
+    ----------
+    drawn : Figure
+    path : Path
+        Its suffix is the type of the file.
+    resolution : float
+        Resolution of a PNG file [1/in].
+    """
+    data = BytesIO()
+    dpi = resolution if path.suffix == ".png" else VECTOR_RESOLUTION
+    drawn.savefig(data, format=path.suffix[1:], dpi=dpi)
+    if path.suffix == ".png":
+        data = BytesIO(_with_palette(data.getvalue()))
+    if path.suffix == ".svg":
+        text = data.getvalue().decode()
+        text = re.sub(r' d="[^"]*"', lambda part: re.sub(r"(\.\d\d)\d+", r"\1", part[0]), text)
+        text = re.sub(
+            r'(?<=png;base64,)[^"]+',
+            lambda part: b64encode(_with_palette(b64decode(part[0]))).decode(),
+            text,
+        )
+        data = BytesIO(text.encode())
+    path.write_bytes(data.getvalue())
+    return path
+
+
+def _with_palette(image: bytes) -> bytes:
+    """Return a PNG file with a palette."""
+    data = BytesIO()
+    with Image.open(BytesIO(image)) as opened:
+        resolution = opened.info.get("dpi", (RESOLUTION, RESOLUTION))
+        with_palette(opened).save(data, "png", optimize=True, dpi=resolution)
+    return data.getvalue()
+
+
+def with_palette(image: Image.Image) -> Image.Image:
+    """Return an image in the 256 colours of maps, greys and tints of the curves' colours."""
+    return image.convert("RGB").quantize(palette=_palette(), dither=Image.Dither.NONE)
+
+
+@cache
+def _palette() -> Image.Image:
+    tints = np.linspace(0.0, 1.0, 9)[1:, None]
+    maps = COLOURS(np.linspace(0.0, 1.0, 174))[:, :3]
+    greys = np.repeat(np.linspace(0.0, 1.0, 33)[:, None], 3, axis=1)
+    curves = [1.0 + tints * (np.array(to_rgb(colour)) - 1.0) for colour in PALETTE[:-1]]
+    colours = np.vstack([maps, [COLOURS.get_bad()[:3]], greys, *curves])
+    image = Image.new("P", (1, 1))
+    image.putpalette((255 * colours).round().astype(np.uint8).ravel().tolist())
+    return image

@@ -1,21 +1,32 @@
 """Recorded fields of a run as a moving picture."""
 
+from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rcParams
-from matplotlib.animation import FFMpegWriter, PillowWriter
+from PIL import Image
 
 from ..case.schema import Case
 from ..fmi.errors import BadInput, names_of, unknown
-from .figures import subplots
+from .figures import with_palette
 from .file import Results
 from .instants import told
-from .pictures import colour_norm, draw_map, labelled, name_of, scaled, where_there
+from .pictures import (
+    MapRow,
+    colour_norm,
+    draw_values,
+    labelled,
+    map_figure,
+    name_of,
+    scaled,
+    where_there,
+)
 
 PER_SECOND = 15
 """Instants shown in a second."""
-WRITERS = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+RESOLUTION = 90
+"""Resolution of a frame [1/in]."""
 
 
 def write_movie(
@@ -58,44 +69,80 @@ def write_movie(
         faults.append(f"--field: expected {names_of(known)}, got nothing")
     if frames < 2:
         faults.append(f"--frames: expected at least 2, got {frames}")
-    _use_packaged_ffmpeg()
-    writer = WRITERS.get(path.suffix)
-    if writer is None:
+    if path.suffix not in WRITERS:
         endings = names_of([*WRITERS, ".glb", ".pvd"])
         faults.append(f"--output: expected a file that ends with {endings}, got {str(path)!r}")
-    elif not writer.isAvailable():
+    elif path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
         faults.append(
-            f"--output: expected ffmpeg for {path.suffix}, got none; "
+            "--output: expected imageio-ffmpeg for .mp4, got none; "
             "run pip install 'piston-cosim[movie]' or write .gif"
         )
-    if faults or writer is None:
+    if faults:
         raise BadInput(faults)
     units = {port: unit for picture in maps for port, unit in picture.units.items()}
     chosen = chosen_instants(results, frames)
-    figure, panels = subplots(
-        len(ports),
-        1,
-        squeeze=False,
-        figsize=(6.1, 1 + 2.6 * len(ports)),
-    )
-    drawn = []
-    for panel, port in zip(panels[:, 0], ports):
+    rows = {}
+    for port in ports:
         dataset = results.dataset(port)
         values, unit = scaled(dataset[:][chosen], dataset.attrs["unit"], units.get(port))
         images = [where_there(image, results.there(port)) for image in values]
-        norm = colour_norm(images)
-        draw_map(panel, images[0], norm, case.axes_of(port))
-        figure.colorbar(panel.images[0], ax=panel, label=labelled(name_of(port), unit))
-        drawn.append((panel, images, norm, case.axes_of(port)))
-    film = writer(fps=PER_SECOND)
-    with film.saving(figure, str(path), dpi=90):
-        for k, instant in enumerate(chosen):
-            for panel, images, norm, axes in drawn:
-                panel.clear()
-                draw_map(panel, images[k], norm, axes)
-            figure.suptitle(told(results, float(results.instants[instant])))
-            film.grab_frame()
+        rows[port] = MapRow(labelled(name_of(port), unit), images, colour_norm(images))
+    titles = [told(results, float(time)) for time in results.instants[chosen]]
+    WRITERS[path.suffix](path, _frames(case, rows, titles))
     return chosen
+
+
+def _frames(case, rows, titles):
+    """Yield a frame, shape (height, width, 3), for each title; axes are drawn once."""
+    first = {port: row._replace(images=row.images[:1]) for port, row in rows.items()}
+    figure, panels = map_figure(case, first)
+    figure.set_dpi(RESOLUTION)
+    title = figure.suptitle(titles[0])
+    figure.canvas.draw()  # arranges the panels
+    figure.set_layout_engine("none")
+    title.set_text("")
+    for panel in panels.flat:
+        _clear(panel)
+    figure.canvas.draw()
+    background = figure.canvas.copy_from_bbox(figure.bbox)
+    for k, text in enumerate(titles):
+        figure.canvas.restore_region(background)
+        for panel, (port, row) in zip(panels.flat, rows.items()):
+            draw_values(panel, row.images[k], row.norm, case.axes_of(port))
+            drawn = (panel.images, panel.collections, panel.texts, panel.spines.values())
+            for artist in chain(*drawn):
+                panel.draw_artist(artist)
+            _clear(panel)
+        title.set_text(text)
+        figure.draw_artist(title)
+        yield np.array(figure.canvas.buffer_rgba())[..., :3]
+
+
+def _clear(panel):
+    """Remove the values of a map; contours remove their labels."""
+    for artist in [*panel.images, *panel.collections]:
+        artist.remove()
+
+
+def _write_gif(path, frames):
+    first, *others = (with_palette(Image.fromarray(frame)) for frame in frames)
+    first.save(path, append_images=others, save_all=True, duration=1000 // PER_SECOND, loop=0)
+
+
+def _write_mp4(path, frames):
+    from imageio_ffmpeg import write_frames
+
+    first = next(frames)
+    height, width = (size // 2 * 2 for size in first.shape[:2])  # which the codec needs
+    writer = write_frames(str(path), (width, height), fps=PER_SECOND, macro_block_size=2)
+    writer.send(None)
+    for frame in chain([first], frames):
+        writer.send(np.ascontiguousarray(frame[:height, :width]))
+    writer.close()
+
+
+WRITERS = {".gif": _write_gif, ".mp4": _write_mp4}
+"""How a movie is written, by suffix."""
 
 
 def chosen_instants(results: Results, frames: int) -> np.ndarray:
@@ -104,14 +151,3 @@ def chosen_instants(results: Results, frames: int) -> np.ndarray:
         raise BadInput(f"--frames: expected at least 2, got {frames}")
     count = len(results.instants)
     return np.unique(np.linspace(0, count - 1, min(frames, count)).round().astype(int))
-
-
-def _use_packaged_ffmpeg():
-    """The ffmpeg that imageio-ffmpeg brings, where it is installed and the system has none."""
-    if FFMpegWriter.isAvailable():
-        return
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-    except ImportError:
-        return
-    rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()

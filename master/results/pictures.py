@@ -6,8 +6,10 @@ import textwrap
 from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
@@ -15,16 +17,23 @@ from ..case.schema import reduced
 from ..fmi.errors import BadInput
 from ..fmi.quantities import one_micro, pint_unit, registry, to_si
 from .coordinates import CRANK_ANGLE
-from .figures import subplots
+from .figures import (
+    COLOURS,
+    PALETTE,
+    PAPER,
+    PAPER_RESOLUTION,
+    PAPER_SCALE,
+    RESOLUTION,
+    add_legend,
+    save,
+    stack,
+    subplots,
+)
 from .instants import instant, told
 
-PALETTE = ("#1b4f8a", "#c8553d", "#3a7d44", "#8a6d1b", "#6b4c9a", "#1f8a8a", "#b0458a", "#5b6770")
-PALETTE_DARK = (
-    *("#7fb2ea", "#f0896f", "#7cc98a", "#d8b85a"),
-    *("#b79be0", "#5cc8c8", "#e58cc4", "#a9b5bf"),
-)
-"""The same on a dark ground."""
-WINDOW = "#3a7d44"
+PALETTE_DARK = ("#2f8fd0", "#f27d33", "#12c494", "#e59ac4", "#f2c14e", "#a6d8f7", "#e8ecef")
+"""Lighter colours for a dark background."""
+WINDOW = "#009e73"
 MOST_TICKED = 1440
 """Longest range of crank angle with a tick every 90 deg [deg]."""
 LETTERS = 9
@@ -35,7 +44,7 @@ MICRO = ("um", "urad", "us", "uN", "uW", "uJ", "um/s")
 """Units written without a micro sign, as a case file may."""
 
 
-def draw(case, runs, folder, kind=None):
+def draw(case, runs, folder, kind=None, paper=False):
     """Draw every picture of the case that can be drawn of the runs.
 
     Parameters
@@ -45,7 +54,9 @@ def draw(case, runs, folder, kind=None):
         Label -> results, all drawn into the same pictures.
     folder : Path
     kind : str, optional
-        png, svg or pdf, in place of what the case's file names end with.
+        png, svg or pdf; default: the suffix of the case's file names.
+    paper : bool
+        Whether the pictures have the size and fonts of a publication, and no title.
 
     Returns
     -------
@@ -54,10 +65,14 @@ def draw(case, runs, folder, kind=None):
     """
     Path(folder).mkdir(parents=True, exist_ok=True)
     drawn = []
-    for picture, figure in figures(case, runs):
-        file = Path(folder) / picture.file
-        drawn.append(file.with_suffix(f".{kind}") if kind else file)
-        figure.savefig(drawn[-1], dpi=130)
+    with rc_context(PAPER if paper else None):
+        for picture, figure in figures(case, runs):
+            file = Path(folder) / picture.file
+            if paper:
+                figure.suptitle("")
+                figure.set_size_inches(PAPER_SCALE * figure.get_size_inches())
+            file = file.with_suffix(f".{kind}") if kind else file
+            drawn.append(save(figure, file, PAPER_RESOLUTION if paper else RESOLUTION))
     return drawn
 
 
@@ -188,16 +203,10 @@ def draw_lines(case, picture, runs):
     """
     first = next(iter(runs.values()))
     plane = all(first.series(port).unit == "m" for port in (picture.x, *sum(picture.y, [])))
-    figure, panels = subplots(
-        len(picture.y),
-        1,
-        sharex=True,
-        squeeze=False,
-        figsize=(11, 1.2 + (6.0 if plane else 2.3) * len(picture.y)),
-    )
+    figure, panels = stack(len(picture.y), 6.0 if plane else 2.3)
     x_unit = ""
-    known: set[tuple[str, ...]] = set()
-    for panel, ports in zip(panels[:, 0], picture.y):
+    known = set()
+    for panel, ports in zip(panels, picture.y):
         y_unit = ""
         ports = _not_zero(ports, runs)
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
@@ -212,17 +221,15 @@ def draw_lines(case, picture, runs):
             panel.set_aspect("equal")
         _shade(panel, windows_of(ports, case.window, picture.units, first))
         panel.set_ylabel(labelled(_common(ports), y_unit))
-        panel.grid(alpha=0.3)
-        panel.margins(x=0)
-        shown = tuple(panel.get_legend_handles_labels()[1])
-        if shown not in known:  # one legend for panels with the same curves
-            panel.legend(
-                fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0)
-            )
-        known.add(shown)
-    panels[-1, 0].set_xlabel(labelled(name_of(picture.x), x_unit))
-    if picture.x.rpartition(".")[2] == CRANK_ANGLE and x_unit == "deg":
-        _mark_dead_centres(panels[-1, 0].xaxis)
+        new = {
+            label: handle
+            for handle, label in zip(*panel.get_legend_handles_labels())
+            if label not in known
+        }
+        if new:  # a label is in one legend
+            add_legend(panel, new)
+        known.update(new)
+    label_abscissa(panels[-1], picture.x, x_unit)
     return figure
 
 
@@ -233,15 +240,20 @@ def _not_zero(ports, runs):
     ] or ports
 
 
-def _mark_dead_centres(axis):
-    """Tick an axis of crank angles every 90 deg, or every 360 deg for many cycles."""
-    low, high = axis.get_view_interval()
+def label_abscissa(panel, port, unit):
+    """Label the abscissa of a panel, and tick crank angles every 90 deg with TDC and BDC, or every
+    360 deg for many cycles.
+    """
+    panel.set_xlabel(labelled(name_of(port), unit))
+    if port.rpartition(".")[2] != CRANK_ANGLE or unit != "deg":
+        return
+    low, high = panel.get_xlim()
     step = 90 if high - low <= MOST_TICKED else 360
     ticks = (
         np.arange(np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6) + 1) * step + 0.0
     )  # no -0
     words = {0: "\nTDC", 180: "\nBDC"}
-    axis.set_ticks(ticks, [f"{tick:g}{words.get(tick % 360, '')}" for tick in ticks])
+    panel.set_xticks(ticks, [f"{tick:g}{words.get(tick % 360, '')}" for tick in ticks])
 
 
 def windows_of(ports, window, units, results):
@@ -278,27 +290,43 @@ def draw_maps(case, picture, runs):
     """One row per field, one column per run, one colour scale per row; axes are what the case says
     the field's two indices run along.
     """
-    figure, panels = subplots(
-        len(picture.fields),
-        len(runs),
-        squeeze=False,
-        figsize=(1.5 + 4.6 * len(runs), 1 + 3.1 * len(picture.fields)),
-    )
-    for row, port in zip(panels, picture.fields):
+    rows = {}
+    for port in picture.fields:
         shown = [results.field(port, instant(results, picture.time)) for results in runs.values()]
         wanted = picture.units.get(port)
         images = [
             where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
             for field, results in zip(shown, runs.values())
         ]
-        unit = unit_shown(shown[0].unit, wanted)
-        norm = colour_norm(images)
-        axes = case.axes_of(port)
-        for panel, (label, results), image, field in zip(row, runs.items(), images, shown):
-            draw_map(panel, image, norm, axes)
-            panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
-        figure.colorbar(row[0].images[0], ax=list(row), label=labelled(name_of(port), unit))
+        label = labelled(name_of(port), unit_shown(shown[0].unit, wanted))
+        rows[port] = MapRow(label, images, colour_norm(images))
+    figure, panels = map_figure(case, rows)
+    for panel, (label, results), field in zip(panels[0], runs.items(), shown):
+        panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
     return figure
+
+
+class MapRow(NamedTuple):
+    """Maps of one field side by side, with the label and the norm of their colours."""
+
+    label: str
+    images: Sequence[np.ma.MaskedArray]
+    norm: Normalize
+
+
+def map_figure(case, rows):
+    """Return a figure of maps and its panels, from the rows by port."""
+    columns = max(len(row.images) for row in rows.values())
+    size = (1.5 + 4.6 * columns, 1 + 2.9 * len(rows))
+    figure, panels = subplots(len(rows), columns, squeeze=False, figsize=size)
+    for line, (port, row) in zip(panels, rows.items()):
+        for panel, image in zip(line, row.images):
+            draw_map(panel, image, row.norm, case.axes_of(port))
+        figure.colorbar(line[0].images[0], ax=list(line), label=row.label)
+    if all(case.axes_of(port) == case.axes_of(next(iter(rows))) for port in rows):
+        for panel in panels.flat:
+            panel.label_outer()
+    return figure, panels
 
 
 def where_there(image, there):
@@ -331,8 +359,19 @@ def colour_norm(images):
 
 
 def draw_map(panel, image, norm, axes):
-    """One field over its axes, interpolated; contours where there is something to contour. An axis
-    that is a whole turn is closed: the first cell follows the last.
+    """Draw one field over its axes, interpolated, with contours."""
+    panel.set_xlabel(axes.first.title)
+    panel.set_ylabel(axes.second.title)
+    for drawn, axis in ((panel.xaxis, axes.first), (panel.yaxis, axes.second)):
+        _mark(drawn, axis, *axis.range)
+    draw_values(panel, image, norm, axes)
+    panel.set_xlim(axes.first.range)
+
+
+def draw_values(panel, image, norm, axes):
+    """Draw the values of a field as colours and contours into a panel that has its labels.
+
+    On a closed axis the first cell follows the last.
     """
     around, along = axes.first.positions(len(image)), axes.second.positions(len(image.T))
     left, right = axes.first.ends(len(image))
@@ -346,29 +385,25 @@ def draw_map(panel, image, norm, axes):
         aspect="auto",
         extent=(left, right, *axes.second.ends(len(image.T))),
         norm=norm,
-        cmap="viridis",
+        cmap=COLOURS,
         interpolation="bilinear",
     )
-    if image.min() < image.max():
-        logs = isinstance(norm, LogNorm)
-        locator = LogLocator(subs=(1, 3)) if logs else MaxNLocator(8)
-        levels = [x for x in locator.tick_values(norm.vmin, norm.vmax) if norm.vmin < x < norm.vmax]
-        if levels:
-            drawn = panel.contour(around, along, image.T, levels, colors="white", linewidths=0.5)
-            panel.clabel(drawn, fontsize=6, fmt="%.3g")
-    panel.set_xlabel(axes.first.title)
-    panel.set_ylabel(axes.second.title)
-    _mark(panel.xaxis, axes.first)
-    _mark(panel.yaxis, axes.second)
-    panel.set_xlim(axes.first.range)
+    logs = isinstance(norm, LogNorm)
+    locator = LogLocator() if logs else MaxNLocator(7)
+    low = max(norm.vmin, image.min())
+    levels = [x for x in locator.tick_values(norm.vmin, norm.vmax) if low < x < image.max()]
+    if levels:
+        drawn = panel.contour(around, along, image.T, levels, colors="white", linewidths=0.5)
+        panel.clabel(drawn, fontsize=6, fmt="%.3g")
 
 
-def _mark(drawn, axis):
-    """Write an axis' marks beside its quarters."""
+def _mark(drawn, axis, low, high):
+    """Tick the quarters of a range of an axis that has marks, and name the marks."""
     if not axis.marks:
         return
     words = {position: f"\n{word}" for word, position in axis.marks.items()}
-    positions = sorted({*np.linspace(axis.range[0], axis.range[1], 5).tolist(), *words})
+    inside = [position for position in words if low <= position <= high]
+    positions = sorted({*np.linspace(low, high, 5).tolist(), *inside})
     drawn.set_ticks(positions, [f"{x:g}{words.get(x, '')}" for x in positions])
 
 
@@ -376,16 +411,11 @@ def draw_sections(case, picture, runs):
     """One panel per field, runs in one panel: the field along its first index at one share of the
     second and one instant.
     """
-    figure, panels = subplots(
-        len(picture.fields),
-        1,
-        sharex=True,
-        squeeze=False,
-        figsize=(9, 1.2 + 2.6 * len(picture.fields)),
-    )
-    begin, end = (to_si(text, "rad") / (2 * np.pi) for text in picture.angles)
+    figure, panels = stack(len(picture.fields))
     axis = case.axes_of(picture.fields[0]).first
-    for panel, port in zip(panels[:, 0], picture.fields):
+    low, high = axis.range
+    begin, end = (low + (high - low) * to_si(text, "rad") / (2 * np.pi) for text in picture.angles)
+    for panel, port in zip(panels, picture.fields):
         unit = ""
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             field = results.field(port, instant(results, picture.time))
@@ -393,9 +423,7 @@ def draw_sections(case, picture, runs):
             line = field.values[:, min(int(picture.height * columns), columns - 1)]
             line, unit = scaled(line, field.unit, picture.units.get(port))
             position = axis.positions(line.size)
-            low, high = axis.range
-            share = (position - low) / (high - low)
-            inside = (share >= begin) & (share <= end)
+            inside = (position >= begin) & (position <= end)
             panel.plot(
                 position[inside],
                 line[inside],
@@ -406,9 +434,10 @@ def draw_sections(case, picture, runs):
                 label=f"{label}, {told(results, field.time)}",
             )
         panel.set_ylabel(labelled(name_of(port), unit))
-        panel.grid(alpha=0.3)
-    panels[0, 0].legend(fontsize="small", frameon=False)
-    panels[-1, 0].set_xlabel(axis.marked)
+        panel.set_xlim(begin, end)
+    add_legend(panels[0])
+    panels[-1].set_xlabel(axis.title)
+    _mark(panels[-1].xaxis, axis, begin, end)
     return figure
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from ..case.contract import Curve, contract, fmu_of_model, in_place_of, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
-from .figures import subplots
+from .figures import PALETTE, add_legend, save, stack
 from .file import Results
 from .judgement import mean_over
-from .pictures import PALETTE
+from .pictures import labelled, unit_shown
 
 CELLS = {"min": np.min, "sum": np.sum}
 """A field's cells made one number."""
@@ -219,27 +219,18 @@ def draw_rivals(
         The PNG file.
     """
     curves = [curve for curve in contract()[role].curves if curve.title]
-    figure, panels = subplots(
-        len(curves) + 1,
-        1,
-        sharex=True,
-        squeeze=False,
-        figsize=(11, 2.0 * (len(curves) + 1)),
-    )
-    *upper, lowest = panels[:, 0]
+    figure, panels = stack(len(curves) + 1, 1.9)
+    *upper, lowest = panels
     first = next(iter(runs.values()))
     for colour, (label, one) in zip(PALETTE, runs.items()):
         for panel, curve in zip(upper, curves):
             time, values = drawn(curve, one, first)
-            panel.plot(1e3 * time, values, color=colour, lw=1.2, label=label)
-            panel.set_ylabel(f"{curve.title} [{curve.unit}]")
+            if values.any():  # the distance of the first model is zero
+                panel.plot(1e3 * time, values, color=colour, lw=1.2, label=label)
+            panel.set_ylabel(labelled(curve.title, unit_shown(curve.unit, None)))
         time, steps = iterations[label]
         lowest.plot(1e3 * time[1:], steps[1:], color=colour, lw=0.9, label=label)
-    for panel in (*upper, lowest):
-        panel.grid(alpha=0.3)
-        panel.margins(x=0)
-    top = panels[0, 0]
-    top.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    add_legend(panels[0])
     lowest.set_ylabel("iterations")
     lowest.set_xlabel("time [ms]")
-    figure.savefig(path, dpi=130)
+    save(figure, path)

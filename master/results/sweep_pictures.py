@@ -5,8 +5,11 @@ others.
 import numpy as np
 
 from ..fmi.quantities import registry
-from .figures import subplots
-from .pictures import PALETTE, entry_shown
+from .figures import PALETTE, add_legend, save, subplots
+from .pictures import entry_shown
+
+ROUNDING = 1e-12
+"""Values up to this size are zero, in SI units."""
 
 
 def magnitude(value):
@@ -28,7 +31,7 @@ def draw_sweep(rows, axes, entries, path):
         As `sweep.sweep` returns them.
     axes : list of Axis
     entries : iterable of str
-        Columns to draw; those without any value are omitted.
+        Columns to draw; those without any value other than zero are omitted.
     path : Path
         The picture.
 
@@ -38,8 +41,9 @@ def draw_sweep(rows, axes, entries, path):
     """
     first = axes[0]
     others = [axis.name for axis in axes[1:]]
+    names = [name.split(".")[-1].replace("_", " ") for name in others]
     done = [row for row in rows if row["status"] == "done"]
-    entries = [entry for entry in entries if any(_number(row, entry) is not None for row in done)]
+    entries = [entry for entry in entries if any(_is_drawn(_number(row, entry)) for row in done)]
     lines = max(1, -(-len(entries) // 2))
     figure, panels = subplots(lines, 2, squeeze=False, figsize=(11, 1 + 2.6 * lines))
     for panel in panels.flat[len(entries) :]:
@@ -59,22 +63,22 @@ def draw_sweep(rows, axes, entries, path):
                 ms=4,
                 lw=1.2,
                 color=PALETTE[k % len(PALETTE)],
-                label=", ".join(key),
+                label=", ".join(map(" ".join, zip(names, key))),
             )
             if named:
                 texts = [str(done[n][first.name]) for n in chosen]
                 panel.set_xticks(range(len(chosen)), texts, fontsize="small")
         panel.set_title(title, fontsize="small")
-        panel.set_xlabel(_heading(first), fontsize="small")
         panel.grid(alpha=0.3)
     if others and len(entries):
-        panels[0, 0].legend(
-            title=", ".join(name.split(".")[-1].replace("_", " ") for name in others),
-            fontsize="small",
-            frameon=False,
-        )
-    figure.savefig(path, dpi=130)
-    return path
+        add_legend(panels[0, 1] if len(entries) > 1 else panels[0, 0])
+    figure.supxlabel(_heading(first))
+    return save(figure, path)
+
+
+def _is_drawn(value):
+    """Whether an entry has a value that is more than a rounding error."""
+    return value is not None and abs(value) > ROUNDING
 
 
 def _number(row, entry):

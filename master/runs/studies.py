@@ -11,9 +11,9 @@ import numpy as np
 from ..case.schema import check_case, read_tree
 from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
-from ..results.figures import subplots
+from ..results.figures import PALETTE, save, subplots
 from ..results.file import Results
-from ..results.pictures import PALETTE, labelled, name_of, scaled
+from ..results.pictures import entry_in_words, handy_unit, label_abscissa, labelled, name_of, scaled
 from .sweep import resolved
 
 
@@ -134,7 +134,9 @@ def write_table(rows, path):
 
 
 def draw_study(study, case, rows, runs, path):
-    """Left the curves of all runs, right their rms distance from the reference."""
+    """Draw the curves of all runs, and their rms difference from the reference in percent of its
+    range.
+    """
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
     distances = {row.run: row.distances for row in rows}
     figure, panels = subplots(
@@ -147,26 +149,33 @@ def draw_study(study, case, rows, runs, path):
     )
     x_unit = ""
     for (left, right), port in zip(panels, study.curves):
-        unit = ""
+        reference = runs[study.reference].series(port)
+        wanted = units.get(port) or handy_unit(reference.unit, np.abs(reference.values).max())
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             known = results.series(study.x)
             value = results.series(port)
             x, x_unit = scaled(known.values, known.unit, units.get(study.x))
-            y, unit = scaled(value.values, value.unit, units.get(port))
+            y, unit = scaled(value.values, value.unit, wanted)
             left.plot(x, y, color=colour, lw=1.1, label=label)
-            distance = distances[label][port]
-            right.plot([label], [distance if distance > 0 else np.nan], "o", color=colour)
+            distance = 100 * distances[label][port]
+            right.plot([label], [distance or np.nan], "o", color=colour)
+            if distance:
+                right.annotate(f"  {distance:.2g}", (label, distance), fontsize="small")
         left.set_ylabel(labelled(name_of(port), unit), fontsize="small")
         right.set_yscale("log")
+        right.yaxis.set_major_formatter("{x:g}")
+        right.yaxis.set_minor_formatter("")
+        right.margins(0.2)
         right.tick_params(axis="x", rotation=60, labelsize="small")
-        right.set_title(f"rms / range, from {study.reference}", fontsize="small")
+        right.set_ylabel("rms difference [%]", fontsize="small")
         for panel in (left, right):
             panel.grid(alpha=0.3)
-    panels[-1, 0].set_xlabel(labelled(name_of(study.x), x_unit))
+        left.margins(x=0)
+    panels[0, 1].set_title(f"compared with {study.reference}", fontsize="medium")
+    label_abscissa(panels[-1, 0], study.x, x_unit)
     panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
     figure.suptitle(study.title)
-    figure.savefig(path, dpi=120)
-    return path
+    return save(figure, path)
 
 
 def draw_cost(title, rows, path):
@@ -180,12 +189,11 @@ def draw_cost(title, rows, path):
         squeeze=False,
         figsize=(14, 1.2 + 0.32 * len(costs)),
     )
-    for panel, name, colour in zip(panels[0], counted, PALETTE):
-        bars = panel.barh(list(costs), [getattr(c, name) for c in costs.values()], color=colour)
+    for panel, name in zip(panels[0], counted):
+        bars = panel.barh(list(costs), [getattr(c, name) for c in costs.values()], color=PALETTE[0])
         panel.bar_label(bars, fmt="{:,.4g}", padding=3, fontsize="small")
         panel.margins(x=0.28)
-        panel.set_title(name.replace("_", " "), fontsize="medium")
+        panel.set_title(entry_in_words(name), fontsize="medium")
         panel.spines[["top", "right"]].set_visible(False)
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
-    return path
+    return save(figure, path)

@@ -1,15 +1,18 @@
 """Pictures of runs, also of fields that are the same everywhere."""
 
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, to_rgb
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.figures import subplots
 from piston_cosim.master.results.file import RecordedField, Series
 from piston_cosim.master.results.pictures import (
+    PALETTE,
+    PALETTE_DARK,
     colour_norm,
     draw,
     draw_lines,
@@ -69,7 +72,8 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
     if axes is SKIRT:
         assert (panel.get_xlabel(), panel.get_ylabel()) == ("angle [deg]", "height / skirt length")
         assert panel.images[0].get_extent() == [0, 360, 0, 1] and "90\nthrust" in words
-        assert section.get_xlabel() == "angle [deg]; thrust 90"
+        assert section.get_xlabel() == "angle [deg]"
+        assert "90\nthrust" in [label.get_text() for label in section.get_xticklabels()]
         assert along == pytest.approx([36.0, 108.0, 180.0])
     else:
         assert panel.get_xlabel() == "first index / its number" and "thrust" not in words
@@ -110,8 +114,13 @@ def test_a_turn_is_closed():
         first=Axis(label="angle", unit="deg", range=(0, 360), centred=0),
         second=Axis(label="height"),
     )
-    panel = subplots(figsize=(6, 4))[1]
+    figure, panel = subplots(figsize=(6, 4))
     draw_map(panel, np.ma.array(np.arange(20.0).reshape(5, 4)), colour_norm([np.ones(2)]), axes)
+    figure.canvas.draw()
+    left, bottom, right, top = np.array(panel.get_window_extent().extents).astype(int)
+    pixels = np.array(figure.canvas.buffer_rgba())[::-1][bottom + 2 : top - 2, :, :3]
+    edges = pixels[:, [left + 2, right - 3]]
+    assert not (edges > 250).all(axis=2).all(axis=0).any()  # no white strip on either side
     shown = panel.images[0]
     assert shown.get_array()[0].tolist() == [16.0, 0.0, 4.0, 8.0, 12.0, 16.0, 0.0]
     assert shown.get_extent()[:2] == pytest.approx([-108.0, 396.0])
@@ -192,19 +201,37 @@ def test_a_long_title_goes_on_in_a_second_line():
     assert " ".join(figure._suptitle.get_text().split()) == title.strip()
 
 
+@pytest.mark.parametrize("paper", [False, True])
 @pytest.mark.parametrize("kind, begins", [("svg", b"<?xml"), ("pdf", b"%PDF"), (None, b"\x89PNG")])
-def test_pictures_are_files_of_the_kind_that_is_asked_for(tmp_path, kind, begins):
+def test_pictures_of_every_type_are_small(tmp_path, kind, begins, paper):
+    """Two runs with two fields of 40 x 40 cells and an opening in a skirt, and 1441 steps."""
+    around, along = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 40), np.linspace(-1, 1, 40), indexing="ij"
+    )
+    there = np.abs(np.sin(around)) + np.abs(along) > 0.4
+    angle = np.radians(np.linspace(0.0, 720.0, 1441))
+    held = {
+        "b.crank_angle": Series(angle, "rad", ""),
+        "b.force": Series(np.sin(angle) + 0.1 * np.sin(37 * angle), "N", ""),
+    }
     results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(np.ones((3, 2)), 0.0, "1", ""),
-        there=lambda port: None,
-        recorded=["a.x"],
+        field=lambda port, instant: RecordedField(np.cos(2 * around) + along**2, 0.0, "Pa", ""),
+        there=lambda port: there,
+        recorded=["a.x", "a.y"],
         case={"participants": {}},
         time=np.array([0.0, 1.0]),
+        series=held.get,
     )
-    picture = Picture(file="map.png", title="Map", kind="map", fields=["a.x"], time="0 s")
-    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
-    (file,) = draw(case, {"r": results}, tmp_path, kind)
-    assert file == tmp_path / f"map.{kind or 'png'}" and file.read_bytes().startswith(begins)
+    pictures = [
+        Picture(file="map.png", title="Map", kind="map", fields=["a.x", "a.y"], time="0 s"),
+        Picture(file="line.png", title="Line", kind="lines", x="b.crank_angle", y=[["b.force"]]),
+    ]
+    case = SimpleNamespace(pictures=pictures, axes_of=lambda port: SKIRT, window={})
+    files = draw(case, {"flexible": results, "rigid": results}, tmp_path, kind, paper)
+    assert [file.name for file in files] == [f"{name}.{kind or 'png'}" for name in ("map", "line")]
+    for file in files:
+        assert file.read_bytes().startswith(begins)
+        assert file.stat().st_size < (200_000 if kind else 300_000)
 
 
 @pytest.mark.parametrize("y, to_scale", [("m", True), ("N", False)])
@@ -253,3 +280,21 @@ def test_crank_angles_are_ticked_every_quarter_and_curves_of_zeros_left_out():
     assert [panel.get_legend() is not None for panel in figure.axes] == [True, False, False]
     words = [label.get_text() for label in figure.axes[-1].get_xticklabels()]
     assert words == ["0\nTDC", "90", "180\nBDC", "270", "360\nTDC"]
+
+
+def deuteranopic(colour):
+    """Lab colour as Machado et al. (2009) compute what a person without green cones sees."""
+    values = np.array(to_rgb(colour))
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    seen = [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413]]
+    seen.append([-0.011820, 0.042940, 0.968881])
+    xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    x, y, z = np.cbrt(xyz @ np.clip(seen @ linear, 0, 1) / [0.9505, 1.0, 1.089])
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("palette", [PALETTE, PALETTE_DARK])
+def test_colours_of_runs_differ_for_colour_blind_readers(palette):
+    """A colour difference of 10 is clear at a glance; red and green of equal light differ by 4."""
+    seen = [deuteranopic(colour) for colour in palette]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 10

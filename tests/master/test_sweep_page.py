@@ -5,7 +5,7 @@ import pytest
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.engine.headlines import larger_is_better
-from piston_cosim.master.results.figures import Figure
+from piston_cosim.master.results import sweep_pictures
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 from piston_cosim.master.results.sweep_pictures import draw_sweep
 from piston_cosim.master.runs.sweep import Axis
@@ -62,20 +62,22 @@ def swept():
 def test_pictures_have_handy_units_and_no_empty_axes(tmp_path, monkeypatch):
     """An entry without a number has no axes; a film in metres is drawn in micrometres."""
     seen = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **given: seen.extend(figure.axes))
+    monkeypatch.setattr(sweep_pictures, "save", lambda figure, path: seen.append(figure))
     rows = [
         {"gap": gap, "status": "done", "film_m": 1e-6 * k, "tilt_rad": 0.1, "none": None}
+        | {"rounding": 1e-15}
         for k, gap in enumerate(("10 um", "20 um"))
     ]
     axis = Axis("gap", ("gap",), ("10 um", "20 um"))
-    entries = ["film_m", "tilt_rad", "none", "not_there"]
+    entries = ["film_m", "tilt_rad", "none", "not_there", "rounding"]
     draw_sweep(rows, [axis], entries, tmp_path / "sweep.png")
     draw_sweep(rows, [axis], entries[:1], tmp_path / "sweep.png")
-    titles = [one.get_title() for one in seen]
+    panels = [panel for figure in seen for panel in figure.axes]
+    titles = [panel.get_title() for panel in panels]
     assert titles == ["film [\N{MICRO SIGN}m]", "tilt [deg]", "film [\N{MICRO SIGN}m]"]
-    assert seen[0].lines[0].get_ydata() == pytest.approx([0.0, 1.0])
-    assert seen[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.1]))
-    assert {one.get_xlabel() for one in seen} == {"gap [µm]"}
+    assert panels[0].lines[0].get_ydata() == pytest.approx([0.0, 1.0])
+    assert panels[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.1]))
+    assert {figure.get_supxlabel() for figure in seen} == {"gap [µm]"}
 
 
 def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_path):

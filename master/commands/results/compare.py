@@ -43,7 +43,7 @@ def command(
         CSV file of a measurement. Its header is "participant.variable [unit]", abscissa first. The
         columns "participant.variable low [unit]" and "participant.variable high [unit]" are a band.
     output
-        Picture of runs and measured points; default: measured.png.
+        Picture of runs and measured points, .png, .svg or .pdf; default: measured.png.
     """
     case, runs = open_runs(files)
     lines = [picture for picture in case.pictures if picture.kind == "lines"]

@@ -42,7 +42,7 @@ def command(
         folder, then the shipped case with the title of the run.
     output
         File to write. Default: the name of the results file with .gif. A .mp4 file needs the extra
-        `movie` or ffmpeg.
+        `movie`.
     """
     from ...results.movie import chosen_instants, write_movie
 
@@ -63,7 +63,6 @@ def command(
         if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):
             say("no wire says where the cylinders stand: they are drawn one beside the other")
             solids = side_by_side(solids)
-        target.parent.mkdir(parents=True, exist_ok=True)
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)
         else:

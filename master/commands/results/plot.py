@@ -1,15 +1,15 @@
 """`piston-cosim results plot`."""
 
 from pathlib import Path
-from typing import Literal
 
-from ..common import OutputFolder, draw_pictures, open_runs
+from ..common import Format, OutputFolder, draw_pictures, open_runs
 
 
 def command(
     *files: Path,
     output: OutputFolder = Path("pictures"),
-    format: Literal["png", "svg", "pdf"] | None = None,
+    format: Format | None = None,
+    paper: bool = False,
 ):
     """Draw the pictures of results files.
 
@@ -26,5 +26,7 @@ def command(
         Folder for the pictures.
     format
         Type of the pictures. Default: the suffix of the case's file names, png.
+    paper
+        Draw for a publication: 179 mm wide, fonts of 8 pt, no title.
     """
-    draw_pictures(*open_runs(files), output, format)
+    draw_pictures(*open_runs(files), output, format, paper)
