@@ -3,7 +3,7 @@ instant.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -89,6 +89,11 @@ class Solid:
     owner: str = ""
     held: bool = True
     stand: Stand = Stand()
+
+    def at(self, chosen: np.ndarray) -> "Solid":
+        """Return the body at some of the instants."""
+        motion = None if self.motion is None else self.motion[chosen]
+        return replace(self, coordinates=self.coordinates[chosen], motion=motion)
 
     def title(self, between: str = " ") -> str:
         """Its name, after that of its owner where it has one."""
