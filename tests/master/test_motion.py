@@ -168,6 +168,17 @@ def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     films = [Film("ehd", [block], *cylinder_cells((8, 2), 0.7, (-0.5, 1.5)), upright)]
     path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
     entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
+    script = (tmp_path / "run.py").read_text()
+    compile(script, "run.py", "exec")
+    # a script for ParaView opens a series for each part
+    assert "('piston', 'body'" in script and "('block', 'resting body'" in script
+    assert "('ehd', 'skirt', 0.0, 'ehd.pressure [Pa]', 0.0, 63.0)" in script
+    for name in ("piston", "block", "ehd"):
+        steps = [
+            one.attrib for one in ElementTree.parse(tmp_path / f"run/{name}.pvd").iter("DataSet")
+        ]
+        assert [float(one["timestep"]) for one in steps] == [0.1, 0.3]
+        assert all((tmp_path / "run" / one["file"]).exists() for one in steps)
     assert [(float(one["timestep"]), one["part"]) for one in entries] == [
         (time, part) for time in (0.1, 0.3) for part in "012"
     ]
