@@ -180,12 +180,13 @@ def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=()
         Sections at the top of the page.
     """
     from ..engine.answer import answer
+    from ..engine.overview import overview
     from ..engine.sections import special
     from ..results.report import write_report
 
     answers = {label: answer(case, results) for label, results in runs.items()}
     own = special(case, runs, body_skins(runs, source))
-    own = replace(own, sections=[*ahead, *own.sections])
+    own = replace(own, sections=[*ahead, *own.sections], overview=overview(case, runs))
     return write_report(case, runs, folder, notes, studies, answers, own, figures)
 
 

@@ -55,8 +55,8 @@ def headlines(case, results) -> list[Headline]:
     runs = [Run(case, results, film, bodies[0]) for film in films]
     pistons = [Run(case, results, films[0], body) for body in bodies]
     lines = [
-        *_of_each(runs, "minimum film", _thinnest),
-        *_of_each(runs, "maximum pressure", _highest),
+        *_of_each(runs, "minimum film", lambda run: _told(thinnest(run))),
+        *_of_each(runs, "maximum pressure", lambda run: _told(highest(run))),
         *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
         *_of_each(runs, "asperity contact", _asperities),
@@ -100,22 +100,36 @@ def _where(place: Place | None):
     return f", {place.brief}" if place else ""
 
 
-def _thinnest(run):
+class Located(NamedTuple):
+    """Extreme value in its SI unit, with its instant and position in words."""
+
+    value: float
+    unit: str
+    where: str
+
+
+def thinnest(run) -> Located | None:
+    """Return the minimum film thickness, or None if the run lacks it."""
     values = run.values(f"{run.film}.minimum_film_thickness")
     if values is None:
-        return ""
+        return None
     k = int(values.argmin())
     place = thinnest_place(run.case, run.results, run.film)
-    return f"{short(values[k], 'm')} {_at(run, k)}{_where(place)}"
+    return Located(float(values[k]), "m", f"{_at(run, k)}{_where(place)}")
 
 
-def _highest(run):
+def highest(run) -> Located | None:
+    """Return the maximum pressure, or None if the run lacks it."""
     values = run.values(f"{run.film}.maximum_pressure")
     if values is None:
-        return ""
+        return None
     k = int(values.argmax())
     place = worst_place(run.case, run.results, f"{run.film}.pressure", lowest=False)
-    return f"{short(values[k], 'Pa')} {_at(run, k)}{_where(place)}"
+    return Located(float(values[k]), "Pa", f"{_at(run, k)}{_where(place)}")
+
+
+def _told(located):
+    return f"{short(located.value, located.unit)} {located.where}" if located else ""
 
 
 class Cycle(NamedTuple):

@@ -18,19 +18,16 @@ from ..case.schema import Case
 from ..fmi.quantities import short, to_si
 from ..results.charts import (
     DASHES,
-    Carpet,
     Chart,
     Curve,
     Drawn,
     Phase,
     Section,
     StillMap,
-    Titles,
-    limits_of,
 )
 from ..results.file import Results
 from ..results.instants import crank_angle
-from ..results.report import Special
+from ..results.report import FilmView, Orbit, Special
 from ..results.solids import Solid, Stand
 from .headlines import friction_pressures
 from .impacts import impacts
@@ -90,7 +87,7 @@ def special(
     return Special(
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
-        strip=_strip(bodies, is_fired(runs)),
+        films=[_view(runs, body_of[film], film, len(films)) for film in films],
         solids={
             label: [
                 solid
@@ -112,12 +109,52 @@ def is_fired(runs: Runs) -> bool:
     )
 
 
-def _strip(bodies, fired):
-    """Ports beneath the cursor: side forces, and gas pressures of up to two cylinders."""
-    force = {f"{body}.side_force": "kN" for body in reversed(bodies)}
-    if len(bodies) > 2 or not fired:
-        return force
-    return {f"{body}.cylinder_pressure": "MPa" for body in bodies} | force
+def _view(runs, body, film, films) -> FilmView:
+    """Return the maps, curves and orbit of a film. Bearings have an orbit instead of motion."""
+    first = next(iter(runs.values()))
+    layers = {
+        "pressure": f"{film}.pressure",
+        "thickness": gap_port(first, film),
+        "fraction": f"{film}.film_fraction",
+        "contact": f"{film}.asperity_pressure",
+    }
+    charts = [
+        *_chart(
+            runs,
+            "Minimum film thickness",
+            "[µm]",
+            Line("film", f"{film}.minimum_film_thickness", 1e6),
+        ),
+        *_chart(runs, "Maximum pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)),
+    ]
+    orbit = None
+    if _is_bearing(runs, film):
+        torque = Line("torque", f"{film}.friction_torque")
+        charts += _chart(runs, "Friction torque", "[N m]", torque)
+        charts += _chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power"))
+        orbit = _orbit(runs, body, film_surface(first, film).rstrip("."))
+    else:
+        lateral = Line("pin", f"{body}.lateral_displacement", 1e6)
+        charts += _chart(runs, "Lateral displacement of the pin's axis", "[µm]", lateral)
+        charts += _chart(
+            runs, "Rocking angle", "[mrad]", Line("rocking", f"{body}.rocking_angle", 1e3)
+        )
+    return FilmView(film if films > 1 else "Film", layers, charts, orbit)
+
+
+def _orbit(runs, body, surface) -> Orbit | None:
+    """Return the orbit of a bearing, or None if the runs lack its displacements or clearance."""
+    name = "pin" if surface.startswith("boss") else surface
+    ports = [f"{body}.{name}_displacement_{axis}" for axis in "xy"]
+    given = next(iter(runs.values())).case["participants"][body].get("parameters", {})
+    key = f"{surface.partition('_')[0] if name == 'pin' else name}_clearance"
+    if key not in given or not all({*ports} <= {*results.ports} for results in runs.values()):
+        return None
+    paths = [
+        tuple(1e6 * results.series(port).values for port in ports) for results in runs.values()
+    ]
+    at = [_degrees(results) for results in runs.values()]
+    return Orbit(1e6 * to_si(given[key], "m"), at, paths)
 
 
 def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
@@ -151,7 +188,6 @@ def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
         _friction(runs, body, film),
         _films(case, runs, film, gap),
         _oil(runs, film),
-        _carpets(case, runs, film, gap),
         _envelopes(case, runs, body, film, gap),
     ]
     if films == 1:
@@ -264,7 +300,7 @@ def _degrees(results):
     return np.degrees(crank.angle)
 
 
-def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Drawn]:
+def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Chart]:
     """Ports over the crank angle, runs by colour and ports by dash; none if all are zero."""
     drawn = {
         line.port
@@ -573,49 +609,6 @@ def _whole(results, port, blank):
     values = results.dataset(port)[:]
     there = results.there(port)
     return values if there is None else np.where(there, values, blank)
-
-
-class _Carpeted(NamedTuple):
-    """A field drawn along the marked lines: port, name, unit and what SI is multiplied by."""
-
-    port: str
-    name: str
-    unit: str
-    factor: float
-
-
-def _carpets(case, runs, film, gap):
-    """Height over crank angle along the lines that the case marks, one scale a field."""
-    shown = (
-        _Carpeted(f"{film}.pressure", "Pressure", "MPa", 1e-6),
-        _Carpeted(gap, "Film thickness", "µm", 1e6),
-    )
-    drawn = [carpet for one in shown for carpet in _along_lines(case, runs, one)]
-    return Section("Over crank angle and height", drawn)
-
-
-def _along_lines(case, runs, shown) -> list[Carpet]:
-    axes = case.axes_of(shown.port)
-    lines = {}
-    for mark, angle in axes.first.marks.items():
-        for label, results in runs.items():
-            if shown.port in results.recorded:
-                values = _whole(results, shown.port, np.nan) * shown.factor
-                around = axes.first.positions(values.shape[1])
-                lines[mark, label] = values[:, int(np.abs(around - angle).argmin())].T
-    limits = limits_of(list(lines.values()))
-    return [
-        Carpet(
-            f"{shown.name} on the {mark} line: {label}",
-            Titles(CRANK, axes.second.title, shown.unit),
-            _instants(runs[label]),
-            axes.second.positions(len(line)),
-            line,
-            limits,
-            logarithmic=True,
-        )
-        for (mark, label), line in lines.items()
-    ]
 
 
 class _Envelope(NamedTuple):

@@ -4,7 +4,7 @@ file            a results file, read
 pictures        curves, maps, sections
 sweep_pictures  of sweeps
 compare         curves scored against one another
-judgement       extremes, windows, work in loops
+judgement       windows, work in loops
 report          one HTML page
 charts          what it draws besides fields, as data
 solids          bodies on their meshes, for it

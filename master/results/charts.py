@@ -83,14 +83,6 @@ class Chart:
     around: bool = False
 
 
-class Titles(NamedTuple):
-    """Of both abscissas of a carpet, and the unit of its values."""
-
-    x: str
-    y: str
-    unit: str
-
-
 class Limits(NamedTuple):
     """Smallest, largest, and smallest positive value (0 without one) that colours are for."""
 
@@ -109,19 +101,6 @@ def limits_of(arrays) -> Limits:
 
 
 @dataclass(frozen=True)
-class Carpet:
-    """Values (len(y), len(x)) over two abscissas, `x` that of the page's cursor."""
-
-    title: str
-    titles: Titles
-    x: np.ndarray
-    y: np.ndarray
-    values: np.ndarray
-    limits: Limits
-    logarithmic: bool = False
-
-
-@dataclass(frozen=True)
 class StillMap:
     """A field without time for every run (None where it has none), over the axes of the case."""
 
@@ -132,7 +111,7 @@ class StillMap:
     there: Sequence[np.ndarray | None]
 
 
-Drawn = Chart | Carpet | StillMap
+Drawn = Chart | StillMap
 
 
 @dataclass(frozen=True)
@@ -294,17 +273,6 @@ def _corridor_data(corridor, columns):
     return arrays | {"said": corridor.said}
 
 
-def _carpet_data(carpet: Carpet, columns: Columns):
-    return vars(carpet) | {
-        "kind": "carpet",
-        "titles": carpet.titles._asdict(),
-        "limits": carpet.limits._asdict(),
-        "x": columns.add(carpet.x),
-        "y": columns.add(carpet.y),
-        "values": columns.add(carpet.values),
-    }
-
-
 def _map_data(still: StillMap, columns: Columns):
     return {"kind": "map"} | field_data(
         still.title,
@@ -315,7 +283,7 @@ def _map_data(still: StillMap, columns: Columns):
     )
 
 
-_DATA: dict[type, Any] = {Chart: _chart_data, Carpet: _carpet_data, StillMap: _map_data}
+_DATA: dict[type, Any] = {Chart: _chart_data, StillMap: _map_data}
 
 
 def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
@@ -348,7 +316,7 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         else packed_frames(stack)
         | {
             "shape": list(stack.shape[1:]),
-            "there": None if cells is None else cells.astype(int).ravel().tolist(),
+            "there": None if cells is None else "".join(map(str, cells.astype(int).ravel())),
             "ends": [list(axes.first.ends(stack.shape[1])), list(axes.second.ends(stack.shape[2]))],
         }
         for stack, cells in zip(stacks, there)

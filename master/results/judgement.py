@@ -1,6 +1,4 @@
-"""What a results file says in a few numbers: where extremes lie, whether they are in their window,
-the work in a loop.
-"""
+"""Numbers of a results file: values in their expected ranges, and work in a loop."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -27,24 +25,6 @@ REDUCTIONS = {
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A value in the SI unit of its variable."""
-
-    value: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class Extreme:
-    """A smallest or largest value, its instant [s], and what the case's monitor shows then."""
-
-    name: str
-    quantity: Quantity
-    time: float
-    monitor: dict[str, Quantity]
-
-
-@dataclass(frozen=True)
 class Window:
     """A value and the limits the case expects it in, all in its SI unit; both ends belong to it."""
 
@@ -57,39 +37,6 @@ class Window:
     @property
     def inside(self) -> bool:
         return self.low <= self.value <= self.high
-
-
-def extremes(case, results) -> list[Extreme]:
-    """Every smallest and largest value of the case's summary in the last period; of equal ones the
-    first.
-    """
-    results = results.last
-    entries = [reduced(text) for text in case.summary.values()]
-    return [_extreme(case, results, *entry) for entry in entries if entry.kind in ("min", "max")]
-
-
-def _extreme(case, results, kind, port):
-    values = results.series(port).values
-    k = int(np.argmin(values) if kind == "min" else np.argmax(values))
-    return Extreme(
-        f"{kind} {port}",
-        quantity_at(results, port, k),
-        float(results.time[k]),
-        monitored(case, results, k),
-    )
-
-
-def monitored(case, results, k) -> dict[str, Quantity]:
-    """What the case's monitor shows in row `k`, by name."""
-    return {
-        name: quantity_at(results, reduced(text).port, k) for name, text in case.monitor.items()
-    }
-
-
-def quantity_at(results, port, k) -> Quantity:
-    """The value of a port in row `k`."""
-    values, unit, _ = results.series(port)
-    return Quantity(float(values[k]), unit)
 
 
 def windows(case, results) -> list[Window]:

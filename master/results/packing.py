@@ -1,4 +1,4 @@
-"""Arrays as text inside a page, compressed; the page's script unpacks them (templates/page.js)."""
+"""Arrays as text in a page, compressed. The script of the page unpacks them (templates/page.js)."""
 
 import base64
 import zlib
@@ -6,19 +6,16 @@ from typing import Any
 
 import numpy as np
 
-LARGEST = 6e4
-"""Of the whole-range of a half-precision number, 65504, that frames are scaled to."""
-
 
 def packed(data: bytes) -> str:
-    """zlib, then base64."""
-    return base64.b64encode(zlib.compress(data, 6)).decode()
+    """Return bytes compressed by zlib, as base64."""
+    return base64.b64encode(zlib.compress(data, 9)).decode()
 
 
 class Columns:
-    """Arrays of double precision in one text; equal ones are kept once.
+    """Arrays of single precision in one text. Equal arrays are stored once.
 
-    Each is known by where it begins and how many numbers it has.
+    An array is known by the index of its first number and its count.
     """
 
     def __init__(self):
@@ -27,8 +24,8 @@ class Columns:
         self._length = 0
 
     def add(self, values: Any) -> list[int]:
-        """[begin, count] of the array among all numbers."""
-        array = np.ascontiguousarray(values, dtype="<f8").ravel()
+        """Return [begin, count] of the array among all numbers."""
+        array = np.ascontiguousarray(values, dtype="<f4").ravel()
         key = array.tobytes()
         if key not in self._known:
             self._known[key] = [self._length, array.size]
@@ -37,13 +34,15 @@ class Columns:
         return self._known[key]
 
     def text(self) -> str:
-        """All of them, packed."""
-        return packed(np.concatenate([np.empty(0), *self._arrays]).astype("<f8").tobytes())
+        """Return all arrays, packed."""
+        return packed(np.concatenate([np.empty(0), *self._arrays]).astype("<f4").tobytes())
 
 
 def packed_frames(values: np.ndarray) -> dict[str, Any]:
-    """Frames of a field as half-precision numbers, each but the first as its difference in bits
-    from the one before: within 2^-11 of the value itself (down to 1e-9 of the largest).
+    """Return frames of a field as 16-bit integers over their range.
+
+    The text holds second differences from frame to frame, first their low bytes, then their high
+    bytes. The error is at most 2^-17 of the range.
 
     Parameters
     ----------
@@ -52,19 +51,29 @@ def packed_frames(values: np.ndarray) -> dict[str, Any]:
     Returns
     -------
     dict
-        text : packed; scale : what the numbers are multiplied by.
+        text : packed; low, high : the range.
     """
-    scale = float(np.nanmax(np.abs(values), initial=0.0)) / LARGEST or 1.0
-    bits = (values / scale).astype("<f2").view("<u2").reshape(len(values), -1)
-    steps = np.diff(bits, axis=0, prepend=np.zeros((1, bits.shape[1]), "<u2"))
-    return {"text": packed(steps.astype("<u2").tobytes()), "scale": scale}
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    share = np.nan_to_num((values - low) / (high - low or 1.0))
+    steps = np.round(65535 * share).astype("<u2").reshape(len(values), -1)
+    for _ in range(2):
+        steps = np.diff(steps, axis=0, prepend=np.zeros((1, steps.shape[1]), "<u2"))
+    signed = steps.view("<i2")
+    small = np.ascontiguousarray((signed << 1) ^ (signed >> 15))  # small differences, few bits
+    text = packed(small.view("u1").reshape(-1, 2).T.tobytes())
+    return {"text": text, "low": low, "high": high}
+
+
+def packed_shorts(values: np.ndarray) -> str:
+    """Return numbers from -1 to 1 as 16-bit integers, packed."""
+    return packed(np.round(32767 * values).astype("<i2").tobytes())
 
 
 def packed_singles(values: np.ndarray) -> str:
-    """Numbers of single precision, packed."""
+    """Return numbers of single precision, packed."""
     return packed(np.ascontiguousarray(values, dtype="<f4").tobytes())
 
 
 def packed_counts(values: np.ndarray) -> str:
-    """Whole numbers below 2^32, packed."""
+    """Return whole numbers below 2^32, packed."""
     return packed(np.ascontiguousarray(values, dtype="<u4").tobytes())

@@ -1,5 +1,5 @@
-"""A report of one or several runs: one HTML page that needs nothing else, and its figures as PNG
-and SVG.
+"""Report of one or several runs: one HTML page without external files, and its figures as PNG and
+SVG.
 """
 
 import base64
@@ -12,60 +12,90 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader
 from markdown_it import MarkdownIt
 from matplotlib import colormaps
-from plotly.offline import get_plotlyjs
 
-from ..case.schema import reduced
 from ..fmi.quantities import short
-from .charts import Phase, Section, as_data, field_data, health_section, picture_section
-from .coordinates import crank_angle_port
+from .charts import Chart, Phase, Section, as_data, field_data, health_section, picture_section
 from .figures import subplots
 from .instants import crank_angle
-from .judgement import Extreme, Window, extremes, loop_curve, loop_work, windows
+from .judgement import Window, loop_curve, loop_work, windows
 from .packing import Columns, packed
-from .pictures import (
-    PALETTE,
-    PALETTE_DARK,
-    entry_in_words,
-    handy_unit,
-    name_of,
-    names_of,
-    scaled,
-)
+from .pictures import PALETTE, PALETTE_DARK, entry_in_words, handy_unit, name_of, scaled
 from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
-COLOURS = "viridis"
-"""Of fields: even steps in lightness, told apart by colour-blind readers."""
-DIFFERENCES = "RdBu_r"
-"""Of differences, white at zero: red and blue are told apart by colour-blind readers."""
+TEMPLATES = Path(__file__).parent / "templates"
+LIBRARIES = ("d3.min.js", "plot.min.js")
+"""Released files of D3 and Observable Plot in templates/vendor, in the order of their use."""
+UNITS = {"pressure": "MPa", "thickness": "um", "contact": "MPa"}
+"""Units of the layers of a film."""
+
+
+class Orbit(NamedTuple):
+    """Orbit of a bearing.
+
+    Parameters
+    ----------
+    clearance : float
+        Radial clearance [µm].
+    at : list of ndarray
+        Positions of the cursor, for each run.
+    paths : list of (ndarray, ndarray)
+        Displacement along x and y at these positions [µm], for each run.
+    """
+
+    clearance: float
+    at: list[np.ndarray]
+    paths: list[tuple[np.ndarray, ...]]
+
+
+class FilmView(NamedTuple):
+    """Film on the page.
+
+    Parameters
+    ----------
+    title : str
+    layers : dict of str to str
+        "pressure", "thickness", "fraction", "contact" or "field" -> port. Missing ones are omitted.
+    curves : sequence of Chart
+        Curves below the maps.
+    orbit : Orbit or None
+    """
+
+    title: str
+    layers: Mapping[str, str]
+    curves: Sequence[Chart] = ()
+    orbit: Orbit | None = None
 
 
 @dataclass(frozen=True)
 class Special:
-    """What only the kind of machine knows, for a report of it.
+    """Content of a report that depends on the kind of machine.
 
     Parameters
     ----------
     sections : sequence of Section
-        Shown before the case's own curves.
+        Shown among the details before the curves of the case.
     phases : sequence of Phase
-        Named parts of the cursor's abscissa.
-    strip : dict of str to str
-        Ports drawn beneath the cursor, and their units; the page opens where the last is largest.
+        Named parts of the abscissa of the cursor.
+    films : sequence of FilmView
+        Films in the order of the case.
     solids : dict of str to list of Solid
         Label -> bodies on their meshes.
+    overview : engine.overview.Overview or None
+        First screen.
     """
 
     sections: Sequence[Section] = ()
     phases: Sequence[Phase] = ()
-    strip: Mapping[str, str] = field(default_factory=dict)
+    films: Sequence[FilmView] = ()
     solids: Mapping[str, list[Solid]] = field(default_factory=dict)
+    overview: Any = None
 
 
 PLAIN = Special()
@@ -88,10 +118,9 @@ def write_report(
     studies : sequence of Path
         Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
     answers : dict, optional
-        Label -> what is said of the run first: `lines` (name, said) and `verdicts` (colour, what,
-        said).
+        Label -> main results `lines` (name, said) and checks `verdicts` (colour, what, said).
     special : Special
-        What only the kind of machine knows.
+        Content that depends on the kind of machine.
     figures : bool
         Whether the figures are wanted.
 
@@ -104,20 +133,24 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     if figures:
         _save_figures(case, runs, folder)
-    templates = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
-    )
+    templates = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
     templates.filters["words"] = words
     templates.filters["entry"] = entry_in_words
+    judged = {label: one.verdicts for label, one in (answers or {}).items()}
+    libraries = b"\n".join((TEMPLATES / "vendor" / name).read_bytes() for name in LIBRARIES)
     page = templates.get_template("report.html").render(
         case=case,
-        runs=[judged(case, label, results) for label, results in runs.items()],
+        runs=[summarised(case, label, results) for label, results in runs.items()],
         answers=answers or {},
         names=list(
             dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
         ),
+        overview=special.overview,
+        checks=checks(judged),
+        films=[film.title for film in views(case, runs, special)],
+        bodies=any(special.solids.values()),
         data=json.dumps(page_data(case, runs, special)).replace("<", "\\u003c"),
-        plotter=packed(get_plotlyjs().encode()),
+        libraries=packed(libraries),
         notes=notes_html(notes) if notes else "",
         studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
@@ -167,20 +200,51 @@ def _digits(text):
 
 
 @dataclass(frozen=True)
-class Judged:
-    """What the page says of one run in words and numbers.
+class StudyTable:
+    """Table of a study as text."""
 
-    summary : empty where the run has not finished; worst_residual : over its tolerance [-];
-    loops : name -> work with its unit; versions : of the packages it was made with;
-    digest : SHA-256 of the results file.
+    name: str
+    heads: list[str]
+    rows: list[list[str]]
+
+
+class Check(NamedTuple):
+    """Check of one or several runs with the same outcome; said : label -> text."""
+
+    colour: str
+    outcome: str
+    what: str
+    said: dict[str, str]
+
+
+def checks(judged) -> list[Check]:
+    """Return the checks of all runs, worst first. Runs that pass the same check share an entry.
+
+    Parameters
+    ----------
+    judged : dict of str to sequence of Verdict
+    """
+    rank = ("red", "amber", "green")
+    found: dict[tuple[str, str], Check] = {}
+    for label, verdicts in judged.items():
+        for one in verdicts:
+            check = Check(one.colour, one.outcome, one.what, {})
+            found.setdefault((one.colour, one.what), check).said[label] = one.said
+    return sorted(found.values(), key=lambda check: rank.index(check.colour))
+
+
+@dataclass(frozen=True)
+class Summarised:
+    """Text about one run.
+
+    summary : empty if the run has not finished; loops : name -> work with its unit; versions : of
+    the packages; digest : SHA-256 of the results file.
     """
 
     label: str
     summary: dict
     finished: bool
     steps: int
-    worst_residual: float
-    extremes: list[Extreme]
     windows: list[Window]
     loops: dict[str, str]
     versions: dict[str, str]
@@ -188,26 +252,14 @@ class Judged:
     digest: str
 
 
-@dataclass(frozen=True)
-class StudyTable:
-    """The table of a study as text."""
-
-    name: str
-    heads: list[str]
-    rows: list[list[str]]
-
-
-def judged(case, label, results) -> Judged:
-    """What there is to say of one run."""
+def summarised(case, label, results) -> Summarised:
+    """Return the text about one run."""
     summary = results.summary
-    residual = results.series("coupling.residual").values[1:]
-    return Judged(
+    return Summarised(
         label=label,
         summary=summary or {},
         finished=summary is not None,
-        steps=len(residual),
-        worst_residual=float(residual.max(initial=0.0)),
-        extremes=extremes(case, results),
+        steps=len(results.time) - 1,
         windows=windows(case, results),
         loops={
             name: f"{loop_work(case, results, loop):.4g} {loop.unit}"
@@ -288,23 +340,20 @@ def draw_health(runs):
 
 @dataclass(frozen=True)
 class Cursor:
-    """Where the page's cursor can stand: every instant at which any run recorded fields.
+    """Positions of the cursor: every instant at which any run recorded fields.
 
-    positions : rising, in `unit` (crank angle where every run says one, else time);
-    frames, rows : of each run the nearest recorded instant and the nearest macro step;
-    recorded : of each run where its recorded instants are, in `unit`.
+    positions : rising, in `unit` (crank angle if every run has one, else time); frames : nearest
+    recorded instant of each run.
     """
 
     label: str
     unit: str
     positions: np.ndarray
     frames: list[np.ndarray] = field(default_factory=list)
-    rows: list[np.ndarray] = field(default_factory=list)
-    recorded: list[np.ndarray] = field(default_factory=list)
 
 
 def cursor_of(runs) -> Cursor:
-    """The cursor of several runs."""
+    """Return the cursor of several runs."""
     cranks = [crank_angle(results) for results in runs.values()]
     if all(crank is not None for crank in cranks):
         label, unit = "crank angle", "deg"
@@ -316,18 +365,11 @@ def cursor_of(runs) -> Cursor:
         np.interp(results.instants, *scale) for results, scale in zip(runs.values(), scales)
     ]
     positions = np.unique(np.concatenate(recorded).round(6))
-    return Cursor(
-        label,
-        unit,
-        positions,
-        [nearest(own, positions) for own in recorded],
-        [nearest(steps, positions) for _, steps in scales],
-        recorded,
-    )
+    return Cursor(label, unit, positions, [nearest(own, positions) for own in recorded])
 
 
 def nearest(sorted_values, wanted):
-    """Index of the value nearest to each wanted one; of two equally near the first."""
+    """Return the index of the value nearest to each wanted one, the first of two equally near."""
     after = np.searchsorted(sorted_values, wanted).clip(1, len(sorted_values) - 1)
     if len(sorted_values) == 1:
         return np.zeros(len(wanted), int)
@@ -335,106 +377,13 @@ def nearest(sorted_values, wanted):
     return after - back
 
 
-def page_data(case, runs, special) -> dict[str, Any]:
-    """What the page's script draws: the cursor with its words, field frames, bodies, charts,
-    a colour table.
-    """
-    cursor = cursor_of(runs)
-    columns = Columns()
-    lanes = special.strip or {reduced(text).port: "" for text in case.monitor.values()}
-    named = names_of(list(lanes))
-    strip = [
-        _strip(case, port, named[port], unit, runs, cursor)
-        for port, unit in lanes.items()
-        if port != crank_angle_port(case)
-    ]
-    fields = names_of(drawn_fields(case, runs))
-    units = field_units(case, runs, list(fields))
-    sections = [*special.sections, picture_section(case, runs), health_section(runs)]
-    return {
-        "labels": list(runs),
-        "palette": PALETTE,
-        "palette_dark": PALETTE_DARK,
-        "colours": _table(COLOURS),
-        "diverging": _table(DIFFERENCES),
-        "cursor": {
-            "label": cursor.label,
-            "unit": cursor.unit,
-            "positions": columns.add(cursor.positions),
-            "frames": [frames.tolist() for frames in cursor.frames],
-            "recorded": [columns.add(own) for own in cursor.recorded],
-            "start": _telling(strip if special.strip else [], cursor),
-        },
-        "words": [
-            monitor_words(case, results, rows) for results, rows in zip(runs.values(), cursor.rows)
-        ],
-        "phases": [vars(phase) for phase in special.phases],
-        "strip": [lane | {"runs": [columns.add(own) for own in lane["runs"]]} for lane in strip],
-        "fields": [
-            field_frames(case, port, units[port], runs)
-            | {"name": name, "variable": port.rpartition(".")[2].replace("_", " ")}
-            for port, name in fields.items()
-        ],
-        "solids": solids_data(
-            [special.solids.get(label, []) for label in runs], columns, list(fields)
-        ),
-        "sections": [as_data(section, columns) for section in sections],
-        "columns": columns.text(),
-    }
-
-
-def _table(name):
-    """256 colours of a map of matplotlib's, 0 to 255."""
-    return (colormaps[name](np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist()
-
-
-def monitor_words(case, results, rows):
-    """What the monitor shows of a run at each of the cursor's positions."""
-    ports = {name: reduced(text).port for name, text in case.monitor.items()}
-    shown = {name: results.series(port) for name, port in ports.items() if port in results.ports}
-    return [
-        "  ".join(
-            [f"t = {short(float(results.time[k]), 's')}"]
-            + [f"{name} {words(own.values[k], own.unit)}" for name, own in shown.items()]
-        )
-        for k in rows
-    ]
-
-
-def _telling(strip, cursor) -> int:
-    """Where the page opens: where what the strip shows last is largest in the first run that has
-    it; halfway without one.
-    """
-    lanes = [own for lane in strip[-1:] for own in lane["runs"] if len(own)]
-    return int(np.abs(lanes[0]).argmax()) if lanes else len(cursor.positions) // 2
-
-
-def _strip(case, port, name, unit, runs, cursor):
-    """A port of every run at the cursor's positions, [] where a run has it not; in the unit of the
-    case's pictures, or else `unit`, or one of handy size.
-    """
-    shown = [results for results in runs.values() if port in results.ports]
-    largest = max((np.abs(own.series(port).values).max() for own in shown), default=0.0)
-    handy = handy_unit(shown[0].series(port).unit, largest) if shown else None
-    wanted = shown_units(case).get(port) or unit or handy
-    values = [
-        scaled(results.series(port).values[rows], results.series(port).unit, wanted)[0]
-        if port in results.ports
-        else []
-        for results, rows in zip(runs.values(), cursor.rows)
-    ]
-    unit = scaled(0.0, shown[0].series(port).unit, wanted)[1] if shown else ""
-    return {"name": name, "unit": unit, "runs": values}
-
-
-def shown_units(case):
-    """Units in which the case's pictures show ports."""
-    return {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-
-
-def drawn_fields(case, runs):
-    """Recorded fields over two indices, in the case's order; those that some run has."""
-    return [
+def views(case, runs, special) -> Sequence[FilmView]:
+    """Return the films with maps. Without a film, every recorded field has its own maps."""
+    recorded = {port for results in runs.values() for port in results.recorded}
+    if special.films:
+        return [film for film in special.films if recorded.intersection(film.layers.values())]
+    curves = [one for one in picture_section(case, runs).drawn if isinstance(one, Chart)]
+    fields = [
         port
         for port in case.record.fields
         if any(
@@ -442,50 +391,86 @@ def drawn_fields(case, runs):
             for results in runs.values()
         )
     ]
-
-
-def field_units(case, runs, ports) -> dict[str, str | None]:
-    """Units fields are shown in: those the case says, else one of handy size, the same for all that
-    have a variable's name.
-    """
-    largest, said = {}, {}
-    for port in ports:
-        name = port.rpartition(".")[2]
-        for results in runs.values():
-            if port in results.recorded:
-                dataset = results.dataset(port)
-                said[port] = said.get(port) or field_unit(case, results, port)
-                own = float(np.nanmax(np.abs(dataset[:]), initial=0.0))
-                unit, most = largest.get(name, (dataset.attrs["unit"], 0.0))
-                largest[name] = unit, max(most, own)
-    return {port: said[port] or handy_unit(*largest[port.rpartition(".")[2]]) for port in ports}
-
-
-def field_frames(case, port, wanted, runs):
-    """Frames of a field of every run at all its recorded instants, over one common range."""
-    stacks, there = [], []
-    unit = ""
-    for results in runs.values():
-        if port not in results.recorded:
-            stacks.append(None)
-            there.append(None)
-            continue
-        dataset = results.dataset(port)
-        values, unit = scaled(dataset[:], dataset.attrs["unit"], wanted)
-        stacks.append(values)
-        there.append(results.there(port))
-    return field_data(name_of(port), unit, case.axes_of(port), stacks, there)
-
-
-def field_unit(case, results, port):
-    """Unit a field is shown in: that of the case's pictures, or of a field of the same SI unit."""
-    known = shown_units(case)
-    si = results.dataset(port).attrs["unit"]
-    alike = [
-        other
-        for other in (port, *case.record.fields)
-        if other in known
-        and other in results.recorded
-        and results.dataset(other).attrs["unit"] == si
+    return [
+        FilmView(name_of(port), {"field": port}, [one for one in curves if one.cursor][:4])
+        for port in fields
     ]
-    return known[alike[0]] if alike else None
+
+
+def page_data(case, runs, special) -> dict[str, Any]:
+    """Return the data that the script of the page draws."""
+    cursor = cursor_of(runs)
+    columns = Columns()
+    films = views(case, runs, special)
+    layers = [
+        {
+            kind: _layer(case, kind, port, runs)
+            for kind, port in film.layers.items()
+            if any(port in results.recorded for results in runs.values())
+        }
+        for film in films
+    ]
+    sections = [*special.sections, picture_section(case, runs), health_section(runs)]
+    ports = [film.layers[kind] for film, own in zip(films, layers) for kind in own]
+    return {
+        "labels": list(runs),
+        "palette": PALETTE,
+        "palette_dark": PALETTE_DARK,
+        "colours": (colormaps["viridis"](np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist(),
+        "cursor": {
+            "label": cursor.label,
+            "unit": cursor.unit,
+            "positions": columns.add(cursor.positions),
+            "frames": [frames.tolist() for frames in cursor.frames],
+            "start": _start(films, cursor),
+        },
+        "phases": [vars(phase) for phase in special.phases],
+        "films": [
+            {
+                "title": film.title,
+                "layers": own,
+                "curves": as_data(Section("", film.curves), columns)["drawn"],
+                "orbit": _orbit_data(film.orbit, columns),
+            }
+            for film, own in zip(films, layers)
+        ],
+        "solids": solids_data([special.solids.get(label, []) for label in runs], columns, ports),
+        "sections": [as_data(section, columns) for section in sections],
+        "columns": columns.text(),
+    }
+
+
+def _start(films, cursor) -> int:
+    """Return the position at which the page opens: the maximum pressure of the first run."""
+    curves = [curve for film in films[:1] for chart in film.curves[1:2] for curve in chart.curves]
+    if not curves:
+        return len(cursor.positions) // 2
+    at = curves[0].x[np.argmax(curves[0].y)]
+    return int(nearest(cursor.positions, np.array([at]))[0])
+
+
+def _orbit_data(orbit, columns):
+    if orbit is None:
+        return None
+    runs = [
+        {"at": columns.add(at), "x": columns.add(x), "y": columns.add(y)}
+        for at, (x, y) in zip(orbit.at, orbit.paths)
+    ]
+    return {"clearance": orbit.clearance, "runs": runs}
+
+
+def _layer(case, kind, port, runs):
+    """Return the frames of a field of every run at all recorded instants."""
+    held = [results if port in results.recorded else None for results in runs.values()]
+    datasets = [results.dataset(port) if results else None for results in held]
+    si = next(dataset.attrs["unit"] for dataset in datasets if dataset is not None)
+    stacks = [None if dataset is None else dataset[:] for dataset in datasets]
+    largest = max(float(np.nanmax(np.abs(own))) for own in stacks if own is not None)
+    pictured = {name: unit for one in case.pictures for name, unit in one.units.items()}
+    wanted = UNITS.get(kind) or pictured.get(port) or handy_unit(si, largest)
+    _, unit = scaled(0.0, si, wanted)
+    shown = [None if own is None else scaled(own, si, wanted)[0] for own in stacks]
+    there = [results.there(port) if results else None for results in held]
+    variable = port.rpartition(".")[2].replace("_", " ")
+    found = field_data(name_of(port), unit, case.axes_of(port), shown, there)
+    return found | {"variable": variable}

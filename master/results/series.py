@@ -4,15 +4,12 @@ instant and part in a folder beside it.
 
 from dataclasses import dataclass
 from pathlib import Path
-from string import Template
+from typing import Any
 
 import numpy as np
 
 from .fields_export import Block, write_collection
 from .solids import Solid, Stand, about_z, moved
-
-SCRIPT = Path(__file__).parent / "templates" / "paraview.py.txt"
-"""Script for ParaView, with the parts of the run left open."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +57,6 @@ def write_series(
     path : Path
         Ends with .pvd.
 
-    A script of the same name shows bodies and films in ParaView with colours and a cut block.
-
     Returns
     -------
     Path
@@ -71,32 +66,15 @@ def write_series(
 
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
-    parts = {solid.title("_"): solid for solid in solids} | {film.name: film for film in films}
     entries = []
-    for number, (name, part) in enumerate(parts.items()):
-        own = []
-        for k in chosen:
+    for k in chosen:
+        parts: dict[str, Any] = {solid.title("_"): _body(solid, k) for solid in solids}
+        parts |= {film.name: _film(film, k) for film in films}
+        for number, (name, mesh) in enumerate(parts.items()):
             file = folder / f"{name}_{k:05d}.vtu"
-            meshio.write(file, _body(part, k) if isinstance(part, Solid) else _film(part, k))
-            own.append((float(instants[k]), number, file))
-        write_collection(own, folder / f"{name}.pvd")
-        entries += own
-    script = path.with_suffix(".py")
-    shown = [(name, *_shown(part)) for name, part in parts.items()]
-    words = {"name": script.name, "path": script.resolve().as_posix(), "folder": folder.name}
-    script.write_text(Template(SCRIPT.read_text()).substitute(words, parts=shown))
-    return write_collection(sorted(entries), path)
-
-
-def _shown(part):
-    """Return the kind of a part, its z along the crankshaft, its coloured array and its range."""
-    if isinstance(part, Solid):
-        return "resting body" if part.motion is None else "body", part.stand.along, "", 0.0, 0.0
-    radius = np.hypot(part.points[:, 0], part.points[:, 2])
-    kind = "skirt" if np.ptp(radius) < 1e-6 * radius.max() else "shell"
-    block = next((one for one in part.blocks if one.name.endswith(".pressure")), part.blocks[0])
-    limits = float(block.values.min()), float(block.values.max())
-    return kind, part.stand.along, f"{block.name} [{block.unit}]", *limits
+            meshio.write(file, mesh)
+            entries.append((float(instants[k]), number, file))
+    return write_collection(entries, path)
 
 
 def _body(solid, k):

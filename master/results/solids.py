@@ -3,12 +3,15 @@ instant.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .packing import Columns, packed_counts, packed_frames, packed_singles
+from .packing import Columns, packed_counts, packed_frames, packed_shorts, packed_singles
+
+LEAST = 1e-4
+"""Smallest singular value of the displacement on the page, relative to the largest one."""
 
 
 class Stand(NamedTuple):
@@ -90,11 +93,6 @@ class Solid:
     held: bool = True
     stand: Stand = Stand()
 
-    def at(self, chosen: np.ndarray) -> "Solid":
-        """Return the body at some of the instants."""
-        motion = None if self.motion is None else self.motion[chosen]
-        return replace(self, coordinates=self.coordinates[chosen], motion=motion)
-
     def title(self, between: str = " ") -> str:
         """Its name, after that of its owner where it has one."""
         return between.join(filter(None, (self.owner, self.name)))
@@ -127,18 +125,35 @@ def solids_data(
     }
 
 
+def principal(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
+    """Return fewer modes (n, 3, r) and coordinates (instants, r) with the displacement of a body.
+
+    The largest component of a mode is 1. The modes are the singular vectors of the displacement at
+    all instants, without those whose singular value is below `LEAST` of the largest one.
+    """
+    count, size = len(solid.points), solid.modes.shape[2]
+    if not size:
+        return solid.modes, solid.coordinates
+    basis, triangle = np.linalg.qr(solid.modes.reshape(3 * count, size))
+    left, values, right = np.linalg.svd(solid.coordinates @ triangle.T, full_matrices=False)
+    kept = values > LEAST * values[0]
+    shapes = basis @ right[kept].T
+    largest = np.abs(shapes).max(axis=0, initial=0.0)
+    return (shapes / largest).reshape(count, 3, -1), left[:, kept] * values[kept] * largest
+
+
 def _solid(solid, meshes, columns, fields):
-    count = solid.modes.shape[2]
+    modes, coordinates = principal(solid)
     texts = (
         packed_singles(solid.points),
         packed_counts(solid.triangles),
-        packed_singles(np.moveaxis(solid.modes, 2, 0)),  # one mode after the other
+        packed_shorts(np.moveaxis(modes, 2, 0)),  # one mode after the other
     )
     return {
         "name": solid.name,
         "mesh": meshes.setdefault(texts, len(meshes)),
-        "count": count,
-        "coordinates": columns.add(solid.coordinates),
+        "count": modes.shape[2],
+        "coordinates": columns.add(coordinates),
         "motion": None if solid.motion is None else columns.add(solid.motion),
         "over": [solid.between(port) for port in fields],
         "owner": solid.owner,

@@ -3,7 +3,7 @@
 `python tests/bench/page.py [report.html ...]` prints the time to the first picture, frames a second
 with the bodies before the eyes, and the processor time of a frame; of a made-up report of two runs
 in 361 instants on a grid of 40 x 40 with bodies of the shipped ones' size, if none is given. Asked
-are 2 s and 30 a second, and 15 MB. Of a machine that is otherwise quiet; beside other work the
+are 2 s and 30 a second, and 5 MB. Of a machine that is otherwise quiet; beside other work the
 processor time tells. A real page: `piston-cosim run numerical_example`, then `piston-cosim results
 report`.
 """
@@ -34,8 +34,7 @@ with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 first = first_picture(browser)
                 played = pace(browser, FRAMES)
             print(
-                f"  first picture {first:.2f} s, {played.rate:.1f} frames a second at "
-                f"{played.fineness:.2f} of the screen's dots; a frame takes {played.page:.1f} ms "
-                f"of the page's thread, {played.graphics:.1f} of graphics, {played.all:.1f} of all "
-                "processes"
+                f"  first picture {first:.2f} s, {played.rate:.1f} frames a second; a frame takes "
+                f"{played.page:.1f} ms of the page's thread, {played.graphics:.1f} of graphics, "
+                f"{played.all:.1f} of all processes"
             )

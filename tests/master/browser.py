@@ -124,9 +124,9 @@ class Browser:
         text, _, self._rest = self._rest.partition(b"\0")
         return json.loads(text)
 
-    def open(self, page: Path):
-        """Open a page and wait until it says that it is ready."""
-        self.ask("Page.navigate", url=page.resolve().as_uri())
+    def open(self, page: Path, anchor: str = ""):
+        """Open a page at an anchor and wait until it is ready."""
+        self.ask("Page.navigate", url=page.resolve().as_uri() + anchor)
         self.run(
             "while (!document.body || document.body.dataset.page !== 'ready')"
             " await new Promise(done => setTimeout(done, 20));"
@@ -211,9 +211,9 @@ class Browser:
 
 
 PLAYED = """const begin = performance.now();
-byId("play").click(); shown = 0;
-while (shown < %d) await new Promise(done => requestAnimationFrame(done));
-byId("play").click(); return [shown, (performance.now() - begin) / 1e3];"""
+byId("play").click();
+while (play.count < %d) await new Promise(done => requestAnimationFrame(done));
+byId("play").click(); return [play.count, (performance.now() - begin) / 1e3];"""
 WARMING = 20
 """Frames until the browser has compiled what it plays with."""
 
@@ -224,14 +224,13 @@ class Pace:
 
     rate : frames a second by the clock; page, graphics, all : processor time a frame, of the
     page's own thread, of the process that draws bodies and puts the picture together, and of all
-    processes [ms]; fineness : dots of the bodies by dots of the screen.
+    processes [ms].
     """
 
     rate: float
     page: float
     graphics: float
     all: float
-    fineness: float
 
 
 def first_picture(browser: Browser) -> float:
@@ -240,10 +239,11 @@ def first_picture(browser: Browser) -> float:
 
 
 def pace(browser: Browser, frames: int) -> Pace:
-    """Play so many frames of the page with the bodies before the eyes."""
+    """Play so many frames of the page with the bodies open."""
     browser.run(
-        "window.scrollTo(0, byId('bar').offsetTop);"
-        " await new Promise(done => setTimeout(done, 500));"
+        "byId('bodies').open = true;"
+        " while (!document.querySelector('.scene canvas')?.scene.thrust.style.transform)"
+        " await new Promise(done => setTimeout(done, 50));"
     )
     browser.run(PLAYED % WARMING)
     taken, drawn = browser.seconds(), browser.seconds("gpu-process")
@@ -254,5 +254,4 @@ def pace(browser: Browser, frames: int) -> Pace:
         page=1e3 * (browser.metrics()["TaskDuration"] - tasks) / frames,
         graphics=1e3 * (browser.seconds("gpu-process") - drawn) / frames,
         all=1e3 * (browser.seconds() - taken) / frames,
-        fineness=browser.run("return fineness"),
     )

@@ -112,7 +112,6 @@ HEAVY = (
     "numpy",
     "scipy",
     "matplotlib",
-    "plotly",
     "h5py",
     "pint",
     "pydantic",
@@ -133,7 +132,7 @@ def test_the_first_look_costs_no_heavy_import(arguments):
 
 def test_a_case_is_checked_without_what_runs_it(tmp_path):
     """Each takes 0.05 to 0.6 s to import; together they were half of the time of a check."""
-    avoided = ("numba", "matplotlib.pyplot", "fmpy", "h5py", "plotly", "pandas", "sympy", "jinja2")
+    avoided = ("numba", "matplotlib.pyplot", "fmpy", "h5py", "pandas", "sympy", "jinja2")
     avoided += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integrate", "gmsh")
     arguments = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
     assert loaded(avoided, arguments) == []
@@ -142,7 +141,7 @@ def test_a_case_is_checked_without_what_runs_it(tmp_path):
 
 def test_a_run_begins_without_what_looks_at_it():
     """What answers, judges and draws is imported when a run is done: a second of its start."""
-    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib", "plotly")
+    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib")
     assert loaded((*avoided, "numba"), ["run", "--help"]) == []
 
 

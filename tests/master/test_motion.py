@@ -10,8 +10,7 @@ import pytest
 
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import Block, cylinder_cells, pin_cells
-from piston_cosim.master.results.figures import COLOURS
-from piston_cosim.master.results.gltf import RATE, Painted, write_gltf
+from piston_cosim.master.results.gltf import RATE, write_gltf
 from piston_cosim.master.results.series import Film, write_series
 from piston_cosim.master.results.solids import Solid, Stand
 
@@ -46,60 +45,39 @@ def read(path):
     values = []
     for one in tree["accessors"]:
         view = tree["bufferViews"][one["bufferView"]]
-        kind = {5126: "<f4", 5125: "<u4", 5121: "u1"}[one["componentType"]]
+        kind = {5126: "<f4", 5125: "<u4"}[one["componentType"]]
         part = held[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
         width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[one["type"]]
         values.append(np.frombuffer(part, kind).reshape(one["count"], width).astype(float))
     return tree, values
 
 
-def visible(tree, values, body, k):
-    """Positions and colours of the frame of a body that is visible at instant k."""
-    node = next(one for one in tree["nodes"] if one.get("name") == body)
-    scales = {}
-    for one in tree["animations"][0]["channels"]:
-        sampler = tree["animations"][0]["samplers"][one["sampler"]]
-        if one["target"]["path"] == "scale":
-            assert sampler["interpolation"] == "STEP"
-            scales[one["target"]["node"]] = (values[sampler["input"]], values[sampler["output"]])
-    at = (INSTANTS[k] - INSTANTS[0]) / np.mean(np.diff(INSTANTS)) / RATE
-    shown = []
-    for number in node["children"]:
-        scale = tree["nodes"][number]["scale"]
-        if number in scales:
-            keys, steps = scales[number]
-            scale = steps[np.flatnonzero(keys.ravel() <= at + 1e-6)[-1]]
-        if scale[0]:
-            shown.append(number)
-    (number,) = shown  # one frame at a time
-    (surface,) = tree["meshes"][tree["nodes"][number]["mesh"]]["primitives"]
-    return surface
-
-
-def test_frames_and_motion_of_a_model_are_those_of_the_run(tmp_path):
-    """As the format says: positions of the visible frame, then the node's motion."""
+def test_morphs_and_motion_of_a_model_are_those_of_the_run(tmp_path):
+    """As the format says: weighted targets, then the node's rotation, then its translation."""
     bodies = solids()
     tree, values = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
+    (surface,) = tree["meshes"][0]["primitives"]
     animation = tree["animations"][0]
-    number = next(k for k, one in enumerate(tree["nodes"]) if one.get("name") == "piston")
     tracks = {
-        one["target"]["path"]: animation["samplers"][one["sampler"]]
+        (one["target"]["node"], one["target"]["path"]): animation["samplers"][one["sampler"]]
         for one in animation["channels"]
-        if one["target"]["node"] == number
     }
-    clock = values[tracks["translation"]["input"]].ravel()
+    assert set(tracks) == {(0, "weights"), (0, "translation"), (0, "rotation")}
+    clock = values[tracks[0, "weights"]["input"]].ravel()
     # steps of 0.1, 0.1, 0.2 s, whose mean is shown as a thirtieth
     assert clock * RATE == pytest.approx([0, 0.75, 1.5, 3], abs=1e-6)
+    weights = values[tracks[0, "weights"]["output"]].reshape(4, 3)
+    base = values[surface["attributes"]["POSITION"]]
+    targets = [values[one["POSITION"]] for one in surface["targets"]]
     piston = bodies[0]
     for k in range(4):
-        surface = visible(tree, values, "piston", k)
-        shape = values[surface["attributes"]["POSITION"]]
-        x, y, z, w = values[tracks["rotation"]["output"]][k]
+        shape = base + sum(w * target for w, target in zip(weights[k], targets))
+        x, y, z, w = values[tracks[0, "rotation"]["output"]][k]
         assert (x, y) == (0, 0) and z * z + w * w == pytest.approx(1, abs=1e-6)
         turn = 2 * np.arctan2(z, w)
         c, s = np.cos(turn), np.sin(turn)
         shown = shape @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
-        shown += values[tracks["translation"]["output"]][k]
+        shown += values[tracks[0, "translation"]["output"]][k]
         across, along, beta = piston.motion[k]
         c, s = np.cos(TIMES * beta), np.sin(TIMES * beta)
         whole = piston.points + TIMES * piston.modes @ piston.coordinates[k]
@@ -112,46 +90,7 @@ def test_frames_and_motion_of_a_model_are_those_of_the_run(tmp_path):
         if "min" in one:
             assert one["min"] == pytest.approx(held.min(axis=0))
             assert one["max"] == pytest.approx(held.max(axis=0))
-
-
-def test_a_body_at_rest_is_cut_open(tmp_path):
-    """No point of it is in front of the plane through the bore's axis that faces the viewer."""
-    _, block = solids()
-    points = np.vstack([block.points, [1.0, 0.0, 1.0] + np.eye(3)])  # a triangle in front
-    triangles = np.vstack([block.triangles, [[7, 8, 9]]])
-    block = replace(block, points=points, triangles=triangles, modes=np.zeros((10, 3, 0)))
-    tree, values = read(write_gltf([block], INSTANTS, TIMES, tmp_path / "run.glb"))
-    (surface,) = tree["meshes"][0]["primitives"]
-    points = values[surface["attributes"]["POSITION"]]
-    assert np.unique(values[surface["indices"]]).tolist() == list(range(7)) and len(points) == 7
-    turn = tree["nodes"][-1]["rotation"]
-    angle = 2 * np.arctan2(turn[1], turn[3])
-    assert np.degrees(angle) == pytest.approx(-40)
-    depth = -np.sin(angle) * points[:, 0] + np.cos(angle) * points[:, 2]
-    assert depth.max() < 1e-6 and depth.min() < -0.1
-
-
-def test_a_skirt_has_the_colours_of_its_pressure(tmp_path):
-    """A high cell on the thrust side is yellow at its instant; the crown stays metallic."""
-    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    x, z = np.sin(angle), np.cos(angle)
-    points = np.concatenate([np.column_stack([x, 0 * x + height, z]) for height in (0.0, 1.0)])
-    triangles = np.arange(78).reshape(26, 3)
-    none = np.zeros((80, 3, 0)), np.zeros((4, 0))
-    piston = Solid("piston", points, triangles, *none, np.zeros((4, 3)), film=(-0.5, 0.5))
-    pressure = np.zeros((4, 40, 2))
-    pressure[2, 10] = 1e6  # cell 10 + 1 is centred on +x
-    painted = {"piston": [Painted(pressure, (-0.5, 0.5))]}
-    tree, values = read(write_gltf([piston], INSTANTS, 1.0, tmp_path / "run.glb", painted))
-    held = [values[visible(tree, values, "piston", k)["attributes"]["COLOR_0"]] for k in range(4)]
-    for k, colours in enumerate(held):
-        linear = colours[:, :3] / 255
-        assert linear[40:] == pytest.approx(np.tile([0.68, 0.72, 0.76], (40, 1)), abs=0.01)
-        yellow = np.array(COLOURS(1.0 if k == 2 else 0.0)[:3]) ** 2.2
-        assert linear[10] == pytest.approx(yellow, abs=0.01)
-    # a viewer without animations shows the highest pressure
-    shown = [one["scale"][0] for one in tree["nodes"] if "mesh" in one]
-    assert shown == [0, 0, 1, 0]
+    assert "targets" not in tree["meshes"][1]["primitives"][0]  # a rigid body has none
 
 
 def test_a_model_needs_bodies_and_instants(tmp_path):
@@ -168,17 +107,6 @@ def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     films = [Film("ehd", [block], *cylinder_cells((8, 2), 0.7, (-0.5, 1.5)), upright)]
     path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
     entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
-    script = (tmp_path / "run.py").read_text()
-    compile(script, "run.py", "exec")
-    # a script for ParaView opens a series for each part
-    assert "('piston', 'body'" in script and "('block', 'resting body'" in script
-    assert "('ehd', 'skirt', 0.0, 'ehd.pressure [Pa]', 0.0, 63.0)" in script
-    for name in ("piston", "block", "ehd"):
-        steps = [
-            one.attrib for one in ElementTree.parse(tmp_path / f"run/{name}.pvd").iter("DataSet")
-        ]
-        assert [float(one["timestep"]) for one in steps] == [0.1, 0.3]
-        assert all((tmp_path / "run" / one["file"]).exists() for one in steps)
     assert [(float(one["timestep"]), one["part"]) for one in entries] == [
         (time, part) for time in (0.1, 0.3) for part in "012"
     ]
@@ -219,21 +147,16 @@ def in_the_engine(points, stand):
 def test_every_cylinder_of_a_model_stands_at_its_place(tmp_path):
     bodies = in_line()
     tree, _ = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
-    (engine,) = (tree["nodes"][k] for k in tree["scenes"][0]["nodes"])
-    roots = [tree["nodes"][k] for k in engine["children"]]
-    names = [[tree["nodes"][k]["name"] for k in root["children"]] for root in roots]
-    assert names == [["front piston", "front block"], ["rear piston", "rear block"]]
-    assert [root["name"] for root in roots] == ["front", "rear"]
+    names = [node["name"] for node in tree["nodes"]]
+    assert names == ["front piston", "front block", "rear piston", "rear block", "front", "rear"]
+    roots = [tree["nodes"][k] for k in tree["scenes"][0]["nodes"]]
+    assert [root["children"] for root in roots] == [[0, 1], [2, 3]]
     for root, stand in zip(roots, (bodies[0].stand, bodies[2].stand)):
         x, y, z, w = root["rotation"]
         assert (x, y) == (0, 0) and 2 * np.arctan2(z, w) == pytest.approx(stand.bank)
         assert root["translation"] == [0, 0, stand.along]
-    moving = {
-        tree["nodes"][one["target"]["node"]]["name"]
-        for one in tree["animations"][0]["channels"]
-        if one["target"]["path"] != "scale"
-    }
-    assert moving == {"front piston", "rear piston"}
+    moving = {one["target"]["node"] for one in tree["animations"][0]["channels"]}
+    assert moving == {0, 2}  # of each cylinder its piston, none of those they stand in
 
 
 def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):

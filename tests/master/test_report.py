@@ -1,4 +1,4 @@
-"""Report: numbers of the verdict against closed forms, the page whole and alive in a browser."""
+"""Report: numbers against closed forms, the frames in the page, notes, checks and studies."""
 
 import base64
 import io
@@ -13,9 +13,11 @@ import pytest
 from rich.console import Console
 
 from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.results.file import Results, add_to_summary
-from piston_cosim.master.results.judgement import Quantity, extremes, loop_work, windows
-from piston_cosim.master.results.report import cursor_of, nearest, write_report
+from piston_cosim.master.engine.answer import Answer
+from piston_cosim.master.engine.verdicts import Verdict
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.results.judgement import loop_work, windows
+from piston_cosim.master.results.report import checks, cursor_of, nearest, write_report
 from piston_cosim.master.runs.console import print_summary
 
 TREE = {
@@ -81,12 +83,6 @@ def test_loop_work_is_the_area_of_the_ellipse(case, results):
     assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(area, rel=tolerance)
 
 
-def test_extremes_know_their_instant(case, results):
-    (lowest,) = extremes(case, results)
-    assert (lowest.quantity.value, lowest.time) == (pytest.approx(-1e-3), pytest.approx(0.25))
-    assert lowest.monitor["y"] == Quantity(pytest.approx(0.0, abs=1e-12), "N")
-
-
 def test_windows_judge(case, results):
     assert [window.inside for window in windows(case, results)] == [True, False]
 
@@ -96,17 +92,20 @@ def test_page_holds_the_fields(case, results, tmp_path):
     data = json.loads(
         re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)[1]
     )
-    (field,) = data["fields"]
-    (run,) = field["runs"]
-    bits = np.frombuffer(zlib.decompress(base64.b64decode(run["text"])), "<u2").reshape(-1, 12)
-    read = bits.cumsum(axis=0, dtype="<u2").view("<f2").astype(float) * run["scale"]
+    (film,) = data["films"]
+    (run,) = film["layers"]["field"]["runs"]
+    low, high = np.frombuffer(zlib.decompress(base64.b64decode(run["text"])), "u1").reshape(2, -1)
+    small = low.astype("<u2") | high.astype("<u2") << 8
+    steps = (small >> 1) ^ -(small & 1).astype("<i2").view("<u2")
+    bits = steps.reshape(-1, 12).cumsum(axis=0, dtype="<u2").cumsum(axis=0, dtype="<u2")
+    read = run["low"] + bits / 65535 * (run["high"] - run["low"])
     held = results.dataset("a.map")[:].reshape(-1, 12)
-    assert read == pytest.approx(held, rel=2.0**-11)  # half precision: 11 bits
-    assert (field["low"], field["high"], field["positive"]) == (0.0, 111.0, 1.0)
+    assert read == pytest.approx(held, abs=111 * 2.0**-17)  # 16 bits of the range
+    layer = film["layers"]["field"]
+    assert (layer["low"], layer["high"], layer["positive"]) == (0.0, 111.0, 1.0)
     every = data["cursor"]["frames"][0]
     assert every == list(range(len(results.instants))), "every recorded instant can be reached"
-    assert len(data["words"][0]) == len(every)
-    outside = re.sub(r'<script id="plotter".*?</script>', "", page, flags=re.S)
+    outside = re.sub(r'<script id="libraries".*?</script>', "", page, flags=re.S)
     assert not re.search("https?:", outside), "the page must need nothing else"
     assert {p.suffix for p in (tmp_path / "report").iterdir()} == {".png", ".svg", ".html"}
 
@@ -154,52 +153,38 @@ def test_study_tables_are_shown(case, results, tmp_path):
     )
 
 
-@pytest.mark.parametrize(
-    "periodic, verdict",
-    [(True, '<span class="good">Periodic</span>'), (False, '<span class="fair">Not periodic')],
-)
-def test_periods_are_judged(case, results, tmp_path, periodic, verdict):
-    settled = {"periods": 3, "period_distance": 1.2e-4, "periodic": periodic, "settled": "in words"}
-    whole = {"steps": STEPS, "halved_steps": 0} | settled
-    path = tmp_path / "periods.h5"
-    shutil.copy(results.path, path)
-    with h5py.File(path, "a") as file:
-        file.attrs["summary"] = json.dumps(whole)
-    opened = Results(path)
-    page = write_report(case, {"run": opened}, tmp_path / "report").read_text()
-    opened.close()
-    assert verdict in page
-    assert "</span>: in words." in page
+def test_checks_are_listed_worst_first_and_shared_by_runs():
+    """A check with the same outcome in several runs is one entry."""
+    judged = {
+        "a": [Verdict("green", "film", "A1."), Verdict("amber", "grid", "A2.")],
+        "b": [Verdict("green", "film", "B1."), Verdict("red", "grid", "B2.")],
+    }
+    assert checks(judged) == [
+        ("red", "fail", "grid", {"b": "B2."}),
+        ("amber", "warning", "grid", {"a": "A2."}),
+        ("green", "pass", "film", {"a": "A1.", "b": "B1."}),
+    ]
 
 
-def test_a_run_without_a_period_is_not_judged_by_it(case, results, tmp_path):
-    assert "eriodic" not in write_report(case, {"run": results}, tmp_path / "r").read_text()
+def test_warnings_are_shown_whole_and_passes_shortened(case, results, tmp_path):
+    judged = [
+        Verdict("amber", "grid", "Coarse. Refine it."),
+        Verdict("green", "film", "1 µm. At 2."),
+    ]
+    answers = {"run": Answer([], judged)}
+    page = write_report(case, {"run": results}, tmp_path / "r", answers=answers).read_text()
+    assert "1 of 2 checks need attention" in page
+    assert "Coarse. Refine it." in page and "1 µm." in page and "At 2." not in page
 
 
-@pytest.mark.parametrize(
-    "entries, said",
-    [
-        (
-            {"truncation_error_block": 0.0175, "truncation_error_block_largest": 0.031},
-            "block is 1.8 % of its deflection under the film, 3.1 % at the worst recorded",
-        ),
-        (
-            {"truncation_error_film": 0.0042},
-            "The truncation error is at most 0.42 % of the local film thickness.",
-        ),
-        ({"truncation_error": "unknown: no forces"}, "The truncation error is unknown: no forces."),
-        ({}, None),
-    ],
-)
-def test_what_the_modes_miss_is_stated(case, results, tmp_path, entries, said):
+def test_a_run_that_has_not_finished_is_reported(case, results, tmp_path):
     results.close()
-    add_to_summary(results.path, entries)
+    with h5py.File(results.path, "a") as file:
+        del file.attrs["summary"]
     again = Results(results.path)
-    page = write_report(case, {"run": again}, tmp_path / "page").read_text()
+    page = write_report(case, {"run": again}, tmp_path / "r").read_text()
     again.close()
-    text, _, _ = page.partition("<script")  # what is read, not what draws
-    assert ("truncation error" in text) == (said is not None)
-    assert said is None or said in " ".join(page.split())
+    assert f"<b>run has not finished.</b> The file holds {STEPS} macro steps." in page
 
 
 def test_runs_with_entries_of_their_own_stand_in_one_table():

@@ -26,10 +26,7 @@ from piston_cosim.master.results.compare import (
 from piston_cosim.master.results.file import Results, Series
 from piston_cosim.master.results.instants import instant
 from piston_cosim.master.results.judgement import (
-    Extreme,
-    Quantity,
     Window,
-    extremes,
     last_period,
     loop_work,
     windows,
@@ -68,17 +65,6 @@ def results(tmp_path):
 
 def case_with(**tables):
     return check_case(TREE | tables, "case.toml")
-
-
-def test_extremes_are_the_first_of_their_value(results):
-    case = case_with(
-        summary={"low": "min a.y", "high": "max a.x", "mean": "mean a.z", "end": "last a.y"},
-        monitor={"z": "last a.z"},
-    )
-    assert extremes(case, results) == [
-        Extreme("min a.y", Quantity(-3.0, "N"), 3.0, {"z": Quantity(0.0, "N")}),
-        Extreme("max a.x", Quantity(3.0, "m"), 1.0, {"z": Quantity(1.0, "N")}),
-    ]
 
 
 @pytest.mark.parametrize("kind, value", [("min", -3.0), ("max", 5.0), ("last", 5.0)])

@@ -32,9 +32,9 @@ def command(
         Results file.
     field
         Recorded field, PARTICIPANT.VARIABLE; repeatable. Default: the fields of the case's first
-        map, and in a .glb file the pressure on the skirt.
+        map.
     frames
-        Maximum number of instants, 2 or more.
+        Maximum number of instants, 2 or more. A .glb file shows all instants.
     times
         Magnification of deflection, lateral motion and tilt in a .glb file.
     case
@@ -53,7 +53,7 @@ def command(
         from ...engine.sections import special
         from ...engine.stands import side_by_side
         from ...engine.surfaces import films_of
-        from ...results.gltf import painted_skirts, write_gltf
+        from ...results.gltf import write_gltf
         from ...results.series import write_series
 
         if not times > 0:
@@ -64,9 +64,7 @@ def command(
             say("no wire says where the cylinders stand: they are drawn one beside the other")
             solids = side_by_side(solids)
         if target.suffix == ".glb":
-            painted = painted_skirts(results, solids, field, chosen)
-            solids = [solid.at(chosen) for solid in solids]
-            write_gltf(solids, results.instants[chosen], times, target, painted)
+            write_gltf(solids, results.instants, times, target)
         else:
             write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
     else:

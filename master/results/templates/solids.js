@@ -1,4 +1,6 @@
 // bodies on their meshes: WebGL, one canvas a run; turned by dragging or the arrow keys
+const layers = data.films.flatMap(film => Object.values(film.layers));
+const shareOf = (value, { low, high }) => (value - low) / ((high - low) || 1);
 const VERTEX = `#version 300 es
 in vec3 place; in float share;           // far below zero: no value there
 uniform mat3 view; uniform vec4 frame;   // centre of the view in x, y, z and what is one half of its height
@@ -24,7 +26,7 @@ const nothing = -1e6;   // so far below zero that no triangle with such a corner
 
 async function unpackMesh(mesh) {
   const [points, triangles, modes] = await Promise.all([inflate(mesh.points), inflate(mesh.triangles), inflate(mesh.modes)]);
-  return { points: new Float32Array(points), triangles: new Uint32Array(triangles), modes: new Float32Array(modes) };
+  return { points: new Float32Array(points), triangles: new Uint32Array(triangles), modes: Float32Array.from(new Int16Array(modes), value => value / 32767) };
 }
 
 // the half of a mesh behind z = 0: its triangles, and points on the cut, each between two others
@@ -92,7 +94,7 @@ function cellsOf(mesh, run, [low, high]) {
     if (Math.hypot(x, z) < 0.985 * radius || share < -1e-6 || share > 1 + 1e-6) continue;
     const angle = Math.atan2(x, z) * 180 / Math.PI;   // from +z towards +x
     const i = ((Math.floor((angle - first[0]) / 360 * n) % n) + n) % n, j = Math.min(m - 1, Math.max(0, Math.floor(share * m)));
-    if (!run.there || run.there[i * m + j]) found[p / 3] = i * m + j;
+    if (has(run, i * m + j)) found[p / 3] = i * m + j;
   }
   return found;
 }
@@ -129,7 +131,7 @@ class Scene {
     figure.className = "scene";
     this.thrust = element("span", figure, "thrust", "mark"); this.anti = element("span", figure, "anti-thrust", "mark");
     this.caption = element("figcaption", figure);
-    this.canvas.style.cssText = "touch-action: none; cursor: grab";
+    this.canvas.style.cssText = "touch-action: none; cursor: grab; height: 420px";
     this.canvas.tabIndex = 0;
     this.canvas.scene = this;
     this.meshes = solids.map(solid => meshes[solid.mesh]);
@@ -163,13 +165,6 @@ class Scene {
     this.gl.bindBuffer(kind, made); this.gl.bufferData(kind, values, this.gl.STATIC_DRAW);
     return made;
   }
-  // on paper two stand beside one another
-  size() {
-    const { canvas } = this, alone = canvas.parentElement.matches(":only-child");
-    const [wide, tall] = !printing ? [canvas.parentElement.clientWidth, 420] : alone ? [2 * onPaper - 10, 420] : [onPaper - 10, 250];
-    canvas.style.height = `${tall}px`;
-    return { wide, tall };
-  }
   frame() { return data.cursor.frames[this.run][instant]; }
   sizeOf(displacement) {
     const out = new Float32Array(displacement.length / 3);
@@ -187,8 +182,7 @@ class Scene {
   paint(look, scale, view, dots) {
     const gl = this.gl;
     if (!gl) return;
-    if (this.age !== age) Object.assign(this, { age, ...this.size() });
-    const ratio = (window.devicePixelRatio || 1) * dots, width = Math.round(this.wide * ratio), height = Math.round(this.tall * ratio);
+    const wide = this.wide = this.canvas.clientWidth, tall = this.tall = 420, ratio = (window.devicePixelRatio || 1) * dots, width = Math.round(wide * ratio), height = Math.round(tall * ratio);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -232,109 +226,72 @@ class Scene {
   }
 }
 
-// what bodies can be coloured by: its range, and the value at every point of a body, NaN where none
+// what bodies can be coloured by: its range, and the value at every point of a body, NaN without one
 function colourings(scenes) {
-  const solids = scenes.flatMap(scene => scene.solids), found = [];
-  const over = (name, unit, ranges, logarithmic, values, reads) => found.push({
-    name, unit, logarithmic, low: Math.min(...ranges.map(r => r.low)), high: Math.max(...ranges.map(r => r.high)),
-    positive: Math.min(...ranges.map(r => r.positive ?? Infinity)), values, ready: () => Promise.all(reads.map(unpackFrames).map(async (made, k) => { reads[k].at = await made; })),
-  });
-  const stressed = solids.filter(one => one.stress).map(one => one.stress);
-  if (stressed.length) over("von Mises stress", "MPa", stressed, false, (scene, k, frame, sizes) => { const own = scene.solids[k].stress; return own && sizes.map((_, p) => own.at(frame, p)); }, stressed);
-  for (const name of new Set(solids.filter(one => one.count).map(one => one.name))) {
-    const high = 1e6 * Math.max(...solids.map(one => one.name === name ? one.largest : 0));
-    over(`displacement of the ${name}`, "µm", [{ low: 0, high }], false, (scene, k, frame, sizes) => scene.solids[k].name === name && scene.solids[k].count ? sizes : null, []);
-  }
-  // what is alike of several films is one colouring: each body, and each surface of it, has its own
-  const drawn = [...data.fields.keys()].filter(f => scenes.some(scene => data.fields[f].runs[scene.run] && scene.solids.some(one => one.over[f])));
-  const kind = f => `${data.fields[f].variable} [${data.fields[f].unit}]`;
-  for (const key of new Set(drawn.map(kind))) {
-    const alike = drawn.filter(f => kind(f) === key), fields = alike.map(f => data.fields[f]), [field] = fields;
-    if (Math.min(...fields.map(one => one.low)) === Math.max(...fields.map(one => one.high))) continue;
-    over(fields.length === 1 ? field.name : field.variable, field.unit, fields, fields.some(one => one.logarithmic), (scene, k, frame, sizes) => {
-      const solid = scene.solids[k], own = alike.filter(f => solid.over[f] && data.fields[f].runs[scene.run]);
-      if (!own.length) return null;
-      const values = sizes.map(() => NaN);
-      for (const f of own) {
-        const run = data.fields[f].runs[scene.run], cells = (solid.cells ||= {})[f] ||= cellsOf(scene.meshes[k], run, solid.over[f]);
-        for (let p = 0; p < cells.length; p++) if (cells[p] >= 0) values[p] = run.at(frame, cells[p]);
+  const solids = scenes.flatMap(scene => scene.solids), known = [];
+  const add = (name, unit, ranges, values, reads = []) => known.push({ name, unit, low: Math.min(...ranges.map(r => r.low)), high: Math.max(...ranges.map(r => r.high)), values, ready: () => Promise.all(reads.map(async run => { run.at = await unpackFrames(run); })) });
+  // fields of the same kind on several films have one colouring
+  const drawn = [...layers.keys()].filter(f => scenes.some(scene => layers[f].runs[scene.run] && scene.solids.some(one => one.over[f])));
+  for (const [name, own] of d3.group(drawn, f => layers[f].variable)) {
+    const fields = own.map(f => layers[f]);
+    if (fields.every(one => one.low === one.high)) continue;
+    add(name, fields[0].unit, fields, (scene, k, frame, sizes) => {
+      const solid = scene.solids[k], values = sizes.map(() => NaN);
+      for (const f of own.filter(one => solid.over[one] && layers[one].runs[scene.run])) {
+        const run = layers[f].runs[scene.run], cells = (solid.cells ||= {})[f] ||= cellsOf(scene.meshes[k], run, solid.over[f]);
+        cells.forEach((cell, p) => { if (cell >= 0) values[p] = run.at(frame, cell); });
       }
       return values;
     }, fields.flatMap(one => one.runs.filter(run => run)));
   }
-  if (!found.length) over("nothing", "", [{ low: 0, high: 1 }], false, () => null, []);
-  return found;
+  const stressed = solids.filter(one => one.stress).map(one => one.stress);
+  if (stressed.length) add("von Mises stress", "MPa", stressed, (scene, k, frame, sizes) => { const own = scene.solids[k].stress; return own && sizes.map((_, p) => own.at(frame, p)); }, stressed);
+  for (const name of new Set(solids.filter(one => one.count).map(one => one.name)))
+    add(`displacement of the ${name}`, "µm", [{ low: 0, high: 1e6 * Math.max(...solids.map(one => one.name === name ? one.largest : 0)) }], (scene, k, frame, sizes) => scene.solids[k].name === name && scene.solids[k].count ? sizes : null);
+  if (!known.length) add("nothing", "", [{ low: 0, high: 1 }], () => null);
+  return known;
 }
 
 async function showSolids() {
-  if (!data.solids.runs.some(run => run.length)) return;
-  const parent = element("div", byId("solids"));
-  element("h3", parent, "bodies on their meshes");
-  const meshes = await Promise.all(data.solids.meshes.map(unpackMesh)), scenes = [];
-  const row = element("div", parent, "", "scale"), legend = element("canvas", row);
-  legend.style.cssText = "flex: 1 1 280px; max-width: 420px; min-width: 200px";
-  const choose = (said, options, changed) => {
-    const made = element("select", element("label", row, said + " "));
-    options.forEach(([value, text]) => { element("option", made, text).value = value; });
-    made.onchange = changed;
-    return made;
-  };
-  const colours = choose("colour", [], () => change());
-  const over = choose("scale", [["all", "common: all instants and runs"], ["now", "own: this instant, all runs"]], () => paint());
-  const kind = choose("colours", [["linear", "linear"], ["log", "logarithmic"]], () => paint());
-  const stretched = element("label", row, "drawn "), times = element("input", stretched), told = element("output", stretched);
+  const parent = byId("solids");
+  if (parent.childElementCount) return;
+  const meshes = await Promise.all(data.solids.meshes.map(unpackMesh)), scenes = [], row = element("div", parent, "", "row");
+  const choose = (said, entries) => { const made = element("select", element("label", row, said + " ")); options(made, entries, entries[0]?.[0]); made.hidden = false; made.onchange = () => change(); return made; };
+  const colours = choose("colour", []), over = choose("scale", [["all", "of all instants and runs"], ["now", "of this instant"]]);
+  const stretched = element("label", row, "deformation drawn "), times = element("input", stretched), told = element("output", stretched);
   Object.assign(times, { type: "range", min: 0, max: 3, step: .02, value: 1.7 });
-  const tick = (text, checked) => { const label = element("label", row), box = element("input", label); box.type = "checkbox"; box.checked = checked; label.append(" " + text); box.onchange = () => paint(); return box; };
-  const block = tick("block, cut open", true), follow = tick("follow the piston", true);
-  const view = { round: -.45, up: .3, half: 1, middle: [0, 0, 0] };
+  const tick = text => { const label = element("label", row), box = element("input", label); box.type = "checkbox"; box.checked = true; label.append(" " + text); box.onchange = () => paint(); return box; };
+  const block = tick("block, cut open"), follow = tick("follow the piston"), bar = element("div", row), view = { round: -.45, up: .3, half: 1, middle: 0 };
   const controls = { block, view, turn: (a, b) => { view.round += a; view.up = Math.min(1.5, Math.max(-1.5, view.up + b)); paint(); }, zoom: factor => { view.half *= factor; paint(); } };
-  const area = element("div", parent, "", "maps");
+  const area = element("div", parent, "", "scenes");
   data.solids.runs.forEach((solids, run) => {
     for (const owner of new Set(solids.map(solid => solid.owner)))
       scenes.push(new Scene(area, data.labels[run] + (owner ? `, ${owner}` : ""), run, solids.filter(solid => solid.owner === owner), meshes, controls));
   });
-  element("p", parent, "Drag or press the arrow keys to turn, Ctrl and wheel, + or - to zoom. The piston's place along the bore is not exaggerated. Shading darkens colours, the legend is for full light.", "small");
-  const paints = colourings(scenes);
-  paints.forEach((one, k) => { element("option", colours, one.name).value = String(k); });
-  const points = scenes.flatMap(scene => scene.meshes.map((mesh, k) => ({ mesh, solid: scene.solids[k] }))), rest = points.find(one => !one.solid.motion);
-  view.reach = Math.max(...points.filter(one => one.solid.motion).map(one => one.mesh.points.reduce((a, b) => Math.max(a, Math.abs(b)), 0)));
+  element("p", parent, "Drag or press the arrow keys to turn the bodies. Use Ctrl and the wheel, + or - to zoom. Shading darkens the colours of the scale.", "dim");
+  const paints = colourings(scenes), points = scenes.flatMap(scene => scene.meshes.map((mesh, k) => ({ mesh, solid: scene.solids[k] }))), rest = points.find(one => !one.solid.motion);
+  options(colours, paints.map((one, k) => [k, one.name]), 0); colours.hidden = false;
+  view.reach = Math.max(...points.filter(one => one.solid.motion).map(one => d3.max(one.mesh.points, Math.abs)));
   view.half = 1.5 * view.reach;
-  const heights = rest ? rest.mesh.points.filter((_, p) => p % 3 === 1) : [0], middle = (heights.reduce((a, b) => Math.max(a, b)) + heights.reduce((a, b) => Math.min(a, b))) / 2;
-  // at once as fine as the screen, or as the frames a second allow; when it rests from four times the dots
-  let resting;
-  const paint = () => {
-    clearTimeout(resting);
-    draw(drawnFineness());
-    if (!playing) resting = setTimeout(draw, 250, 2);
-  };
+  const middle = rest ? d3.mean(d3.extent(rest.mesh.points.filter((_, p) => p % 3 === 1))) : 0;
+  // at the dots of the screen while it moves, at four times as many when it rests
+  let resting, scaled = "";
+  const paint = () => { clearTimeout(resting); if (!byId("bodies").open) return; draw(1); if (!playing) resting = setTimeout(draw, 250, 2); };
   const draw = dots => {
-    const a = view.round, b = view.up, one = paints[+colours.value];
+    const { round: a, up: b } = view, one = paints[+colours.value], looks = scenes.map(scene => scene.look(one));
     view.matrix = [Math.cos(a), Math.sin(b) * Math.sin(a), -Math.cos(b) * Math.sin(a), 0, Math.cos(b), Math.sin(b), Math.sin(a), -Math.sin(b) * Math.cos(a), Math.cos(b) * Math.cos(a)];
-    view.times = +(10 ** times.value).toPrecision(2); view.follow = follow.checked;
-    view.middle = view.follow ? 0 : middle;
+    Object.assign(view, { times: +(10 ** times.value).toPrecision(2), follow: follow.checked, middle: follow.checked ? 0 : middle });
     told.textContent = ` ${view.times} times`;
-    const looks = scenes.map(scene => scene.look(one));
-    let { low, high, positive } = one;
-    if (over.value === "now") {
-      [low, high, positive] = [Infinity, -Infinity, Infinity];
-      for (const value of looks.flatMap(look => look.flatMap(own => own.values ? [...own.values] : []))) {
-        if (value < low) low = value;
-        if (value > high) high = value;
-        if (value > 0 && value < positive) positive = value;
-      }
-      if (!(high >= low)) [low, high] = [one.low, one.high];
-    }
-    const scale = scaleOver(low, high, Number.isFinite(positive) ? positive : 0, kind.value === "log");
-    drawLegend(legend, scale, one.unit);
+    let { low, high } = one;
+    if (over.value === "now") [low = one.low, high = one.high] = d3.extent(looks.flatMap(look => look.flatMap(own => own.values ? [...own.values] : [])));
+    const scale = area.scale = { low, high }, said = [low, high, one.name].join();
+    if (said !== scaled) { scaled = said; bar.replaceChildren(Plot.legend({ color: { type: "linear", scheme: "viridis", domain: [low, high === low ? low + 1 : high], label: one.name + (one.unit ? ` [${one.unit}]` : "") }, width: 240, height: 42, ticks: 4 })); }
     scenes.forEach((scene, k) => scene.paint(looks[k], scale, view, dots));
   };
-  const change = async () => {
-    const one = paints[+colours.value];
-    await one.ready();
-    kind.value = one.logarithmic ? "log" : "linear";
-    paint();
-  };
+  const change = async () => { await paints[+colours.value].ready(); paint(); };
   times.oninput = paint;
+  byId("bodies").addEventListener("toggle", paint);
+  addEventListener("resize", paint);
   await change();
-  painters.push(whenSeen(parent, paint)); repainters.push(paint);
+  always.push(paint);
 }
