@@ -4,7 +4,9 @@ what the FMU carries.
 
 import hashlib
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields, replace
+from importlib.util import find_spec
 from math import pi
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -45,6 +47,7 @@ from .reduction.reduced_body import (
     Anatomy,
     BossFilms,
     EyeFilm,
+    MeshProperties,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
@@ -216,7 +219,7 @@ def in_space(build: Build, piston: Path) -> InSpace:
         from .reduction.mode_tables import mass_properties  # slow to import
 
         try:
-            mass, centre, about_centre = mass_properties(load(Anatomy, piston))
+            mass, centre, about_centre = mass_properties(load(MeshProperties, piston))
         except ValueError as error:
             raise BadInput([f"piston.{error}"]) from None
         centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset
@@ -278,52 +281,59 @@ def boss_films(build: Build | Bodies) -> BossFilms | None:
     return BossFilms(pin.grid, pin.boss_length, pin.boss_modes)
 
 
-def reduced_bodies(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
-    """The reduced bodies of a build table, or of one that has a single body.
+def reduced_bodies(
+    options: dict[str, Any], folder: Path, progress: Say, shapes: bool = False
+) -> dict[str, Path]:
+    """Return the reduced bodies of a build table, or of one that has a single body.
 
     Parameters
     ----------
     options, folder, progress
         As for `prepare`.
+    shapes : bool
+        Whether mode shapes on the mesh are needed. Shipped bodies do not contain them.
 
     Returns
     -------
     dict of str to Path
-        An .npz for each of piston and block: body and anatomy (`reduction.reduced_body`); a rod's
-        eye is none of them.
+        An .npz for each of piston and block (`reduction.reduced_body`); a rod's eye is none of
+        them.
 
     Raises
     ------
     BadInput
     """
-    files = _bodies(read_options(options, folder, Bodies), progress)
+    files = _bodies(read_options(options, folder, Bodies), progress, shapes)
     return {name: path for name, path in files.items() if name != "small_end"}
 
 
-def _bodies(build: Build | Bodies, progress: Say) -> dict[str, Path]:
-    """Paths of the bodies' .npz, by name, an eye that yields among them; every fault of all of them
-    in one message.
+def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
+    """Return the .npz of each body, by name, an eye that yields among them.
+
+    The bodies are reduced side by side, in threads: SuperLU releases Python's lock. PARDISO uses
+    all cores for one body. All faults are raised in one message.
     """
+    waiting: dict[str, Future[Path]] = {}
+    with ThreadPoolExecutor(1 if find_spec("pypardiso") else None) as threads:
+        for name, body in (("piston", build.piston), ("block", build.block)):
+            if body:
+                waiting[name] = threads.submit(
+                    _body, name, body, build, progress, shapes, waiting.get("piston")
+                )
+        film = eye_film(build)
+        if film and build.floating_pin and build.floating_pin.small_end:
+            waiting["floating_pin.small_end"] = threads.submit(
+                _small_end, build.floating_pin.small_end, film, progress
+            )
     faults = []
     files = {}
-    for name, body in (("piston", build.piston), ("block", build.block)):
+    for name, reduction in waiting.items():
         try:
-            if body:
-                training = _training(body, build, files)
-                bosses = boss_films(build) if isinstance(body, Piston) else None
-                files[name] = _body(name, body, build.grid, progress, training, bosses)
+            files[name.rpartition(".")[2]] = reduction.result()
         except MeshFault as error:
             faults += error.faults
         except (ValueError, MemoryError) as error:
             faults.append(f"{name}.{_told(error)}")
-    film = eye_film(build)
-    if film and build.floating_pin and build.floating_pin.small_end:
-        try:
-            files["small_end"] = _small_end(build.floating_pin.small_end, film, progress)
-        except MeshFault as error:
-            faults += error.faults
-        except (ValueError, MemoryError) as error:
-            faults.append(f"floating_pin.small_end.{_told(error)}")
     if faults:
         raise BadInput(faults)
     return files
@@ -362,31 +372,32 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
 
 
 def _training(
-    body: Piston | Block, build: Build | Bodies, files: dict[str, Path]
+    body: Piston | Block, build: Build | Bodies, piston: Future[Path] | None
 ) -> Training | None:
-    """Film forces that a body is trained on, if it is; `files` holds its piston, reduced."""
+    """Return the film forces that a body is trained on, if it is; a block needs its piston."""
     if not (body.train_on and body.modes):
         return None
     loads = recorded_loads(body.train_on, build.grid)
     if isinstance(body, Piston):
         return Training(loads, np.empty(0))
-    if "piston" not in files:
+    if piston is None or piston.exception():
         raise ValueError("train_on: expected a piston with the block, got none")
-    skirt = load(ReducedPiston, files["piston"])
+    skirt = load(ReducedPiston, piston.result())
     return Training(loads, film_rows(skirt.skirt_lower, skirt.skirt_upper, build.grid))
 
 
 def _body(
     name: str,
     options: Piston | Block,
-    grid: tuple[int, int],
+    build: Build | Bodies,
     progress: Say,
-    training: Training | None,
-    bosses: BossFilms | None,
+    shapes: bool,
+    piston: Future[Path] | None,
 ) -> Path:
-    """Path of a reduced body: made from its mesh, found in the cache, or the user's own,
-    checked.
-    """
+    """Return the path of a reduced body: shipped, cached, reduced now, or the checked own one."""
+    grid = build.grid
+    training = _training(options, build, piston)
+    bosses = boss_films(build) if isinstance(options, Piston) else None
     if options.rigid:
         body = (
             rigid_piston(options, grid)
@@ -400,17 +411,18 @@ def _body(
         if bosses:
             _check_bosses(path, bosses)
         return path
-    folder = cache_folder("bodies")
-    return kept_body(
-        options, grid, folder, lambda text: progress(f"{name}: {text}"), training, bosses
-    )
+
+    def say(text):
+        progress(f"{name}: {text}")
+
+    return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:
     """Cells of the film grid with the skirt under them; None if all, or where it is not known."""
     try:
-        skirt = load(Anatomy, piston).skirt
-    except ValueError:  # no mesh: a data sheet, or a file without its anatomy
+        skirt = load(MeshProperties, piston).skirt
+    except ValueError:  # a data sheet, or a file without them
         return None
     return None if skirt.all() else skirt.astype(int).tolist()
 
@@ -420,14 +432,15 @@ def _check_own(
 ) -> None:
     """Raise ValueError unless a user's file holds a body of this kind for this film grid."""
     body = load(kind, path)
-    anatomy = {one.name for one in fields(Anatomy)}
-    with np.load(path) as file:
-        held = anatomy & set(file.files)
-    if held and held != anatomy:
-        raise ValueError(
-            f"reduced: expected {', '.join(sorted(anatomy - held))} in {path.name}, got nothing; "
-            "run `piston-cosim reduce` again"
-        )
+    for part in (Anatomy, MeshProperties):
+        names = {one.name for one in fields(part)}
+        with np.load(path) as file:
+            missing = names - set(file.files)
+        if missing and missing != names:
+            raise ValueError(
+                f"reduced: expected {', '.join(sorted(missing))} in {path.name}, got nothing; "
+                "run `piston-cosim reduce` again"
+            )
     around, along = grid
     rows = around * along if kind is ReducedPiston else around
     if len(body.radial) != rows:

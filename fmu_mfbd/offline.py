@@ -23,6 +23,7 @@ from .reduction.radiation import radiation as radiated
 from .reduction.reduce import Reduced
 from .reduction.reduced_body import (
     Anatomy,
+    MeshProperties,
     ReducedBlock,
     ReducedPiston,
     load,
@@ -154,7 +155,7 @@ def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[
 
     Parameters, errors: as of `reduce`.
     """
-    files = reduced_bodies(options, folder, progress)
+    files = reduced_bodies(options, folder, progress, shapes=True)
     sheets = vars(read_options(options, folder, Bodies))
     return [
         _cylinder(name, file) if sheets[name].rigid else _skin(name, _whole(name, file))
@@ -336,7 +337,7 @@ def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> R
 
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
     """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
-    files = reduced_bodies(options, folder, progress)
+    files = reduced_bodies(options, folder, progress, shapes=True)
     for name, body in vars(read_options(options, folder, Bodies)).items():
         if name in files and body.rigid:
             progress(f"{name}: rigid, of a data sheet; there is nothing to reduce or to recover")
@@ -349,7 +350,7 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
     # slow to import, and runs ask this module too
     from .reduction.mode_pictures import draw_modes, draw_skirt
 
-    body, anatomy, *_ = _whole(name, path)
+    body, anatomy, properties, *_ = _whole(name, path)
     reduced = output / f"{name}.npz"
     table_file = output / f"{name}-modes.csv"
     shapes_file = output / f"{name}-modes.vtu"
@@ -357,17 +358,17 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
     output.mkdir(parents=True, exist_ok=True)
     if path != reduced.resolve():
         shutil.copyfile(path, reduced)
-    table = mode_table(body, anatomy.angles)
+    table = mode_table(body, properties.angles)
     _write_table(table, table_file)
     if table:
         write_modes(anatomy, shapes_file)
         draw_modes(anatomy, table, picture)
     mask_file = output / f"{name}-skirt.csv"
     developed = output / f"{name}-skirt.png"
-    if anatomy.skirt.size:
-        np.savetxt(mask_file, anatomy.skirt, "%d", ",")
-        draw_skirt(anatomy.skirt, developed)
-    mass, centre, inertia = mass_properties(anatomy)
+    if properties.skirt.size:
+        np.savetxt(mask_file, properties.skirt, "%d", ",")
+        draw_skirt(properties.skirt, developed)
+    mass, centre, inertia = mass_properties(properties)
     files = [reduced, table_file, shapes_file, picture, mask_file, developed]
     return BodyReport(
         name=name,
@@ -378,8 +379,8 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
         mass=mass,
         centre=centre,
         inertia=inertia,
-        seconds=anatomy.seconds,
-        peak_memory=anatomy.peak_memory,
+        seconds=properties.seconds,
+        peak_memory=properties.peak_memory,
         modes=table,
     )
 
@@ -398,7 +399,7 @@ def _whole(name: str, path: Path) -> Reduced:
     """A reduced body with its mesh and mode shapes."""
     body = load(ReducedPiston if name == "piston" else ReducedBlock, path)
     try:
-        return Reduced(body, load(Anatomy, path))
+        return Reduced(body, load(Anatomy, path), load(MeshProperties, path))
     except ValueError as error:
         raise BadInput(
             f"{error}; an FMU can be built of it, pictures and recovery cannot"

@@ -38,7 +38,7 @@ from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
-from .reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import MeshProperties, ReducedBlock, ReducedPiston, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.small_end import eye_shell, read_small_end
 
@@ -200,8 +200,8 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         skirt = None
         body = piston_about_pin(options, Path(options.reduced))
         try:
-            skirt = load(Anatomy, Path(options.reduced)).skirt
-        except ValueError:  # without its anatomy
+            skirt = load(MeshProperties, Path(options.reduced)).skirt
+        except ValueError:  # a file without them
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return Sized(body, skirt)
     mesh = _mesh(options, ("skirt", "crown", "pin_bore"), remarks)

@@ -11,6 +11,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ..finite_elements.element import Sparse, rigid_motions
 from ..finite_elements.solver import Factorise, Factors, factorise
 
+EQUAL = 1e-6
+"""Entries of a shape that differ by less than this share are equal but for round-off [-]."""
+
 
 class Modes(NamedTuple):
     """Mass-orthonormal modes [kg^-1/2], one a column, and their angular frequencies [rad/s],
@@ -300,7 +303,7 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
     Returns
     -------
     Modes
-        Shapes (free, k); the largest entry of each is positive.
+        Shapes (free, k); the first entry of each that is as large as any other is positive.
 
     Raises
     ------
@@ -312,7 +315,10 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
     square, turn = la.eigh((mass + mass.T) / 2)
     # Eq. (J3)
     modes = (shapes @ turn / np.sqrt(square))[:, ::-1]
-    modes = modes * np.sign(modes[np.abs(modes).argmax(axis=0), np.arange(modes.shape[1])])
+    size = np.abs(modes)
+    # equal entries of a symmetric body differ by round-off, which must not choose the sign
+    first = (size > (1.0 - EQUAL) * size.max(axis=0)).argmax(axis=0)
+    modes = modes * np.sign(modes[first, np.arange(modes.shape[1])])
     return Modes(modes, 1.0 / np.sqrt(square[::-1]))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..finite_elements.element import nodal_stress, von_mises
 from ..geometry.grid import cell_centres
-from .reduced_body import Anatomy, ReducedBody
+from .reduced_body import Anatomy, MeshProperties, ReducedBody
 
 
 class ModeRow(NamedTuple):
@@ -154,13 +154,13 @@ def _write(path, anatomy, point_data):
     meshio.write(path, mesh, file_format="vtu")
 
 
-def mass_properties(anatomy: Anatomy) -> MassProperties:
+def mass_properties(properties: MeshProperties) -> MassProperties:
     """Mass, centre of mass and inertia of a reduced piston (origin A) or block (origin on the crank
     axis).
 
     Eq. (J13):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
     """
-    matrix = anatomy.rigid_mass
+    matrix = properties.rigid_mass
     mass = matrix[0, 0]
     moment = matrix[3:, :3]
     x, y, z = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass

@@ -42,6 +42,7 @@ from .reduced_body import (
     Anatomy,
     BossFilms,
     LeftOut,
+    MeshProperties,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
@@ -90,12 +91,13 @@ class FullModel(NamedTuple):
 
 
 class Reduced(NamedTuple):
-    """A reduced body and what reports need of it besides: what its modes leave out, None without
-    modes, and the bosses of a piston with films in them.
+    """A reduced body with its mesh, what its modes leave out (None without modes), and the bosses
+    of a piston with films in them.
     """
 
     body: ReducedBody
     anatomy: Anatomy
+    properties: MeshProperties
     left_out: LeftOut | None = None
     bosses: ReducedBosses | None = None
 
@@ -269,9 +271,9 @@ def reduce_piston(
         skirt_upper=upper,
         pin_offset=axis.first,
     )
-    anatomy = _anatomy(mesh, position, M, shapes, options, there)
+    anatomy = _anatomy(mesh, position, shapes, options)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
-    return Reduced(body, anatomy, left, in_bosses)
+    return Reduced(body, anatomy, _properties(position, M, there), left, in_bosses)
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
@@ -335,7 +337,8 @@ def reduce_block(
         radius=surface.radius,
     )
     nowhere = np.zeros((around, 0), dtype=bool)
-    return Reduced(body, _anatomy(mesh, mesh.points, M, shapes, options, nowhere), left)
+    anatomy = _anatomy(mesh, mesh.points, shapes, options)
+    return Reduced(body, anatomy, _properties(mesh.points, M, nowhere), left)
 
 
 def _refuse(faults: list[str], options: Piston | Block) -> None:
@@ -344,8 +347,7 @@ def _refuse(faults: list[str], options: Piston | Block) -> None:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
-def _anatomy(mesh, position, M, shapes, options, skirt):
-    rigid = rigid_motions(position)
+def _anatomy(mesh, position, shapes, options):
     return Anatomy(
         points=position,
         tets=mesh.tets,
@@ -353,10 +355,12 @@ def _anatomy(mesh, position, M, shapes, options, skirt):
         shapes=shapes,
         young=options.young or np.nan,
         poisson=np.nan if options.poisson is None else options.poisson,
-        rigid_mass=rigid.T @ (M @ rigid),  # Eq. (J8)
-        angles=len(skirt),
-        skirt=skirt,
     )
+
+
+def _properties(position, M, skirt):
+    rigid = rigid_motions(position)
+    return MeshProperties(rigid.T @ (M @ rigid), len(skirt), skirt)  # Eq. (J8)
 
 
 def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> FullModel:

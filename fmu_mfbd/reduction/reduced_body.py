@@ -234,9 +234,8 @@ class ReducedSmallEnd:
 
 @dataclass(frozen=True)
 class Anatomy:
-    """What a reduced body keeps for reports, pictures and recovery; no FMU carries it.
-
-    Eq. (J8):  rigid_mass = R^T M R      R the six rigid motions about the body's origin
+    """Mesh and mode shapes of a reduced body, for pictures and recovery. Neither FMUs nor shipped
+    files contain them.
 
     Parameters
     ----------
@@ -250,6 +249,24 @@ class Anatomy:
         Modes [kg^-1/2].
     young, poisson : float
         [Pa], [-]; nan for a body of matrices.
+    """
+
+    points: np.ndarray
+    tets: np.ndarray
+    skin: np.ndarray
+    shapes: np.ndarray
+    young: float
+    poisson: float
+
+
+@dataclass(frozen=True)
+class MeshProperties:
+    """Properties of the full model of a reduced body, for builds and reports. No FMU contains them.
+
+    Eq. (J8):  rigid_mass = R^T M R      R the six rigid motions about the body's origin
+
+    Parameters
+    ----------
     rigid_mass : ndarray, shape (6, 6)
         [kg], [kg m], [kg m2]
     angles : int
@@ -262,12 +279,6 @@ class Anatomy:
         Of the process that made it [bytes].
     """
 
-    points: np.ndarray
-    tets: np.ndarray
-    skin: np.ndarray
-    shapes: np.ndarray
-    young: float
-    poisson: float
     rigid_mass: np.ndarray
     angles: int
     skirt: np.ndarray
@@ -300,6 +311,7 @@ Part = TypeVar(
     | ReducedBosses
     | ReducedSmallEnd
     | Anatomy
+    | MeshProperties
     | LeftOut,
 )
 
@@ -316,8 +328,8 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy or
-        LeftOut.
+        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy,
+        MeshProperties or LeftOut.
     path : Path
         .npz
 
@@ -339,7 +351,13 @@ def load(part: type[Part], path: Path) -> Part:
 
 def save(
     path: Path,
-    *parts: ReducedBody | ReducedMonoblock | ReducedBosses | ReducedSmallEnd | Anatomy | LeftOut,
+    *parts: ReducedBody
+    | ReducedMonoblock
+    | ReducedBosses
+    | ReducedSmallEnd
+    | Anatomy
+    | MeshProperties
+    | LeftOut,
 ) -> None:
     """Write parts of a reduced body into one .npz, in one go."""
     path.parent.mkdir(parents=True, exist_ok=True)

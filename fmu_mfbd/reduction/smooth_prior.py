@@ -34,12 +34,15 @@ class SurfaceAnswers(NamedTuple):
     root : ndarray, shape (points, n)
         S of Eq. (J31) [-].
     radial, axial : ndarray, shape (points, n)
-        R K^-1 R^T S and A K^-1 R^T S [m/N].
+        R U and A U [m/N].
+    displacement : ndarray, shape (free, n)
+        U = K^-1 R^T S [m/N].
     """
 
     root: np.ndarray
     radial: np.ndarray
     axial: np.ndarray
+    displacement: np.ndarray
 
 
 def pressure_root(
@@ -134,12 +137,12 @@ def surface_answers(body: Elastic, reading: SurfaceReading, root: np.ndarray) ->
         R and A: radial and axial displacement at the points, of the free degrees of freedom.
     root : ndarray, shape (points, n)
     """
-    answers = []
+    displacement = np.empty((reading.radial.shape[1], root.shape[1]))
     for first in range(0, root.shape[1], AT_ONCE):
-        displacement = body.solve(reading.radial.T @ root[:, first : first + AT_ONCE])
-        answers.append((reading.radial @ displacement, reading.axial @ displacement))
-    radial, axial = (np.hstack(part) for part in zip(*answers))
-    return SurfaceAnswers(root, radial, axial)
+        block = slice(first, first + AT_ONCE)
+        displacement[:, block] = body.solve(reading.radial.T @ root[:, block])
+    radial, axial = (one @ displacement for one in reading)
+    return SurfaceAnswers(root, radial, axial, displacement)
 
 
 def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> np.ndarray:
@@ -206,8 +209,8 @@ def smooth_pressure_modes(
 ) -> np.ndarray:
     """Return the static shapes under the smooth pressures to which a surface yields most.
 
-    Eq. (J32) gives the patterns v_i, and phi_i = G R^T S v_i. A larger basis contains every
-    smaller one that has the same first shapes.
+    Eq. (J32) gives the patterns v_i, and phi_i = G R^T S v_i = U v_i - Psi Psi^T R^T S v_i. A
+    larger basis contains every smaller one that has the same first shapes.
 
     Parameters
     ----------
@@ -237,11 +240,12 @@ def smooth_pressure_modes(
     docs/decisions/0005-pressure-modes.md.
     """
     psi = of_unit_energy(body, first)
-    vector = expected_patterns(answers, radial @ psi)
+    on_surface = radial @ psi
+    vector = expected_patterns(answers, on_surface)
     if isinstance(modes, int):
         count = modes - psi.shape[1]
     else:
-        missing = expected_missing(answers, radial @ psi, vector)
+        missing = expected_missing(answers, on_surface, vector)
         count = int(np.argmax(missing <= modes))
         needed = count + psi.shape[1]
         if needed > MOST_MODES:
@@ -249,9 +253,6 @@ def smooth_pressure_modes(
                 f"modes: expected an error that {MOST_MODES} modes reach, got {modes:g} with "
                 f"{needed} modes; give a larger error"
             )
-    loads = answers.root @ vector[:, :count]
-    shapes = [psi]
-    for begin in range(0, count, AT_ONCE):
-        load = radial.T @ loads[:, begin : begin + AT_ONCE]
-        shapes.insert(-1, body.solve(load) - psi @ (psi.T @ load))
-    return np.hstack(shapes)
+    strongest = vector[:, :count]
+    answered = on_surface.T @ (answers.root @ strongest)
+    return np.hstack([answers.displacement @ strongest - psi @ answered, psi])

@@ -1,5 +1,5 @@
-"""Reduced bodies are kept: an .npz in a folder for what was decided about a body and for the code
-that makes it. What is kept is found without the code that reduces, which is slow to import.
+"""Cache of reduced bodies: an .npz file per mesh, options and code, and the shipped files of
+`models/bodies` per mesh and options. A lookup does not import the code that reduces, which is slow.
 """
 
 import hashlib
@@ -12,14 +12,23 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ...models import MODELS
 from ..options import Block, Piston
 from .film_loads import Training
-from .reduced_body import BossFilms, save
+from .reduced_body import BossFilms, ReducedBody, ReducedPiston, save
 
 FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
 ROOMS = ("finite_elements", "geometry", "reduction")
 """Rooms of this part whose code makes a reduced body."""
+SHIPPED = MODELS / "bodies"
+"""Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
+IF_FLEXIBLE = {"basis", "modes_from", "modes_off", "tie", "spring_stiffness"}
+"""Options that have no effect on a body without modes."""
+MODAL = {"T", "b", "g", "omega", "kind", "gas_force", "radial", "axial"}
+"""Fields of a reduced body whose last axis is that of the modes."""
 
 Say = Callable[[str], None]
 Grid = tuple[int, int]
@@ -42,12 +51,16 @@ def kept_body(
     progress: Say = print,
     training: Training | None = None,
     bosses: BossFilms | None = None,
+    shapes: bool = True,
 ) -> Path:
-    """Path of the reduced body's .npz, made unless one of the same file contents, options, training
-    and code (`code_digest`) lies in `folder`. A piston's `pin_offset` needs no new reduction.
+    """Return the path of a reduced body's .npz: shipped, cached in `folder`, or reduced now.
 
-    The file is written under another name and moved into place, so that an interrupted run leaves
-    nothing half-written; its solutions wait in `folder` for the next try.
+    The contents of files, options and training determine the body; in `folder` the code
+    (`code_digest`) does too. `pin_offset` of a piston needs no new reduction. A reduction with
+    modes also caches the body without modes, which needs the same mass matrix.
+
+    Each file is written under another name and then moved. After an interruption, the next
+    reduction continues with the solutions cached in `folder`.
 
     Parameters
     ----------
@@ -56,52 +69,81 @@ def kept_body(
     folder : Path
     progress : callable
     training : Training, optional
-        For the basis `trained`: its forces count, not the file they come from.
+        For the basis `trained`. The key contains its forces, not its file.
     bosses : BossFilms, optional
         Films in a piston's bosses.
+    shapes : bool
+        Whether the file must contain mode shapes on the mesh. Shipped files do not.
     """
     name = "piston" if isinstance(options, Piston) else "block"
-    later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
-    decided = options.model_dump(mode="json", exclude=later)
-    for key in FILES:
-        if decided[key]:
-            decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
-    decided |= {"grid": list(grid), "code": code_digest()}
-    if training:
-        decided["training"] = training.digest()
-    if bosses:
-        decided["bosses"] = bosses._asdict()
-    path = _path(name, decided, folder)
+    decided = _decided(options, grid, training, bosses)
+    path = _path(name, decided, folder, not shapes)
     if not path.exists():
         from ..finite_elements.solver import Remembering
         from .reduce import reduce_block, reduce_piston
 
         begin = time.perf_counter()
         factors = Remembering(Path(folder) / "unfinished", progress)
-        body, anatomy, left_out, held = (
+        reduced = (
             reduce_piston(options, grid, progress, factors, training, bosses)
             if isinstance(options, Piston)
             else reduce_block(options, grid, progress, factors, training)
         )
         seconds = time.perf_counter() - begin
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        anatomy = replace(anatomy, seconds=seconds, peak_memory=peak_memory)
-        save(path, *(part for part in (body, anatomy, left_out, held) if part))
+        properties = replace(reduced.properties, seconds=seconds, peak_memory=peak_memory)
+        body, anatomy, _, *rest = reduced
+        rigid = _decided(options.model_copy(update={"modes": 0}), grid, None, None)
+        no_shapes = replace(anatomy, shapes=anatomy.shapes[..., :0])
+        save(_path(name, rigid, folder, False), _without_modes(body), no_shapes, properties)
+        save(path, body, anatomy, properties, *(part for part in rest if part))
         factors.forget()
     return path
 
 
+def _decided(
+    options: Piston | Block, grid: Grid, training: Training | None, bosses: BossFilms | None
+) -> dict[str, Any]:
+    """Return what determines a reduced body besides the code."""
+    later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
+    if not options.modes:
+        later |= IF_FLEXIBLE
+    decided: dict[str, Any] = options.model_dump(mode="json", exclude=later)
+    decided["grid"] = list(grid)
+    for key in FILES:
+        if decided[key]:
+            decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
+    if training:
+        decided["training"] = training.digest()
+    if bosses:
+        decided["bosses"] = bosses._asdict()
+    return decided
+
+
+def _without_modes(body: ReducedBody) -> ReducedBody:
+    """Return a reduced body as of a reduction to 0 modes."""
+    none = {name: value[..., :0] for name, value in vars(body).items() if name in MODAL}
+    if isinstance(body, ReducedPiston):
+        none |= {"B": np.zeros((0, 0)), "G": np.zeros((0, 0))}
+    return replace(body, **none)
+
+
 def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Path:
-    """Path of the .npz NAME-digest of what `make` makes, made unless one of the same options (a
-    file's as the digest of its content) and code lies in `folder`.
+    """Return the path of the .npz of what `make` returns: shipped, cached in `folder`, or made now.
+
+    The options determine it, those that name a file by the digest of its content; in `folder` the
+    code does too.
     """
-    path = _path(name, options | {"code": code_digest()}, folder)
+    path = _path(name, options, folder)
     if not path.exists():
         save(path, make())
     return path
 
 
-def _path(name, decided, folder):
-    """File of a body by its name and all that was decided about it."""
-    digest = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
-    return Path(folder) / f"{name}-{digest}.npz"
+def _path(name: str, decided: dict[str, Any], folder: Path | str, shipped: bool = True) -> Path:
+    """Return the shipped file of a body, if it exists and is allowed, else that in `folder`."""
+    key = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
+    path = SHIPPED / f"{name}-{key}.npz"
+    if shipped and path.exists():
+        return path
+    return Path(folder) / f"{name}-{key}-{code_digest()[:24]}.npz"

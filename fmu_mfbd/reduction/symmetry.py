@@ -30,8 +30,8 @@ def mirror_image(points: np.ndarray, axis: int) -> np.ndarray | None:
     return np.asarray(image) if np.max(distance) <= 1e-6 * np.ptp(points) else None
 
 
-def class_parts(modes: np.ndarray, points: np.ndarray) -> np.ndarray | None:
-    """Parts of modes (n, 3, k) in the four classes, (4, n, 3, k), or None without both symmetries.
+def class_parts(modes: np.ndarray, points: np.ndarray) -> list[np.ndarray] | None:
+    """Parts of modes (n, 3, k) in the four classes, or None without both symmetries.
 
     Eq. (J9):  phi_(sx sz) = (1 + sx S_x)(1 + sz S_z) phi / 4
                class 2 x + z: x, z = 1 where the sign is -1 (odd)
@@ -40,16 +40,15 @@ def class_parts(modes: np.ndarray, points: np.ndarray) -> np.ndarray | None:
     image_z = mirror_image(points, 2)
     if image_x is None or image_z is None:
         return None
-    reflect_x = modes[image_x] * np.array([-1.0, 1.0, 1.0])[None, :, None]
-    flip_z = np.array([1.0, 1.0, -1.0])[None, :, None]
-    reflect_z = modes[image_z] * flip_z
-    both = reflect_x[image_z] * flip_z
-    parts = [
-        (modes + sx * reflect_x + sz * reflect_z + sx * sz * both) / 4  # Eq. (J9)
-        for sx in (1, -1)
-        for sz in (1, -1)
-    ]
-    return np.stack(parts)
+    halves = _even_and_odd(modes, image_x, 0)
+    return [part for half in halves for part in _even_and_odd(half, image_z, 2)]  # Eq. (J9)
+
+
+def _even_and_odd(modes, image, axis):
+    """Parts of modes that are even and odd about the plane axis = 0."""
+    reflected = modes[image]
+    reflected[:, axis] *= -1.0
+    return (modes + reflected) / 2, (modes - reflected) / 2
 
 
 def symmetric_modes(body: Elastic, modes: Modes, points: np.ndarray) -> ClassedModes:

@@ -113,7 +113,7 @@ def of_bosses(whole, build, tree, results):
     for modes, own in ((100, 60), (150, 110), (200, 160)):
         table["piston"]["modes"] = modes
         table["floating_pin"] = table["floating_pin"] | {"boss_modes": own}
-        path = reduced_bodies(table, PATH.parent, lambda text: None)["piston"]
+        path = reduced_bodies(table, PATH.parent, lambda text: None, True)["piston"]
         shapes = load(Anatomy, path).shapes.reshape(-1, modes)
         omega = load(ReducedPiston, path).omega
         for name, force in loads.items():

@@ -150,7 +150,7 @@ def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tm
     """
     tree = read_tree(PATH, settings())
     build = tree["participants"]["bodies"]["build"]
-    with np.load(reduced_bodies(build, PATH.parent, lambda text: None)["piston"]) as file:
+    with np.load(reduced_bodies(build, PATH.parent, lambda text: None, True)["piston"]) as file:
         arrays = dict(file)
     arrays["omega"] = arrays["omega"] * np.sqrt(1000.0)
     path = tmp_path / "stiff.npz"
@@ -201,7 +201,7 @@ def test_a_pin_that_is_not_the_bosses_is_refused_at_the_start(tmp_path):
 
 def test_a_body_reduced_for_other_films_is_refused(tmp_path):
     build = read_tree(PATH, settings())["participants"]["bodies"]["build"]
-    own = reduced_bodies(build, PATH.parent, lambda text: None)["piston"]
+    own = reduced_bodies(build, PATH.parent, lambda text: None, True)["piston"]
     piston = {"reduced": str(own), "tie": "rbe3", "modes": 50}
     other = build["floating_pin"] | {"grid": [40, 4]}
     with pytest.raises(

@@ -160,7 +160,7 @@ def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
     pure, frequency, kind = symmetric_modes(body, whole, points)
     np.testing.assert_allclose(frequency, omega, rtol=1e-8)
     assert set(kind) >= {0, 1, 2}
-    parts = class_parts(pure.reshape(len(points), 3, -1), points)
+    parts = np.stack(class_parts(pure.reshape(len(points), 3, -1), points))
     for k, c in enumerate(kind):
         others = np.delete(np.arange(4), c)
         assert np.abs(parts[others, :, :, k]).max() <= 1e-12 * np.abs(parts[c, :, :, k]).max()

@@ -28,14 +28,14 @@ def test_displacement_at_the_corners_is_the_recovered_one():
         young=np.nan,
     )
     piston = body_of(ReducedPiston, skirt_lower=-0.02, skirt_upper=0.01)
-    skin = _skin("piston", Reduced(piston, anatomy))
+    skin = _skin("piston", Reduced(piston, anatomy, None))
     assert skin.skirt == (-0.02, 0.01)
     assert skin.points[skin.triangles] == pytest.approx(anatomy.points[anatomy.skin[:, :3]])
     q = random.normal(size=4)
     whole = recover(anatomy, q).displacement[anatomy.skin[:, :3]]
     shown = (skin.modes @ q)[skin.triangles]
     assert shown == pytest.approx(whole, rel=1e-12)
-    assert _skin("block", Reduced(body_of(ReducedBlock), anatomy)).skirt is None
+    assert _skin("block", Reduced(body_of(ReducedBlock), anatomy, None)).skirt is None
 
 
 def quadratic(corners):
@@ -73,14 +73,14 @@ def test_stress_on_the_skin_is_the_recovered_one():
         poisson=0.3,
     )
     piston = body_of(ReducedPiston, skirt_lower=-0.02, skirt_upper=0.01)
-    skin = _skin("piston", Reduced(piston, anatomy))
+    skin = _skin("piston", Reduced(piston, anatomy, None))
     coordinates = random.normal(size=(2, 4))
     shown = skin.von_mises(coordinates)
     assert shown is not None
     for own, q in zip(shown, coordinates):
         whole = von_mises(recover(anatomy, q).stress)[np.unique(anatomy.skin[:, :3])]
         assert own == pytest.approx(whole, rel=1e-12)
-    block = _skin("block", Reduced(body_of(ReducedBlock), anatomy))
+    block = _skin("block", Reduced(body_of(ReducedBlock), anatomy, None))
     assert block.von_mises(coordinates) is None
 
 

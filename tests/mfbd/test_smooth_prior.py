@@ -144,7 +144,7 @@ def test_modes_are_added_until_the_expected_error_is_reached(plate):
 
 def test_an_error_that_needs_too_many_modes_is_named():
     body, reading = springs(300, 1.0)
-    many = SurfaceAnswers(np.eye(300), np.eye(300), np.zeros((300, 300)))
+    many = SurfaceAnswers(np.eye(300), np.eye(300), np.zeros((300, 300)), np.eye(300))
     with pytest.raises(ValueError, match="modes: expected an error that 200 modes"):
         smooth_pressure_modes(body, reading.radial, many, 0.01, np.empty((300, 0)))
 

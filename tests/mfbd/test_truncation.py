@@ -132,7 +132,8 @@ def test_missing_deflection_under_a_film_at_each_point(skirt, files):
 def test_all_answers_in_the_modes_leave_nothing():
     """One spring a point, n of them: modes that are its whole compliance, or half of it."""
     points, stiffness = 6, 2.0
-    whole = SurfaceAnswers(np.eye(points), np.eye(points) / stiffness, np.zeros((points,) * 2))
+    answer = np.eye(points) / stiffness
+    whole = SurfaceAnswers(np.eye(points), answer, np.zeros((points,) * 2), answer)
     there = np.ones(points, dtype=bool)
 
     def modes(stiffness):

@@ -1,0 +1,67 @@
+"""Reduce the bodies of shipped cases and write them to models/bodies, without shapes on the mesh.
+
+    python .ci/bodies.py [CASE ...]     # default: all cases
+
+It keeps existing files: delete models/bodies to renew it. The repository contains the bodies of
+numerical_example, a release those of all cases.
+"""
+
+import os
+import sys
+import tempfile
+import zipfile
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy
+from piston_cosim.fmu_mfbd.reduction.store import SHIPPED
+from piston_cosim.master.api.cases import open_case
+from piston_cosim.master.case.schema import case_names
+from piston_cosim.master.fmi.tree import import_part
+
+BITS = {"radial": 28, "axial": 28, "left_radial": 14, "left_axial": 14}
+"""Significant bits of large arrays, whose other bits become 0."""
+
+
+def rounded(array: np.ndarray, bits: int) -> np.ndarray:
+    """Round each number to its most significant bits."""
+    mantissa, exponent = np.frexp(array)
+    return np.ldexp(np.round(np.ldexp(mantissa, bits)), exponent - bits)
+
+
+def ship(path: Path) -> None:
+    """Write a cached body to models/bodies, without mesh and mode shapes."""
+    left_out = {one.name for one in fields(Anatomy)}
+    target = SHIPPED / f"{path.stem.rpartition('-')[0]}.npz"
+    with np.load(path) as arrays, zipfile.ZipFile(target, "w") as file:
+        for name in sorted(set(arrays.files) - left_out):
+            array = arrays[name]
+            if name in BITS:
+                array = rounded(array, BITS[name]).astype(array.dtype)
+            member = zipfile.ZipInfo(f"{name}.npy")  # with a fixed date
+            member.compress_type = zipfile.ZIP_LZMA
+            with file.open(member, "w") as stream:
+                np.lib.format.write_array(stream, array, allow_pickle=False)
+    print(f"{target.name}: {target.stat().st_size / 1e6:.2f} MB")
+
+
+def main(names: list[str]) -> None:
+    SHIPPED.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["PISTON_COSIM_CACHE"] = cache
+        for name in names or case_names():
+            case = open_case(name)
+            for variant in map(case.variant, case.variants):
+                for table in variant.tree["participants"].values():
+                    package = table.get("package", "")
+                    if package.startswith("fmu_mfbd"):
+                        build = import_part(f"{package}.build")
+                        build.prepare(table.get("build", {}), case.path.parent, print)
+        for path in sorted(Path(cache, "bodies").glob("*.npz")):
+            ship(path)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
