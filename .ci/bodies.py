@@ -21,15 +21,6 @@ from piston_cosim.master.api.cases import open_case
 from piston_cosim.master.case.schema import case_names
 from piston_cosim.master.fmi.tree import import_part
 
-BITS = {"radial": 28, "axial": 28, "left_radial": 14, "left_axial": 14}
-"""Significant bits of large arrays, whose other bits become 0."""
-
-
-def rounded(array: np.ndarray, bits: int) -> np.ndarray:
-    """Round each number to its most significant bits."""
-    mantissa, exponent = np.frexp(array)
-    return np.ldexp(np.round(np.ldexp(mantissa, bits)), exponent - bits)
-
 
 def ship(path: Path) -> None:
     """Write a cached body to models/bodies, without mesh and mode shapes."""
@@ -37,13 +28,10 @@ def ship(path: Path) -> None:
     target = SHIPPED / f"{path.stem.rpartition('-')[0]}.npz"
     with np.load(path) as arrays, zipfile.ZipFile(target, "w") as file:
         for name in sorted(set(arrays.files) - left_out):
-            array = arrays[name]
-            if name in BITS:
-                array = rounded(array, BITS[name]).astype(array.dtype)
             member = zipfile.ZipInfo(f"{name}.npy")  # with a fixed date
             member.compress_type = zipfile.ZIP_LZMA
             with file.open(member, "w") as stream:
-                np.lib.format.write_array(stream, array, allow_pickle=False)
+                np.lib.format.write_array(stream, arrays[name], allow_pickle=False)
     print(f"{target.name}: {target.stat().st_size / 1e6:.2f} MB")
 
 

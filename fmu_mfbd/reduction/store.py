@@ -25,7 +25,7 @@ ROOMS = ("finite_elements", "geometry", "reduction")
 """Rooms of this part whose code makes a reduced body."""
 SHIPPED = MODELS / "bodies"
 """Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
-IF_FLEXIBLE = {"basis", "modes_from", "modes_off", "tie", "spring_stiffness"}
+IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "modes_off", "tie", "spring_stiffness"}
 """Options that have no effect on a body without modes."""
 MODAL = {"T", "b", "g", "omega", "kind", "gas_force", "radial", "axial"}
 """Fields of a reduced body whose last axis is that of the modes."""

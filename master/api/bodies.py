@@ -47,7 +47,7 @@ def reduce_bodies(
 
     Examples
     --------
-    The first call takes a minute, every other one finds the bodies in the cache:
+    The first call reduces the bodies, every other one finds them in the cache:
 
     >>> piston, block = pc.reduce_bodies("numerical_example", "bodies")    # doctest: +SKIP
     >>> f"{piston.mass:.4f} kg, {len(piston.modes)} modes"                 # doctest: +SKIP
