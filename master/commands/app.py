@@ -40,7 +40,7 @@ COMMANDS = {
     "results report": "Write an HTML report about results files.",
     "results movie": "Write an animation of a results file.",
     "results scalars": "Write all scalar outputs as CSV.",
-    "results fields": "Write recorded fields as CSV, HDF5 or VTU.",
+    "results fields": "Write recorded fields as CSV or HDF5.",
     "results snapshot": "Write the state of a participant at one instant.",
     "results recover": "Write displacement and stress of the bodies as VTU.",
     "results noise": "Compute the sound power that the block radiates.",

@@ -1,10 +1,9 @@
-"""Recorded fields out of a results file: CSV, HDF5, or VTU for ParaView; whole, by line, by instant
-or at one grid point.
+"""Recorded fields out of a results file as CSV or HDF5; whole, by line, by instant or at one grid
+point. Surfaces and collections of films for ParaView.
 """
 
 import csv
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import h5py
@@ -155,36 +154,6 @@ def write_hdf5(blocks, path, places=()):
         ):
             file[name] = values
             file[name].attrs["unit"] = unit
-
-
-def write_vtu(blocks, path, radius, length):
-    """Quadrilateral cells on the cylinder of `radius` and `length` [m]: of one instant the VTU file
-    `path`, of several a .pvd file of that name, and a VTU file for each in the folder of that name.
-
-    Index i runs around from +z towards +x, cell floor(n/4) + 1 centred on +x, j along y. Returns
-    the file to open.
-    """
-    import meshio
-
-    block = blocks[0]
-    path = Path(path)
-    points, cells = cylinder_cells(block.values.shape[1:], radius, (0.0, length))
-
-    def write(file, k):
-        data = {f"{part.name} [{part.unit}]": [part.values[k].ravel()] for part in blocks}
-        meshio.write(file, meshio.Mesh(points, [("quad", cells)], cell_data=data))
-
-    if len(block.times) == 1:
-        write(path, 0)
-        return path
-    folder = path.with_suffix("")
-    folder.mkdir(exist_ok=True)
-    entries = []
-    for k, time in enumerate(block.times):
-        file = folder / f"{path.stem}_{k:05d}.vtu"
-        write(file, k)
-        entries.append((float(time), 0, file))
-    return write_collection(entries, path.with_suffix(".pvd"))
 
 
 def cylinder_cells(shape, radius, ends):

@@ -1,22 +1,18 @@
 """Field exports: what is written is what was recorded."""
 
 import csv
-import re
 
 import h5py
-import meshio
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
-from piston_cosim.master.commands.results.fields import _size
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import (
     chosen,
+    cylinder_cells,
     read_block,
     write_csv,
     write_hdf5,
-    write_vtu,
 )
 from piston_cosim.master.results.file import Results
 
@@ -84,35 +80,10 @@ def test_hdf5_of_one_grid_point(results, tmp_path):
         )
 
 
-def test_vtu_puts_each_cell_in_its_place(results, tmp_path):
-    collection = write_vtu([read_block(results, "ehd.pressure")], tmp_path / "p.vtu", 2.0, 8.0)
-    assert collection == tmp_path / "p.pvd"
-    listed = re.findall(r'timestep="(.*?)" file="(.*?)"', collection.read_text())
-    assert [float(time) for time, _ in listed] == TIMES.tolist()
-    assert sorted(one.name for one in tmp_path.iterdir() if one.suffix != ".h5") == ["p", "p.pvd"]
-    files = [tmp_path / name for _, name in listed]
-    mesh = meshio.read(files[1])
-    assert mesh.cell_data["ehd.pressure [Pa]"][0].tolist() == PRESSURE[1].ravel().tolist()
-    centre = mesh.points[mesh.cells_dict["quad"]].mean(axis=1).reshape(5, 4, 3)
-    assert centre[0, :, 1] == pytest.approx([1.0, 3.0, 5.0, 7.0])  # j along y
+def test_each_cell_of_a_skirt_is_at_its_place():
+    """i from +z towards +x, the second cell's centre on +x; j along y."""
+    points, cells = cylinder_cells((5, 4), 2.0, (0.0, 8.0))
+    centre = points[cells].mean(axis=1).reshape(5, 4, 3)
+    assert centre[0, :, 1] == pytest.approx([1.0, 3.0, 5.0, 7.0])
     angle = np.arctan2(centre[:, 0, 0], centre[:, 0, 2]) % (2 * np.pi)
-    assert angle == pytest.approx(
-        np.radians([18.0, 90.0, 162.0, 234.0, 306.0])
-    )  # i from +z towards +x, the second cell's centre on +x
-
-
-def test_vtu_of_one_instant_is_the_file_that_was_named(results, tmp_path):
-    block = chosen(read_block(results, "ehd.pressure"), float(TIMES[1]))
-    assert write_vtu([block], tmp_path / "one.vtu", 2.0, 8.0) == tmp_path / "one.vtu"
-    mesh = meshio.read(tmp_path / "one.vtu")
-    assert mesh.cell_data["ehd.pressure [Pa]"][0].tolist() == PRESSURE[1].ravel().tolist()
-    assert not (tmp_path / "one").exists()
-
-
-@pytest.mark.parametrize(
-    "given, size", [((None, None), (0.055, 0.0828)), (("1 mm", "2 mm"), (1e-3, 2e-3))]
-)
-def test_the_cylinder_is_the_bore_of_the_run(given, size):
-    tree = read_tree(find_case("data_sheet"))
-    assert _size(tree, *given) == pytest.approx(size, rel=1e-12)
-    assert _size({"participants": {}}, None, None) == [1.0, 1.0]
+    assert angle == pytest.approx(np.radians([18.0, 90.0, 162.0, 234.0, 306.0]))

@@ -275,7 +275,6 @@ COMMANDS = [
     "results fields good.h5 --field left.pressure --output f.csv",
     "results fields good.h5 --field left.x --output f.txt",
     "results fields good.h5 --field left.displacement --output kept.csv/f.csv",
-    "results fields good.h5 --field a.b --output kept.csv --radius '1 kg'",
     "results snapshot good.h5 --participant lef --output s.json",
     "results snapshot good.h5 --participant left --output kept.csv/s.json",
     "results snapshot good.h5 --participant left --time '9 s' --output kept.json",
