@@ -69,6 +69,7 @@ app = App(
     help_format="markdown",
     version_format="plaintext",
     default_parameter=Parameter(negative_iterable=(), show_default=_shown),
+    suppress_keyboard_interrupt=False,
 )
 _PACKAGE = __name__.rpartition(".")[0]
 _apps = {"": app} | {name: App(name=name, help=text) for name, text in GROUPS.items()}
@@ -100,8 +101,8 @@ def main():
             raise BadInput(f"{words[0]}: expected `{moved}`, got a former spelling")
         with ending_soon():
             app(words, exit_on_error=False, print_error=False)
-    except KeyboardInterrupt:
-        say_faults("stopped:[/] by a signal", [])
+    except KeyboardInterrupt as error:
+        say_faults(f"\nstopped:[/] by {str(error) or 'SIGINT'}", [])
     except (CycloptsError, BadInput, OSError) as error:
         if isinstance(error, OSError) and not error.filename:
             raise  # no file of the user's

@@ -1,6 +1,7 @@
 """`piston-cosim run`."""
 
 import json
+import os
 from contextlib import ExitStack, contextmanager
 from os.path import relpath
 from pathlib import Path
@@ -13,16 +14,22 @@ from ..case.schema import check_case, find_case
 from ..case.system import open_system
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
+from ..fmi.jobs import VARIABLE as JOBS
+from ..fmi.jobs import jobs as count_jobs
 from ..results.file import Results
 from ..runs.console import print_summary, watching
+from ..runs.kernels import compile_kernels
 from ..runs.live import Live, curves, serving
+from ..runs.pool import LocalPool
 from ..runs.run import run as run_system
+from ..runs.variants import Outcome, Variant, run_variants, start_processes
 from ..runs.working import working
 from .app import STARTED
 from .common import (
     Changes,
     OutputFile,
     OutputFolder,
+    Workers,
     console,
     default_folder,
     draw_pictures,
@@ -45,6 +52,7 @@ def command(
     lubrication: str | None = None,
     bodies: str | None = None,
     live: bool = False,
+    jobs: Workers | None = None,
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
     """Run a case and its variants.
@@ -75,6 +83,9 @@ def command(
         Model of the bodies that replaces the model of the case; same form.
     live
         Serve a page on this machine that shows curves during the run and can stop it.
+    jobs
+        Number of processes that compile and run variants at the same time. 1 does one thing after
+        the other. Default: the number of processors.
     verbose
         Also print every period, all counters, the summary of the case and every check.
     """
@@ -89,21 +100,31 @@ def command(
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
     begun_in = Path.cwd()
-    systems = open_all(cases, path.parent)
-    summaries = {}
-    files = {}
+    if jobs:
+        os.environ[JOBS] = str(jobs)
+    files = {label: folder / f"{label}.h5" for label in cases}
     of_period = say if verbose else lambda line: None
-    for label, system in systems.items():
-        files[label] = folder / f"{label}.h5"
-        with (
-            watching(console, label) as watch,
-            _shown(live, cases[label], system, watch) as (shown, told),
-        ):
-            summaries[label] = run_system(
-                system, shown, trees[label], files[label], told, say=say, log=of_period
-            )
-        summaries[label] |= state_truncation(trees[label], path.parent, files[label], say)
-        summaries[label]["first_step_after_s"] = (watch.first or STARTED) - STARTED
+    with LocalPool(count_jobs()) as pool:
+        side_by_side = len(cases) > 1 and count_jobs() > 1 and not live
+        if side_by_side:  # the processes start while bodies are reduced
+            start_processes(pool, len(cases))
+        systems = open_all(cases, path.parent)
+        if count_jobs() > 1:
+            compile_kernels(systems.values(), pool, console)
+        if side_by_side:
+            variants = {x: Variant(trees[x], path.parent, files[x]) for x in cases}
+            outcomes = run_variants(variants, pool, console, say, of_period)
+        else:
+            outcomes = {
+                label: _run(
+                    label, system, cases[label], trees[label], files[label], live, of_period
+                )
+                for label, system in systems.items()
+            }
+    summaries = {
+        label: one.summary | {"first_step_after_s": (one.first or STARTED) - STARTED}
+        for label, one in outcomes.items()
+    }
     if verbose:
         print_summary(console, summaries)
     if summary_json:
@@ -135,6 +156,16 @@ def _say_ahead(cases, trees, plots, only):
     others = [label for label in first.variants if label not in trees]
     if others and not only:
         say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
+
+
+def _run(label, system, case, tree, file, live, log):
+    """Run a variant in this process."""
+    with (
+        watching(console, label) as watch,
+        _shown(live, case, system, watch) as (shown, told),
+    ):
+        summary = run_system(system, shown, tree, file, told, say=say, log=log)
+    return Outcome(summary | state_truncation(tree, Path(system.folder), file, say), watch.first)
 
 
 @contextmanager

@@ -60,6 +60,10 @@ class Worker:
         """End it at once; `join` it then."""
         self._process.kill()
 
+    def send_signal(self, number: int) -> None:
+        """Send it a signal, if it is alive."""
+        self._process.send_signal(number)
+
     def join(self, timeout: float | None = None) -> None:
         """Wait for its end, for `timeout` [s] at most."""
         with suppress(subprocess.TimeoutExpired):

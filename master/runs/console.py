@@ -1,9 +1,15 @@
-"""What a run says on the screen: a progress line while it goes, a one-screen summary at its end."""
+"""What a run says on the screen: a progress bar while it goes, a one-screen summary at its end."""
 
 import time as clock
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Column, Table
 
 from ..fmi.quantities import short
@@ -15,28 +21,24 @@ REFRESH = 0.2
 
 
 class Watch:
-    """A run's progress on the screen: the `watch` of `run`; `first` is when the first step was done
-    [s].
+    """Progress of a run: the `watch` of `run`; `first` is when the first step was done [s].
+
+    Parameters
+    ----------
+    show : callable
+        Receives the share of the run that is done, and its state in words.
     """
 
-    def __init__(self, progress, task):
-        self.progress = progress
-        self.task = task
+    def __init__(self, show):
+        self.show = show
         self.first: float | None = None
         self.next = 0.0
         self.phase = Phase(STARTING)
 
-    def text(self):
-        """Return the progress outside a terminal."""
+    def tick(self):
+        """Show the progress of the start."""
         if self.first is None:
-            return self.phase.text()
-        fields = self.progress.tasks[self.task]
-        return f"{100 * fields.completed:.0f} %  {fields.fields['state']}"
-
-    def show(self, text):
-        """Show the progress of the start in a terminal."""
-        if self.first is None:
-            self.progress.update(self.task, state=text)
+            self.show(0.0, self.phase.text())
 
     def __call__(self, time, stop, solution, monitored):
         now = clock.perf_counter()
@@ -48,18 +50,44 @@ class Watch:
         self.next = now + REFRESH
         parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
         parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
-        self.progress.update(self.task, completed=time / stop, state="  ".join(parts))
+        self.show(time / stop, "  ".join(parts))
+
+
+@contextmanager
+def bars(console, labels, tick=lambda: None):
+    """Yield `show(label, share, state)` of progress bars side by side; call `tick` before each
+    update.
+    """
+    width = max(map(len, labels))
+    name = TextColumn("{task.description}", table_column=Column(min_width=width))
+    times = TimeElapsedColumn(), TimeRemainingColumn()
+    columns = (name, BarColumn(8), *times, TextColumn("{task.fields[state]}"))
+    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
+        tasks = {label: progress.add_task(label, total=1.0, state=STARTING) for label in labels}
+
+        def show(label, share, state):
+            progress.update(tasks[label], completed=share, state=state)
+
+        def text():
+            tick()
+            return "\n".join(
+                f"{task.description}: "
+                + (f"{100 * task.completed:.0f} %  " if task.completed else "")
+                + task.fields["state"]
+                for task in progress.tasks
+                if not task.finished
+            )
+
+        with ticking(console, text, lambda text: None):
+            yield show
 
 
 @contextmanager
 def watching(console, label):
-    """A `Watch` under a progress bar."""
-    name = TextColumn("{task.description}", table_column=Column(min_width=len(label)))
-    columns = (name, BarColumn(8), TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
-    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
-        watch = Watch(progress, progress.add_task(label, total=1.0, state=STARTING))
-        with ticking(console, lambda: f"{label}: {watch.text()}", watch.show):
-            yield watch
+    """Yield a `Watch` under a progress bar."""
+    watch = Watch(lambda share, state: show(label, share, state))
+    with bars(console, [label], watch.tick) as show:
+        yield watch
 
 
 def print_summary(console, summaries):

@@ -1,13 +1,17 @@
-"""Processes of this machine for the points of a sweep: one that dies or does not end takes its own
-point with it, and nothing else.
+"""Processes of this machine for the points of a sweep and the variants of a run: one that dies or
+does not end takes its own point with it, and nothing else.
 """
 
 import os
 import queue
 import threading
 from concurrent.futures import Executor, Future
+from functools import partial
 
 from ..participants.worker import Worker
+
+TOLD = None
+"""Replaces whether a call has raised, in messages of a call that goes on."""
 
 
 class PointDied(RuntimeError):
@@ -39,9 +43,23 @@ class LocalPool(Executor):
 
     def submit(self, fn, /, *args, **kwargs):
         """A `Future` of `fn(*args, **kwargs)`."""
+        return self._submit(None, fn, args, kwargs)
+
+    def submit_told(self, told, fn, /, *args):
+        """A `Future` of `fn(tell, *args)`. A thread here calls `told` with what the call passes to
+        `tell`.
+        """
+        return self._submit(told, fn, args, {})
+
+    def _submit(self, told, *work):
         future: Future = Future()
-        self._calls.put((future, (fn, args, kwargs)))
+        self._calls.put((future, told, work))
         return future
+
+    def send_signal(self, number):
+        """Send a signal to all processes."""
+        for process in list(self._processes):
+            process.send_signal(number)
 
     def shutdown(self, wait=True, *, cancel_futures=False):
         """End the processes; calls that wait are done before, unless they are cancelled."""
@@ -62,7 +80,7 @@ class LocalPool(Executor):
         """A thread's work: hand calls to a process of its own."""
         process = None
         while (call := self._calls.get()) is not None:
-            future, work = call
+            future, told, work = call
             if self._closed.is_set() or not future.set_running_or_notify_cancel():
                 continue
             try:
@@ -71,7 +89,7 @@ class LocalPool(Executor):
                 if self._closed.is_set():  # since the process began: `shutdown` may not know it
                     self._end(process)
                     raise PointDied("the process was ended with the others")
-                self._answer(future, work, process)
+                self._answer(future, told, work, process)
             except Exception as error:
                 future.set_exception(error)
         if process is not None:
@@ -89,15 +107,18 @@ class LocalPool(Executor):
             raise PointDied("the process could not be started") from None
         return process
 
-    def _answer(self, future, work, process):
+    def _answer(self, future, told, work, process):
         try:
-            process.pipe.send(work)
+            process.pipe.send((told is not None, *work))
             if not process.pipe.poll(self.time_limit):
                 self._end(process)
                 raise PointDied(
                     f"time limit of {self.time_limit:g} s exceeded; the process was ended"
                 )
             raised, answer = process.pipe.recv()
+            while raised is TOLD:
+                told(answer)
+                raised, answer = process.pipe.recv()
         except (EOFError, OSError):
             self._end(process)
             raise PointDied(f"the process ended ({process.end})") from None
@@ -117,11 +138,17 @@ def _serve(pipe):
     pipe.send("up")
     while True:
         try:
-            function, arguments, named = pipe.recv()
+            is_told, function, arguments, named = pipe.recv()
         except (EOFError, OSError):
             return
         try:
-            answer = False, function(*arguments, **named)
+            told = (partial(_tell, pipe, threading.Lock()),) if is_told else ()
+            answer = False, function(*told, *arguments, **named)
         except Exception as error:
             answer = True, RuntimeError(f"{type(error).__name__}: {error}")
         pipe.send(answer)
+
+
+def _tell(pipe, lock, data):
+    with lock:
+        pipe.send((TOLD, data))

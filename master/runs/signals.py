@@ -15,8 +15,10 @@ GRACE = 0.7
 """Time after which a command ends if it does not react to a signal [s]."""
 EXIT_CODE = 1
 """Exit code of a stopped command."""
-_command = SimpleNamespace(runs=False)
-"""Whether this process is a command, which may end at once, or a user's own Python."""
+_command = SimpleNamespace(runs=False, follows=False)
+"""Whether this process is a command, which may end at once, or a user's own Python; and whether it
+is a process of a command that forwards signals.
+"""
 
 
 @contextmanager
@@ -31,9 +33,12 @@ def ending_soon():
         timer.daemon = True
         timer.start()
 
+    def interrupt(number, frame):
+        raise KeyboardInterrupt(signal.Signals(number).name)
+
     _command.runs = True
     try:
-        with _watched(signal.default_int_handler, ended):
+        with _watched(interrupt, ended):
             yield
     finally:
         _command.runs = False
@@ -65,25 +70,65 @@ def listening(clean: Callable[[], object] = lambda: None):
             with suppress(OSError):
                 clean()
             _exit(number)
-        if count > 1:
-            os.write(2, b"\nstopped immediately; the recorded data is in the .partial file\n")
-            os._exit(128 + number)
-        os.write(2, b"\nstopping after this macro step; repeat the signal to stop immediately\n")
+        _stop(number, count)
 
     with _watched(note, react):
         yield heard
 
 
+def follow_command() -> None:
+    """React to SIGTERM only, and print nothing: the command of this process forwards signals."""
+    _command.runs = _command.follows = True
+
+
+@contextmanager
+def forwarding(send: Callable[[int], object]):
+    """Yield an object as `listening` does; signals go to the processes of this command.
+
+    Parameters
+    ----------
+    send : callable
+        Sends a signal to all processes. The first signal is sent as SIGTERM. The second one kills
+        them and ends this process.
+    """
+    heard = SimpleNamespace(signal=None, stepped=False)
+
+    def react(number: int, count: int) -> None:
+        heard.signal = number
+        send(signal.SIGTERM if count == 1 else signal.SIGKILL)
+        if heard.stepped or count > 1:
+            _stop(number, count)
+
+    with _watched(lambda number, frame: None, react):
+        yield heard
+    if heard.signal and not heard.stepped:
+        _exit(heard.signal)
+
+
+def _stop(number: int, count: int) -> None:
+    """Print what the first signal does; end the process after the second one."""
+    if count > 1:
+        _print("stopped immediately; the recorded data is in the .partial file")
+        os._exit(128 + number)
+    _print("stopping after this macro step; repeat the signal to stop immediately")
+
+
 def _exit(number: int) -> None:
     """Print the signal that stopped the command, and end the process."""
-    os.write(2, f"\nstopped: by {signal.Signals(number).name}\n".encode())
+    _print(f"stopped: by {signal.Signals(number).name}")
     os._exit(EXIT_CODE)
+
+
+def _print(text: str) -> None:
+    if not _command.follows:
+        os.write(2, f"\n{text}\n".encode())
 
 
 @contextmanager
 def _watched(handler, react: Callable[[int, int], None]):
     """Handle signals by `handler` in this thread, and by `react(number, count)` in another one."""
-    before = {number: signal.signal(number, handler) for number in SIGNALS}
+    signals = (signal.SIGTERM,) if _command.follows else SIGNALS
+    before = {number: signal.signal(number, handler) for number in signals}
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)

@@ -23,7 +23,16 @@ COMPLETE = 50
 
 
 class Compilation:
-    """Kernels that numba compiles in this process, of those expected."""
+    """Kernels that numba compiles in this process, of those expected.
+
+    Parameters
+    ----------
+    name : str
+        Of the record of the last complete compilation.
+    """
+
+    def __init__(self, name: str = "count"):
+        self.record = cache_folder("compiled") / name
 
     @property
     def count(self) -> int:
@@ -43,7 +52,7 @@ class Compilation:
     def expected(self) -> int:
         """Number of kernels of the last complete compilation."""
         with suppress(OSError, ValueError):
-            return max(COMPLETE, int(_record().read_text()))
+            return max(COMPLETE, int(self.record.read_text()))
         return TYPICAL
 
     def text(self) -> str:
@@ -58,33 +67,39 @@ class Compilation:
         """Save the number of kernels of a complete compilation."""
         if (count := self.count) >= COMPLETE:
             with suppress(OSError):
-                write_whole(_record(), f"{count}\n".encode())
+                write_whole(self.record, f"{count}\n".encode())
 
 
-def _record():
-    """Return the file that holds the number of kernels of the last complete compilation."""
-    return cache_folder("compiled") / "count"
+@contextmanager
+def every(seconds: float, action: Callable[[], object]) -> Iterator:
+    """Call `action` in another thread every few seconds."""
+    ended = threading.Event()
+
+    def repeat() -> None:
+        while not ended.wait(seconds):
+            action()
+
+    thread = threading.Thread(target=repeat, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 @contextmanager
 def ticking(console: Console, text: Callable[[], str], show: Callable[[str], object]) -> Iterator:
     """Show `text()` by `show` in a terminal, and on the error stream every `QUIET` s elsewhere."""
-    ended = threading.Event()
 
     def tick() -> None:
-        while not ended.wait(REFRESH if console.is_terminal else QUIET):
-            if console.is_terminal:
-                show(text())
-            else:
-                print(text(), file=sys.stderr, flush=True)
+        if console.is_terminal:
+            show(text())
+        elif line := text():
+            print(line, file=sys.stderr, flush=True)
 
-    ticker = threading.Thread(target=tick, daemon=True)
-    ticker.start()
-    try:
+    with every(REFRESH if console.is_terminal else QUIET, tick):
         yield
-    finally:
-        ended.set()
-        ticker.join()
 
 
 class Phase:

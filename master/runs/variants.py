@@ -1,0 +1,141 @@
+"""Variants of a case side by side, each in its own process with the same results as alone."""
+
+import traceback
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, Future, wait
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..case.schema import check_case
+from ..case.system import open_system
+from ..engine.truncation import state_truncation
+from ..fmi.errors import BadInput, Stopped
+from .console import Watch, bars
+from .pool import LocalPool, PointDied
+from .run import run
+from .signals import follow_command, forwarding
+from .working import REFRESH, every
+
+
+class Variant(NamedTuple):
+    """A variant to run: its resolved tree, the folder of its case, and its results file."""
+
+    tree: dict[str, Any]
+    folder: Path
+    output: Path
+
+
+class Outcome(NamedTuple):
+    """How a variant ended: its summary and the time of its first step [s], or its faults, or the
+    headline and the lines of the error that stopped it.
+    """
+
+    summary: dict[str, Any] = {}
+    first: float | None = None
+    faults: Sequence[str] = ()
+    headline: str = ""
+    lines: Sequence[str] = ()
+
+
+def start_processes(pool: LocalPool, count: int) -> None:
+    """Let the processes of a pool start, and import what a variant needs, in the background."""
+    for _ in range(count):
+        pool.submit(_import)
+
+
+def _import() -> None:
+    """Import what a variant imports late."""
+    from ..participants import fmi2  # noqa: F401
+
+
+def run_variants(
+    variants: dict[str, Variant],
+    pool: LocalPool,
+    console,
+    say: Callable[[str], object],
+    log: Callable[[str], object],
+) -> dict[str, Outcome]:
+    """Run variants side by side; return their outcomes by label.
+
+    A variant that fails leaves the others running. `say` receives each message once, and `log` the
+    lines of each period.
+
+    Raises
+    ------
+    Stopped
+        If a variant was stopped.
+    BadInput
+        With the faults of all variants.
+    """
+    said = set()
+    futures: dict[str, Future] = {}
+
+    def send(number):
+        for future in futures.values():
+            future.cancel()
+        pool.send_signal(number)
+
+    def told(label, message):
+        kind, *data = message
+        if kind == "show":
+            heard.stepped |= data[0] > 0.0
+            show(label, *data)
+        elif kind == "log":
+            log(f"{label}: {data[0]}")
+        elif data[0] not in said:
+            said.add(data[0])
+            say(data[0])
+
+    with bars(console, variants) as show, forwarding(send) as heard:
+        for label, variant in variants.items():
+            futures[label] = pool.submit_told(partial(told, label), _run, variant)
+        wait(futures.values())
+    outcomes = {label: _outcome(future) for label, future in futures.items()}
+    stopped = {label: one for label, one in outcomes.items() if one.lines}
+    if stopped:
+        error = Stopped(
+            "\n".join(f"{x}: {line}" for x, one in stopped.items() for line in one.lines)
+        )
+        error.headline = next((one.headline for one in stopped.values()), "")
+        raise error
+    if faults := [fault for one in outcomes.values() for fault in one.faults]:
+        raise BadInput([*dict.fromkeys(faults)])
+    return outcomes
+
+
+def _outcome(future: Future) -> Outcome:
+    try:
+        return future.result()
+    except CancelledError:
+        return Outcome(lines=["not run"])
+    except PointDied as death:
+        return Outcome(headline="a process of the run ended", lines=[str(death)])
+
+
+def _run(tell, variant: Variant) -> Outcome:
+    """Run a variant in this process, which is its own."""
+    follow_command()
+    watch = Watch(lambda share, state: tell(("show", share, state)))
+    say, log = (partial(_tell, tell, kind) for kind in ("say", "log"))
+    tree, folder, output = variant
+    try:
+        case = check_case(tree, folder)
+        with every(REFRESH, watch.tick):
+            system = open_system(case, folder, say)
+            summary = run(system, case, tree, output, watch, say=say, log=log)
+        summary |= state_truncation(tree, folder, output, say)
+        tell(("show", 1.0, ""))
+        return Outcome(summary, watch.first)
+    except BadInput as error:
+        return Outcome(faults=error.faults)
+    except Stopped as error:
+        notes = getattr(error, "__notes__", ())
+        return Outcome(headline=error.headline, lines=[str(error), *notes])
+    except Exception:
+        traceback.print_exc()
+        raise
+
+
+def _tell(tell, kind, text):
+    tell((kind, text))
