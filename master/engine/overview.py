@@ -32,7 +32,7 @@ class Result(NamedTuple):
     note: str = ""
 
 
-class Figure(NamedTuple):
+class Comparison(NamedTuple):
     """Result of every run in one unit. A run that lacks it has None and an empty note."""
 
     name: str
@@ -66,19 +66,19 @@ class Overview:
     ----------
     sentence : str
     conditions : list of str
-    figures : list of Figure
+    figures : list of Comparison
         Minimum film thickness, maximum pressure and friction of all films.
-    rows : list of Figure
+    rows : list of Comparison
         Further results.
-    films : dict of str to list of Figure
+    films : dict of str to list of Comparison
         The same three results of each film, worst film first; empty for one film.
     """
 
     sentence: str
     conditions: list[str]
-    figures: list[Figure]
-    rows: list[Figure]
-    films: dict[str, list[Figure]]
+    figures: list[Comparison]
+    rows: list[Comparison]
+    films: dict[str, list[Comparison]]
 
 
 def overview(case: Case, runs: dict[str, Results]) -> Overview | None:
@@ -104,7 +104,7 @@ def overview(case: Case, runs: dict[str, Results]) -> Overview | None:
     )
 
 
-def _figures(results: list[list[Result]]) -> list[Figure]:
+def _figures(results: list[list[Result]]) -> list[Comparison]:
     """Return results of all runs side by side, in units of handy size."""
     named = [{one.name: one for one in own} for own in results]
     found = []
@@ -115,7 +115,7 @@ def _figures(results: list[list[Result]]) -> list[Figure]:
         wanted = "deg" if unit == "rad" else handy_unit(unit, float(np.abs(values).max()))
         factor, label = scaled(1.0, unit, wanted)
         shown = [float(one.value * factor) if one else None for one in known]
-        found.append(Figure(name, label, shown, [one.note if one else "" for one in known]))
+        found.append(Comparison(name, label, shown, [one.note if one else "" for one in known]))
     return found
 
 

@@ -185,8 +185,9 @@ def _is_course(case, port):
 
 
 def shown_unit(case, port, units):
-    """Unit an abscissa is shown in: the crank angle in degrees, as the page's cursor."""
-    return "deg" if port == crank_angle_port(case) else units.get(port)
+    """Return the unit of an abscissa: the one of the cursor for crank angle and time."""
+    cursor = crank_angle_port(case) or "time"
+    return ("ms" if cursor == "time" else "deg") if port == cursor else units.get(port)
 
 
 def _loop(case, name, runs):

@@ -21,7 +21,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import check_measured, measured_section, read_measured
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.packing import Columns
-from piston_cosim.master.results.report import Special, write_report
+from piston_cosim.master.results.report import Special, views, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
 
 from .browser import Browser, found, pace
@@ -630,7 +630,7 @@ def test_pages_of_cases_show_the_files(name, tmp_path):
             figures: [...document.querySelectorAll(".figure .big")]
               .map(one => one.textContent) };""")
         assert shown.said() == [] and shown.asked() == []
-    films = special(described, runs).films
+    films = views(described, runs, special(described, runs))
     for one, film in zip(told["read"], films, strict=True):
         values = results.dataset(film.layers[one["kind"]])[one["frame"]] * 1e-6
         spread = np.ptp(results.dataset(film.layers[one["kind"]])[:]) * 1e-6

@@ -84,6 +84,7 @@ class FieldMap {
     const rest = (count, k) => Float64Array.from({ length: count * k }, (_, p) => { const c = (p + .5) / k - .5; return c - Math.floor(c); });
     this.grid = { a: near(n, kx, closed), b: near(m, ky, false), u: rest(n, kx), v: rest(m, ky) };
     this.grid.a1 = next(this.grid.a, n, closed, kx); this.grid.b1 = next(this.grid.b, m, false, ky);
+    this.svg.on("pointermove", event => { const [x, y] = d3.pointer(event), i = Math.floor((x - BOX.left) / BOX.w * n), j = Math.floor((BOX.top + BOX.h - y) / BOX.h * m); this.pointed = i >= 0 && j >= 0 && i < n && j < m ? [i, j] : null; this.tell(); }).on("pointerleave", () => { this.pointed = null; this.tell(); });
     this.image = new ImageData(n * kx, m * ky); this.pixels = new Uint32Array(this.image.data.buffer);
   }
   values(kind) {
@@ -106,8 +107,16 @@ class FieldMap {
     if (thickness) { const k = extreme(thickness, -1); mark(k, "M4.5 0A4.5 4.5 0 1 0 -4.5 0A4.5 4.5 0 1 0 4.5 0"); said.push(`film ≥ ${withUnit(thickness[k], this.film.layers.thickness.unit)}`); }
     if (pressure) { const k = extreme(pressure, 1); mark(k, "M-5 0H5M0 -5V5"); said.push(`pressure ≤ ${withUnit(pressure[k], this.film.layers.pressure.unit)}`); }
     if (!said.length) said.push(`${digits(values[extreme(values, -1)])} to ${withUnit(values[extreme(values, 1)], this.layer.unit)}`);
-    this.now.textContent = ` · ${said.join(", ")}${this.frame === undefined ? " now" : ""}`;
-    this.svg.attr("aria-label", `${this.label.textContent}: ${this.now.textContent}`);
+    this.said = ` · ${said.join(", ")}${this.frame === undefined ? " now" : ""}`;
+    this.svg.attr("aria-label", this.label.textContent + this.said);
+    this.tell();
+  }
+  // the caption: extremes, or the cell under the pointer
+  tell() {
+    if (!this.pointed) { this.now.textContent = this.said; return; }
+    const [i, j] = this.pointed, [n, m] = this.run.shape, { ends } = this.run, at = (axis, k, count) => `${digits(ends[axis][0] + (k + .5) / count * (ends[axis][1] - ends[axis][0]))} ${this.layer.axes[axis].unit}`;
+    const values = Object.keys(this.film.layers).filter(kind => this.film.layers[kind].runs[this.index]).map(kind => `${this.film.layers[kind].variable || this.film.layers[kind].name} ${withUnit(this.values(kind)[i * m + j], this.film.layers[kind].unit)}`);
+    this.now.textContent = ` · ${at(0, i, n)}, ${at(1, j, m)}: ${has(this.run, i * m + j) ? values.join(", ") : "no film"}`;
   }
   contours(values, levels, name, labelled) {
     const [n, m] = this.run.shape, taken = [], inside = (c, count) => Math.max(0, Math.min(count - 1, c));
@@ -162,7 +171,8 @@ function orbit(parent, { clearance, runs }) {
   svg.append("circle").attr("class", "rim").attr("cx", middle[0]).attr("cy", middle[1]).attr("r", gain * clearance);
   svg.append("path").attr("class", "frame").attr("d", `M${middle[0] - 6} ${middle[1]}h12m-6 -6v12`);
   svg.append("text").attr("class", "tick").attr("x", 110).attr("y", 240).text(`dashed: clearance of ${digits(clearance)} µm`);
-  svg.append("text").attr("class", "tick").attr("x", 110).attr("y", 258).text("right: thrust side, up: towards the head");
+  svg.append("text").attr("class", "tick").attr("x", 110).attr("y", 258).text("right: +x, thrust side");
+  svg.append("text").attr("class", "tick").attr("x", 110).attr("y", 276).text("up: +y, towards the head");
   runs.forEach((run, r) => { if (shows(r)) svg.append("path").attr("class", "gap").attr("data-run", r).attr("data-gain", gain).style("stroke", colourOf(r)).attr("d", "M" + d3.range(run.at[1]).map(k => at(run, k)).join("L")); });
   const dots = runs.map((_, r) => svg.append("circle").attr("r", 5).style("fill", colourOf(r)).attr("display", shows(r) ? null : "none"));
   painters.push(() => runs.forEach((run, r) => dots[r].attr("transform", `translate(${at(run, nearest(column(run.at), positions[instant]))})`)));
@@ -177,7 +187,8 @@ function chart(parent, drawn, list, height = 130) {
   const values = element("span", head, "", "values"), curves = (drawn.curves || []).filter(curve => curve.run < 0 || shows(curve.run));
   const wide = Math.max(360, Math.min(560, parent.clientWidth / (matchMedia("(max-width: 760px)").matches ? 1 : 2)));
   const inCycle = over && data.cursor.unit === "deg", [begin, end] = over ? [positions[0], positions[positions.length - 1]] : d3.extent(curves.flatMap(curve => d3.extent(column(curve.x)))), phases = over ? (drawn.phases || data.phases).filter(one => one.end > begin && one.begin < end) : [], stroke = { stroke: "var(--line)" };
-  const marks = [], labels = phases.map(one => { const words = [one.mark, one.name].filter(Boolean).join(", "), room = (Math.min(end, one.end) - Math.max(begin, one.begin)) / (end - begin) * (wide - 58) / 5.6; return { x: Math.max(begin, one.begin), text: words.length < room ? words : one.mark || (one.name.length < room ? one.name : "") }; }).filter(one => one.text);
+  const marks = [], start = one => Math.max(begin, one.begin), fits = (one, words) => words.length * 8 < (Math.min(end, one.end) - start(one)) / (end - begin) * (wide - 58), named = phases.every(one => fits(one, one.name));
+  const labels = phases.map(one => { const words = named ? [one.mark, one.name].filter(Boolean).join(", ") : ""; return { x: start(one), text: fits(one, words) && words ? words : one.mark || (named ? one.name : "") }; }).filter(one => one.text);
   if (carpet) marks.push(Plot.raster(drawn.values, { width: positions.length, height: drawn.run.shape[1], x1: begin, x2: end, y1: drawn.run.ends[1][0], y2: drawn.run.ends[1][1], imageRendering: "auto" }));
   else {
     phases.forEach((one, k) => { if (k % 2) marks.push(Plot.rectX([one], { x1: Math.max(begin, one.begin), x2: Math.min(end, one.end), fill: "var(--shade)" })); });
@@ -264,6 +275,7 @@ async function showFilm() {
   for (const layer of Object.values(film?.layers || {})) for (const run of layer.runs) if (run) run.at = await unpackFrames(run);
   painters = [];
   byId("maps").replaceChildren(); byId("curves").replaceChildren();
+  byId("colour").hidden = true;
   if (film) {
     if (!film.layers[chosen.colour]) chosen.colour = Object.keys(film.layers)[0];
     options(byId("colour"), Object.entries(film.layers).map(([kind, layer]) => [kind, `colour: ${layer.variable || layer.name}`]), chosen.colour);
