@@ -79,7 +79,7 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
         _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
         bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
     else:
-        bore.set(title="the bore is a cylinder, hot and cold")
+        bore.set(title="the hot bore is a cylinder")
         bore.set_axis_off()
     _around(around, shapes)
     _along(along, shapes)
@@ -119,17 +119,15 @@ def _mark(panel):
 
 def _around(panel, shapes):
     """The skirt's clearance around, at its lower and upper quarter and in the middle."""
-    turn = np.degrees(shapes.angle)
-    order = np.argsort(turn % 360)
-    order = np.append(order, order[0])
-    degrees = np.append(turn[order[:-1]] % 360, turn[order[0]] % 360 + 360)
+    closed = np.r_[: len(shapes.angle), 0]
+    degrees = np.degrees(shapes.angle[0]) + np.linspace(0.0, 360.0, len(closed))
     count = len(shapes.height)
     hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
     for share, colour in HEIGHTS.items():
         j = min(int(share * count), count - 1)
         name = f"{MM * shapes.height[j]:.3g} mm above the pin"
-        panel.plot(degrees, UM * hot[order, j], color=colour, label=name)
-        panel.plot(degrees, UM * cold[order, j], "--", color=colour, lw=0.8)
+        panel.plot(degrees, UM * hot[closed, j], color=colour, label=name)
+        panel.plot(degrees, UM * cold[closed, j], "--", color=colour, lw=0.8)
     panel.set(title="section around (dashed: cold)", ylabel="clearance [\N{MICRO SIGN}m]")
     _mark(panel)
     panel.grid(alpha=0.3)

@@ -152,22 +152,23 @@ ENDINGS = {
 
 def entry_in_words(name: str) -> str:
     """A summary's entry in words: mean_friction_power_w -> "mean friction power [W]"."""
-    for ending, unit in ENDINGS.items():
-        if name.endswith(ending):
-            return labelled(name.removesuffix(ending).replace("_", " "), unit)
-    return name.replace("_", " ")
+    words, unit = _with_unit(name)
+    return labelled(words, unit)
+
+
+def _with_unit(name):
+    """Return a summary's entry in words, and its unit or nothing."""
+    ending = next((one for one in ENDINGS if name.endswith(one)), "")
+    return name.removesuffix(ending).replace("_", " "), ENDINGS.get(ending, "")
 
 
 def entry_shown(name: str, values: Sequence[float]) -> tuple[str, np.ndarray]:
     """Return a summary entry in words with a unit that suits its values, and the values in it."""
     array = np.asarray(values, float)
-    for ending, unit in ENDINGS.items():
-        if name.endswith(ending):
-            finite = np.abs(array[np.isfinite(array)])
-            wanted = "deg" if unit == "rad" else handy_unit(unit, max(finite, default=0.0))
-            shown, label = scaled(array, unit, wanted)
-            return labelled(name.removesuffix(ending).replace("_", " "), label), shown
-    return name.replace("_", " "), array
+    words, unit = _with_unit(name)
+    largest = max(np.abs(array[np.isfinite(array)]), default=0.0)
+    shown, label = scaled(array, unit, "deg" if unit == "rad" else handy_unit(unit, largest))
+    return labelled(words, label), shown
 
 
 def handy_unit(unit: str, largest: float) -> str | None:

@@ -57,7 +57,7 @@ def draw_sweep(rows, axes, entries, path):
             positions = [magnitude(done[n][first.name]) for n in chosen]
             named = None in positions
             panel.plot(
-                range(len(chosen)) if named else positions,
+                [str(done[n][first.name]) for n in chosen] if named else positions,
                 shown[chosen],
                 "o-",
                 ms=4,
@@ -65,9 +65,6 @@ def draw_sweep(rows, axes, entries, path):
                 color=PALETTE[k % len(PALETTE)],
                 label=", ".join(map(" ".join, zip(names, key))),
             )
-            if named:
-                texts = [str(done[n][first.name]) for n in chosen]
-                panel.set_xticks(range(len(chosen)), texts, fontsize="small")
         panel.set_title(title, fontsize="small")
         panel.grid(alpha=0.3)
     if others and len(entries):
