@@ -2,7 +2,8 @@
 
     python .ci/try_wheel.py dist/piston_cosim-*.whl
 
-The export starts with an empty cache. It fails above `ALLOWED`, and after any reduction of a body.
+The export starts with an empty cache. It fails above `ALLOWED`, and after any reduction of a body
+or compilation.
 """
 
 import os
@@ -41,6 +42,8 @@ def main(wheel):
         cache = folder / "home/.cache/piston-cosim"
         if reduced := [path.name for path in (cache / "bodies").iterdir()]:
             raise SystemExit(f"main job: expected no reduction of a body, got {', '.join(reduced)}")
+        if compiled := [path.name for path in folder.rglob("*.nbc")]:
+            raise SystemExit(f"main job: expected no compilation, got {', '.join(compiled)}")
         shutil.rmtree(cache)
         output = folder / "engine.fmu"
         export = run(
