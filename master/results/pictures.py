@@ -126,7 +126,7 @@ def scaled(values, unit: str, wanted: str | None):
 
 def unit_shown(unit: str, wanted: str | None) -> str:
     """Label of the unit a picture asks for; the SI `unit` without one, nothing for pure numbers."""
-    shown = wanted or ("" if unit == "1" else unit)
+    shown = (wanted or ("" if unit == "1" else unit)).replace(".", " ")
     return f"\N{MICRO SIGN}{shown[1:]}" if shown in MICRO else shown
 
 
@@ -207,38 +207,47 @@ def draw_lines(case, picture, runs):
     figure, panels = stack(len(picture.y), 6.0 if plane else 2.3)
     x_unit = ""
     known = set()
+    alone = names_of([ports[0] for ports in picture.y if len(ports) == 1])
     for panel, ports in zip(panels, picture.y):
         y_unit = ""
-        ports = _not_zero(ports, runs)
+        title = alone.get(ports[0], _common(ports))
+        ports = [port for port in ports if _is_drawn(port, runs.values())] or ports
+        own = _own_words(ports)
         for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
             x, si, _ = results.series(picture.x)
             x, x_unit = scaled(x, si, picture.units.get(picture.x))
             for style, port in zip(("-", "--", ":", "-."), ports):
                 y, si, _ = results.series(port)
                 y, y_unit = scaled(y, si, picture.units.get(port))
-                name = label if len(ports) == 1 else f"{label}, {names_of(ports)[port]}"
-                panel.plot(x, y, style, color=colour, lw=1.2, label=name)
+                parts = [label] * (len(ports) == 1 or len(runs) > 1) + own[port]
+                if y.any() or not _is_drawn(port, runs.values()):
+                    panel.plot(x, y, style, color=colour, lw=1.2, label=", ".join(parts))
         if plane:
             panel.set_aspect("equal")
         _shade(panel, windows_of(ports, case.window, picture.units, first))
-        panel.set_ylabel(labelled(_common(ports), y_unit))
-        new = {
-            label: handle
-            for handle, label in zip(*panel.get_legend_handles_labels())
-            if label not in known
-        }
-        if new:  # a label is in one legend
+        panel.set_ylabel(labelled(title, y_unit))
+        handles, labels = panel.get_legend_handles_labels()
+        if not {line.get_label() for line in panel.lines} <= known:  # other curves than above
+            known.clear()
+        new = {label: handle for label, handle in zip(labels, handles) if label not in known}
+        if new:
             add_legend(panel, new)
         known.update(new)
     label_abscissa(panels[-1], picture.x, x_unit)
     return figure
 
 
-def _not_zero(ports, runs):
-    """Return the ports of a panel that are not zero in all runs, or all ports if all are zero."""
-    return [
-        port for port in ports if any(own.series(port).values.any() for own in runs.values())
-    ] or ports
+def _is_drawn(port, runs):
+    """Whether an output is not zero in a run."""
+    return any(results.series(port).values.any() for results in runs)
+
+
+def _own_words(ports):
+    """Return what follows the shared words in each name, as a list; empty for one port."""
+    names, shared = names_of(ports), _common(ports)
+    if len(ports) == 1:
+        return dict.fromkeys(ports, [])
+    return {port: [name.removeprefix(shared).strip(", ") or name] for port, name in names.items()}
 
 
 def label_abscissa(panel, port, unit):

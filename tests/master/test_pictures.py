@@ -253,7 +253,7 @@ def test_curves_of_one_variable_of_four_films_are_told_apart():
     results = SimpleNamespace(series=held.get)
     (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
     legend = [text.get_text() for text in panel.get_legend().get_texts()]
-    assert legend[2] == "r, minimum film thickness, big end"
+    assert legend[2] == "big end" and panel.get_ylabel() == "minimum film thickness [m]"
     assert len({*legend}) == 4 and len({line.get_linestyle() for line in panel.get_lines()}) == 4
 
 
@@ -275,6 +275,9 @@ def test_crank_angles_are_ticked_every_quarter_and_curves_of_zeros_left_out():
         units={"b.crank_angle": "deg"},
     )
     results = SimpleNamespace(series=held.get)
+    zero = SimpleNamespace(series=(held | {"b.power": held["b.nothing"]}).get)
+    figure = draw_lines(SimpleNamespace(window={}), picture, {"r": results, "zero": zero})
+    assert [len(panel.lines) for panel in figure.axes] == [2, 1, 2]  # the last is zero in all runs
     figure = draw_lines(SimpleNamespace(window={}), picture, {"r": results})
     assert [len(panel.lines) for panel in figure.axes] == [1, 1, 1]
     assert [panel.get_legend() is not None for panel in figure.axes] == [True, False, False]
