@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps, figure
+from matplotlib import colormaps, figure, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from PIL import Image
@@ -90,7 +90,8 @@ def add_legend(panel: Any, handles: dict[str, Any] | None = None) -> None:
 def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Path:
     """Save a figure as PNG, PDF or SVG, and return the path.
 
-    Images have a palette of 256 colours, and coordinates in SVG files two decimals.
+    Images have a palette of 256 colours. In SVG files, text is text and coordinates have one
+    decimal.
 
     Parameters
     ----------
@@ -102,12 +103,13 @@ def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Pa
     """
     data = BytesIO()
     dpi = resolution if path.suffix == ".png" else VECTOR_RESOLUTION
-    drawn.savefig(data, format=path.suffix[1:], dpi=dpi)
+    with rc_context({"svg.fonttype": "none", "font.sans-serif": ["DejaVu Sans", "Arial"]}):
+        drawn.savefig(data, format=path.suffix[1:], dpi=dpi)
     if path.suffix == ".png":
         data = BytesIO(_with_palette(data.getvalue()))
     if path.suffix == ".svg":
         text = data.getvalue().decode()
-        text = re.sub(r' d="[^"]*"', lambda part: re.sub(r"(\.\d\d)\d+", r"\1", part[0]), text)
+        text = re.sub(r' d="[^"]*"', lambda part: re.sub(r"(\.\d)\d+", r"\1", part[0]), text)
         text = re.sub(
             r'(?<=png;base64,)[^"]+',
             lambda part: b64encode(_with_palette(b64decode(part[0]))).decode(),
