@@ -115,7 +115,7 @@ def test_flexible_and_rigid_need_similar_iterations(job):
 def test_results_carry_units_and_the_case(flexible):
     assert flexible.series("bodies.lateral_displacement").unit == "m"
     assert flexible.dataset("ehd.pressure").attrs["unit"] == "Pa"
-    assert flexible.case["participants"]["bodies"]["build"]["piston"]["modes"] == 80
+    assert flexible.case["participants"]["bodies"]["build"]["piston"]["modes"] == 48
     assert json.loads(flexible.file.attrs["versions"])["numpy"]
 
 
