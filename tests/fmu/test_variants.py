@@ -168,6 +168,8 @@ def test_a_second_signal_ends_all_processes(tmp_path, library):
     write_case(tmp_path, library, value=1, at=3)
     process = begun(tmp_path)
     wait_for((tmp_path / "o/base.h5").exists)
+    wait_for((tmp_path / "o/other.h5.partial").exists)
+    time.sleep(1.0)  # until it hangs
     process.send_signal(signal.SIGTERM)
     time.sleep(0.5)
     assert process.poll() is None

@@ -11,9 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-import piston_cosim as pc
 from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.commands.common import open_runs, page_of
 from piston_cosim.master.engine.answer import answer
 from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special
@@ -21,7 +19,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import check_measured, measured_section, read_measured
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.packing import Columns
-from piston_cosim.master.results.report import Special, views, write_report
+from piston_cosim.master.results.report import Special, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
 
 from .browser import Browser, found, pace
@@ -595,56 +593,6 @@ def test_caption_and_cursor_agree_on_paper(page, tmp_path, width):
     assert told["cursor"] == pytest.approx(told["caption"], abs=1.0)
     sheets = len(re.findall(rb"/Type\s*/Page\b", base64.b64decode(pdf)))
     assert 1 <= sheets <= 3
-
-
-CASES = {
-    "data_sheet": "60 deg",
-    "numerical_example": "60 deg",
-    "floating_pin": "40 deg",
-    "crank_bearings": "40 deg",
-    "twin": "40 deg",
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_pages_of_cases_show_the_files(name, tmp_path):
-    """Figures, maps and section of short runs, whose results fill no period."""
-    case = pc.open_case(name, {"time.stop": CASES[name]})
-    case.run(tmp_path / "run.h5").close()
-    described, runs = open_runs([tmp_path / "run.h5"])
-    (results,) = runs.values()
-    path = page_of(described, runs, tmp_path / "report", source=name, figures=False)
-    with Browser(tmp_path / "profile", 1440) as shown:
-        shown.open(path)
-        told = shown.run("""const read = [];
-          for (const film of data.films.keys()) {
-            chosen.film = film; await showFilm();
-            const [map] = [...document.querySelectorAll("#maps canvas")].map(one => one.map);
-            read.push({ film: data.films[film].title, kind: map.kind, frame:
-              data.cursor.frames[0][instant], values: [...map.values(map.kind)],
-              marks: map.marks.selectAll(".marker").nodes().length,
-              side: document.querySelectorAll("#maps .side").length });
-          }
-          return { read, height: document.documentElement.scrollHeight,
-            figures: [...document.querySelectorAll(".figure .big")]
-              .map(one => one.textContent) };""")
-        assert shown.said() == [] and shown.asked() == []
-    films = views(described, runs, special(described, runs))
-    for one, film in zip(told["read"], films, strict=True):
-        values = results.dataset(film.layers[one["kind"]])[one["frame"]] * 1e-6
-        spread = np.ptp(results.dataset(film.layers[one["kind"]])[:]) * 1e-6
-        assert np.reshape(one["values"], values.shape) == pytest.approx(values, abs=2e-5 * spread)
-        assert one["marks"] and one["side"] == 1
-    assert told["height"] <= 3600
-    lowest = min(
-        results.series(port).values.min()
-        for port in results.ports
-        if port.endswith(".minimum_film_thickness")
-    )
-    number, unit = told["figures"][0].split()
-    assert float(number) * {"µm": 1e-6, "nm": 1e-9}[unit] == pytest.approx(lowest, rel=6e-3)
-    results.close()
 
 
 def test_a_measured_band_is_drawn_and_the_share_in_it_said(page, tmp_path):

@@ -951,7 +951,7 @@ def test_what_cannot_move_in_space_is_refused(coarse, cached, tmp_path):
     rigid = table | {name: table[name] | {"modes": 0} for name in ("piston", "block")}
     _, files = prepare(rigid, folder, lambda text: None)
     slim = rigid | {"piston": {"reduced": str(files[0]), "modes": 0}, "motion_in_space": {}}
-    assert "piston.reduced: expected points, tets" in refused(slim, folder)
+    assert "piston.reduced: expected rigid_mass, angles, skirt" in refused(slim, folder)
 
 
 def test_a_native_fmu_refuses_it():
