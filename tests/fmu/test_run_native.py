@@ -26,6 +26,8 @@ SMALL = [
     ("participants.bodies.parameters.crank_offset", "1 mm"),
     ("participants.ehd.parameters.film_fraction_lower_edge", 0.6),
     ("participants.ehd.parameters.roughness_rms", "1.5 um"),
+    ("wires.0.tolerance", "0.01 nm"),
+    ("wires.1.tolerance", 1e-8),
 ]
 """Flexible, beside the axis, little oil, surfaces that touch."""
 SPEED = {"points": [[0.0, 6000.0], [360.0, 6000.0]], "angle_unit": "deg", "speed_unit": "rpm"}
@@ -34,8 +36,8 @@ COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
 ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.energy_error")
 """The last one of the rigid block of the twin, 1e-17 J."""
 AGREES = 1e-6
-"""Of each curve's range. An iteration ends within the wires' tolerance, 1e-6 of what they carry;
-where in it follows the last digits of the bodies' products.
+"""Of each curve's range. Where in the wires' tolerance an iteration ends follows the last digits of
+the bodies' products, so the tolerance is a hundredth of the case's.
 """
 
 
