@@ -8,9 +8,15 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
                          + y (h_n - h_s)/2 + y^2 (h_n - 2 h_c + h_s)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
-at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Beyond an
-edge and a cut-out the gap goes on straight, h_n = 2 h_c - h_s. Ovality and barrel are parabolas
-within a cell; valid where the gap is smooth on the grid, steps from cell to cell are not.
+at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Ovality and
+barrel are parabolas within a cell. Beyond an edge, a cut-out and a step the gap goes on straight,
+h_n = 2 h_c - h_s, and it is constant between two of them. The gap steps between two cells where its
+jump exceeds a quarter of the roughness and twice the jumps before and behind:
+
+Eq. (A12):  |J_i| > sigma/4,   J_{i-1}/J_i < 1/2,   J_{i+1}/J_i < 1/2,   J_i = h_{i+1} - h_i
+
+The jumps of a parabola are evenly spaced, so none of them is a step, and neither are those of a
+wave that is longer than 6 cells. The extrema of a smooth gap stay, because contact happens there.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """
@@ -22,6 +28,11 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from .asperity import TABLE_END, ContactConstants, point_contact
 from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
+
+# Eq. (A12): contact on a smaller step changes by less than 1 %, on all of a cell's parabola
+LEAST_STEP = 0.25  # over the roughness
+STEEPER = 2.0  # than the gap beside a step
+OPPOSITE = (CENTRE, NORTH, SOUTH, EAST, WEST)
 
 # Gauss-Legendre along a cell of length 1 about its centre: contact that fades by exp(6) from the
 # middle of a cell to its end is integrated to 1 %, ovality on 40 cells to 0.1 %
@@ -74,6 +85,64 @@ def _shares(x, before_there, after_there):
     return 0.0, 0.0
 
 
+@compiled(inline="always")
+def _exists(k, i, j, a, b, open_cells, ring):
+    """Whether entry k of the stencil of cell (i, j), cell (a, b), has a film of its own."""
+    if open_cells[a, b] or (a == i and b == j):
+        return False
+    return ring or abs(a - i) <= 1  # across the ends of a sector
+
+
+@compiled(inline="always")
+def _is_step(before, jump, after, least):
+    """Whether the gap steps by `jump`, Eq. (A12)."""
+    square = jump * jump
+    steep = square > STEEPER * before * jump and square > STEEPER * after * jump
+    return steep and abs(jump) > least  # Eq. (A12)
+
+
+@compiled
+def step_to(k, i, j, film_thickness, open_cells, least, ring):
+    """Change of the gap from cell (i, j) to entry k of its stencil if it is a step, Eq. (A12); 0
+    otherwise, and where a jump before or behind is missing.
+    """
+    n_c, n_a = film_thickness.shape
+    back = OPPOSITE[k]
+    p, q = neighbour(back, i, j, n_c, n_a)
+    a, b = neighbour(k, i, j, n_c, n_a)
+    c, d = neighbour(k, a, b, n_c, n_a)
+    if not (
+        _exists(back, i, j, p, q, open_cells, ring)
+        and _exists(k, i, j, a, b, open_cells, ring)
+        and _exists(k, a, b, c, d, open_cells, ring)
+    ):
+        return 0.0
+    own = film_thickness[i, j]
+    jump = film_thickness[a, b] - own
+    before = own - film_thickness[p, q]
+    after = film_thickness[c, d] - film_thickness[a, b]
+    return jump if _is_step(before, jump, after, least) else 0.0
+
+
+@compiled
+def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
+    """Whether a land or groove is one cell wide: the gap steps by more than the roughness to both
+    sides of a cell, Eq. (A12).
+    """
+    n_c, n_a = film_thickness.shape
+    if roughness_rms <= 0.0:
+        return False
+    least = roughness_rms
+    for i in range(n_c):
+        for j in range(n_a):
+            for k in (SOUTH, WEST):
+                one = step_to(k, i, j, film_thickness, open_cells, least, ring)
+                other = step_to(OPPOSITE[k], i, j, film_thickness, open_cells, least, ring)
+                if one * other > 0.0:
+                    return True
+    return False
+
+
 @compiled
 def contact(
     film_thickness: Array,
@@ -111,6 +180,7 @@ def contact(
     if constants.roughness_rms <= 0.0:
         return Contact(pressure, area, stress, slope, stress_slope, energy)
     reach = TABLE_END * constants.roughness_rms
+    least = LEAST_STEP * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     there = np.zeros(5, np.bool_)
     share = np.zeros(5)
@@ -122,13 +192,14 @@ def contact(
             lowest = centre
             for k in (SOUTH, NORTH, WEST, EAST):
                 a, b = neighbour(k, i, j, n_c, n_a)
-                there[k] = not (open_cells[a, b] or (a == i and b == j))
-                if not ring and abs(a - i) > 1:
-                    there[k] = False  # across the ends of a sector
+                there[k] = _exists(k, i, j, a, b, open_cells, ring)
                 higher[k] = film_thickness[a, b] - film_thickness[i, j] if there[k] else 0.0
                 lowest -= 0.5 * abs(higher[k])
             if not lowest < reach:
                 continue
+            for k in (SOUTH, NORTH, WEST, EAST):
+                if step_to(k, i, j, film_thickness, open_cells, least, ring) != 0.0:
+                    there[k] = False
             for x, weight_x in zip(POINTS, WEIGHTS):
                 share[WEST], share[EAST] = _shares(x, there[WEST], there[EAST])
                 across = share[WEST] * higher[WEST] + share[EAST] * higher[EAST]

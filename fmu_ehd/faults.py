@@ -49,6 +49,8 @@ FAULTS = (
     "flow_factors: expected none for a bearing, got patir_cheng_1978",
     "sector_angle: expected {b} rad for a bearing with cut-outs, got {a} rad",
     "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, got {a} m",
+    "film_thickness: a land or groove is one cell wide, which the grid does not resolve; use a "
+    "finer grid or a smoother profile",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (
@@ -80,6 +82,7 @@ FAULTS = (
     FACTORS_ON_A_BEARING,
     CUT_OUTS_IN_A_SECTOR,
     STROKE_TOO_LONG,
+    NARROW_STEPS,
 ) = map(float, range(len(FAULTS)))  # numba compiles a kernel anew for every literal integer
 MOST_FAULTS = 12
 OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c
@@ -99,6 +102,20 @@ def refuse(faults: Array, number: float, i: int, j: int, a: float, b: float, c: 
         faults[first + 4] = b
         faults[first + 5] = c
         faults[0] = count + 1
+
+
+@compiled
+def remark(faults: Array, number: float):
+    """Note a warning, a sentence without numbers, in the place of the first fault: below 0, and no
+    fault is counted.
+    """
+    if faults[0] == 0.0:
+        faults[1] = -1.0 - number
+
+
+def remark_of(faults: Array) -> str:
+    """Return the sentence of the warning that is noted, empty without one."""
+    return FAULTS[int(-1.0 - faults[1])] if faults[1] < 0.0 else ""
 
 
 def sentences_of(faults: Array) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from . import asperity, coating, oil_layer, openings, step
 from . import step_parts as parts
 from .asperity import ContactConstants
-from .faults import none_yet, raise_noted
+from .faults import none_yet, raise_noted, remark_of
 from .film_step import FilmStep
 from .flow_film import FilmLaws
 from .grid import Array, Grid
@@ -150,6 +150,7 @@ class LubricationModel:
             p.bore_radius,
             oil_layer.bore_of(supply, faces, cells, n_axial),
         )
+        self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})
         self._right = np.empty(0)
         # of the last step: what the tangent needs
@@ -189,6 +190,7 @@ class LubricationModel:
         filled = self.parameters.initial_film_fraction
         memory, fields, scalars = step.start(self.fixed, inputs, filled, NO_LAYER, faults)
         raise_noted(faults)
+        self.remark = remark_of(faults)
         return State.of(memory), self._outputs(fields, scalars, 0)
 
     def advance(

@@ -234,6 +234,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     block = block_of(memory)
     faults = block.faults
     faults[0] = 0.0
+    faults[1] = 0.0  # no remark
     block.last_numbers[EULER_LENGTH] = 0.0
     take_numbers(real, integer, memory, block, 0.0)
     if faults[0] > 0.0:
@@ -256,6 +257,7 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     block = block_of(memory)
     faults = block.faults
     faults[0] = 0.0
+    faults[1] = 0.0  # no remark
     block.last_numbers[EULER_LENGTH] = 0.0  # a refused step has no tangent
     take_numbers(real, integer, memory, block, numbers[0])
     if faults[0] > 0.0:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+from pythonfmu.enums import Fmi2Status
+
 from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
@@ -33,6 +35,7 @@ class Ehd(FieldSlave):
     description = "Transient elastohydrodynamic lubrication of a piston skirt"
     state_type = State
     slow_state = ("layer.bore",)
+    _remarked: frozenset[str] = frozenset()
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -78,6 +81,7 @@ class Ehd(FieldSlave):
             )
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
+        self._tell_of_remark()
         return state, self._shown(outputs)
 
     def advance(
@@ -96,6 +100,13 @@ class Ehd(FieldSlave):
         except NotConverged as trouble:
             raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
         return state, self._shown(outputs)
+
+    def _tell_of_remark(self):
+        """Log the warning of the last start or step, each once."""
+        text = self.model.remark
+        if text and text not in self._remarked:
+            self._remarked |= {text}
+            self.log(text, Fmi2Status.warning)
 
     def _conditions(self, values):
         """Inputs that stand in for parameters."""

@@ -25,7 +25,8 @@ from . import step_parts as parts
 from .circumferential import Changes, Turning, TurningSlopes
 from .coated_film import CoatedFilm, Layer, Pressed
 from .coating import Softness
-from .contact import contact_changes
+from .contact import contact_changes, has_narrow_steps
+from .faults import NARROW_STEPS, remark
 from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
 from .films import COUETTE, STORED, FilmSlopes
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
@@ -387,7 +388,7 @@ def start(
     layer : oil_layer.OilLayer
         For a film without oil outside it.
     faults : ndarray
-        `faults.refuse`: forces that are not finite.
+        `faults.refuse`: forces that are not finite; `faults.remark`: steps of one cell.
     """
     shape = inputs.hard_film.shape
     n_c, n_a = shape
@@ -415,6 +416,10 @@ def start(
         layer = oil_layer.start(fixed.bore, inputs.velocity)
     oil = sum_of_products(content, fixed.surfaces.area)
     ledger = Ledger(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
+    domain = fixed.domain
+    rms = fixed.surfaces.contact.roughness_rms
+    if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells.ring):
+        remark(faults, NARROW_STEPS)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer), fields_of(acting, fraction), scalars

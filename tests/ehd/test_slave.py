@@ -55,6 +55,19 @@ def test_restored_state_repeats_the_bytes(slave, supply):
         assert slave._fmu_state_to_bytes(slave._get_fmu_state()) == first
 
 
+@pytest.mark.parametrize("cells, warns", [(1, True), (2, False)])
+def test_a_land_of_one_cell_is_warned_of(slave, cells, warns):
+    """A land between grooves of 10 um, one or two of six cells wide, on a skirt 1 um rough."""
+    slave.views["roughness_rms"][...] = 1e-6
+    film = np.full((8, 6), 12e-6)
+    film[:, 2 : 2 + cells] = 2e-6
+    slave.views["film_thickness"][...] = film
+    slave.show_start()
+    slave.exit_initialization_mode()
+    texts = [message.msg for message in slave.log_queue]
+    assert sum("one cell wide" in text for text in texts) == warns
+
+
 def test_range_and_cross_faults_stop_the_start(slave):
     slave.views["pressure_upper_edge"][...] = -1e4
     slave.exit_initialization_mode()

@@ -408,7 +408,7 @@ static void remember(Native *N, double *real, int64_t *integer)
     memcpy(integer, N->integer, integer_bytes(N));
 }
 
-/* Logs what a step that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
+/* Logs what a start or step that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
 static void log_remark(Instance *I)
 {
     Native *N = I->slave;
@@ -429,8 +429,10 @@ static int checked_start(Instance *I)
     N->was_started = 1;
     N->has_state = !range_faults(N, 0, text) && run(N, native_start, 0.0, 0.0, text, "\n");
     snprintf(N->refused, sizeof N->refused, "%s", text);
-    if (N->has_state)
+    if (N->has_state) {
+        log_remark(I);
         return OK;
+    }
     front_log(I, ERROR, "%s", text);
     return ERROR;
 }
