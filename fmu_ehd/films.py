@@ -4,7 +4,7 @@ Smooth surfaces:
 
 Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   b = s / 2
 
-Rough surfaces, h >= h_min:
+Rough surfaces; s and the h of g not below h_min, c also in overlap, h < 0:
 
 Eq. (E8):  s = h_T,   t = h_T - sigma Phi_s,   g = phi h^3 / (12 mu)
 Eq. (E9):  c = (phi_f + Phi_fs) mu / h,   b = phi_fp h / 2
@@ -32,8 +32,7 @@ from ..master.fmi.compiled import compiled
 from .grid import Array
 from .hermite import interpolate
 from .roughness import (
-    COUETTE_FACTOR,
-    DRAG_FACTOR,
+    DRAG,
     FACTORS,
     FLOW_FACTOR_A,
     FLOW_FACTOR_C,
@@ -41,6 +40,7 @@ from .roughness import (
     POISEUILLE_FACTOR,
     SHEAR_FLOW_FACTOR,
     TABLE_END,
+    TABLE_START,
 )
 
 # first axis of the quantities of a film:
@@ -103,22 +103,20 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
 
 @compiled(inline="always")
 def _factors(table, separation, roughness_rms, f, df):
-    """Deviations of all factors from their smooth limits at H into `f`, their slopes to h into
-    `df`.
-    """
+    """Functions of `roughness` at H into `f`, their slopes to h into `df`."""
     last = table.shape[0] - 1
     for k in range(FACTORS):
         column = 2 * k
-        if 0.0 <= separation < TABLE_END:
-            f[k], df[k] = interpolate(table, column, TABLE_END, separation)
+        if TABLE_START <= separation < TABLE_END:
+            x = separation - TABLE_START
+            f[k], df[k] = interpolate(table, column, TABLE_END - TABLE_START, x)
             df[k] /= roughness_rms
-        elif k == GAP_EXCESS and separation < 0.0:
-            # the average gap goes on along its tangent, until the floor holds
-            f[k] = table[0, column] + table[0, column + 1] * separation
-            df[k] = table[0, column + 1] / roughness_rms
         else:
-            f[k] = table[0 if separation < 0.0 else last, column]
+            f[k] = table[0 if separation < TABLE_START else last, column]
             df[k] = 0.0
+    if separation >= TABLE_END:  # the factor keeps its value, its share of H does not
+        f[DRAG] *= TABLE_END / separation
+        df[DRAG] = -f[DRAG] / (separation * roughness_rms)
 
 
 @compiled
@@ -180,12 +178,8 @@ def rough_film(
             quantities[CONDUCTIVITY_A, i, j] = phi * cube
             by_film[CONDUCTIVITY_A, i, j] = phi * dcube + df[FLOW_FACTOR_A] * cube
 
-            shear = mu / h
-            dshear = -mu * dh / (h * h)
-            phi = 1.0 + f[COUETTE_FACTOR] + f[DRAG_FACTOR]
-            dphi = df[COUETTE_FACTOR] + df[DRAG_FACTOR]
-            quantities[COUETTE, i, j] = phi * shear  # Eq. (E9)
-            by_film[COUETTE, i, j] = phi * dshear + dphi * shear
+            quantities[COUETTE, i, j] = f[DRAG] * mu / roughness_rms  # Eq. (E9)
+            by_film[COUETTE, i, j] = df[DRAG] * mu / roughness_rms
             phi = 1.0 + f[POISEUILLE_FACTOR]
             dphi = df[POISEUILLE_FACTOR]
             quantities[POISEUILLE, i, j] = 0.5 * phi * h

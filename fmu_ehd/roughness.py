@@ -13,9 +13,10 @@ Shear flow, for H up to 5 and above 5:
 
 Eq. (R3):  Phi_s = A1 H^a1 exp(-a2 H + a3 H^2);   Phi_s = A2 exp(-H/4)
 
-Couette stress, heights (35/96)(1 - (s/3)^2)^3, local films cut off at sigma/100:
+Couette stress, heights (35/96)(1 - (s/3)^2)^3, local films cut off at sigma/100; in overlap the
+local films that are left:
 
-Eq. (R4):  phi_f = h E(1/h_T)
+Eq. (R4):  phi_f/H = sigma E(1/h_T)
 
 Roughness-induced stress, for H below 7 and from 7 on:
 
@@ -38,7 +39,9 @@ Peklenik number gamma = correlation length along / across the sliding direction:
 < 1 grooves across. The factors are published for seven values of gamma from 1/9 to 9; between them
 the factors (not their coefficients, whose formula changes at gamma = 1) are interpolated linearly
 in ln gamma. Below the published range of H, which starts between 0.5 and 1, phi_x and phi_fp keep
-their value; the others go on by their formula, which ends well at H = 0.
+their value; the others go on by their formula, Phi_s and Phi_fs to 0 at H = 0. In overlap, H < 0,
+(R1) and (R4) hold: the gap that is left of two surfaces pressed together, and the drag in it, which
+ends at H = -3.
 
 What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at H =
 5 to the printed digits for all seven gamma, which ties six numbers of each row together
@@ -70,18 +73,17 @@ from .grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 
-# functions of the table, in its order: h_T/sigma - H, phi across i and along j, Phi_s, phi_f,
-# Phi_fs, phi_fp, each less its limit for smooth surfaces, by Eqs. (R7), (R8)
+# functions of the table, in its order, by Eqs. (R7), (R8): h_T/sigma - H; phi - 1 across i and
+# along j; Phi_s; (phi_f + Phi_fs)/H, which is finite at H = 0; phi_fp - 1
 (
     GAP_EXCESS,
     FLOW_FACTOR_C,
     FLOW_FACTOR_A,
     SHEAR_FLOW_FACTOR,
-    COUETTE_FACTOR,
-    DRAG_FACTOR,
+    DRAG,
     POISEUILLE_FACTOR,
-) = range(7)
-FACTORS = 7
+) = range(6)
+FACTORS = 6
 
 
 class Row(NamedTuple):
@@ -122,9 +124,10 @@ COEFFICIENTS = tuple(Row._make(numbers) for numbers in (
 PEKLENIK = np.array([row.gamma for row in COEFFICIENTS])
 LOGARITHMS = np.log(PEKLENIK)
 LOWEST = 0.5  # start of the published range of (R6)
+TABLE_START = -4.0  # h_T is 7e-6 sigma
 # H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
 TABLE_END = 32.0
-TABLE_CELLS = 2048
+TABLE_CELLS = 2304  # H = 0 is a point
 TABLE = (TABLE_CELLS + 1, 2 * FACTORS)
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
 
@@ -163,6 +166,8 @@ def _pressure_flow(row, separation):
 
 @compiled
 def _shear_flow(row, h):
+    if h <= 0.0:
+        return Factor(0.0, 0.0)
     if h <= 5.0:
         near = row.A1 * h**row.a1 * np.exp(-row.a2 * h + row.a3 * h * h)  # Eq. (R3)
         return Factor(near, near * (row.a1 / h - row.a2 + 2.0 * row.a3 * h))
@@ -172,7 +177,7 @@ def _shear_flow(row, h):
 
 @compiled
 def _sliding_stress(row, h):
-    if h >= 7.0:
+    if h <= 0.0 or h >= 7.0:
         return Factor(0.0, 0.0)
     near = row.A3 * h**row.a4 * np.exp(-row.a5 * h + row.a6 * h * h)  # Eq. (R5)
     return Factor(near, near * (row.a4 / h - row.a5 + 2.0 * row.a6 * h))
@@ -215,21 +220,22 @@ def pressure_flow_factor(separation: float, gamma: float):
 
 @compiled
 def shear_flow_factor(separation: float, gamma: float):
-    """Shear flow factor Phi_s of one rough surface, Eq. (R3), for H > 0."""
+    """Shear flow factor Phi_s of one rough surface, Eq. (R3), 0 in overlap."""
     k, weight = _place(gamma)
     low = _shear_flow(COEFFICIENTS[k], separation)
     return _between(low, _shear_flow(COEFFICIENTS[k + 1], separation), weight)
 
 
 @compiled
-def shear_stress_factor(separation: float):
-    """Factor phi_f of the mean Couette stress, Eq. (R4) in closed form; Eq. (R4) by moments for H >
-    30.
-    """
+def mean_inverse_gap(separation: float):
+    """Mean of sigma over the local film, Eq. (R4) in closed form; by moments for H > 30."""
     z = separation / 3.0
     if z > 10.0:
-        value = 1.0 + (3.0 * z) ** -2.0 + 27.0 / 11.0 * (3.0 * z) ** -4.0
-        return Factor(value, -2.0 * (3.0 * z) ** -3.0 - 108.0 / 11.0 * (3.0 * z) ** -5.0)
+        h = separation
+        value = 1.0 / h + h**-3.0 + 27.0 / 11.0 * h**-5.0
+        return Factor(value, -(h**-2.0) - 3.0 * h**-4.0 - 135.0 / 11.0 * h**-6.0)
+    if z <= CUT_OFF - 1.0:
+        return Factor(0.0, 0.0)
     square = 1.0 - z * z
     cube = square * square * square
     dcube = -6.0 * z * square * square
@@ -249,13 +255,21 @@ def shear_stress_factor(separation: float):
         dlogarithm = 2.0 / square
     mean = cube * logarithm + polynomial
     dmean = dcube * logarithm + cube * dlogarithm + dpolynomial
-    value = 35.0 / 32.0 * z * mean  # Eq. (R4)
-    return Factor(value, 35.0 / 96.0 * (mean + z * dmean))
+    return Factor(35.0 / 96.0 * mean, 35.0 / 288.0 * dmean)  # Eq. (R4)
+
+
+@compiled
+def shear_stress_factor(separation: float):
+    """Factor phi_f of the mean Couette stress, Eq. (R4), for H >= 0."""
+    inverse = mean_inverse_gap(separation)
+    return Factor(separation * inverse.value, inverse.value + separation * inverse.slope)
 
 
 @compiled
 def sliding_stress_factor(separation: float, gamma: float):
-    """Factor Phi_fs of the roughness-induced stress of one rough surface, Eq. (R5), for H > 0."""
+    """Factor Phi_fs of the roughness-induced stress of one rough surface, Eq. (R5), 0 in
+    overlap.
+    """
     k, weight = _place(gamma)
     low = _sliding_stress(COEFFICIENTS[k], separation)
     return _between(low, _sliding_stress(COEFFICIENTS[k + 1], separation), weight)
@@ -294,9 +308,18 @@ def _against(share, of_skirt, of_bore, limit):
 
 
 @compiled
+def _drag(h, sliding):
+    """(phi_f + Phi_fs)/H with Phi_fs of both surfaces."""
+    inverse = mean_inverse_gap(h)
+    if h <= 0.0:
+        return inverse
+    slope = inverse.slope + (sliding.slope - sliding.value / h) / h
+    return Factor(inverse.value + sliding.value / h, slope)
+
+
+@compiled
 def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table: Array):
-    """Deviations of all factors from their smooth limit on a uniform grid of H from 0 to
-    `TABLE_END`.
+    """The functions of the table on a uniform grid of H from `TABLE_START` to `TABLE_END`.
 
     Parameters
     ----------
@@ -304,15 +327,15 @@ def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table
         Y, the skirt's share of the variance [-], 0 to 1.
     gamma_skirt, gamma_bore : float
         Peklenik numbers of the axial (sliding) direction [-], 1/9 to 9.
-    table : ndarray, shape (2049, 14)
+    table : ndarray, shape (2305, 12)
         Overwritten, values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1
-        along j, Phi_s, phi_f - 1, Phi_fs, phi_fp - 1 [-], by Eqs. (R7), (R8).
+        along j, Phi_s, (phi_f + Phi_fs)/H, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
     y = share
     s = gamma_skirt
     b = gamma_bore
     for k in range(TABLE_CELLS + 1):
-        h = k * (TABLE_END / TABLE_CELLS) if k > 0 else 1e-12  # 0 to a power has no slope
+        h = TABLE_START + k * ((TABLE_END - TABLE_START) / TABLE_CELLS)
         gap = average_gap(h)
         _put(table, k, GAP_EXCESS, h, Factor(gap.value, gap.slope - 1.0))
         across = _both(y, pressure_flow_factor(h, 1.0 / s), pressure_flow_factor(h, 1.0 / b))
@@ -321,16 +344,10 @@ def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table
         _put(table, k, FLOW_FACTOR_A, 1.0, along)
         carried = _against(y, shear_flow_factor(h, s), shear_flow_factor(h, b), 0.0)
         _put(table, k, SHEAR_FLOW_FACTOR, 0.0, carried)
-        _put(table, k, COUETTE_FACTOR, 1.0, shear_stress_factor(h))
-        drag = _both(y, sliding_stress_factor(h, s), sliding_stress_factor(h, b))
-        _put(table, k, DRAG_FACTOR, 0.0, drag)
+        sliding = _both(y, sliding_stress_factor(h, s), sliding_stress_factor(h, b))
+        _put(table, k, DRAG, 0.0, _drag(h, sliding))
         driven = _against(y, pressure_stress_factor(h, s), pressure_stress_factor(h, b), 1.0)
         _put(table, k, POISEUILLE_FACTOR, 0.0, driven)
-    # H^a1 with a1 < 1 has no slope at 0: a cubic without curvature there
-    value = 2 * SHEAR_FLOW_FACTOR
-    slope = value + 1
-    rise = (table[1, value] - table[0, value]) * TABLE_CELLS / TABLE_END
-    table[0, slope] = 1.5 * rise - 0.5 * table[1, slope]
 
 
 @cache

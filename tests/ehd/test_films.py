@@ -1,9 +1,15 @@
 import numpy as np
 import pytest
-from scipy.integrate import trapezoid
+from scipy.integrate import quad, trapezoid
 
 from piston_cosim.fmu_ehd import roughness
-from piston_cosim.fmu_ehd.films import CONDUCTIVITY_A, rough_film, smooth_film
+from piston_cosim.fmu_ehd.films import (
+    CONDUCTIVITY_A,
+    COUETTE,
+    STORED,
+    rough_film,
+    smooth_film,
+)
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
@@ -92,6 +98,36 @@ def test_average_gap_is_its_integral():
         assert roughness.average_gap(separation).value == pytest.approx(
             integral, rel=1e-7
         )  # trapezoid rule
+
+
+def mean_inverse_gap(separation):
+    """E(sigma/h_T) of Eq. (R4) by quadrature, over the local films above sigma/100."""
+    z = separation / 3.0
+    lowest = max(1.0 / 300.0 - z, -1.0)
+    return quad(lambda s: 35.0 / 96.0 * (1.0 - s * s) ** 3 / (z + s), lowest, 1.0, limit=200)[0]
+
+
+@pytest.mark.parametrize("separation", [1.0, 0.2, 0.02, 0.0, -0.5, -1.0, -2.0])
+def test_mean_gap_and_couette_stress_near_and_in_overlap(separation):
+    """Eqs. (R1), (R4), with Phi_fs of Eq. (R5) above. 2.1e-3: the closed form of (R4) leaves out
+    terms of first order in the cut-off, 35/96 x 1.7/300 with the largest slope of (1 - s^2)^3;
+    1e-6: the table.
+    """
+    film = np.array([[separation * SIGMA]])
+    quantities, _ = rough(film, gamma=1.0, share=1.0)
+    assert quantities[STORED, 0, 0] / SIGMA == pytest.approx(
+        roughness.average_gap(separation).value, rel=1e-6
+    )
+    sliding = roughness.sliding_stress_factor(separation, 1.0).value
+    exact = mean_inverse_gap(separation) + (sliding / separation if separation > 0.0 else 0.0)
+    assert quantities[COUETTE, 0, 0] * SIGMA / 0.01 == pytest.approx(exact, abs=2.1e-3)
+
+
+def test_mean_gap_and_couette_stress_by_hand():
+    """h_T(-0.5) = -0.5 x 0.308538 + 0.352065; at H -> 0 35/96 (ln 300 - 11/12) mu/sigma."""
+    assert rough(np.array([[-0.5e-6]]))[0][STORED, 0, 0] == pytest.approx(0.197797e-6, rel=1e-5)
+    touching = rough(np.array([[1e-12]]))[0][COUETTE, 0, 0] * SIGMA / 0.01
+    assert touching == pytest.approx(1.745303, rel=1e-5)
 
 
 def test_thinned_oil_halves_couette_stress_at_the_critical_shear_rate():
