@@ -60,6 +60,7 @@ class Role:
     of_each_film: tuple[str, ...] = ()
     starts_from: tuple[str, ...] = ()
     larger_is_better: tuple[str, ...] = ()
+    envelopes: dict[str, str] = field(default_factory=dict)
     around: dict[str, str] = field(default_factory=dict)
 
 
@@ -119,6 +120,22 @@ def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) ->
         if taker == name and taken in contract()[role].inputs["field"] and given.endswith(taken):
             return Interface(giver, given.removesuffix(taken))
     return None
+
+
+def envelope_kinds(tree: dict) -> dict[str, str]:
+    """Return the fields of a case with envelopes: port -> "min" or "max".
+
+    The port of an input is that of its source.
+    """
+    found = {}
+    for role, terms in contract().items():
+        for name in players(tree, role) if terms.envelopes else ():
+            other = interface(tree.get("wires", ()), name, role)
+            source = f"{other.owner}.{other.surface}" if other else f"{name}."
+            for variable, kind in terms.envelopes.items():
+                owner = source if variable in terms.inputs["field"] else f"{name}."
+                found[owner + variable] = kind
+    return found
 
 
 def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:

@@ -43,7 +43,7 @@ FileName = Annotated[str, AfterValidator(_file_name)]
 """Name of a file in the output folder, without directories."""
 
 REDUCTIONS = ("min", "max", "mean", "last")
-TAKEN = ("coupling", "fields", "time")
+TAKEN = ("coupling", "envelopes", "fields", "time")
 """Groups of a results file that are no participants."""
 
 

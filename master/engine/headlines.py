@@ -17,7 +17,7 @@ from ..results.judgement import mean_over
 from .impacts import impacts
 from .oil_balance import oil_balance
 from .peaks import ABOVE, BESIDE, side_peaks
-from .places import Place, film_body, thinnest_place, worst_place
+from .places import Place, film_body, highest_place, thinnest_place
 
 
 class Headline(NamedTuple):
@@ -124,7 +124,7 @@ def highest(run) -> Located | None:
     if values is None:
         return None
     k = int(values.argmax())
-    place = worst_place(run.case, run.results, f"{run.film}.pressure", lowest=False)
+    place = highest_place(run.case, run.results, run.film)
     return Located(float(values[k]), "Pa", f"{_at(run, k)}{_where(place)}")
 
 

@@ -5,7 +5,7 @@ thrust line, envelopes and wear.
 Only what was recorded is drawn.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from scipy.integrate import trapezoid
 
 from ..case.contract import players
 from ..case.schema import Case
-from ..fmi.quantities import short, to_si
+from ..fmi.quantities import to_si
 from ..results.charts import (
     DASHES,
     Chart,
@@ -27,6 +27,7 @@ from ..results.charts import (
 )
 from ..results.file import Results
 from ..results.instants import crank_angle
+from ..results.pictures import scaled
 from ..results.report import FilmView, Orbit, Special
 from ..results.solids import Solid, Stand
 from .headlines import friction_pressures
@@ -611,82 +612,59 @@ def _whole(results, port, blank):
     return values if there is None else np.where(there, values, blank)
 
 
-class _Envelope(NamedTuple):
-    """A map of all instants: its title, unit, field, and how it is got from (values, results)."""
-
-    title: str
-    unit: str
-    port: str
-    of: Callable[[np.ndarray, Results], np.ndarray]
-
-
 def _envelopes(case, runs, body, film, gap):
     envelopes = (
-        _Envelope(
-            "Maximum pressure of the recorded instants", "MPa", f"{film}.pressure", _highest(1e-6)
-        ),
-        _Envelope("Minimum film thickness of the recorded instants", "µm", gap, _lowest(1e6)),
-        _Envelope(
-            "Maximum contact pressure of the recorded instants",
-            "MPa",
-            f"{film}.asperity_pressure",
-            _highest(1e-6),
-        ),
-        _Envelope(
-            f"Archard's wear depth in an hour, {WEAR_COEFFICIENT:g} 1/Pa",
-            "µm",
-            f"{film}.asperity_pressure",
-            lambda values, results: 1e6 * wear_depth(values, results, body) * _hourly(results),
-        ),
+        ("Maximum pressure of the last period", "MPa", f"{film}.pressure"),
+        ("Minimum film thickness of the last period", "µm", gap),
+        ("Maximum contact pressure of the last period", "MPa", f"{film}.asperity_pressure"),
     )
-    bearing = _is_bearing(runs, film)
     drawn: list[Drawn] = []
-    for envelope in envelopes[:3] if bearing else envelopes:
-        fields = [
-            envelope.of(results.last.dataset(envelope.port)[:], results.last)
-            if envelope.port in results.recorded
-            else None
-            for results in runs.values()
-        ]
-        if any(values is not None for values in fields):
-            there = [
-                None if values is None else results.there(envelope.port)
-                for values, results in zip(fields, runs.values())
-            ]
-            axes = case.axes_of(envelope.port)
-            drawn.append(StillMap(envelope.title, envelope.unit, axes, fields, there))
-    said = "The maps hold the recorded instants of the last period. " + _between(runs, film)
-    if bearing:
-        return Section("Envelopes of recorded instants", drawn, said)
-    said += (
-        "Wear is contact pressure times piston speed, summed over the recorded instants, times an "
-        f"assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
-    )
-    return Section("Envelopes of recorded instants, and wear", drawn, said)
-
-
-def _between(runs, film):
-    """Return sentences with the highest pressures of all steps and of the recorded instants."""
-    ports = f"{film}.maximum_pressure", f"{film}.pressure"
-    found = ""
-    for label, results in runs.items():
-        last = results.last
-        if ports[0] not in last.ports or ports[1] not in last.recorded:
-            continue
-        of_steps, of_maps = last.series(ports[0]).values.max(), last.dataset(ports[1])[:].max()
-        found += (
-            f"{label}: the highest film pressure of all steps is {short(of_steps, 'Pa')}, of "
-            f"{len(last.instants)} recorded instants {short(of_maps, 'Pa')}. "
+    for title, unit, port in envelopes:
+        found = [results.envelope(port) for results in runs.values()]
+        fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in found]
+        drawn += _still(case, runs, title, unit, port, fields)
+    if not _is_bearing(runs, film):
+        drawn += _wear(case, runs, body, f"{film}.asperity_pressure")
+    said = _every_step(runs, f"{film}.pressure")
+    if drawn and not _is_bearing(runs, film):
+        said += (
+            " Wear is contact pressure times piston speed, summed over the recorded instants, "
+            f"times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
         )
-    return found
+    return Section("Envelopes" if _is_bearing(runs, film) else "Envelopes and wear", drawn, said)
 
 
-def _highest(factor):
-    return lambda values, results: values.max(axis=0) * factor
+def _still(case, runs, title, unit, port, fields) -> list[Drawn]:
+    """A map of a field without time for every run; none if no run has it."""
+    if all(values is None for values in fields):
+        return []
+    there = [
+        None if values is None else results.there(port)
+        for values, results in zip(fields, runs.values())
+    ]
+    return [StillMap(title, unit, case.axes_of(port), fields, there)]
 
 
-def _lowest(factor):
-    return lambda values, results: values.min(axis=0) * factor
+def _wear(case, runs, body, port) -> list[Drawn]:
+    """Wear depth of an hour, from the recorded contact pressure."""
+    fields = [
+        1e6 * wear_depth(last.dataset(port)[:], last, body) * _hourly(last)
+        if port in last.recorded
+        else None
+        for last in (results.last for results in runs.values())
+    ]
+    title = f"Archard's wear depth in an hour, {WEAR_COEFFICIENT:g} 1/Pa"
+    return _still(case, runs, title, "µm", port, fields)
+
+
+def _every_step(runs, port):
+    """Sentence that says of which instants the envelopes are."""
+    found = {label: results.envelope(port) for label, results in runs.items()}
+    sparse = [label for label, one in found.items() if one and not one.every_step]
+    said = "The envelopes hold every accepted macro step of the last period."
+    if sparse:
+        said += f" Those of {', '.join(sparse)} hold the recorded instants alone."
+    return said
 
 
 def _hourly(results):

@@ -1,5 +1,6 @@
 """Checks of a finished run against limits, with the positions of the extreme values."""
 
+from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.instants import told
-from .places import thinnest_place, worst_place
+from .places import highest_place, thinnest_place
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
@@ -188,7 +189,7 @@ def _of_film(case, results, name):
     if highest in results.ports and f"{name}.friction_torque" not in results.ports:
         values = results.series(highest).values
         k = int(values.argmax())
-        place = worst_place(case, results, f"{name}.pressure", lowest=False)
+        place = highest_place(case, results, name)
         yield Verdict(
             _colour(values[k], PRESSURE_AMBER, PRESSURE_RED),
             "pressure",
@@ -200,11 +201,11 @@ def _of_film(case, results, name):
 def _of_grid(case, results, name):
     """Yield the check of the grid: it must resolve pressure peak, openings and thrust lines."""
     port = f"{name}.pressure"
-    peak = worst_place(case, results, port, lowest=False)
-    if peak is None:
+    if port not in results.recorded:
         return
     pressure = results.dataset(port)[:]
-    widths = peak_width(pressure[peak.row], peak.index)
+    instant, *cell = np.unravel_index(pressure.argmax(), pressure.shape)
+    widths = peak_width(pressure[instant], cell)
     narrow = min(widths)
     remarks = [
         f"The pressure peak spans {widths.around} cells around and {widths.along} along at half "
@@ -237,7 +238,7 @@ class Widths(NamedTuple):
     along: int
 
 
-def peak_width(field: np.ndarray, index: tuple[int, int]) -> Widths:
+def peak_width(field: np.ndarray, index: Sequence[int]) -> Widths:
     """Return the width of a peak in cells with at least half of the value at `index`, around (a
     ring) and along.
     """

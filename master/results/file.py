@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
+from ..case.contract import envelope_kinds
 from ..fmi.errors import BadInput
 from ..fmi.notebook import html_table
 
@@ -48,6 +49,20 @@ class RecordedField(NamedTuple):
     def _repr_html_(self) -> str:
         rows = {self.description: _span(self.values, self.unit), "time": f"{self.time:g} s"}
         return html_table("RecordedField", rows)
+
+
+class Envelope(NamedTuple):
+    """Extreme value of every cell of a field over the last period, in its SI unit.
+
+    kind : "min" or "max"; every_step : whether all accepted macro steps count, or recorded instants
+    alone.
+    """
+
+    values: np.ndarray
+    kind: str
+    unit: str
+    description: str
+    every_step: bool
 
 
 def _span(values: np.ndarray, unit: str) -> str:
@@ -249,7 +264,8 @@ class Results:
                 names.append(_port(name))
 
         self.file.visititems(note)
-        return [name for name in names if name != "time" and not name.startswith("fields.")]
+        groups = ("fields.", "envelopes.")
+        return [name for name in names if name != "time" and not name.startswith(groups)]
 
     def structured(self) -> np.ndarray:
         """All scalar outputs as FMPy hands out results.
@@ -297,7 +313,13 @@ class Results:
         masks = json.loads(self.file.attrs.get("masks", "{}"))
         owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
         mask = next((masks[name] for name in owners if name in masks), None)
-        if mask is None or np.shape(mask) != self.dataset(port).shape[1:]:
+        path = dataset_path(port)
+        shapes = [
+            self.file[f"{group}/{path}"].shape
+            for group in ("fields", "envelopes")
+            if f"{group}/{path}" in self.file
+        ]
+        if mask is None or not any(shape[-2:] == np.shape(mask) for shape in shapes):
             return None
         return np.array(mask, dtype=bool)
 
@@ -315,6 +337,24 @@ class Results:
         k = int(np.argmin(np.abs(instants - time)))
         unit = dataset.attrs["unit"]
         return RecordedField(dataset[k], float(instants[k]), unit, dataset.attrs["description"])
+
+    def envelope(self, port: str) -> Envelope | None:
+        """Extreme value of every cell of a field over the last period; None if the file has none.
+
+        A file without stored envelopes, such as one of an unfinished run, gives those of its
+        recorded instants.
+        """
+        if (path := f"envelopes/{dataset_path(port)}") in self.file:
+            dataset = self.file[path]
+            attributes = (dataset.attrs[name] for name in ("kind", "unit", "description"))
+            return Envelope(dataset[()], *attributes, every_step=True)
+        kind = envelope_kinds(self.case).get(port)
+        if kind is None or port not in self.recorded:
+            return None
+        field = self.last.dataset(port)
+        attributes = (field.attrs[name] for name in ("unit", "description"))
+        values = {"min": np.min, "max": np.max}[kind](field[:], axis=0)
+        return Envelope(values, kind, *attributes, every_step=False)
 
     def to_xarray(self) -> "xarray.Dataset":
         """All that was recorded with named dimensions; needs the extra `xarray`.

@@ -14,6 +14,7 @@ from ..coupling.stepping import Counters
 from ..coupling.work import ConjugatePair, InterfaceWork
 from ..fmi.errors import BadInput, Stopped, file_fault
 from ..participants.plain import NotPlain, pack, unpack
+from .envelopes import Envelopes
 from .extrapolation import Extrapolation
 from .reductions import Reduction
 from .repetition import Repetition
@@ -44,8 +45,8 @@ class Account:
     counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they
     went into; steps_done : macro steps of the run; rows : of the results file, and wall_time [s],
     both as of the last checkpoint; began, began_rows : steps and rows at the beginning of the
-    period under way, which reductions, work and ledger are of; repetition : of a case with a
-    period.
+    period under way, which reductions, work, ledger and envelopes are of; repetition : of a case
+    with a period.
     """
 
     counters: Counters
@@ -59,10 +60,11 @@ class Account:
     began_rows: int = 0
     repetition: Repetition | None = None
     ledger: Ledger | None = None
+    envelopes: Envelopes | None = None
 
 
 MAGIC = b"piston-cosim checkpoint\n"
-VERSION = 2
+VERSION = 3
 CHECKSUM = 32
 """Bytes of a SHA-256."""
 
@@ -70,6 +72,7 @@ ACCOUNTS = (
     Account,
     ConjugatePair,
     Counters,
+    Envelopes,
     Extrapolation,
     InterfaceWork,
     Ledger,

@@ -12,6 +12,8 @@ Layout
     /time                   end of every macro step [s]
     /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
+    /envelopes/<participant>/<name>   extreme value of every cell over the last period (its start
+                            and all accepted steps), when finished; attribute kind, "min" or "max"
     /fields/time            instants of the recorded fields [s]
     /fields/crank_angle     at those instants [rad], of a case with a crank
     /fields/<dimension>     where the cells of a field lie: of a skirt angle [deg] and height [-]
@@ -319,15 +321,23 @@ class Recorder:
             self.flush()
         return values
 
-    def finish(self, summary, last_period):
-        """Close, add the summary and the beginning [s] of the last period, and give the file its
-        final name.
+    def finish(self, summary, last_period, envelopes):
+        """Close, add the summary, the beginning [s] of the last period and its envelopes, and give
+        the file its final name.
         """
         self.flush()
         self.close()
+        more = ROOM + sum(values.nbytes for values in envelopes.values.values())
+        reserve(self.partial, self.partial.stat().st_size + more)
         with h5py.File(self.partial, "a") as file:
             file.attrs["summary"] = json.dumps(summary)
             file.attrs["last_period"] = last_period
+            for port, values in envelopes.values.items():
+                owner, name = port_of(port)
+                field = self.participants[owner].fields[name]
+                dataset = file.create_dataset(f"envelopes/{dataset_path(port)}", data=values)
+                attributes = {"unit": field.unit, "description": field.description}
+                dataset.attrs.update(attributes | {"kind": envelopes.kinds[port]})
         os.replace(self.partial, self.path)
 
     def close(self):

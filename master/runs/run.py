@@ -44,6 +44,7 @@ from .checkpoint import (
     kept,
     source_hashes,
 )
+from .envelopes import envelopes
 from .lock import sole_writer
 from .logs import CouplingLog
 from .recorder import CannotWrite, Recorder, Schedule, writing
@@ -293,7 +294,7 @@ class March:
         unable = sum(bool(one.fixed) for one in components(self.system))
         if unable and self.case.coupling.method != "explicit":
             summary["loops_stepped_explicitly"] = unable
-        self.recorder.finish(summary, self._time(self.account.began))
+        self.recorder.finish(summary, self._time(self.account.began), self.account.envelopes)
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
 
@@ -363,6 +364,8 @@ class March:
         ]
         account.work = InterfaceWork(self.stepper.interface, self.case.wires, begin)
         account.ledger = self._ledger()
+        account.envelopes = envelopes(self.tree, self.system.participants)
+        account.envelopes.begin(self.system.participants)
         if account.repetition:
             account.repetition.begin(self.system.participants)
 
@@ -405,6 +408,7 @@ class March:
         """Record an accepted step, and tell of it."""
         begin, account = clock.perf_counter(), self.account
         values = self.recorder.write(time, solution)
+        account.envelopes.add(self.system.participants)
         if account.repetition:
             account.repetition.note(self.system.participants)
         for reduction in account.reductions:

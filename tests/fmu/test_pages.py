@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
+from piston_cosim.master.case.contract import envelope_kinds, players
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands import sweep
@@ -32,7 +33,10 @@ SMALL = [("participants.bodies.build.grid", [20, 16]), ("participants.ehd.build.
 CASES = {
     # bodies as they are, for other tests have reduced them
     "flexible": ("numerical_example", [("time.stop", "20 deg"), ("time.step", "2 deg")]),
-    "rigid": ("data_sheet", [*SMALL, ("time.stop", "40 deg"), ("time.step", "2 deg")]),
+    "rigid": (
+        "data_sheet",
+        [*SMALL, ("time.stop", "40 deg"), ("time.step", "2 deg"), ("record.every", 1)],
+    ),
     "bearing": ("journal_bearing", [("time.stop", "8 ms")]),
     "pin": ("floating_pin", [("time.stop", "16 deg")]),
     "twin": ("twin", [("time.stop", "12 deg")]),
@@ -64,6 +68,23 @@ def seen(request, tmp_path_factory):
             kind=request.param, case=case, path=path, runs=runs, results=results, browser=browser
         )
     results.close()
+
+
+def test_envelopes_are_the_extremes_of_all_steps(seen):
+    """The rigid run records every step, the others few of them."""
+    results = seen.results
+    kinds = {port: one for port in envelope_kinds(results.case) if (one := results.envelope(port))}
+    assert kinds and all(one.every_step for one in kinds.values())
+    for port in {*kinds} & {*seen.results.recorded}:
+        recorded = seen.results.dataset(port)[:]
+        extreme = recorded.min(axis=0) if kinds[port].kind == "min" else recorded.max(axis=0)
+        if seen.kind == "rigid":
+            assert (kinds[port].values == extreme).all()
+        sign = 1 if kinds[port].kind == "max" else -1
+        assert (sign * kinds[port].values >= sign * extreme).all()
+    for film in players(seen.results.case, "lubrication"):
+        highest = seen.results.series(f"{film}.maximum_pressure").values.max()
+        assert kinds[f"{film}.pressure"].values.max() == pytest.approx(highest, rel=1e-12)
 
 
 SHOW = """byId("film").value = chosen.film = %d; chosen.colour = "%s"; await showFilm(); go(%d);"""

@@ -15,7 +15,9 @@ import pytest
 from piston_cosim.master.case.schema import check_case
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs import run as run_module
 from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
+from piston_cosim.master.runs.envelopes import Envelopes
 from piston_cosim.master.runs.repetition import Repetition, repetition
 from piston_cosim.master.runs.run import run
 
@@ -203,6 +205,41 @@ def test_a_run_that_is_killed_goes_on_from_its_checkpoint(toys, tmp_path, instan
     resumed = go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
     same_results(tmp_path / "whole.h5", output)
     assert resumed["period_distance"] == whole["period_distance"]
+
+
+@pytest.fixture
+def enveloped(monkeypatch):
+    """Runs whose envelope is the smallest value of plant.y0."""
+    made = lambda tree, participants: Envelopes({"plant.y0": "min"})  # noqa: E731
+    monkeypatch.setattr(run_module, "envelopes", made)
+
+
+def lowest(path):
+    """Stored envelope, and the smallest value of the file's last period."""
+    with Results(path) as results:
+        series = results.last.series("plant.y0").values
+        return float(results.envelope("plant.y0").values), series.min()
+
+
+def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, toys, tmp_path):
+    """x falls from period to period, so that the smallest value of each differs. Fields are
+    recorded at every second step, and the smallest value, at 3 s of 4 s, is between them.
+    """
+
+    def fall(time, *others):
+        if time == 15.0:
+            raise KeyboardInterrupt
+
+    go(toys(), tmp_path / "whole.h5")
+    output = tmp_path / "run.h5"
+    with pytest.raises(KeyboardInterrupt):
+        go(toys(), output, watch=fall)
+    go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
+    stored, smallest = lowest(tmp_path / "whole.h5")
+    assert lowest(output) == (stored, smallest)
+    assert stored == smallest == x(15.0)
+    with Results(output) as results:
+        assert results.last.dataset("plant.y0")[:].min() > stored
 
 
 def same_results(one, other):

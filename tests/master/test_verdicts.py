@@ -75,6 +75,7 @@ def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, **su
         file["fields/bodies/film_thickness"] = gap
         if field is not None:
             file["fields/ehd/pressure"], file["fields/ehd/film_fraction"] = field
+        file["fields"].visititems(lambda _, one: one.attrs.update(unit="m", description=""))
         for name, (values, unit) in columns.items():
             early = 1.0 if name == "bodies/crank_angle" else 0.5 if "minimum" in name else 2.0
             file[name] = values * np.where(begins, 1.0, early)
