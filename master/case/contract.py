@@ -59,7 +59,8 @@ class Role:
     agree: dict[str, str] = field(default_factory=dict)
     of_each_film: tuple[str, ...] = ()
     starts_from: tuple[str, ...] = ()
-    larger_is_better: tuple[str, ...] = ()
+    directions: dict[str, str] = field(default_factory=dict)
+    numerical_errors: tuple[str, ...] = ()
     envelopes: dict[str, str] = field(default_factory=dict)
     around: dict[str, str] = field(default_factory=dict)
 

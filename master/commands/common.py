@@ -163,7 +163,9 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
     return {label: own for label, own in found.items() if own}
 
 
-def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=(), figures=True):
+def page_of(
+    case, runs, folder, *, source=None, notes=None, studies=(), measured=None, figures=True
+):
     """Write the report of runs with their main results, bodies and engine sections.
 
     Parameters
@@ -176,8 +178,8 @@ def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=()
         Case whose folder contains the meshes.
     notes, studies, figures
         Passed to `results.report.write_report`.
-    ahead : sequence of Section
-        Sections at the top of the page.
+    measured : Agreement, optional
+        Measured values.
     """
     from ..engine.answer import answer
     from ..engine.overview import overview
@@ -186,7 +188,7 @@ def page_of(case, runs, folder, *, source=None, notes=None, studies=(), ahead=()
 
     answers = {label: answer(case, results) for label, results in runs.items()}
     own = special(case, runs, body_skins(runs, source))
-    own = replace(own, sections=[*ahead, *own.sections], overview=overview(case, runs))
+    own = replace(own, overview=overview(case, runs), measured=measured)
     return write_report(case, runs, folder, notes, studies, answers, own, figures)
 
 

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from ..case.schema import check_case, find_case, read_tree
-from ..engine.headlines import MEASURES, larger_is_better
+from ..engine.headlines import directions
 from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
@@ -38,6 +38,7 @@ def command(
     reports: bool = False,
     maximise: list[str] = [],
     minimise: list[str] = [],
+    ignore: list[str] = [],
     format: Format = "png",
 ):
     """Run a case over values of its keys.
@@ -79,7 +80,10 @@ def command(
         Column of the table of which large values are good; repeatable. Default: minimum film
         thicknesses.
     minimise
-        Column of the table of which small values are good; repeatable. Default: all others.
+        Column of the table of which small values are good; repeatable. Default: friction, pressure,
+        side force, slap, rocking and contact.
+    ignore
+        Column of the table that does not judge a point; repeatable. Default: all others.
     format
         Type of the picture.
     """
@@ -94,15 +98,16 @@ def command(
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
     axes = sweeps.parse_axes(vary, tree, path.parent)
     points = sweeps.all_points(path, changes, axes)
-    weighed = [*dict.fromkeys([*MEASURES, *tree.get("summary", {})])]
+    wanted = directions(check_case(tree, path))
     if faults := [
-        f"--{option}: {unknown('column', name, weighed)}"
-        for option, names in (("maximise", maximise), ("minimise", minimise))
+        f"--{option}: {unknown('column', name, wanted)}"
+        for option, names in (("maximise", maximise), ("minimise", minimise), ("ignore", ignore))
         for name in names
-        if name not in weighed
+        if name not in wanted
     ]:
         raise BadInput(faults)
-    larger = (larger_is_better(check_case(tree, path)) | {*maximise}) - {*minimise}
+    wanted |= dict.fromkeys(maximise, "raise") | dict.fromkeys(minimise, "lower")
+    wanted |= dict.fromkeys(ignore, "none")
     folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
@@ -125,10 +130,10 @@ def command(
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     console.print(f"table    {table}", highlight=False, soft_wrap=True)
-    picture = draw_sweep(rows, axes, weighed, table.with_suffix(f".{format}"))
+    picture = draw_sweep(rows, axes, wanted, table.with_suffix(f".{format}"))
     console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
     with working(console, "drawing the page"):
-        page = _page(path, points, rows, axes, weighed, larger, table, reports)
+        page = _page(path, points, rows, axes, wanted, table, reports)
     console.print(f"page     {page}", highlight=False, soft_wrap=True)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
@@ -138,7 +143,7 @@ def command(
         sys.exit(2 if all(row["status"] == "bad input" for row in rows) else 1)
 
 
-def _page(path, points, rows, axes, weighed, larger, table, reports):
+def _page(path, points, rows, axes, wanted, table, reports):
     """Write the page of the sweep and the missing reports of its points."""
     from ..results.file import Results
     from ..results.sweep_page import SweptPoint, write_sweep_page
@@ -155,7 +160,7 @@ def _page(path, points, rows, axes, weighed, larger, table, reports):
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
-    return write_sweep_page(swept, varied, weighed, table.with_suffix(".html"), larger)
+    return write_sweep_page(swept, varied, wanted, table.with_suffix(".html"))
 
 
 def _seconds(time_limit, dask):

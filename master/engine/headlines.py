@@ -316,22 +316,31 @@ def _oil(run):
     return f"net {net or '0 mm³'} per period; throughput {1e9 * balance.throughput:.3g} mm³"
 
 
-MEASURES = (
-    "minimum_film_thickness_m",
-    "friction_mean_effective_pressure_pa",
-    "slap_energy_j",
-    "largest_rocking_angle_rad",
-    "contact_share",
-)
-"""Names of the measures of a design; each ends with its unit."""
+MEASURES = {
+    "minimum_film_thickness_m": "raise",
+    "friction_mean_effective_pressure_pa": "lower",
+    "slap_energy_j": "lower",
+    "largest_rocking_angle_rad": "lower",
+    "contact_share": "lower",
+}
+"""Measures of a design and where it wants them; each name ends with its unit."""
 
 
-def larger_is_better(case: Case) -> set[str]:
-    """Return the measures and summary entries of which a design wants large values."""
-    outputs = {name for role in contract().values() for name in role.larger_is_better}
-    ports = {name: reduced(text).port for name, text in case.summary.items()}
-    entries = {name for name, port in ports.items() if port.rpartition(".")[2] in outputs}
-    return {"minimum_film_thickness_m"} | entries
+def directions(case: Case) -> dict[str, str]:
+    """Return the measures and summary entries of a design -> "raise", "lower" or "none".
+
+    The contract declares the directions of outputs. Outputs that it names as numerical errors are
+    omitted.
+    """
+    declared = {name: way for role in contract().values() for name, way in role.directions.items()}
+    errors = {name for role in contract().values() for name in role.numerical_errors}
+    outputs = {entry: reduced(text).port.rpartition(".")[2] for entry, text in case.summary.items()}
+    entries = {
+        entry: declared.get(output, "none")
+        for entry, output in outputs.items()
+        if output not in errors
+    }
+    return MEASURES | entries
 
 
 def measures(case, path) -> dict[str, float]:

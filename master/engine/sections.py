@@ -30,6 +30,7 @@ from ..results.instants import crank_angle
 from ..results.pictures import scaled
 from ..results.report import FilmView, Orbit, Special
 from ..results.solids import Solid, Stand
+from .crank_drive import crank_drive
 from .headlines import friction_pressures
 from .impacts import impacts
 from .places import film_body, film_surface, gap_port
@@ -197,8 +198,8 @@ def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
 
 
 def _solids(skins, results, body, bodies) -> list[Solid]:
-    """Piston and block as they are at the recorded instants; without modal coordinates in the file
-    they stay undeformed.
+    """Piston and block at the recorded instants, then pin, rod and crank; without modal coordinates
+    in the file the bodies stay undeformed.
     """
     owner = body if len(bodies) > 1 else ""
     stand = stands(results).get(body, Stand())
@@ -218,7 +219,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
             for name in ports
         ]
     )
-    return [
+    meshed = [
         Solid(
             skin.name,
             skin.points,
@@ -235,6 +236,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
         )
         for skin, part in zip(skins, parts)
     ]
+    return [*meshed, *crank_drive(results, body, owner, motion)]
 
 
 def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:

@@ -96,7 +96,7 @@ def _along_pin(results, film, surface, piston, radius, length):
     return tuple(sorted((side * begin, side * (begin + length))))
 
 
-def _at_instants(results, port):
+def at_instants(results, port):
     """A scalar at the recorded instants."""
     return np.interp(results.instants, results.time, results.series(port).values)
 
@@ -110,7 +110,7 @@ def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray
     given = results.case["participants"][body]["parameters"]
     radius = to_si(given["crank_radius"], "m") if surface == "big_end" else 0.0
     turn = rod_turn(results, body) if surface == "big_end" else 0.0
-    theta = _at_instants(results, f"{body}.crank_angle")
+    theta = at_instants(results, f"{body}.crank_angle")
     aside = to_si(given.get("crank_offset", "0 m"), "m") - radius * np.sin(theta)
     # Eq. (X44)
     return np.column_stack([aside, radius * np.cos(theta), turn + 0.0 * theta])
@@ -125,7 +125,7 @@ def rod_turn(results: Results, body: str | None) -> np.ndarray:
     given = table["parameters"]
 
     def at(name):
-        return _at_instants(results, f"{body}.{name}")
+        return at_instants(results, f"{body}.{name}")
 
     offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
     offset -= to_si(given.get("crank_offset", "0 m"), "m")

@@ -32,11 +32,17 @@ class Score(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The score of one run's curve."""
+    """The score of one run's curve; share : of the measured points whose band it meets, or None."""
 
     run: str
     port: str
     score: Score
+    share: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The curve in words."""
+        return name_of(self.port)
 
 
 class Measured(NamedTuple):
@@ -205,10 +211,34 @@ def check_measured(runs, measured):
         raise BadInput(faults)
 
 
-def measured_section(runs, measured) -> Section:
-    """Measured points with their bands, and the curves of the runs, in the measured units; a chart
-    a column.
+class Agreement(NamedTuple):
+    """Charts of runs and measured values, and the scores of the curves; x_unit : of the phase."""
+
+    section: Section
+    rows: list[Row]
+    x_unit: str
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether the file has a band that a run meets or misses."""
+        return any(row.share is not None for row in self.rows)
+
+
+def agreement(runs, measured) -> Agreement:
+    """Compare runs with a measured file; the charts have the measured units, one for each column.
+
+    Raises
+    ------
+    BadInput
+        With every measured column that a run does not have, or of another unit.
     """
+    check_measured(runs, measured)
+    x_unit = next(iter(measured.values())).unit
+    return Agreement(measured_section(runs, measured), against_measured(runs, measured), x_unit)
+
+
+def measured_section(runs, measured) -> Section:
+    """Measured points with their bands, and the curves of the runs; a chart for each column."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     drawn = []
     for port, column in columns:
@@ -220,9 +250,7 @@ def measured_section(runs, measured) -> Section:
             curve_x, si_x, _ = results.series(x_port)
             curve_y, si_y, _ = results.series(port)
             shown = curve_x / _factor(x_unit, si_x), curve_y / _factor(column.unit, si_y)
-            within = share_within(*shown, x, column)
-            said = label if within is None else f"{label}: {within:.0%} of the points in the band"
-            curves.append(Curve(said, k, *shown))
+            curves.append(Curve(label, k, *shown))
         curves.append(Curve("measured", MEASURED, x, column.values, points=True))
         chart = Chart(
             name_of(port),
@@ -243,15 +271,16 @@ def _turns(results, port):
 
 
 def against_measured(runs, measured):
-    """Scores of every run against every measured column: a row each."""
+    """Scores of every run against every measured column, a row each, in the measured units."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
-    x = x * _factor(x_unit, next(iter(runs.values())).series(x_port).unit)
     rows = []
-    for port, (y, y_unit, *_) in columns:
+    for port, column in columns:
         for label, results in runs.items():
-            values, unit, _ = results.series(port)
-            known = results.series(x_port).values
-            rows.append(Row(label, port, score(known, values, x, y * _factor(y_unit, unit))))
+            known, si_x, _ = results.series(x_port)
+            values, si_y, _ = results.series(port)
+            curve = known / _factor(x_unit, si_x), values / _factor(column.unit, si_y)
+            scored = score(*curve, x, column.values)
+            rows.append(Row(label, port, scored, share_within(*curve, x, column)))
     return rows
 
 

@@ -15,23 +15,20 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader
 from markdown_it import MarkdownIt
 from matplotlib import colormaps
 
-from ..fmi.quantities import short
 from .charts import Chart, Phase, Section, as_data, field_data, health_section, picture_section
+from .compare import Agreement
 from .figures import subplots
 from .instants import crank_angle
 from .judgement import Window, loop_curve, loop_work, windows
-from .packing import Columns, packed
-from .pictures import PALETTE, PALETTE_DARK, entry_in_words, handy_unit, name_of, scaled
+from .packing import Columns
+from .pages import write_page
+from .pictures import PALETTE, handy_unit, name_of, scaled
 from .pictures import figures as drawn_figures
 from .solids import Solid, solids_data
 
-TEMPLATES = Path(__file__).parent / "templates"
-LIBRARIES = ("d3.min.js", "plot.min.js")
-"""Released files of D3 and Observable Plot in templates/vendor, in the order of their use."""
 UNITS = {"pressure": "MPa", "thickness": "um", "contact": "MPa"}
 """Units of the layers of a film."""
 
@@ -89,6 +86,8 @@ class Special:
         Label -> bodies on their meshes.
     overview : engine.overview.Overview or None
         First screen.
+    measured : Agreement or None
+        Measured values.
     """
 
     sections: Sequence[Section] = ()
@@ -96,6 +95,7 @@ class Special:
     films: Sequence[FilmView] = ()
     solids: Mapping[str, list[Solid]] = field(default_factory=dict)
     overview: Any = None
+    measured: Agreement | None = None
 
 
 PLAIN = Special()
@@ -133,12 +133,11 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     if figures:
         _save_figures(case, runs, folder)
-    templates = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
-    templates.filters["words"] = words
-    templates.filters["entry"] = entry_in_words
     judged = {label: one.verdicts for label, one in (answers or {}).items()}
-    libraries = b"\n".join((TEMPLATES / "vendor" / name).read_bytes() for name in LIBRARIES)
-    page = templates.get_template("report.html").render(
+    return write_page(
+        folder / "report.html",
+        "report.html",
+        page_data(case, runs, special),
         case=case,
         runs=[summarised(case, label, results) for label, results in runs.items()],
         answers=answers or {},
@@ -149,16 +148,12 @@ def write_report(
         checks=checks(judged),
         films=[film.title for film in views(case, runs, special)],
         bodies=any(special.solids.values()),
-        data=json.dumps(page_data(case, runs, special)).replace("<", "\\u003c"),
-        libraries=packed(libraries),
+        measured=special.measured,
         notes=notes_html(notes) if notes else "",
         studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
-    path = folder / "report.html"
-    path.write_text(page, encoding="utf-8")
-    return path
 
 
 def notes_html(path: Path) -> str:
@@ -269,11 +264,6 @@ def summarised(case, label, results) -> Summarised:
         file=results.path.name,
         digest=digest(results.path),
     )
-
-
-def words(value, unit):
-    """A value with a handy unit; angles in degrees."""
-    return f"{np.degrees(value):.4g} deg" if unit == "rad" else short(value, unit)
 
 
 def digest(path):
@@ -414,8 +404,6 @@ def page_data(case, runs, special) -> dict[str, Any]:
     ports = [film.layers[kind] for film, own in zip(films, layers) for kind in own]
     return {
         "labels": list(runs),
-        "palette": PALETTE,
-        "palette_dark": PALETTE_DARK,
         "colours": (colormaps["viridis"](np.linspace(0, 1, 256))[:, :3] * 255).round(3).tolist(),
         "cursor": {
             "label": cursor.label,
@@ -436,6 +424,7 @@ def page_data(case, runs, special) -> dict[str, Any]:
         ],
         "solids": solids_data([special.solids.get(label, []) for label in runs], columns, ports),
         "sections": [as_data(section, columns) for section in sections],
+        "measured": special.measured and as_data(special.measured.section, columns),
         "columns": columns.text(),
     }
 

@@ -50,7 +50,7 @@ class Solid:
     """The surface of a body of one run.
 
     A point is at R(beta) (p + Phi q) + (across, along, 0), which the page computes
-    (templates/solids.js); its slider multiplies Phi q, across and beta.
+    (templates/bodies.js); its slider multiplies Phi q, across and beta.
 
     Parameters
     ----------
@@ -78,6 +78,8 @@ class Solid:
         but that its coordinates were not recorded.
     stand : Stand
         Of its cylinder; the page draws every cylinder upright.
+    schematic : bool
+        Whether the shape is none of a mesh. The page draws its motion at true scale.
     """
 
     name: str
@@ -92,6 +94,7 @@ class Solid:
     owner: str = ""
     held: bool = True
     stand: Stand = Stand()
+    schematic: bool = False
 
     def title(self, between: str = " ") -> str:
         """Its name, after that of its owner where it has one."""
@@ -158,6 +161,7 @@ def _solid(solid, meshes, columns, fields):
         "over": [solid.between(port) for port in fields],
         "owner": solid.owner,
         "held": solid.held,
+        "schematic": solid.schematic,
         "largest": solid.largest_displacement(),
         "stress": None if solid.stress is None else _stress_data(solid.stress),
     }

@@ -1,21 +1,19 @@
-"""The page of a sweep: parallel coordinates, response surface, Pareto front; every point links to
-its report.
+"""The page of a sweep: Pareto front, response, parallel coordinates; every point links to its
+report.
 """
 
-import json
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader
-from matplotlib import colormaps
 
-from .pictures import entry_shown
-from .sweep_pictures import magnitude
+from .pages import write_page
+from .pictures import entry_shown, unit_shown
+from .sweep_pictures import drawn_entries, magnitude
 
-WORDS = ("friction", "slap", "contact")
-"""What a front is first drawn of: entries whose names hold these."""
+FIRST = ("friction", "minimum_film_thickness", "slap")
+"""Parts of the names of the outputs that a front shows first: abscissa, ordinate and colour."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +25,7 @@ class SweptPoint:
 
 
 def write_sweep_page(
-    points: list[SweptPoint],
-    axes: list[str],
-    weighed: list[str],
-    path: Path,
-    larger: Collection[str] = (),
+    points: list[SweptPoint], axes: list[str], directions: Mapping[str, str], path: Path
 ) -> Path:
     """Write the page of a sweep's points that are done.
 
@@ -40,52 +34,42 @@ def write_sweep_page(
     points : list of SweptPoint
     axes : list of str
         Columns that were varied.
-    weighed : list of str
-        Columns that designs are judged by: those that vary are drawn, the others of a row are not.
+    directions : mapping of str to {"raise", "lower", "none"}
+        Columns of outputs, and where a design wants them. Those that do not vary are omitted.
     path : Path
-    larger : collection of str
-        Columns of which large values are good. Small values are good of all others.
     """
     done = [point for point in points if point.row["status"] == "done"]
-    entries = [
-        name
-        for name in dict.fromkeys(weighed)
-        if all(isinstance(point.row.get(name), (int, float)) for point in done)
-        and np.ptp([float(point.row[name]) for point in done]) > 0
-    ]
-    shown = [entry_shown(name, [point.row[name] for point in done]) for name in entries]
-    chosen = [next((name for name in entries if word in name), None) for word in WORDS]
-    colours = (colormaps["viridis"](np.linspace(0, 1, 64))[:, :3] * 255).round().astype(int)
+    entries = drawn_entries([point.row for point in done], directions)
     data = {
-        "axes": [_axis(name, done) for name in axes],
-        "entries": entries,
-        "said": [label for label, _ in shown],
-        "larger": [name in larger for name in entries],
-        "chosen": [name for name in chosen if name],
-        "points": [
-            {
-                "report": point.report,
-                "values": [float(values[k]) for _, values in shown],
-                "axes": [str(point.row[name]) for name in axes],
-            }
-            for k, point in enumerate(done)
-        ],
-        "colours": colours.tolist(),
+        "inputs": [_input(name, done) for name in axes],
+        "outputs": [_output(name, done, directions[name]) for name in entries],
+        "reports": [point.report for point in done],
+        "chosen": _chosen(entries),
     }
-    templates = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True
-    )
-    text = templates.get_template("sweep.html").render(
-        title=path.parent.name,
-        left_out=len(points) - len(done),
+    return write_page(
+        path,
+        "sweep.html",
+        data,
+        title=path.parent.name.removeprefix("sweep_").replace("_", " "),
+        done=len(done),
+        total=len(points),
         linked=any(point.report for point in done),
-        data=json.dumps(data).replace("<", "\\u003c"),
     )
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
-def _axis(name, done):
+def _chosen(entries):
+    """Numbers of the three outputs that are shown first; without a third one, the first again."""
+    found = [next((name for name in entries if word in name), None) for word in FIRST]
+    order = list(dict.fromkeys([*filter(None, found), *entries]))
+    return [entries.index(order[min(k, len(order) - 1)]) for k in range(3)] if order else []
+
+
+def _output(name, done, direction):
+    label, values = entry_shown(name, [point.row[name] for point in done])
+    return {"name": label, "direction": direction, "values": values.tolist()}
+
+
+def _input(name, done):
     """A varied key with its unit: its values as positions, numbered where they are no numbers."""
     texts = [str(point.row[name]) for point in done]
     numbers = [magnitude(point.row[name]) for point in done]
@@ -93,6 +77,8 @@ def _axis(name, done):
     known = [number for number in numbers if number is not None]
     values = known if len(known) == len(numbers) else [order.index(text) for text in texts]
     units = {text.lstrip("+-.0123456789eE").strip() for text in texts}
-    unit = f" [{units.pop()}]" if len(known) == len(numbers) and len(units) == 1 else ""
-    short = name.split(".")[-1].replace("_", " ") + (unit if unit != " []" else "")
-    return {"name": short, "values": [float(value) for value in values]}
+    unit = units.pop() if len(known) == len(numbers) and len(units) == 1 else ""
+    words = name.split(".")[-1].replace("_", " ")
+    label = f"{words} [{unit_shown(unit, unit)}]" if unit else words
+    shown = [f"{value:g}" for value in values] if unit else texts
+    return {"name": label, "values": np.asarray(values, float).tolist(), "texts": shown}

@@ -10,6 +10,8 @@ from .pictures import entry_shown
 
 ROUNDING = 1e-12
 """Values up to this size are zero, in SI units."""
+SAME = 1e-6
+"""Relative range up to which an output does not vary: the macro steps are solved no better."""
 
 
 def magnitude(value):
@@ -31,7 +33,7 @@ def draw_sweep(rows, axes, entries, path):
         As `sweep.sweep` returns them.
     axes : list of Axis
     entries : iterable of str
-        Columns to draw; those without any value other than zero are omitted.
+        Columns to draw; those that do not vary are omitted.
     path : Path
         The picture.
 
@@ -43,14 +45,13 @@ def draw_sweep(rows, axes, entries, path):
     others = [axis.name for axis in axes[1:]]
     names = [name.split(".")[-1].replace("_", " ") for name in others]
     done = [row for row in rows if row["status"] == "done"]
-    entries = [entry for entry in entries if any(_is_drawn(_number(row, entry)) for row in done)]
+    entries = drawn_entries(done, entries)
     lines = max(1, -(-len(entries) // 2))
     figure, panels = subplots(lines, 2, squeeze=False, figsize=(11, 1 + 2.6 * lines))
     for panel in panels.flat[len(entries) :]:
         panel.remove()
     for panel, entry in zip(panels.flat, entries):
-        numbers = [_number(row, entry) for row in done]
-        title, shown = entry_shown(entry, [np.nan if x is None else x for x in numbers])
+        title, shown = entry_shown(entry, [row[entry] for row in done])
         keys = [tuple(str(row[name]) for name in others) for row in done]
         for k, key in enumerate(dict.fromkeys(keys)):
             chosen = [n for n, other in enumerate(keys) if other == key]
@@ -73,9 +74,15 @@ def draw_sweep(rows, axes, entries, path):
     return save(figure, path)
 
 
-def _is_drawn(value):
-    """Whether an entry has a value that is more than a rounding error."""
-    return value is not None and abs(value) > ROUNDING
+def drawn_entries(rows, entries) -> list[str]:
+    """Return the entries that all rows have as numbers and that vary by more than round-off."""
+    found = []
+    for entry in entries:
+        values = [value for row in rows if (value := _number(row, entry)) is not None]
+        size = max(map(abs, values), default=0.0)
+        if len(values) == len(rows) and size > ROUNDING and np.ptp(values) > SAME * size:
+            found.append(entry)
+    return found
 
 
 def _number(row, entry):

@@ -16,7 +16,7 @@ from piston_cosim.master.engine.answer import answer
 from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.compare import check_measured, measured_section, read_measured
+from piston_cosim.master.results.compare import agreement, read_measured
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.report import Special, write_report
@@ -595,7 +595,7 @@ def test_caption_and_cursor_agree_on_paper(page, tmp_path, width):
     assert 1 <= sheets <= 3
 
 
-def test_a_measured_band_is_drawn_and_the_share_in_it_said(page, tmp_path):
+def test_measured_values_have_a_table_and_charts_with_bands(page, tmp_path):
     """One run is in the band in the first half; so does the other, as its forces are the same."""
     _, runs = page
     file = tmp_path / "measured.csv"
@@ -605,30 +605,39 @@ def test_a_measured_band_is_drawn_and_the_share_in_it_said(page, tmp_path):
     head = f"bodies.crank_angle [deg],{port} [kN],{port} low [kN],{port} high [kN]"
     table = np.column_stack([at, force, low, high])
     np.savetxt(file, table, delimiter=",", header=head, comments="")
-    measured = read_measured(file)
-    check_measured(runs, measured)
-    drawn = Special(sections=[measured_section(runs, measured)])
-    path = write_report(check_case(TREE, "case.toml"), runs, tmp_path / "report", special=drawn)
-    script = """byId("details").open = true; await showDetails();
-      const [part] = data.sections, [chart] = part.drawn;
-      return { names: chart.curves.map(one => one.name), band: chart.corridor.said,
+    compared = agreement(runs, read_measured(file))
+    case = check_case(TREE, "case.toml")
+    path = write_report(
+        case, runs, tmp_path / "report", special=Special(measured=compared), figures=False
+    )
+    script = """const [chart] = data.measured.drawn, section = byId("measured");
+      return { names: chart.curves.map(one => one.name),
         low: [...column(chart.corridor.low)], high: [...column(chart.corridor.high)],
-        title: part.title, cursor: chart.cursor,
-        areas: document.querySelectorAll("#sections svg [aria-label=area]").length };"""
+        rows: [...section.querySelectorAll("tr")]
+          .map(row => [...row.cells].map(one => one.textContent)),
+        cursors: section.querySelectorAll("svg .now").length,
+        heads: [...section.querySelectorAll("figcaption .values")].map(one => one.textContent),
+        areas: section.querySelectorAll("svg [aria-label=area]").length };"""
     with Browser(tmp_path / "profile") as shown:
         shown.open(path)
         told = shown.run(script)
         assert shown.said() == []
-    assert told["title"] == "Against measured values" and told["areas"] == 1
-    assert told["cursor"]  # over the crank angle: with the strokes and the cursor of the page
+    assert told["areas"] == told["cursors"] == 1 and "grey: measured band" in told["heads"][0]
     inside = np.interp(at, np.linspace(0, 720, 73), np.sin(np.linspace(0, 4 * np.pi, 73)))
     share = np.mean((inside >= low) & (inside <= high))
     assert share == pytest.approx(36 / 71)  # at <= 360 deg
-    said = [f"{label}: {share:.0%} of the points in the band" for label in ("one", "two")]
-    assert [told["band"], *told["names"]] == ["measured band", *said, "measured"]
-    assert told["low"] == pytest.approx(low, rel=1e-6) and told["high"] == pytest.approx(
-        high, rel=1e-6
-    )
+    assert told["names"] == ["one", "two", "measured"]
+    for label, row, scored in zip(("one", "two"), told["rows"][1:], compared.rows, strict=True):
+        assert row == [
+            "side force",
+            label,
+            f"{scored.score.amplitude:.3f}",
+            f"{100 * scored.score.rms:.1f} %",
+            f"{scored.score.phase:+.3g} deg",
+            f"{share:.0%}".replace("%", " %"),
+        ]
+    assert told["low"] == pytest.approx(low, rel=1e-6)
+    assert told["high"] == pytest.approx(high, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.engine.headlines import larger_is_better
+from piston_cosim.master.engine.headlines import directions
 from piston_cosim.master.results import sweep_pictures
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 from piston_cosim.master.results.sweep_pictures import draw_sweep
@@ -60,83 +60,105 @@ def swept():
 
 
 def test_pictures_have_handy_units_and_no_empty_axes(tmp_path, monkeypatch):
-    """An entry without a number has no axes; a film in metres is drawn in micrometres."""
+    """An entry that does not vary has no axes; a film in metres is drawn in micrometres."""
     seen = []
     monkeypatch.setattr(sweep_pictures, "save", lambda figure, path: seen.append(figure))
     rows = [
-        {"gap": gap, "status": "done", "film_m": 1e-6 * k, "tilt_rad": 0.1, "none": None}
-        | {"rounding": 1e-15}
+        {"gap": gap, "status": "done", "film_m": 1e-6 * k, "tilt_rad": 0.1 + 0.1 * k}
+        | {"none": None, "rounding": 1e-15 * k, "still": 2.0, "noise": 1.0 + 1e-9 * k}
         for k, gap in enumerate(("10 um", "20 um"))
     ]
     axis = Axis("gap", ("gap",), ("10 um", "20 um"))
-    entries = ["film_m", "tilt_rad", "none", "not_there", "rounding"]
+    entries = ["film_m", "tilt_rad", "none", "not_there", "rounding", "still", "noise"]
     draw_sweep(rows, [axis], entries, tmp_path / "sweep.png")
     draw_sweep(rows, [axis], entries[:1], tmp_path / "sweep.png")
     panels = [panel for figure in seen for panel in figure.axes]
     titles = [panel.get_title() for panel in panels]
     assert titles == ["film [\N{MICRO SIGN}m]", "tilt [deg]", "film [\N{MICRO SIGN}m]"]
     assert panels[0].lines[0].get_ydata() == pytest.approx([0.0, 1.0])
-    assert panels[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.1]))
+    assert panels[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.2]))
     assert {figure.get_supxlabel() for figure in seen} == {"gap [µm]"}
+
+
+RINGED = """const red = "[stroke='var(--red)']";
+const places = group => [...document.querySelectorAll(`#pareto [aria-label=dot]${group} circle`)]
+  .map(one => `${one.getAttribute("cx")} ${one.getAttribute("cy")}`);
+const rings = new Set(places(red));
+const ringed = () => places(`:not(${red})`).map(place => rings.has(place));
+"""
 
 
 def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_path):
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
     points = swept()
-    axes, weighed = ["bodies.clearance", "ovality"], [*ENTRIES, "same"]
-    path = write_sweep_page(points, axes, weighed, tmp_path / "sweep.html")
-    with Browser(tmp_path / "profile") as browser:
+    axes, directions = ["bodies.clearance", "ovality"], dict.fromkeys([*ENTRIES, "same"], "lower")
+    path = write_sweep_page(points, axes, directions, tmp_path / "sweep.html")
+    with Browser(tmp_path / "profile", 1200) as browser:
         browser.open(path)
         told = browser.run("""
           const links = name => [...document.querySelectorAll(`#${name} a`)]
             .map(one => one.getAttribute("href"));
-          const marked = () => [...document.querySelectorAll("#pareto .dot")]
-            .map(one => one.classList.contains("best"));
-          const shown = ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent);
-          const all = marked();
-          byId("z").value = byId("x").value; byId("z").onchange();
-          return { all, two: marked(), shown, pareto: links("pareto"), parallel: links("parallel"),
-            response: links("response"), points: links("points"), entries: data.entries,
-            axes: data.axes.map(axis => axis.name),
-            cells: [...document.querySelectorAll("#response a text")].map(one => one.textContent),
+          return { pareto: links("pareto"), parallel: links("parallel"), points: links("points"),
+            response: links("response"), outputs: data.outputs.map(output => output.name),
+            inputs: data.inputs.map(input => input.name),
+            shown: ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent),
+            cells: [...document.querySelectorAll("#response [aria-label=text] text")]
+              .map(one => one.textContent),
+            best: [...document.querySelectorAll("#points tr.best a")]
+              .map(one => one.getAttribute("href")),
             wide: document.documentElement.scrollWidth - window.innerWidth };""")
         assert browser.said() == [] and browser.asked() == []
+        all_three = browser.run(RINGED + "return ringed();")
+        browser.run("byId('z').value = byId('x').value; byId('z').onchange();")
+        two = browser.run(RINGED + "return ringed();")
     links = [point.report for point in points[:-1]]
-    assert told["pareto"] == told["parallel"] == told["points"] == links
-    assert told["response"] == links  # of a grid of two keys, in its order
-    # what does not vary is left out, and what nobody weighs designs by
-    assert told["entries"] == ENTRIES
-    assert told["shown"] == ["mean friction power [W]", "slap energy [mJ]", "contact share"]
-    assert told["axes"] == ["clearance [um]", "ovality"]
+    assert told["pareto"] == told["parallel"] == told["response"] == links
+    assert sorted(told["points"]) == sorted(links)
+    # what does not vary is left out, and what has no declaration
+    names = ["mean friction power [W]", "slap energy [mJ]", "contact share"]
+    assert told["outputs"] == told["shown"] == names
+    assert told["inputs"] == ["clearance [\N{MICRO SIGN}m]", "ovality"]
     values = np.array([[point.row[name] for name in ENTRIES] for point in points[:-1]])
-    assert told["all"] == front(values).tolist() and told["two"] == front(values[:, :2]).tolist()
-    assert not all(told["two"])
-    assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=1e-3)
+    assert all_three == front(values).tolist() and two == front(values[:, :2]).tolist()
+    assert told["best"] == [link for link, best in zip(links, front(values)) if best]
+    assert not all(two)
+    assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=5e-3)
     assert told["wide"] <= 0
 
 
-def test_no_dominated_point_is_ringed_of_a_film_that_is_to_be_thick(tmp_path):
-    """Friction is to be small and the film thick. Both directions can be changed by the case."""
+def test_no_dominated_point_is_ringed_whatever_the_directions(tmp_path):
+    """Friction is to be small and the film thick; the page changes both directions."""
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
     points = swept()
-    axes, weighed = ["bodies.clearance", "ovality"], [ENTRIES[0], FILM]
-    values = np.array([[point.row[name] for name in weighed] for point in points[:-1]])
-    for larger, signs in (({FILM}, (1, -1)), ((), (1, 1)), (weighed, (-1, -1))):
-        path = write_sweep_page(points, axes, weighed, tmp_path / "sweep.html", larger)
-        with Browser(tmp_path / "profile") as browser:
-            browser.open(path)
-            ringed = browser.run("""
-              byId("x").value = 0; byId("y").value = 1; byId("z").value = 0; byId("z").onchange();
-              return [...document.querySelectorAll("#pareto .dot")]
-                .map(one => one.classList.contains("best"));""")
-        assert ringed == front(values * signs).tolist() and not all(ringed)
+    axes = ["bodies.clearance", "ovality"]
+    values = np.array([[point.row[name] for name in (ENTRIES[0], FILM)] for point in points[:-1]])
+    given = {ENTRIES[0]: "lower", FILM: "raise"}
+    path = write_sweep_page(points, axes, given, tmp_path / "sweep.html")
+    signs = {"lower": 1, "raise": -1, "none": 0}
+    with Browser(tmp_path / "profile") as browser:
+        browser.open(path)
+        for ways in (("lower", "raise"), ("lower", "lower"), ("raise", "raise"), ("none", "raise")):
+            browser.run(f"""
+              document.querySelectorAll("#directions select").forEach((select, k) => {{
+                select.value = {list(ways)}[k];
+                select.onchange();
+              }});""")
+            ringed = browser.run(RINGED + "return ringed();")
+            wanted = front(values * [signs[way] for way in ways]).tolist()
+            assert ringed == wanted and not all(ringed), ways
+        browser.run("""document.querySelectorAll("#directions select").forEach(select => {
+          select.value = "none"; select.onchange(); });""")
+        assert not any(browser.run(RINGED + "return ringed();"))
+        assert "none of these outputs has a direction" in browser.run(
+            "return byId('front').textContent"
+        )
 
 
-def test_a_thicker_minimum_film_is_better():
+def test_directions_are_declared_and_errors_of_the_solution_are_not_drawn():
     path = find_case("data_sheet")
-    case = check_case(read_tree(path), path)
-    larger = larger_is_better(case)
-    assert FILM in larger and "maximum_pressure_pa" not in larger
-    assert "mean_friction_power_w" not in larger
+    declared = directions(check_case(read_tree(path), path))
+    assert declared[FILM] == "raise" and declared["maximum_pressure_pa"] == "lower"
+    assert declared["lateral_displacement_min_m"] == "none"
+    assert "mass_imbalance_max" not in declared

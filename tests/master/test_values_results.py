@@ -168,7 +168,7 @@ def ramp(end, factor=1.0):
 
 def test_runs_against_the_first():
     runs = {"one": ramp(1.0), "two": ramp(1.0, 3.0)}
-    ((label, port, scored),) = against_first(runs, "a.x", ["a.y"])
+    ((label, port, scored, _),) = against_first(runs, "a.x", ["a.y"])
     assert (label, port) == ("two", "a.y")
     assert scored.amplitude == pytest.approx(3.0, rel=1e-14)
 
@@ -179,8 +179,8 @@ def test_runs_against_measured_values_in_their_own_units():
         "a.x": Measured(np.array([0.0, 500.0, 1000.0]), "ms"),
         "a.y": Measured(1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
     }
-    ((label, port, scored),) = against_measured({"run": ramp(1.0)}, measured)
-    assert (label, port) == ("run", "a.y")
+    ((label, port, scored, share),) = against_measured({"run": ramp(1.0)}, measured)
+    assert (label, port, share) == ("run", "a.y", None)
     assert scored.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
     with pytest.raises(BadInput, match="measured: expected a quantity in m, got '1"):
         against_measured({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
@@ -189,7 +189,7 @@ def test_runs_against_measured_values_in_their_own_units():
 def test_last_cycle_against_the_one_before():
     # t^2 in the last second of two, against that of the first: (1..4 - 0..1), range 3 and 1
     timed = check_case(TREE | {"time": {"stop": "2 s", "step": "1 s"}}, "case.toml")
-    ((_, _, scored),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
+    ((_, _, scored, _),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
     assert scored.amplitude == pytest.approx(3.0, rel=1e-12)
     # (t + 1)^2 - t^2 = 2 t + 1 at t = 0, 0.02 .. 1: mean of squares 1/51 sum
     t = np.linspace(0.0, 1.0, 51)

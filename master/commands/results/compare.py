@@ -54,10 +54,10 @@ def command(
     x = x or lines[0].x
     y = y or [port for panel in lines[0].y for port in panel]
     assert x is not None  # a picture with lines has one
+    unit = next(iter(runs.values())).series(x).unit
     if measured:
         columns = curves.read_measured(measured)
-        x = next(iter(columns))
-        rows = curves.against_measured(runs, columns)
+        _, rows, unit = curves.agreement(runs, columns)
         drawn = curves.draw_measured(runs, columns, output)
         console.print(f"picture  {drawn}", highlight=False, soft_wrap=True)
     elif period:
@@ -66,14 +66,17 @@ def command(
         rows = curves.against_first(runs, x, y)
     else:
         raise BadInput("FILES: expected a second run, --period or --measured, got one run")
-    print_scores(rows, next(iter(runs.values())).series(x).unit)
+    print_scores(rows, unit)
 
 
 def print_scores(rows, unit):
-    """Print the table of scores; the phase is in the SI `unit` of the abscissa, or in degrees."""
+    """Print the table of scores; the phase is in the `unit` of the abscissa, rad in degrees."""
     shown, factor = ("deg", np.degrees(1.0)) if unit == "rad" else (unit, 1.0)
-    table = Table("run", "curve", "amplitude [-]", escape(f"phase [{shown}]"), "rms [-]", box=None)
-    for label, port, scored in rows:
+    heads = ["run", "curve", "amplitude [-]", escape(f"phase [{shown}]"), "rms [-]"]
+    banded = any(row.share is not None for row in rows)
+    table = Table(*heads, *(["in the band"] if banded else []), box=None)
+    for label, port, scored, share in rows:
         phase = f"{scored.phase * factor:+.4g}"
-        table.add_row(label, port, f"{scored.amplitude:.4f}", phase, f"{scored.rms:.4f}")
+        within = [] if share is None else [f"{share:.0%}"]
+        table.add_row(label, port, f"{scored.amplitude:.4f}", phase, f"{scored.rms:.4f}", *within)
     console.print(table)

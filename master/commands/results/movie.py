@@ -59,7 +59,8 @@ def command(
         if not times > 0:
             raise BadInput(f"--times: expected more than 0, got {times:g}")
         chosen = chosen_instants(results, frames)
-        solids = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        shown = special(described, runs, body_skins(runs, case)).solids.get(label, [])
+        solids = [solid for solid in shown if not solid.schematic]
         if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):
             say("no wire says where the cylinders stand: they are drawn one beside the other")
             solids = side_by_side(solids)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...fmi.errors import BadInput
-from ...results.compare import check_measured, measured_section, read_measured
+from ...results.compare import agreement, read_measured
 from ...runs.working import working
 from ..common import OutputFolder, console, open_runs, page_of
 
@@ -43,11 +43,7 @@ def command(
         shows no bodies.
     """
     described, runs = open_runs(files)
-    ahead = []
-    if measured:
-        columns = read_measured(measured)
-        check_measured(runs, columns)
-        ahead = [measured_section(runs, columns)]
+    compared = agreement(runs, read_measured(measured)) if measured else None
     missing = [
         f"--study: expected a table, got no such file {str(path)!r}"
         for path in study
@@ -57,6 +53,6 @@ def command(
         raise BadInput(missing)
     with working(console, "drawing the page"):
         page = page_of(
-            described, runs, output, source=case, notes=notes, studies=study, ahead=ahead
+            described, runs, output, source=case, notes=notes, studies=study, measured=compared
         )
     console.print(f"report   {page}", highlight=False, soft_wrap=True)
