@@ -62,16 +62,8 @@ class Comparison(NamedTuple):
 class Overview:
     """What the page shows first.
 
-    Parameters
-    ----------
-    sentence : str
-    conditions : list of str
-    figures : list of Comparison
-        Minimum film thickness, maximum pressure and friction of all films.
-    rows : list of Comparison
-        Further results.
-    films : dict of str to list of Comparison
-        The same three results of each film, worst film first; empty for one film.
+    figures : minimum film thickness, maximum pressure and friction of all films; rows : further
+    results; films : the figures of each film, worst film first, empty for one film.
     """
 
     sentence: str
@@ -143,7 +135,7 @@ def _of_films(case, results, films) -> Iterator[Result]:
         notes.append(f"FMEP {short(pressure, 'Pa')}")
     share = contact_share(results, films[0]) if len(films) == 1 else None
     if share is not None:
-        notes.append(f"{100 * share:.2g} % by asperity contact")
+        notes.append(f"{_percent(share):.2g} % by asperity contact")
     yield Result("mean friction power", mean_over(results.time, power), "W", ", ".join(notes))
 
 
@@ -173,9 +165,14 @@ def _of_motion(case, results, films) -> Iterator[Result]:
         return
     share = contact_share(results, films[0])
     if share is not None:
-        yield Result("friction work by asperity contact", 100 * share, "%")
+        yield Result("friction work by asperity contact", _percent(share), "%")
     if balance := oil_balance(results, films[0]):
         yield Result("oil throughput per period", 1e9 * balance.throughput, "mm³")
+
+
+def _percent(share):
+    """Return a share in percent; less than a millionth is 0."""
+    return 100 * share if share > 1e-6 else 0.0
 
 
 def _margin(results, film):

@@ -33,17 +33,17 @@ class Place:
     def brief(self) -> str:
         """Short form for tables."""
         side = f"{self.side} side, " if self.side else ""
-        return f"{side}{self.around}, height {self.along}"
+        return f"{side}{self.around}, {self.along_label} {self.along}"
 
 
 def highest_place(case, results, film) -> Place | None:
     """Return where the pressure of a film is highest; None if the run lacks it."""
-    return _place_of(case, results, f"{film}.pressure", f"{film}.maximum_pressure")
+    return _place_of(case, results, film, f"{film}.pressure", "maximum_pressure")
 
 
 def thinnest_place(case, results, film) -> Place | None:
     """Return where a film is thinnest; None if the run lacks it."""
-    return _place_of(case, results, gap_port(results, film), f"{film}.minimum_film_thickness")
+    return _place_of(case, results, film, gap_port(results, film), "minimum_film_thickness")
 
 
 def gap_port(results, film) -> str:
@@ -66,25 +66,24 @@ def film_surface(results, film) -> str:
     return other.surface if other else ""
 
 
-def _place_of(case, results, port, extreme):
-    """Cell of a field whose envelope is nearest to the extreme of a scalar output.
+def _place_of(case, results, film, port, extreme):
+    """Cell whose value in the envelope of a field is nearest to the extreme of a film's output.
 
     Bodies give a gap also where there is no skirt; the film's own smallest value tells which cell
     it is.
     """
     results = results.last
     envelope = results.envelope(port)
-    if envelope is None or extreme not in results.ports:
+    if envelope is None or f"{film}.{extreme}" not in results.ports:
         return None
-    values = results.series(extreme).values
+    values = results.series(f"{film}.{extreme}").values
     wanted = values.min() if envelope.kind == "min" else values.max()
     index = np.unravel_index(np.abs(envelope.values - wanted).argmin(), envelope.values.shape)
-    return _place(case, port, index, envelope.values.shape)
+    return _place(case.axes_of(f"{film}.pressure"), index, envelope.values.shape)
 
 
-def _place(case, port, index, shape):
+def _place(axes, index, shape):
     """A cell in the words of the case's axes."""
-    axes = case.axes_of(port)
     i, j = map(int, index)
     cells_around, cells_along = shape
     around = float(axes.first.positions(cells_around)[i])

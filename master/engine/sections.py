@@ -488,10 +488,11 @@ def _friction(runs, body, film):
 
 
 def _cycles(case, runs) -> list[Drawn]:
-    """FMEP of every whole period shown."""
+    """FMEP of every whole period shown; none of a single one."""
     curves = []
     for k, (label, results) in enumerate(runs.items()):
-        if found := friction_pressures(case, results):
+        found = friction_pressures(case, results)
+        if len(found) > 1:
             ends = np.degrees([cycle.end for cycle in found])
             shown = np.array([cycle.pressure for cycle in found]) * 1e-3
             curves.append(Curve(label, k, ends, shown, points=True))
@@ -625,20 +626,20 @@ def _envelopes(case, runs, body, film, gap):
         found = [results.envelope(port) for results in runs.values()]
         fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in found]
         drawn += _still(case, runs, title, unit, port, fields)
-    if not _is_bearing(runs, film):
-        drawn += _wear(case, runs, body, f"{film}.asperity_pressure")
     said = _every_step(runs, f"{film}.pressure")
-    if drawn and not _is_bearing(runs, film):
-        said += (
-            " Wear is contact pressure times piston speed, summed over the recorded instants, "
-            f"times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
-        )
-    return Section("Envelopes" if _is_bearing(runs, film) else "Envelopes and wear", drawn, said)
+    wear = [] if _is_bearing(runs, film) else _wear(case, runs, body, f"{film}.asperity_pressure")
+    if not wear:
+        return Section("Envelopes", drawn, said)
+    said += (
+        " Wear is contact pressure times piston speed, summed over the recorded instants, "
+        f"times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
+    )
+    return Section("Envelopes and wear", drawn + wear, said)
 
 
 def _still(case, runs, title, unit, port, fields) -> list[Drawn]:
-    """A map of a field without time for every run; none if no run has it."""
-    if all(values is None for values in fields):
+    """A map of a field without time for every run; none if no run has it or all are zero."""
+    if not any(np.any(values) for values in fields if values is not None):
         return []
     there = [
         None if values is None else results.there(port)

@@ -4,7 +4,7 @@ sections. Rooms above say which; the page's script draws them (templates/page.js
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from .packing import Columns, packed_frames
 from .pictures import (
     handy_unit,
     labelled,
-    logarithmic,
     name_of,
     names_of,
     scaled,
@@ -67,8 +66,7 @@ class Corridor:
 class Chart:
     """Curves over one abscissa.
 
-    cursor : it is that of the page's cursor; equal : a length is as long on both axes; around : the
-    ordinate is an angle of a whole turn.
+    cursor : it is that of the page's cursor; around : the ordinate is an angle of a whole turn.
     """
 
     title: str
@@ -79,25 +77,7 @@ class Chart:
     logarithmic: bool = False
     bands: Sequence[Band] = ()
     corridor: Corridor | None = None
-    equal: bool = False
     around: bool = False
-
-
-class Limits(NamedTuple):
-    """Smallest, largest, and smallest positive value (0 without one) that colours are for."""
-
-    low: float
-    high: float
-    positive: float
-
-
-def limits_of(arrays) -> Limits:
-    """Common limits of arrays; what is not finite counts for nothing."""
-    values = [array[np.isfinite(array)] for array in arrays]
-    whole = np.concatenate([np.empty(0), *values]) if values else np.zeros(1)
-    above = whole[whole > 0]
-    least = float(above.min()) if above.size else 0.0
-    return Limits(float(whole.min()), float(whole.max()), least)
 
 
 @dataclass(frozen=True)
@@ -174,7 +154,6 @@ def _panel(case, picture, ports, runs):
         y=labelled("" if len(ports) > 1 else words, y_unit),
         curves=curves,
         cursor=picture.x == (crank_angle_port(case) or "time"),
-        equal=not _is_course(case, picture.x) and x_unit == y_unit,
         bands=[Band(low, high, f"expected for {kinds}") for (low, high), kinds in expected.items()],
     )
 
@@ -255,7 +234,6 @@ def _chart_data(chart: Chart, columns: Columns):
         "x": chart.x,
         "y": chart.y,
         "cursor": chart.cursor,
-        "equal": chart.equal,
         "around": chart.around,
         "logarithmic": chart.logarithmic,
         "bands": [vars(band) for band in chart.bands],
@@ -302,15 +280,14 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
     Returns
     -------
     dict
-        low, high : range over all instants, cells and runs; positive : its smallest value above
-        zero; shape : of each run's grid; frames : of each run, packed.
+        low, high : range over all instants, cells and runs; runs : of each run the frames, packed,
+        and the shape of its grid.
     """
     shown = [
         stack[:, cells] if cells is not None else stack
         for stack, cells in zip(stacks, there)
         if stack is not None
     ]
-    limits = limits_of(shown)
     runs = [
         None
         if stack is None
@@ -325,8 +302,8 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
     return {
         "name": name,
         "unit": unit,
-        **limits._asdict(),
-        "logarithmic": logarithmic(unit, limits.low, limits.high),
+        "low": float(min(np.nanmin(one) for one in shown)),
+        "high": float(max(np.nanmax(one) for one in shown)),
         "axes": [_axis(axes.first), _axis(axes.second)],
         "runs": runs,
     }

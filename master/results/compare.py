@@ -253,9 +253,9 @@ def measured_section(runs, measured) -> Section:
             curves.append(Curve(label, k, *shown))
         curves.append(Curve("measured", MEASURED, x, column.values, points=True))
         chart = Chart(
-            name_of(port),
-            f"{name_of(x_port)} [{x_unit}]",
-            f"[{column.unit}]",
+            name_of(port).capitalize(),
+            labelled(name_of(x_port), unit_shown(x_unit, None)),
+            labelled("", unit_shown(column.unit, None)).strip(),
             curves,
             cursor=x_unit == "deg" and all(_turns(results, x_port) for results in runs.values()),
             corridor=band,

@@ -90,16 +90,8 @@ def add_legend(panel: Any, handles: dict[str, Any] | None = None) -> None:
 def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Path:
     """Save a figure as PNG, PDF or SVG, and return the path.
 
-    Images have a palette of 256 colours. In SVG files, text is text and coordinates have one
-    decimal.
-
-    Parameters
-    ----------
-    drawn : Figure
-    path : Path
-        Its suffix is the type of the file.
-    resolution : float
-        Resolution of a PNG file [1/in].
+    The suffix of the path is the type of the file. Images have a palette of 256 colours, and PNG
+    files the `resolution` [1/in]. In SVG files, text is text and coordinates have one decimal.
     """
     data = BytesIO()
     dpi = resolution if path.suffix == ".png" else VECTOR_RESOLUTION

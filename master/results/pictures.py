@@ -344,16 +344,10 @@ def where_there(image, there):
     return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
 
 
-PRESSURES = ("Pa", "kPa", "MPa", "bar")
 FLOOR = 1e-4
 """Logarithmic colours reach down to this share of the largest value."""
 SPAN = 30.0
 """Ratio of two values above which a colour scale is logarithmic."""
-
-
-def logarithmic(unit, low, high):
-    """Whether the colours of a field over a whole run are logarithmic: pressures, wide ranges."""
-    return high > 0 and ((unit in PRESSURES and low >= 0) or 0 < low < high / SPAN)
 
 
 def colour_norm(images):

@@ -60,7 +60,7 @@ class Account:
     began_rows: int = 0
     repetition: Repetition | None = None
     ledger: Ledger | None = None
-    envelopes: Envelopes | None = None
+    envelopes: Envelopes = field(default_factory=lambda: Envelopes({}))
 
 
 MAGIC = b"piston-cosim checkpoint\n"

@@ -21,7 +21,6 @@ from piston_cosim.master.results.pictures import (
     draw_sections,
     figures,
     left_out,
-    logarithmic,
     unit_shown,
 )
 
@@ -125,21 +124,6 @@ def test_a_turn_is_closed():
     assert shown.get_array()[0].tolist() == [16.0, 0.0, 4.0, 8.0, 12.0, 16.0, 0.0]
     assert shown.get_extent()[:2] == pytest.approx([-108.0, 396.0])
     assert panel.get_xlim() == (0.0, 360.0)
-
-
-@pytest.mark.parametrize(
-    "unit, low, high, expected",
-    [
-        ("MPa", 0.0, 1.0, True),
-        ("MPa", -1.0, 1.0, False),
-        ("MPa", 0.0, 0.0, False),
-        ("um", 1.0, 29.0, False),
-        ("um", 1.0, 31.0, True),
-        ("um", 0.0, 31.0, False),
-    ],
-)
-def test_which_colours_are_logarithmic(unit, low, high, expected):
-    assert logarithmic(unit, low, high) == expected
 
 
 @pytest.mark.parametrize(

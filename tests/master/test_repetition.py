@@ -6,6 +6,7 @@ each. Beginning and end of period k differ by 0.9 10^-k.
 
 import os
 import signal
+from copy import copy
 from types import SimpleNamespace
 
 import h5py
@@ -209,22 +210,20 @@ def test_a_run_that_is_killed_goes_on_from_its_checkpoint(toys, tmp_path, instan
 
 @pytest.fixture
 def enveloped(monkeypatch):
-    """Runs whose envelope is the smallest value of plant.y0."""
-    made = lambda tree, participants: Envelopes({"plant.y0": "min"})  # noqa: E731
-    monkeypatch.setattr(run_module, "envelopes", made)
+    """Runs whose envelope is the largest value of plant.y0."""
+    kept = Envelopes({"plant.y0": "max"})
+    monkeypatch.setattr(run_module, "envelopes", lambda tree, participants: copy(kept))
 
 
-def lowest(path):
-    """Stored envelope, and the smallest value of the file's last period."""
+def largest(path):
+    """Stored envelope, and the largest value of the file's last period."""
     with Results(path) as results:
         series = results.last.series("plant.y0").values
-        return float(results.envelope("plant.y0").values), series.min()
+        return float(results.envelope("plant.y0").values), series.max()
 
 
 def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, toys, tmp_path):
-    """x falls from period to period, so that the smallest value of each differs. Fields are
-    recorded at every second step, and the smallest value, at 3 s of 4 s, is between them.
-    """
+    """The largest value falls from period to period, and is between two recorded instants."""
 
     def fall(time, *others):
         if time == 15.0:
@@ -235,11 +234,11 @@ def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, t
     with pytest.raises(KeyboardInterrupt):
         go(toys(), output, watch=fall)
     go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
-    stored, smallest = lowest(tmp_path / "whole.h5")
-    assert lowest(output) == (stored, smallest)
-    assert stored == smallest == x(15.0)
+    stored, of_steps = largest(tmp_path / "whole.h5")
+    assert largest(output) == (stored, of_steps)
+    assert stored == of_steps == x(13.0) < x(9.0)
     with Results(output) as results:
-        assert results.last.dataset("plant.y0")[:].min() > stored
+        assert results.last.dataset("plant.y0")[:].max() < stored
 
 
 def same_results(one, other):

@@ -102,7 +102,7 @@ def test_page_holds_the_fields(case, results, tmp_path):
     held = results.dataset("a.map")[:].reshape(-1, 12)
     assert read == pytest.approx(held, abs=111 * 2.0**-17)  # 16 bits of the range
     layer = film["layers"]["field"]
-    assert (layer["low"], layer["high"], layer["positive"]) == (0.0, 111.0, 1.0)
+    assert (layer["low"], layer["high"]) == (0.0, 111.0)
     every = data["cursor"]["frames"][0]
     assert every == list(range(len(results.instants))), "every recorded instant can be reached"
     outside = re.sub(r'<script id="libraries".*?</script>', "", page, flags=re.S)

@@ -18,7 +18,6 @@ from piston_cosim.master.engine.sections import (
     wear_depth,
 )
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.charts import limits_of
 from piston_cosim.master.results.file import Envelope, Series
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.pictures import handy_unit, names_of
@@ -239,11 +238,6 @@ def test_nothing_special_of_a_case_without_a_crank():
     results = run([0.0])
     results.ports.remove("bodies.crank_angle")
     assert special(Case.model_construct(), {"r": results}) == sections.Special()
-
-
-def test_limits_are_of_all_and_leave_out_what_is_no_number():
-    assert limits_of([np.array([0.0, np.nan, 3.0]), np.array([[0.5]])]) == (0.0, 3.0, 0.5)
-    assert limits_of([np.array([-1.0, 0.0])]) == (-1.0, 0.0, 0.0)
 
 
 def test_equal_columns_are_kept_once():

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...results import compare as curves
-from ..common import OutputFile, console, open_runs
+from ..common import OutputFile, console, open_runs, wide_console
 
 
 def command(
@@ -54,7 +54,7 @@ def command(
     x = x or lines[0].x
     y = y or [port for panel in lines[0].y for port in panel]
     assert x is not None  # a picture with lines has one
-    unit = next(iter(runs.values())).series(x).unit
+    unit = ""
     if measured:
         columns = curves.read_measured(measured)
         _, rows, unit = curves.agreement(runs, columns)
@@ -66,7 +66,7 @@ def command(
         rows = curves.against_first(runs, x, y)
     else:
         raise BadInput("FILES: expected a second run, --period or --measured, got one run")
-    print_scores(rows, unit)
+    print_scores(rows, unit or next(iter(runs.values())).series(x).unit)
 
 
 def print_scores(rows, unit):
@@ -79,4 +79,4 @@ def print_scores(rows, unit):
         phase = f"{scored.phase * factor:+.4g}"
         within = [] if share is None else [f"{share:.0%}"]
         table.add_row(label, port, f"{scored.amplitude:.4f}", phase, f"{scored.rms:.4f}", *within)
-    console.print(table)
+    wide_console().print(table)

@@ -42,15 +42,18 @@ function chartHead(figure, drawn) {
   download.title = "Download this chart as CSV";
   download.onclick = () => save((drawn.title || "chart").replace(/[^\w-]+/g, "_") + ".csv", tableOf(drawn));
   const values = element("span", head, "", "values");
+  for (const band of drawn.bands || [])
+    element("span", values, `${band.low === band.high ? "dashed" : "green"}: ${band.said}`, "dim");
   if (drawn.corridor) element("span", values, `grey: ${drawn.corridor.said}`, "dim");
   return values;
 }
 
-// degrees every 90; of a time those of the library
+// degrees every 90 or 180; of a short run and of a time those of the library
 function cursorTicks([begin, end]) {
   if (data.cursor.unit !== "deg") return {};
-  const step = end - begin > 1000 ? 180 : 90;
-  return { ticks: d3.range(90 * Math.ceil(begin / 90), end + 1, step), tickFormat: value => value + "°" };
+  const tickFormat = value => value + "°", step = end - begin > 1000 ? 180 : 90;
+  if (end - begin < 180) return { tickFormat };
+  return { tickFormat, ticks: d3.range(90 * Math.ceil(begin / 90), end + 1, step) };
 }
 
 function ordinate(drawn, curves) {
@@ -59,20 +62,21 @@ function ordinate(drawn, curves) {
   return { grid: true, zero: curves.every(curve => d3.min(column(curve.y)) >= 0) };
 }
 
-// parts of the abscissa that are in sight, cut to it
+// parts of the abscissa that are in sight, cut to it; a mark belongs to the beginning
 function phasesWithin(phases, [begin, end]) {
-  return phases.filter(phase => phase.end > begin && phase.begin < end).map(phase =>
-    ({ ...phase, begin: Math.max(begin, phase.begin), end: Math.min(end, phase.end) }));
+  return phases.filter(phase => phase.end > begin && phase.begin < end).map(phase => ({
+    name: phase.name, mark: phase.begin < begin - 1e-6 ? "" : phase.mark,
+    begin: Math.max(begin, phase.begin), end: Math.min(end, phase.end),
+  }));
 }
 
-// names of all phases, or of none if one does not fit; marks such as TDC always
+// marks such as TDC, and the names of the phases in which they fit
 function phaseLabels(phases, [begin, end], width) {
-  const fits = ({ begin: from, end: to }, words) =>
-    words.length * 8 < (to - from) / (end - begin) * (width - MARGIN.left - MARGIN.right);
-  const named = phases.every(phase => fits(phase, phase.name));
   const labels = phases.map(phase => {
-    const both = [phase.mark, named ? phase.name : ""].filter(Boolean).join(", ");
-    return { x: phase.begin, text: fits(phase, both) ? both : phase.mark };
+    const room = (phase.end - phase.begin) / (end - begin) * (width - MARGIN.left - MARGIN.right);
+    const both = [phase.mark, phase.name].filter(Boolean).join(", ");
+    const choices = [both, phase.mark, phase.name].filter(words => words.length * 8 < room);
+    return { x: phase.begin, text: choices.find(Boolean) || phase.mark };
   });
   const style = { frameAnchor: "top", dy: -11, textAnchor: "start", fontSize: 10, clip: false };
   return Plot.text(labels.filter(label => label.text), { x: "x", text: "text", ...style });

@@ -154,13 +154,16 @@ async function drawSectionCharts(parent, section) {
 }
 
 async function drawStillMaps(parent, layer) {
-  const kind = /thickness|wear/i.test(layer.name) ? "thickness" : /contact/i.test(layer.name) ? "contact" : "pressure";
+  const kinds = { thickness: /thickness/i, contact: /contact|wear/i, pressure: /.*/ };
+  const kind = Object.keys(kinds).find(name => kinds[name].test(layer.name));
   for (const [r, run] of layer.runs.entries()) {
     if (!run) continue;
     await readFrames(run);
     const figure = element("div", parent);
     element("b", figure, withBrackets(layer.name, layer.unit));
     new FieldMap(figure, { layers: { [kind]: layer } }, r, kind, 0).paint();
+    const color = { type: "linear", domain: [layer.low, layer.high], interpolate: colourScale(kind) };
+    element("div", figure, "", "ramp").append(colourBar(color));
   }
 }
 

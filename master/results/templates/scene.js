@@ -205,8 +205,7 @@ function turnMatrix(round, up) {
 async function showSolids() {
   const parent = byId("solids");
   if (parent.childElementCount) return;
-  const meshes = await Promise.all(data.solids.meshes.map(unpackMesh));
-  const row = element("div", parent, "", "row");
+  const row = element("div", parent, "", "row"), meshes = await Promise.all(data.solids.meshes.map(unpackMesh));
   const coloured = labelled(row, "colour", "select"), over = labelled(row, "scale", "select");
   const exponents = { type: "range", min: 0, max: 3, step: 0.02, value: 1.7 };
   const exponent = labelled(row, "deformation drawn", "input", exponents);

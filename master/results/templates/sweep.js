@@ -30,7 +30,10 @@ function draw(name, options) {
   const style = { background: "none", overflow: "visible" };
   const svg = Plot.plot({ width, marginLeft: 60, marginTop: 28, marginBottom: 42, style, ...options });
   parent.replaceChildren();
-  if (options.color) element("div", parent, "", "ramp").append(colourBar({ ...svg.scale("color"), label: options.color.label }));
+  if (options.color) {
+    const color = { ...svg.scale("color"), label: options.color.label };
+    element("div", parent, "", "ramp").append(colourBar(color));
+  }
   parent.append(svg);
 }
 
@@ -99,12 +102,12 @@ function drawParallel() {
   const ends = axes.flatMap((axis, k) => d3.extent(axis.values).map((value, end) => ({ k, share: end, value })));
   const at = { x: "share", y: "k" };
   draw("parallel", {
-    height: 60 + 38 * axes.length, marginLeft: 240, marginRight: 50, marginTop: 20, marginBottom: 20,
+    height: 60 + 38 * axes.length, marginLeft: 270, marginRight: 40, marginTop: 20, marginBottom: 20,
     x: { axis: null }, y: { axis: null, reverse: true },
     color: { label: colour.name, scheme: "viridis" },
     marks: [
       Plot.ruleY(axes, { y: (_, k) => k, x1: 0, x2: 1, stroke: "var(--line)" }),
-      Plot.text(axes, { y: (_, k) => k, x: 0, text: "name", textAnchor: "end", dx: -60 }),
+      Plot.text(axes, { y: (_, k) => k, x: 0, text: "name", textAnchor: "end", dx: -40 }),
       Plot.text(ends, { ...at, text: ({ value }) => digits(value), dy: -9, ...HALO }),
       Plot.line(points, {
         ...at, z: "design", stroke: ({ design }) => colour.values[design], strokeWidth: 2, strokeOpacity: 0.8,
