@@ -666,7 +666,7 @@ def _every_step(runs, port):
     sparse = [label for label, one in found.items() if one and not one.every_step]
     said = "The envelopes hold every accepted macro step of the last period."
     if sparse:
-        said += f" Those of {', '.join(sparse)} hold the recorded instants alone."
+        said += f" The envelopes of {', '.join(sparse)} hold recorded instants only."
     return said
 
 

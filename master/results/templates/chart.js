@@ -1,7 +1,7 @@
 // Charts by Observable Plot. The cursor is a line of its own, which moves without drawing the chart again.
 
 const DASHES = { dash: "6 3", dot: "2 3", dashdot: "7 3 2 3" };
-const MARGIN = { left: 48, right: 10, top: 16 };
+const MARGIN = { left: 48, right: 16, top: 16 };
 const FEW = 60;   // points that are drawn large
 
 // `list`: of the functions that move cursors

@@ -1,16 +1,19 @@
 // The view as one picture: canvases, drawings and captions where they are on the page.
 
 const DENSITY = 2;   // pixels of the picture for one of the page
+const BORDER = 12;   // around the view [px]
 const PAGE_COLOURS = ["--ink", "--dim", "--line", "--paper", "--shade"];
 const CAPTIONS = "figcaption, figcaption .values span, #place, #legend span";
 
 async function picture() {
   const view = byId("view"), from = view.getBoundingClientRect();
   const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
-  Object.assign(canvas, { width: DENSITY * from.width, height: DENSITY * from.height });
+  const size = [from.width + 2 * BORDER, from.height + 2 * BORDER];
+  Object.assign(canvas, { width: DENSITY * size[0], height: DENSITY * size[1] });
   pen.scale(DENSITY, DENSITY);
   pen.fillStyle = colourOnPage("--paper");
-  pen.fillRect(0, 0, from.width, from.height);
+  pen.fillRect(0, 0, ...size);
+  pen.translate(BORDER, BORDER);
   const box = node => {
     const own = node.getBoundingClientRect();
     return [own.left - from.left, own.top - from.top, own.width, own.height];
@@ -22,11 +25,23 @@ async function picture() {
   }
   pen.textBaseline = "top";
   for (const node of view.querySelectorAll(CAPTIONS)) {
-    const { font, color } = getComputedStyle(node), [x, y] = box(node);
-    Object.assign(pen, { font, fillStyle: color });
-    pen.fillText(ownText(node), x, y);
+    const { fontWeight, fontSize, fontFamily, color } = getComputedStyle(node), [x, y, width] = box(node);
+    Object.assign(pen, { font: `${fontWeight} ${fontSize} ${fontFamily}`, fillStyle: color });
+    const text = ownText(node), sample = node.querySelector(".sample");
+    pen.fillText(text, sample ? x + width - pen.measureText(text).width : x, y);
+    if (sample) drawSample(pen, getComputedStyle(sample), box(sample));
   }
   return new Promise(done => canvas.toBlob(done));
+}
+
+// line of the legend
+function drawSample(pen, { borderTopColor, borderTopStyle }, [x, y, width]) {
+  pen.strokeStyle = borderTopColor;
+  pen.setLineDash(borderTopStyle === "dashed" ? [4, 3] : []);
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(x + width, y);
+  pen.stroke();
 }
 
 const colourOnPage = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
