@@ -104,10 +104,10 @@ def command(
         os.environ[JOBS] = str(jobs)
     files = {label: folder / f"{label}.h5" for label in cases}
     of_period = say if verbose else lambda line: None
-    with LocalPool(count_jobs()) as pool:
+    with LocalPool(count_jobs() - 1) as pool:
         side_by_side = len(cases) > 1 and count_jobs() > 1 and not live
         if side_by_side:  # the processes start while bodies are reduced
-            start_processes(pool, len(cases))
+            start_processes(pool, len(cases) - 1)
         systems = open_all(cases, path.parent)
         if count_jobs() > 1:
             compile_kernels(systems.values(), pool, console)

@@ -1,9 +1,7 @@
-"""Compilation of kernels ahead of a run: film and bodies side by side, each in its own process."""
+"""Compilation of kernels ahead of a run: film and bodies side by side, in two processes."""
 
 from collections.abc import Iterable
-from concurrent.futures import wait
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,18 +43,14 @@ def compile_kernels(systems: Iterable[System], pool: LocalPool, console) -> None
         return
     labels = {code: f"compiling {one.name}" for code, one in wanted.items()}
     with bars(console, [*labels.values()]) as show:
-        futures = [
-            pool.submit_told(partial(_told, show, labels[code]), _rehearse, one)
-            for code, one in wanted.items()
-        ]
-        wait(futures)
+        pool.share(
+            lambda label, state: show(label, *state),
+            _rehearse,
+            {labels[code]: one for code, one in wanted.items()},
+        )
     with suppress(OSError):
         for mark in marks:
             mark.touch()
-
-
-def _told(show, label, state):
-    show(label, *state)
 
 
 def _code(participant: FmuParticipant) -> str:

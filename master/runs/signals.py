@@ -15,9 +15,9 @@ GRACE = 0.7
 """Time after which a command ends if it does not react to a signal [s]."""
 EXIT_CODE = 1
 """Exit code of a stopped command."""
-_command = SimpleNamespace(runs=False, follows=False)
-"""Whether this process is a command, which may end at once, or a user's own Python; and whether it
-is a process of a command that forwards signals.
+_command = SimpleNamespace(runs=False, follows=False, forward=lambda count: None)
+"""Whether this process is a command, which may end at once, or a user's own Python; whether it is a
+process of a command that forwards signals; and what forwards signals to such processes.
 """
 
 
@@ -66,6 +66,7 @@ def listening(clean: Callable[[], object] = lambda: None):
         heard.signal = number
 
     def react(number: int, count: int) -> None:
+        _command.forward(count)
         if _command.runs and not heard.stepped:
             with suppress(OSError):
                 clean()
@@ -93,14 +94,21 @@ def forwarding(send: Callable[[int], object]):
     """
     heard = SimpleNamespace(signal=None, stepped=False)
 
+    def forward(count: int) -> None:
+        send(signal.SIGTERM if count == 1 else signal.SIGKILL)
+
     def react(number: int, count: int) -> None:
         heard.signal = number
-        send(signal.SIGTERM if count == 1 else signal.SIGKILL)
+        forward(count)
         if heard.stepped or count > 1:
             _stop(number, count)
 
-    with _watched(lambda number, frame: None, react):
-        yield heard
+    _command.forward = forward
+    try:
+        with _watched(lambda number, frame: None, react):
+            yield heard
+    finally:
+        _command.forward = lambda count: None
     if heard.signal and not heard.stepped:
         _exit(heard.signal)
 

@@ -1,8 +1,7 @@
-"""Variants of a case side by side, each in its own process with the same results as alone."""
+"""Variants of a case side by side, in this process and others, with the same results as alone."""
 
-import traceback
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, Future, wait
+from concurrent.futures import CancelledError, Future
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +13,7 @@ from ..fmi.errors import BadInput, Stopped
 from .console import Watch, bars
 from .pool import LocalPool, PointDied
 from .run import run
-from .signals import follow_command, forwarding
+from .signals import forwarding
 from .working import REFRESH, every
 
 
@@ -39,7 +38,7 @@ class Outcome(NamedTuple):
 
 
 def start_processes(pool: LocalPool, count: int) -> None:
-    """Let the processes of a pool start, and import what a variant needs, in the background."""
+    """Let processes of a pool start, and import what a variant needs, in the background."""
     for _ in range(count):
         pool.submit(_import)
 
@@ -69,12 +68,6 @@ def run_variants(
         With the faults of all variants.
     """
     said = set()
-    futures: dict[str, Future] = {}
-
-    def send(number):
-        for future in futures.values():
-            future.cancel()
-        pool.send_signal(number)
 
     def told(label, message):
         kind, *data = message
@@ -87,10 +80,8 @@ def run_variants(
             said.add(data[0])
             say(data[0])
 
-    with bars(console, variants) as show, forwarding(send) as heard:
-        for label, variant in variants.items():
-            futures[label] = pool.submit_told(partial(told, label), _run, variant)
-        wait(futures.values())
+    with bars(console, variants) as show, forwarding(pool.send_signal) as heard:
+        futures = pool.share(told, _run, variants)
     outcomes = {label: _outcome(future) for label, future in futures.items()}
     stopped = {label: one for label, one in outcomes.items() if one.lines}
     if stopped:
@@ -114,8 +105,7 @@ def _outcome(future: Future) -> Outcome:
 
 
 def _run(tell, variant: Variant) -> Outcome:
-    """Run a variant in this process, which is its own."""
-    follow_command()
+    """Run a variant in this process."""
     watch = Watch(lambda share, state: tell(("show", share, state)))
     say, log = (partial(_tell, tell, kind) for kind in ("say", "log"))
     tree, folder, output = variant
@@ -132,9 +122,6 @@ def _run(tell, variant: Variant) -> Outcome:
     except Stopped as error:
         notes = getattr(error, "__notes__", ())
         return Outcome(headline=error.headline, lines=[str(error), *notes])
-    except Exception:
-        traceback.print_exc()
-        raise
 
 
 def _tell(tell, kind, text):
