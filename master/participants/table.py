@@ -47,9 +47,13 @@ class TableParticipant:
 
     def __init__(self, name, path, kind):
         self.name, self.path, self.kind = name, Path(path), kind
-        names, units, self.times, columns = read_table(self.path)
+        try:
+            names, units, self.times, columns = read_table(self.path)
+        except BadInput as error:
+            raise BadInput([f"table: {line}" for line in error.faults]) from None
         if kind == "cubic" and len(self.times) < 4:
-            raise BadInput(f"{path}: expected at least four rows for cubic, got {len(self.times)}")
+            got = len(self.times)
+            raise BadInput(f"table: {path}: expected at least four rows for cubic, got {got}")
         self.fields = {}
         self.columns = {}
         for column, unit, values in zip(names, units, columns):
