@@ -5,7 +5,6 @@
 import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 from unittest.mock import MagicMock
 
@@ -14,6 +13,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.participants import isolated
+
+from .waiting import wait_for
 
 CASE = """
 title = "Two cells"
@@ -202,13 +203,6 @@ def children(pid):
     return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
 
 
-def wait_for(condition, seconds=30):
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.05)
-    return condition()
-
-
 def test_a_killed_master_leaves_no_process_behind(tmp_path):
     """Its FMU hangs at that moment."""
     write_case(tmp_path, "hang", isolated=True)
@@ -225,12 +219,12 @@ def test_a_killed_master_leaves_no_process_behind(tmp_path):
         ],
         stdout=subprocess.DEVNULL,
     )
-    assert wait_for((tmp_path / "marker").exists)
+    wait_for((tmp_path / "marker").exists)
     left = children(process.pid)
     assert left
     process.kill()
     process.wait()
-    assert wait_for(
+    wait_for(
         lambda: (
             not any(
                 Path(f"/proc/{pid}/stat").exists()

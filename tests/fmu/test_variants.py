@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from .counter import case_text, library, make
+from .waiting import wait_for
 
 __all__ = ["library"]
 
@@ -49,13 +50,6 @@ def begun(folder, *words, jobs=2, case="case.toml"):
         text=True,
         start_new_session=True,
     )
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.02)
-    assert condition()
 
 
 def is_left(process):
