@@ -73,17 +73,20 @@ def lift(before: Before, pace: Pace, edges: Edges, step: float, domain: Domain):
     """Lift of the film fraction at the axial faces, `transport.lift`, from the past alone."""
     n_c, n_a = before.unknown.shape
     area = domain.cells.dx * domain.cells.dy
+    full = np.empty((n_c, n_a), np.bool_)
     resting = np.empty((n_c, n_a), np.bool_)
     gained = np.empty((n_c, n_a))
     for i in range(n_c):
         for j in range(n_a):
-            resting[i, j] = before.unknown[i, j] > 0.0 or domain.open_cells[i, j]
+            full[i, j] = before.unknown[i, j] > 0.0 and not domain.open_cells[i, j]
+            resting[i, j] = full[i, j] or domain.open_cells[i, j]
             passing = before.passed[i, j + 1] - before.passed[i, j]
             gained[i, j] = before.growth[i, j] * before.step + passing / area
     past = PastTransport(
         before.film,
         before.film_before,
         before.content,
+        full,
         resting,
         gained,
         before.passed,

@@ -16,15 +16,27 @@ Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
 Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
 Eq. (T14):  |m / t - f_up| <= (1 - f) / 2
 
-c content, t transported film [m], f the larger film fraction of the two cells of the face, m = f t
-of a cell or at a face [m], d and D differences of m before and behind the upstream cell. The last
-term of Eq. (T13) is of third order where m is smooth [Koren1993]; the two others keep m at the face
-between its neighbours, and the oil of an explicit step positive and without new extremes. Eq. (T14)
-lets the lift fade where the film gets full, as it has to: a full cell passes on what pressure
-tells it, there is no lift beside one, and a cell that fills or empties must not see a lift appear.
-Film quantities are those expected in the middle of the step, for f* those at its end. `gain` is
-the content that came in circumferentially in the last step; over a face whose upstream cell is
-full goes what went in the last step.
+c content, t transported film [m], f the larger film fraction of the two cells of the face, or that
+of the upstream cell where the other one holds a front, m = f t of a cell or at a face [m], d and D
+differences of m before and behind the upstream cell. The last term of Eq. (T13) is of third order
+where m is smooth [Koren1993]; the two others keep m at the face between its neighbours, and the oil
+of an explicit step positive and without new extremes. Eq. (T14) lets the lift fade where the film
+gets full, as it has to: a full cell passes on what pressure tells it, there is no lift behind one,
+and a cell that fills or empties must not see a lift appear. Film quantities are those expected in the middle of the step, for f* those at its end. `gain` is
+the content that came in circumferentially in the last step; over a face beside a full cell goes
+what went in the last step, unless oil goes on from there into a cavity: a full cell passes on its
+film.
+
+Where oil enters a full zone, the last cell before it holds the front:
+
+Eq. (T16):  l = min((1 - f_in) / 2, f_in)      at the face into the full zone
+
+f_in film fraction that enters this cell. Its pressure is zero at its centre whatever it holds, and
+a steady zone needs f = f_in + (1 - f_in) s at the face when the front is s cells before the centre
+of the first full cell. Oil reaches from there over s - 1/2 of the cell that holds the front, so its
+content is f_in + (1 - f_in) (s - 1/2), and Eq. (T16) is the difference, as far as the cell owes no
+oil. Without it, each front takes the oil of half a cell more than there is, and a film on scarce
+oil carries too little.
 
 Travel of the last step and of this one:
 
@@ -36,7 +48,7 @@ bit for bit, and in the tangent l is a constant beside the upstream film fractio
 through a face, the same for both cells, so oil is conserved to round-off. A film that is steady
 stays so whatever the step, since F is then X times a flow that knows no step.
 
-Without lift, transport is of first order. That is so at faces beside a full cell, at edges, in the
+Without lift, transport is of first order. That is so at faces behind a full cell, at edges, in the
 first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in a step (thus
 in a film asked for at once as steady), and around the circumference. Film and velocity that jump
 within a step can make a cell owe oil: its row is solved again without lift.
@@ -75,8 +87,8 @@ class PastTransport(NamedTuple):
         Quantities of `films` at its end and at its beginning.
     content : ndarray, shape (n_c, n_a)
         c_n at its end [m].
-    resting : ndarray of bool, shape (n_c, n_a)
-        Cells that are full, or have no film.
+    full, resting : ndarray of bool, shape (n_c, n_a)
+        Cells that are full; and those that are, or have no film.
     gained : ndarray, shape (n_c, n_a)
         Content that came in circumferentially [m].
     passed, travel : ndarray, shape (n_c, n_a + 1)
@@ -86,6 +98,7 @@ class PastTransport(NamedTuple):
     film: Array
     film_before: Array
     content: Array
+    full: Flags
     resting: Flags
     gained: Array
     passed: Array
@@ -141,7 +154,7 @@ class Way(NamedTuple):
     stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
     between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
     travel : ndarray, shape (n_c, n_a + 1), X [m];
-    resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
+    full, resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
     supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
     width : of a face [m].
     """
@@ -150,9 +163,16 @@ class Way(NamedTuple):
     mobile: Array
     between: Array
     travel: Array
+    full: Flags
     resting: Flags
     supply: Array
     width: float
+
+
+@compiled(inline="always")
+def _holds_front(cell, onward, i, full):
+    """Whether oil goes from a cell into a full one; onward: 1 with ascending j, -1 against."""
+    return 0 <= cell + onward < full.shape[1] and full[i, cell + onward]
 
 
 @compiled(inline="always")
@@ -160,13 +180,14 @@ def _row_flow(content, i, way, steps, given, flow):
     """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T12) to
     (T14), into `flow` [m3].
     """
-    stored, mobile, between, travel, resting, supply, width = way
+    stored, mobile, between, travel, full, resting, supply, width = way
     n_a = content.size
     for j in range(n_a + 1):
         x = travel[i, j] / steps
         up = j - 1 if x > 0.0 else j
         down = j if x > 0.0 else j - 1
-        if x == 0.0 or not 0 <= up < n_a or resting[i, up]:
+        known = not 0 <= up < n_a or resting[i, up] or _holds_front(up, down - up, i, full)
+        if x == 0.0 or known:
             flow[j] = given[j] / steps
             continue
         here = min(content[up] / stored[i, up], 1.0)
@@ -182,10 +203,29 @@ def _row_flow(content, i, way, steps, given, flow):
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
         there = min(content[down] / stored[i, down], 1.0)
         value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
+        if _holds_front(down, down - up, i, full):
+            there = here
         room = NEAR_FULL * (1.0 - max(here, there))
         # Eq. (T14)
         lifted = min(max(value / between[i, j], here - room), here + room)
         flow[j] = width * x * lifted * between[i, j]
+
+
+@compiled(inline="always")
+def _lift_at_fronts(i, through, way, fraction):
+    """Lift at the faces of row i into full cells, Eq. (T16), into `fraction`; through: volumes that
+    pass the axial faces in the step [m3].
+    """
+    for j in range(1, way.mobile.shape[1]):
+        x = way.travel[i, j]
+        cell = j - 1 if x > 0.0 else j
+        entry = j - 1 if x > 0.0 else j + 1
+        if x * way.travel[i, entry] <= 0.0 or way.resting[i, cell]:
+            continue
+        if way.full[i, 2 * j - 1 - cell]:
+            swept = way.width * way.travel[i, entry] * way.mobile[i, cell]
+            entering = min(max(through[entry] / swept, 0.0), 1.0)
+            fraction[i, j] = min(0.5 * (1.0 - entering), entering)  # Eq. (T16)
 
 
 @compiled(inline="always")
@@ -247,14 +287,14 @@ def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cell
     mobile = _expected(past, TRANSPORT, 0.5 * pace.ratio)
     between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, 0.5 * pace.ratio))
     stored_end = _expected(past, STORED, pace.ratio)
-    between_end = _face_film(
-        _expected(past, TRANSPORT, pace.ratio), _expected(past, CONDUCTIVITY_A, pace.ratio)
-    )
+    mobile_end = _expected(past, TRANSPORT, pace.ratio)
+    between_end = _face_film(mobile_end, _expected(past, CONDUCTIVITY_A, pace.ratio))
     n_c, n_a = stored.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = Way(stored, mobile, between, travel, past.resting, supply, width)
+    way = Way(stored, mobile, between, travel, past.full, past.resting, supply, width)
+    end = Way(stored_end, mobile_end, between_end, travel, past.full, past.resting, supply, width)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -320,9 +360,13 @@ def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cell
             reached = min(content[up] / stored_end[i, up], 1.0)
             # Eq. (T11)
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
-            fuller = max(content[j - 1] / stored_end[i, j - 1], content[j] / stored_end[i, j])
+            down = 2 * j - 1 - up
+            fuller = content[up] / stored_end[i, up]
+            if not _holds_front(down, down - up, i, past.full):
+                fuller = max(fuller, content[down] / stored_end[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
+        _lift_at_fronts(i, through, end, fraction)
     return Lift(fraction, travel)
 
 
