@@ -22,10 +22,10 @@ differences of m before and behind the upstream cell. The last term of Eq. (T13)
 where m is smooth [Koren1993]; the two others keep m at the face between its neighbours, and the oil
 of an explicit step positive and without new extremes. Eq. (T14) lets the lift fade where the film
 gets full, as it has to: a full cell passes on what pressure tells it, there is no lift behind one,
-and a cell that fills or empties must not see a lift appear. Film quantities are those expected in the middle of the step, for f* those at its end. `gain` is
-the content that came in circumferentially in the last step; over a face beside a full cell goes
-what went in the last step, unless oil goes on from there into a cavity: a full cell passes on its
-film.
+and a cell that fills or empties must not see a lift appear. Film quantities are those expected in
+the middle of the step, for f* those at its end. `gain` is the content that came in
+circumferentially in the last step; over a face beside a full cell goes what went in the last step,
+unless oil goes on from there into a cavity: a full cell passes on its film.
 
 Where oil enters a full zone, the last cell before it holds the front:
 
