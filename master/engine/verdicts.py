@@ -27,6 +27,9 @@ FORCE_AMBER, FORCE_RED = 0.25, 0.75
 PEAK_AMBER, PEAK_RED = 4, 2
 """Cells across the pressure peak at half its height: the nearest centre misses the top of a
 parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
+ZONE = 10
+"""Minimum length of the full film along the axis in cells, where cavities limit it: a load on a
+thin layer is 4.5 % low with 12 cells (docs/measurements/limits.md)."""
 OPENING = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
 
@@ -222,7 +225,14 @@ def _of_grid(case, results, name):
         )
     fraction = f"{name}.film_fraction"
     if fraction in results.recorded:
-        closed = without_film(pressure, results.dataset(fraction)[:])
+        fractions = results.dataset(fraction)[:]
+        row = fractions[instant, cell[0]]
+        full = row >= 1.0
+        length = _run(full[cell[1] :]) + _run(full[: cell[1] + 1][::-1]) - 1
+        if not full[[0, -1]].any() and length < ZONE:
+            colours.append("amber")
+            remarks.append(f"The full film at the peak is {length} cells long (minimum {ZONE})")
+        closed = without_film(pressure, fractions)
         thin = narrowest_opening(closed)
         if thin and thin < OPENING:
             colours.append("amber")

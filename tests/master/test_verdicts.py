@@ -172,15 +172,17 @@ def test_the_worst_place_by_side_angle_and_height(tmp_path):
     assert "9.26 times the roughness" in said  # 5/0.54
 
 
-def hill(width_around, width_along, cells=40, closed=0, at=9):
-    """Pressure and film fraction at two instants: none, then a box with its corner at (`at`, 20);
-    `closed` cells around and 4 along about (0, 30) have no film.
+def hill(width_around, width_along, cells=40, closed=0, at=9, full=10):
+    """Pressure and film fraction at two instants: none, then a box with corner at (`at`, 20), in
+    a film that is full over `full` cells along; `closed` cells around and 4 along about (0, 30)
+    have no film.
     """
-    pressure, fraction = np.zeros((2, cells, 40)), np.ones((2, cells, 40))
+    pressure, fraction = np.zeros((2, cells, 40)), np.full((2, cells, 40), 0.95)
     fraction[1] = 0.9
     around = np.arange(at, at + width_around) % cells
     pressure[1][np.ix_(around, np.arange(20, 20 + width_along))] = 1e6
-    fraction[1][np.ix_((np.arange(closed) - closed // 2) % cells, np.arange(28, 32))] = 1.0
+    fraction[1][np.ix_(around, np.arange(27 - full, 27))] = 1.0
+    fraction[np.ix_([0, 1], (np.arange(closed) - closed // 2) % cells, np.arange(28, 32))] = 1.0
     return pressure, fraction
 
 
@@ -194,6 +196,7 @@ def hill(width_around, width_along, cells=40, closed=0, at=9):
         (hill(4, 4, cells=41), "amber", "41 cells around are odd"),
         (hill(4, 4, closed=3), "green", "4 cells around and 4 along"),
         (hill(4, 4, closed=2), "amber", "An opening in the film is 2 cells wide"),
+        (hill(4, 5, full=9), "amber", "The full film at the peak is 9 cells long (minimum 10)"),
     ],
 )
 def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence):
