@@ -43,6 +43,8 @@ FileName = Annotated[str, AfterValidator(_file_name)]
 """Name of a file in the output folder, without directories."""
 
 REDUCTIONS = ("min", "max", "mean", "last")
+ENVELOPE = "envelope"
+"""Time of a picture of extreme values."""
 TAKEN = ("coupling", "envelopes", "fields", "time")
 """Groups of a results file that are no participants."""
 
@@ -358,7 +360,8 @@ class Picture(Table):
     """Fields of `map` and `section`, one panel each."""
     time: str | None = None
     """Instant of `map` and `section`: a time, a crank angle, or the extreme of a scalar output such
-    as "max bodies.side_force". The nearest recorded instant is shown.
+    as "max bodies.side_force". The nearest recorded instant is shown. A `map` with "envelope" shows
+    the extreme value of every cell over all macro steps of the last period.
     """
     angles: tuple[str, str] = ("0 deg", "360 deg")
     """Range of `section` around the circumference. A full revolution is 360 deg."""
@@ -370,7 +373,7 @@ class Picture(Table):
     @field_validator("time")
     @classmethod
     def an_instant(cls, text):
-        if text is None or is_angle(text):
+        if text is None or text == ENVELOPE or is_angle(text):
             return text
         kind, port = reduced(text)
         if kind in ("min", "max") and re.fullmatch(r"\w+\.\S.*", port):
@@ -403,6 +406,10 @@ class Picture(Table):
         if missing:
             wanted = " and ".join(missing)
             raise ValueError(f"expected {wanted} in a picture of kind {self.kind!r}, got nothing")
+        if self.time == ENVELOPE and self.kind != "map":
+            raise ValueError(
+                f"expected an instant in a picture of kind {self.kind!r}, got {self.time!r}"
+            )
         return self
 
 

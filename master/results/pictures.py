@@ -13,7 +13,7 @@ from matplotlib import rc_context
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..case.schema import reduced
+from ..case.schema import ENVELOPE, reduced
 from ..fmi.errors import BadInput
 from ..fmi.quantities import one_micro, pint_unit, registry, to_si
 from .coordinates import CRANK_ANGLE
@@ -86,6 +86,10 @@ def left_out(case, runs):
                 reasons[picture.file] = (
                     f"{label} has not recorded {', '.join(lacking)}; name it in record.fields"
                 )
+            elif picture.time == ENVELOPE:
+                without = [port for port in picture.fields if results.envelope(port) is None]
+                if without:
+                    reasons[picture.file] = f"{label} has no envelope of {', '.join(without)}"
             elif picture.time and not _is_passed(results, picture.time):
                 reasons[picture.file] = f"{label} does not come by {picture.time}"
     return reasons
@@ -302,7 +306,7 @@ def draw_maps(case, picture, runs):
     """
     rows = {}
     for port in picture.fields:
-        shown = [results.field(port, instant(results, picture.time)) for results in runs.values()]
+        shown = [shown_field(results, port, picture.time) for results in runs.values()]
         wanted = picture.units.get(port)
         images = [
             where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
@@ -311,9 +315,27 @@ def draw_maps(case, picture, runs):
         label = labelled(name_of(port), unit_shown(shown[0].unit, wanted))
         rows[port] = MapRow(label, images, colour_norm(images))
     figure, panels = map_figure(case, rows)
-    for panel, (label, results), field in zip(panels[0], runs.items(), shown):
-        panel.set_title(f"{label}, {told(results, field.time)}", fontsize="medium")
+    for panel, label, field in zip(panels[0], runs, shown):
+        panel.set_title(f"{label}, {field.when}", fontsize="medium")
     return figure
+
+
+class ShownField(NamedTuple):
+    """Values of a field in its SI unit, and of when they are in words."""
+
+    values: np.ndarray
+    unit: str
+    when: str
+
+
+def shown_field(results, port, time) -> ShownField:
+    """Return a field at the recorded instant nearest to the time of a picture, or its envelope."""
+    if time != ENVELOPE:
+        field = results.field(port, instant(results, time))
+        return ShownField(field.values, field.unit, told(results, field.time))
+    envelope = results.envelope(port)
+    steps = "all steps" if envelope.every_step else "recorded instants"
+    return ShownField(envelope.values, envelope.unit, f"extremes of {steps} of the last period")
 
 
 class MapRow(NamedTuple):

@@ -218,7 +218,8 @@ def test_bodies_are_where_recover_puts_them(seen, tmp_path):
       }});""")
     assert all(one["held"] for one in solids)
     drive, solids = ([one for one in solids if one["schematic"] is flag] for flag in (True, False))
-    check_joints(drive)
+    # single precision of 0.4 m; the clearances of pin and rod, 15 um each, are not drawn
+    check_joints(drive, 3e-5 if seen.kind == "pin" else 1e-6)
     if seen.kind == "flexible":
         modal = seen.results.dataset("bodies.modal_coordinate")[frame]
         table = build_table(seen.results.case)
@@ -251,7 +252,7 @@ def test_bodies_are_where_recover_puts_them(seen, tmp_path):
             assert np.reshape(one["places"], (-1, 3)) == pytest.approx(expected, abs=1e-7)
 
 
-def check_joints(drive):
+def check_joints(drive, tolerance):
     """Pin, rod and crank of every cylinder share the axes of their joints.
 
     The first cylinder of the rod is its small end and the last its big end; the first one of the
@@ -269,8 +270,8 @@ def check_joints(drive):
             points[name][part, :2].mean(axis=0)
             for name, part in (("pin", first), ("rod", first), ("rod", last), ("crank", first))
         )
-        assert small == pytest.approx(pin, abs=1e-6)  # single precision of 0.4 m, 80 points
-        assert big == pytest.approx(throw, abs=1e-6)
+        assert small == pytest.approx(pin, abs=tolerance)
+        assert big == pytest.approx(throw, abs=tolerance)
 
 
 def test_several_cylinders_and_films_have_their_names(seen):

@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, to_rgb
 
 from piston_cosim.master.case.schema import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.figures import subplots
-from piston_cosim.master.results.file import RecordedField, Series
+from piston_cosim.master.results.file import Envelope, RecordedField, Series
 from piston_cosim.master.results.pictures import (
     PALETTE,
     PALETTE_DARK,
@@ -23,6 +23,27 @@ from piston_cosim.master.results.pictures import (
     left_out,
     unit_shown,
 )
+
+
+def test_a_map_of_an_envelope_says_of_which_steps_it_is():
+    for every_step, words in ((True, "all steps"), (False, "recorded instants")):
+        envelope = Envelope(3e6 * np.eye(4), "max", "Pa", "", every_step)
+        results = SimpleNamespace(envelope=lambda port, one=envelope: one, there=lambda port: None)
+        picture = SimpleNamespace(fields=["ehd.pressure"], time="envelope", units={})
+        case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
+        panel = draw_maps(case, picture, {"base": results}).axes[0]
+        assert panel.get_title() == f"base, extremes of {words} of the last period"
+        assert panel.images[0].get_array().max() == 3e6
+
+
+@pytest.mark.parametrize("kind", ["section", "map"])
+def test_an_envelope_belongs_to_a_map(kind):
+    given = dict(file="a.png", title="", kind=kind, fields=["ehd.pressure"], time="envelope")
+    if kind == "map":
+        assert Picture(**given).marker == ""
+        return
+    with pytest.raises(ValueError, match="expected an instant in a picture of kind 'section'"):
+        Picture(**given)
 
 
 @pytest.mark.parametrize(
@@ -133,6 +154,8 @@ def test_a_turn_is_closed():
         ("ehd.heat", "1 s", "base has not recorded ehd.heat; name it in record.fields"),
         ("ehd.pressure", "1.1 s", "base does not come by 1.1 s"),
         ("ehd.pressure", "24 deg", "base does not come by 24 deg"),  # it says no crank angle
+        ("ehd.pressure", "envelope", None),
+        ("ehd.film_fraction", "envelope", "base has no envelope of ehd.film_fraction"),
     ],
 )
 def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why):
@@ -143,8 +166,9 @@ def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why
         time=np.array([0.0, 0.5, 1.0]),
         period=0.0,
         there=lambda port: None,
-        recorded=["ehd.pressure"],
+        recorded=["ehd.pressure", "ehd.film_fraction"],
         ports=[],
+        envelope={"ehd.pressure": Envelope(np.eye(4), "max", "Pa", "", every_step=True)}.get,
     )
     case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
     runs = {"base": results}
