@@ -122,9 +122,10 @@ def test_what_is_damaged_anywhere_is_refused(checkpoint):
 
 def test_one_of_another_layout_is_refused(checkpoint):
     whole = bytearray(checkpoint.read_bytes())
-    whole[len(MAGIC)] = 3
+    whole[len(MAGIC)] = VERSION + 1
     checkpoint.write_bytes(whole)
-    with pytest.raises(BadInput, match="expected a checkpoint of layout 2, got layout 3"):
+    expected = f"expected a checkpoint of layout {VERSION}, got layout {VERSION + 1}"
+    with pytest.raises(BadInput, match=expected):
         Checkpoint.read(checkpoint)
 
 
