@@ -133,11 +133,13 @@ def command(
             {"variants": {label: summaries[label] for label in others}} if others else {}
         )
         summary_json.write_text(json.dumps(whole, indent=2) + "\n")
-    from ..engine.answer import answer  # slow to import
-
     with ExitStack() as opened:
-        runs = {label: opened.enter_context(Results(file)) for label, file in files.items()}
-        print_answers({label: answer(cases[label], runs[label]) for label in runs}, verbose)
+        with working(console, "evaluating results"):
+            from ..engine.answer import answer  # slow to import
+
+            runs = {label: opened.enter_context(Results(file)) for label, file in files.items()}
+            answers = {label: answer(cases[label], runs[label]) for label in runs}
+        print_answers(answers, verbose)
         for file in files.values():
             shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
             console.print(f"results  {shown}", highlight=False, soft_wrap=True)
