@@ -24,7 +24,7 @@ GRID = (48, 8)
 @pytest.fixture(scope="module")
 def pipe():
     """A thick pipe about z with a groove's worth of bore left out amid it: two bosses."""
-    points, tets = tube((32, 3, 10), -HALF, HALF, INNER, OUTER)
+    points, tets = tube((32, 2, 10), -HALF, HALF, INNER, OUTER)
     x, y, z = points.T
     points = np.stack([z, x, y], axis=1)  # y to z, as turned as before
     faces = outer_faces(tets)
@@ -118,7 +118,6 @@ def test_modes_for_bosses_answer_smooth_pressure(pipe):
         energy = shapes.T @ (elastic.K @ shapes)
         kept = found.outward() @ (shapes @ np.linalg.solve(energy, shapes.T @ load))
         missed.append(np.linalg.norm(kept - whole) / np.linalg.norm(whole))
-    print(missed)
     assert missed[2] < 0.02
     assert missed[0] > 2 * missed[1] > 4 * missed[2]
 
