@@ -84,8 +84,9 @@ PASSED, TRAVEL = range(2)  # shape (n_c, n_a + 1)
     VELOCITY_BEFORE,
     SUPPLIED,
     HELD,
-) = range(11)
-STATE_NUMBERS = 11
+    HEAT,
+) = range(12)
+STATE_NUMBERS = 12
 
 OF_LEVEL, OF_Z, OF_LIMIT, OF_MOST = range(4)  # of `PressureLaw`, between its alpha and its table
 LAW_NUMBERS = 4
@@ -531,7 +532,7 @@ def memory_of(block: Block, fixed: Fixed):
         block.passed[TRAVEL],
         x[STEP_BEFORE],
     )
-    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME])
+    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME], x[HEAT])
     return Memory(before, totals, layer_of(block, fixed.bore.bottom.size))
 
 
@@ -558,6 +559,7 @@ def keep_memory(block: Block, memory: Memory, follows: bool):
     x[BOUNDARY_WORK] = totals.boundary_work
     x[ENERGY] = totals.stored
     x[VOLUME] = totals.volume
+    x[HEAT] = totals.heat
     if follows:
         keep(block.on_bore[: layer.bore.size], layer.bore)
         keep(block.reservoir, layer.reservoir)

@@ -344,7 +344,7 @@ def passage(
 
 
 class Powers(NamedTuple):
-    """Power that sliding costs, the asperities' part of it, and all that is heat [W]."""
+    """Power that sliding costs, the asperities' part of it, and the heat of sliding [W]."""
 
     friction: float
     boundary: float
@@ -355,13 +355,14 @@ class Totals(NamedTuple):
     """Sums that go on from step to step.
 
     friction_work, boundary_work : what sliding has cost since the start, and the asperities' part
-    of it [J]; stored, volume : as in `Forces`.
+    of it [J]; stored, volume : as in `Forces`; heat : of all shear and flow at the end [W].
     """
 
     friction_work: float
     boundary_work: float
     stored: float
     volume: float
+    heat: float
 
 
 class Account(NamedTuple):
@@ -385,14 +386,19 @@ def account(
     found: FilmSolution,
     passed: Array,
     outside: Outside,
+    heat: float,
     step: float,
 ):
     """Sums at the end of a step, with the work that the pressure around the film did on it.
 
     Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
+    Eq. (A13):  E = dU + H sqrt(P_n P) - W
 
     p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
-    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
+    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step. dU
+    growth of Eq. (A10), P heat at both ends of the step, of shear, of asperities and of the flow of
+    pressure, Eq. (E13). Its mean is the geometric one: of second order, and small where the heat
+    starts or ends within a step, so that an impact is never taken to cost more than it did.
 
     Parameters
     ----------
@@ -403,6 +409,8 @@ def account(
     passed : ndarray, shape (n_c, n_a + 1)
         Of `Passage`.
     outside : Outside
+    heat : float
+        P at the end of the step [W].
     step : float
         [s].
 
@@ -423,8 +431,9 @@ def account(
     work = outside.cavitation * (acted.volume - before.volume)
     work += outside.opening * step * found.from_openings
     work += outside.lower * inflow - outside.upper * outflow
-    gain = acted.stored - before.stored + step * powers.rubbing - work
-    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume)
+    # Eq. (A13)
+    gain = acted.stored - before.stored + step * np.sqrt(before.heat * heat) - work
+    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume, heat)
     return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
 
 
