@@ -64,7 +64,7 @@ def verdicts(case, results) -> list[Verdict]:
     """
     results = results.last
     summary = results.summary or {}
-    found = [*_of_summary(summary), *_of_truncation(summary)]
+    found = [*_of_summary(summary), *_of_conjugates(results.case), *_of_truncation(summary)]
     films = players(results.case, "lubrication")
     for name in films:
         own = [*_of_film(case, results, name), *_of_grid(case, results, name)]
@@ -139,6 +139,19 @@ def _of_ledger(summary):
         f"(limit {_percent(MADE_AMBER)}). In an accepted step it is at most {_percent(share)} "
         f"(limit {_percent(SHARE_AMBER)}). The run rejected and halved {count} steps.",
     )
+
+
+def _of_conjugates(tree):
+    """Warn if films and bodies have no energy balance, because no wire has a conjugate."""
+    films = players(tree, "lubrication")
+    coupled = films and players(tree, "bodies")
+    if coupled and not any("conjugate" in wire for wire in tree["wires"]):
+        yield Verdict(
+            "amber",
+            "energy balance",
+            "The run has no energy balance, because no wire has a conjugate. Add conjugate, e.g. "
+            f'"{films[0]}.nodal_pressure_force" to the wire of film_thickness.',
+        )
 
 
 def _of_truncation(summary):

@@ -30,13 +30,13 @@ def judged(folder, **given):
         return {one.what: one for one in verdicts(case, results)}
 
 
-def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, **summary):
+def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, tree=None, **summary):
     """Results of so many periods of 720 deg in steps of 10 deg; in the first one the film is half
     as thick and all else twice as large. Side force 1 kN sin(phi/2), in phase with what gas and
     inertia ask for and `knock` times that away from it. `field`: pressure over film fraction at two
     instants.
     """
-    tree = read_tree(PATH)
+    tree = tree or read_tree(PATH)
     angle = np.radians(np.arange(-360, 720 * periods - 359, 10.0))
     begins = np.arange(angle.size) >= angle.size - 73
     columns = {
@@ -92,6 +92,14 @@ def missed(share, **of_bodies):
 def settled(distance):
     """Summary entries of a run whose last period is so far from the one before."""
     return {"periodic": distance < 1e-3, "settled": "In words", "period_distance": distance}
+
+
+def test_without_conjugates_there_is_no_energy_balance(tmp_path):
+    tree = read_tree(PATH)
+    for wire in tree["wires"]:
+        wire.pop("conjugate", None)
+    balance = judged(tmp_path, tree=tree)["energy balance"]
+    assert balance.colour == "amber" and '"ehd.nodal_pressure_force"' in balance.said
 
 
 def test_a_sound_run_is_green_whatever_its_first_period_was(tmp_path):
