@@ -135,6 +135,8 @@ def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: fl
     least = roughness_rms
     for i in range(n_c):
         for j in range(n_a):
+            if open_cells[i, j]:
+                continue
             for k in (SOUTH, WEST):
                 one = step_to(k, i, j, film_thickness, open_cells, least, ring)
                 other = step_to(OPPOSITE[k], i, j, film_thickness, open_cells, least, ring)

@@ -3,6 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd import asperity
+from piston_cosim.fmu_ehd.contact import has_narrow_steps
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 
@@ -72,3 +73,15 @@ def test_scale():
     # [Greenwood1970] with eta beta sigma = 0.05, sigma/beta = 0.01, E* = 1e11 Pa, by hand: 4.7390 x
     # 2.5e-3 x 0.1 x 1e11
     assert asperity.pressure_scale(0.05, 0.01, 1e11) == pytest.approx(1.18477e8, rel=1e-5)
+
+
+def test_a_narrow_land_is_found_where_there_is_a_film():
+    """A land of one cell, 10 um high, across a skirt 1 um rough; the same cells cut out; a land
+    lower than the roughness.
+    """
+    film = np.full((8, 6), 12e-6)
+    film[:, 3] = 2e-6
+    nowhere = np.zeros(film.shape, dtype=bool)
+    assert has_narrow_steps(film, nowhere, 1e-6, True)
+    assert not has_narrow_steps(film, film < 5e-6, 1e-6, True)
+    assert not has_narrow_steps(film, nowhere, 11e-6, True)
