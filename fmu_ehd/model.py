@@ -55,8 +55,8 @@ class State:
         What sliding has cost since the start, and the asperities' part of it [J].
     stored, volume : float
         Elastic energy [J], and volume between the surfaces [m3].
-    heat : float
-        Of all shear and flow at the end of the last step [W].
+    squeeze : float
+        Power that closing the gap cost at the end of the last step [W].
     """
 
     unknown: Array
@@ -75,7 +75,7 @@ class State:
     boundary_work: float
     stored: float
     volume: float
-    heat: float
+    squeeze: float
 
     @classmethod
     def of(cls, memory: Memory) -> "State":

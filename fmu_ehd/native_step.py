@@ -84,7 +84,7 @@ PASSED, TRAVEL = range(2)  # shape (n_c, n_a + 1)
     VELOCITY_BEFORE,
     SUPPLIED,
     HELD,
-    HEAT,
+    SQUEEZE,
 ) = range(12)
 STATE_NUMBERS = 12
 
@@ -532,7 +532,7 @@ def memory_of(block: Block, fixed: Fixed):
         block.passed[TRAVEL],
         x[STEP_BEFORE],
     )
-    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME], x[HEAT])
+    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME], x[SQUEEZE])
     return Memory(before, totals, layer_of(block, fixed.bore.bottom.size))
 
 
@@ -559,7 +559,7 @@ def keep_memory(block: Block, memory: Memory, follows: bool):
     x[BOUNDARY_WORK] = totals.boundary_work
     x[ENERGY] = totals.stored
     x[VOLUME] = totals.volume
-    x[HEAT] = totals.heat
+    x[SQUEEZE] = totals.squeeze
     if follows:
         keep(block.on_bore[: layer.bore.size], layer.bore)
         keep(block.reservoir, layer.reservoir)

@@ -420,8 +420,7 @@ def start(
     rms = fixed.surfaces.contact.roughness_rms
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells.ring):
         remark(faults, NARROW_STEPS)
-    heat = acting.powers.rubbing
-    totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume, heat)
+    totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume, 0.0)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer), fields_of(acting, fraction), scalars
 

@@ -355,14 +355,14 @@ class Totals(NamedTuple):
     """Sums that go on from step to step.
 
     friction_work, boundary_work : what sliding has cost since the start, and the asperities' part
-    of it [J]; stored, volume : as in `Forces`; heat : of all shear and flow at the end [W].
+    of it [J]; stored, volume : as in `Forces`; squeeze : Q of Eq. (A13) at the end [W].
     """
 
     friction_work: float
     boundary_work: float
     stored: float
     volume: float
-    heat: float
+    squeeze: float
 
 
 class Account(NamedTuple):
@@ -392,13 +392,15 @@ def account(
     """Sums at the end of a step, with the work that the pressure around the film did on it.
 
     Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
-    Eq. (A13):  E = dU + H sqrt(P_n P) - W
+    Eq. (A13):  E = dU - W + H P + H mean(Q_n, Q),   Q = P_h - P
 
     p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
     surfaces, p_e pressure at an edge; from openings came what flows at the end of the step. dU
-    growth of Eq. (A10), P heat at both ends of the step, of shear, of asperities and of the flow of
-    pressure, Eq. (E13). Its mean is the geometric one: of second order, and small where the heat
-    starts or ends within a step, so that an impact is never taken to cost more than it did.
+    growth of Eq. (A10), P what sliding costs at the end of the step, as the bodies take it, P_h
+    heat of shear, of asperities and of the flow of pressure, Eq. (E13), so that Q is what
+    closing the gap costs. Its mean over the step is the arithmetic one where it is negative and the
+    geometric one where it is positive: of second order, and small where a stop begins or ends
+    within the step, so that an impact is not taken to cost more than it did.
 
     Parameters
     ----------
@@ -410,7 +412,7 @@ def account(
         Of `Passage`.
     outside : Outside
     heat : float
-        P at the end of the step [W].
+        P_h [W].
     step : float
         [s].
 
@@ -432,8 +434,11 @@ def account(
     work += outside.opening * step * found.from_openings
     work += outside.lower * inflow - outside.upper * outflow
     # Eq. (A13)
-    gain = acted.stored - before.stored + step * np.sqrt(before.heat * heat) - work
-    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume, heat)
+    was = before.squeeze
+    now = heat - powers.friction
+    mean = np.sqrt(max(was, 0.0) * max(now, 0.0)) + (min(was, 0.0) + min(now, 0.0)) / 2.0
+    gain = acted.stored - before.stored + step * (powers.friction + mean) - work
+    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume, now)
     return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
 
 
