@@ -14,9 +14,15 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from ..master.fmi.notebook import html_table
 from .build import reduced_bodies
-from .finite_elements.element import nodal_stress, von_mises
+from .finite_elements.element import corner_stress, nodal_stress, von_mises
 from .options import Bodies, read_options
-from .reduction.mode_tables import ModeRow, mass_properties, mode_table, write_modes
+from .reduction.mode_tables import (
+    ModeRow,
+    StressPeak,
+    mass_properties,
+    mode_table,
+    write_modes,
+)
 from .reduction.mode_tables import recover as recovered
 from .reduction.radiation import Radiation
 from .reduction.radiation import radiation as radiated
@@ -99,14 +105,14 @@ class Recovery:
     file : Path
     largest_displacement : float
         [m]
-    largest_stress : float or None
-        von Mises [Pa]; None for a body of matrices.
+    largest_stress : StressPeak or None
+        von Mises; None for a body of matrices.
     """
 
     name: str
     file: Path
     largest_displacement: float
-    largest_stress: float | None
+    largest_stress: StressPeak | None
 
 
 @dataclass(frozen=True)
@@ -230,14 +236,11 @@ def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
         return None
     tets = anatomy.tets[np.isin(anatomy.tets, nodes).any(axis=1)]
     used, renumbered = np.unique(tets, return_inverse=True)
-    stress = nodal_stress(
-        anatomy.points[used],
-        renumbered.reshape(tets.shape),
-        anatomy.shapes[used],
-        anatomy.young,
-        anatomy.poisson,
+    tets = renumbered.reshape(tets.shape)
+    stress = corner_stress(
+        anatomy.points[used], tets, anatomy.shapes[used], anatomy.young, anatomy.poisson
     )
-    return stress[np.searchsorted(used, nodes)]
+    return nodal_stress(tets, stress)[np.searchsorted(used, nodes)]
 
 
 def reduce(
@@ -308,9 +311,8 @@ def recover(
     for (name, whole), part in zip(bodies.items(), parts):
         file = path.with_name(f"{path.name}-{name}.vtu")
         fields = recovered(whole.anatomy, part, file)
-        stress = None if fields.stress is None else float(von_mises(fields.stress).max())
         displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
-        out.append(Recovery(name, file, displacement, stress))
+        out.append(Recovery(name, file, displacement, fields.peak))
     return out
 
 

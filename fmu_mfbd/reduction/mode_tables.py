@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..finite_elements.element import nodal_stress, von_mises
+from ..finite_elements.element import CORNERS, corner_stress, nodal_stress, von_mises
 from ..geometry.grid import cell_centres
 from .reduced_body import Anatomy, MeshProperties, ReducedBody
 
@@ -55,6 +55,24 @@ class MassProperties(NamedTuple):
     inertia: np.ndarray
 
 
+class StressPeak(NamedTuple):
+    """Largest equivalent stress of a body.
+
+    Parameters
+    ----------
+    value : float
+        Of the mean stress of the elements that meet at a corner [Pa].
+    position : ndarray, shape (3,)
+        From the body's origin [m].
+    jump : float
+        Range of the elements' own values there [Pa]; it decreases with the size of the elements.
+    """
+
+    value: float
+    position: np.ndarray
+    jump: float
+
+
 class Recovered(NamedTuple):
     """Fields on a body's mesh.
 
@@ -64,10 +82,12 @@ class Recovered(NamedTuple):
         [m]
     stress : ndarray, shape (n, 6), or None
         xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
+    peak : StressPeak or None
     """
 
     displacement: np.ndarray
     stress: np.ndarray | None
+    peak: StressPeak | None
 
 
 def mode_table(body: ReducedBody, angles: int) -> list[ModeRow]:
@@ -134,15 +154,26 @@ def recover(
     """
     displacement = anatomy.shapes @ modal_coordinate  # Eq. (J12)
     fields = {"displacement": displacement}
-    stress = None
+    stress = peak = None
     if len(anatomy.tets) and np.isfinite(anatomy.young):
-        stress = nodal_stress(
+        in_elements = corner_stress(
             anatomy.points, anatomy.tets, displacement, anatomy.young, anatomy.poisson
         )
+        stress = nodal_stress(anatomy.tets, in_elements)
+        peak = stress_peak(anatomy, in_elements, stress)
         fields |= {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:
         _write(path, anatomy, fields)
-    return Recovered(displacement, stress)
+    return Recovered(displacement, stress, peak)
+
+
+def stress_peak(anatomy: Anatomy, in_elements: np.ndarray, stress: np.ndarray) -> StressPeak:
+    """Largest equivalent stress of a body, from `corner_stress` and `nodal_stress`."""
+    equivalent = von_mises(stress)
+    corners = anatomy.tets[:, :CORNERS]
+    node = corners.ravel()[np.argmax(equivalent[corners])]
+    own = von_mises(in_elements[corners == node])
+    return StressPeak(float(equivalent[node]), anatomy.points[node], float(np.ptp(own)))
 
 
 def _write(path, anatomy, point_data):

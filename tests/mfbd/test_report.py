@@ -7,6 +7,7 @@ import pytest
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
+    corner_stress,
     nodal_stress,
     stiffness,
     von_mises,
@@ -86,17 +87,45 @@ def test_stress_of_a_pulled_bar(tmp_path):
     load = np.zeros((len(points), 3))
     load[end, 0] = 1000.0 / len(end)
     displacement = body.full(body.solve(load.ravel()[body.free])[:, None]).reshape(-1, 3)
-    stress = nodal_stress(points, tets, displacement, 2e11, 0.3)
+    stress = nodal_stress(tets, corner_stress(points, tets, displacement, 2e11, 0.3))
     middle = np.abs(points[:, 0] - 0.15) < 0.026
     np.testing.assert_allclose(stress[middle, 0], 1000.0 / 0.02**2, rtol=1e-2)
     np.testing.assert_allclose(von_mises(stress)[middle], 1000.0 / 0.02**2, rtol=1e-2)
+
+
+def test_stress_is_the_mean_at_corners_and_its_largest_value_is_found(report):
+    """Each element on its own: at a corner the mean of all that meet there, in the middle of an
+    edge the mean of its ends; the largest equivalent stress is at a corner, with the range of the
+    elements there.
+    """
+    anatomy = report["block"].anatomy
+    q = np.zeros(anatomy.shapes.shape[2])
+    q[1] = 1e-6
+    displacement, stress, peak = recover(anatomy, q)
+    assert peak.value == von_mises(stress).max()
+    node = int(np.argmax(von_mises(stress)))
+    np.testing.assert_array_equal(peak.position, anatomy.points[node])
+    own = [
+        corner_stress(
+            anatomy.points[tet],
+            np.arange(10)[None],
+            displacement[tet],
+            anatomy.young,
+            anatomy.poisson,
+        )[0, tet[:4] == node][0]
+        for tet in anatomy.tets[(anatomy.tets == node).any(axis=1)]
+    ]
+    np.testing.assert_allclose(np.mean(own, axis=0), stress[node], rtol=1e-9)
+    assert peak.jump == pytest.approx(np.ptp(von_mises(np.array(own))), rel=1e-9)
+    first = anatomy.tets[0]
+    np.testing.assert_allclose(stress[first[4]], stress[first[:2]].mean(axis=0), rtol=1e-12)
 
 
 def test_recovery_is_linear_in_the_modes(report, tmp_path):
     body, anatomy, *_ = report["block"]
     q = np.zeros(len(body.omega))
     q[1] = 1e-6
-    displacement, stress = recover(anatomy, q, tmp_path / "block.vtu")
+    displacement, stress, _ = recover(anatomy, q, tmp_path / "block.vtu")
     np.testing.assert_allclose(displacement, 1e-6 * anatomy.shapes[:, :, 1])
     assert (
         "von_mises" in meshio.read(tmp_path / "block.vtu").point_data and np.abs(stress).max() > 0

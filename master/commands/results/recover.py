@@ -55,11 +55,7 @@ def command(
         recorded = results.field(port, wanted)
         begin = (output or file.parent) / f"{file.stem}-{1e6 * recorded.time:.0f}us"
         for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
-            stress = (
-                ""
-                if body.largest_stress is None
-                else f", von Mises stress up to {body.largest_stress / 1e6:.4g} MPa"
-            )
+            stress = "" if body.largest_stress is None else stress_in_words(body.largest_stress)
             console.print(
                 f"{told(results, recorded.time)}  {body.name}: displacement up to "
                 f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}",
@@ -67,3 +63,12 @@ def command(
                 soft_wrap=True,
             )
             console.print(f"file  {body.file}", highlight=False, soft_wrap=True)
+
+
+def stress_in_words(peak) -> str:
+    """Return the part of the line about the largest stress, its position and its error."""
+    x, y, z = 1e3 * peak.position
+    return (
+        f", von Mises stress up to {peak.value / 1e6:.4g} MPa at x {x:.1f}, y {y:.1f}, z {z:.1f} "
+        f"mm (jump between elements {peak.jump / 1e6:.3g} MPa)"
+    )
