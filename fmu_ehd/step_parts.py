@@ -398,9 +398,9 @@ def account(
     surfaces, p_e pressure at an edge; from openings came what flows at the end of the step. dU
     growth of Eq. (A10), P what sliding costs at the end of the step, as the bodies take it, P_h
     heat of shear, of asperities and of the flow of pressure, Eq. (E13), so that Q is what
-    closing the gap costs. Its mean over the step is the arithmetic one where it is negative and the
-    geometric one where it is positive: of second order, and small where a stop begins or ends
-    within the step, so that an impact is not taken to cost more than it did.
+    closing the gap costs. Its mean over the step is the arithmetic one where Q is negative. Where it
+    is positive it is the geometric one, but at most Q at the end: of second order while Q rises, and
+    never more than a stop within the step costs.
 
     Parameters
     ----------
@@ -436,7 +436,8 @@ def account(
     # Eq. (A13)
     was = before.squeeze
     now = heat - powers.friction
-    mean = np.sqrt(max(was, 0.0) * max(now, 0.0)) + (min(was, 0.0) + min(now, 0.0)) / 2.0
+    mean = min(np.sqrt(max(was, 0.0) * max(now, 0.0)), max(now, 0.0))
+    mean += (min(was, 0.0) + min(now, 0.0)) / 2.0
     gain = acted.stored - before.stored + step * (powers.friction + mean) - work
     totals = Totals(friction_work, boundary_work, acted.stored, acted.volume, now)
     return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
