@@ -398,9 +398,9 @@ def account(
     surfaces, p_e pressure at an edge; from openings came what flows at the end of the step. dU
     growth of Eq. (A10), P what sliding costs at the end of the step, as the bodies take it, P_h
     heat of shear, of asperities and of the flow of pressure, Eq. (E13), so that Q is what
-    closing the gap costs. Its mean over the step is the arithmetic one where Q is negative. Where it
-    is positive it is the geometric one, but at most Q at the end: of second order while Q rises, and
-    never more than a stop within the step costs.
+    closing the gap costs. Its mean over the step is the arithmetic one where Q is negative. Where
+    Q is positive it is the geometric one, but at most Q at the end: of second order while Q rises,
+    and small where a stop begins or ends within the step.
 
     Parameters
     ----------

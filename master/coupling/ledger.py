@@ -23,9 +23,9 @@ from .wiring import Port
 from .work import Exchange
 
 LIMIT = 0.02
-"""Largest spurious energy over the energy exchanged and stored. Steps of 1 deg of the shipped engine
-on scarce oil reach half of it. A mass that rebounds from a film 2 % faster than it arrived exceeds
-it (`tests/mfbd/test_impact.py`).
+"""Largest spurious energy over the energy exchanged and stored. A shipped engine on scarce oil
+reaches half of it. A mass that rebounds from a film 2 % faster than it arrived exceeds it
+(`tests/mfbd/test_impact.py`).
 """
 REMEMBERED = 0.5
 """Fraction of the size of a step that counts in the next one."""
