@@ -24,6 +24,7 @@ PARTS = {
     "fmu_mfbd": "Bodies",
     "master": "Coupling",
     "models": "Models of cases",
+    "tests/verification/cases": "Verification",
 }
 """Folder -> title of its equations."""
 

@@ -27,5 +27,4 @@ What composes them, kernels too: film_step (one step of the balance and its tang
 sums and derivatives of a step); step puts all of them in order, for skirt and bearing. In Python:
 parameters, surroundings, model (everything, with `advance` and `tangent`). The FMU: variables,
 slave, build; without Python: native_step (what `step` needs, on one block), native (its entries).
-Proof: verification (V), on films of its own and of motored.
 """

@@ -104,7 +104,7 @@ def gaussian_integral(order: float, separation: Any) -> Any:
 
     References
     ----------
-    [Greenwood1970]. Checked in fmu_ehd/verification.py against published values.
+    [Greenwood1970]. Checked in tests/verification/cases/film.py against published values.
     """
     from scipy.special import gamma, pbdv  # slow to import, and smooth films do without
 

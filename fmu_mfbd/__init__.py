@@ -11,5 +11,5 @@ Its rooms:
 
 The FMU: options (the case's build table, validated), build, variables, slave; what the running FMU
 reads is declared in dynamics (build_options, parameters) and reduction (reduced_body). Bodies
-without an FMU: offline. Proof: verification, exudyn_reference.
+without an FMU: offline.
 """

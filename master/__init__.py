@@ -2,7 +2,6 @@
 participants and signals, neither films nor bodies. Its rooms, each built on those below it:
 
     commands      the command line, a file a command
-    verification  figures beside their references; independent importers
     runs          a run from start to end, and many of them: sweeps, studies
     engine        what only engines have: a new case from bore and stroke, verdicts on a run
     results       what is made of results files: reports, pictures, tables, comparisons

@@ -7,9 +7,6 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from ..fmi.errors import BadInput, unknown
-from ..verification.importers import verify_importers
-from ..verification.rows import PARTS
-from ..verification.rows import verify as compute
 from .common import OutputFile, console, say
 
 IMPORTERS = "importers"
@@ -37,12 +34,15 @@ def command(
     output
         Also write the figures to this Markdown file.
     """
+    from ...tests.verification.cases.importers import verify_importers
+    from ...tests.verification.cases.rows import PARTS, verify
+
     known = (*PARTS, IMPORTERS)
     if strange := [part for part in parts if part not in known]:
         raise BadInput([f"PARTS: {unknown('part', part, known)}" for part in strange])
     figures = [part for part in parts or PARTS if part != IMPORTERS]
     wide = Console(width=max(console.width, 190))
-    failed = compute(figures, all_, wide, output) if figures else 0
+    failed = verify(figures, all_, wide, output) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)
     if failed:

@@ -16,11 +16,11 @@ import numpy as np
 from timing import shortest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 SHAPE = (40, 40)
 STEPS = 360

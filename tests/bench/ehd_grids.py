@@ -17,9 +17,9 @@ import numpy as np
 from timing import shortest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 STEPS = 8
 

@@ -1,8 +1,8 @@
 """Cost of a lubrication step and of its derivative, in units of one block factorisation. Run:
 python tests/bench/ehd_step.py
 
-One thread, one run, ratios: the motored skirt of `fmu_ehd.verification` at 40 x 40 with contact,
-the best of several passes for each step, so that other load on the machine matters less.
+One thread, one run, ratios: the moving skirt of `motored` at 40 x 40 with contact, the best
+ of several passes for each step, so that other load on the machine matters less.
 """
 
 import os
@@ -16,9 +16,9 @@ from timing import shortest
 
 from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.sparse import SuperLU
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 SHAPE = (40, 40)
 STEPS = 720

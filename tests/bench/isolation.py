@@ -14,10 +14,10 @@ from time import perf_counter
 
 import numpy as np
 
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.isolated import IsolatedParticipant
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 SHAPE, STEPS, PASSES = (40, 40), 120, 12
 

@@ -19,7 +19,6 @@ from time import perf_counter
 import numpy as np
 from timing import shortest
 
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
@@ -29,6 +28,7 @@ from piston_cosim.master.fmi.builder_native import build_native_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 FILMS = ((12, 10), (20, 20), (40, 40), (80, 80))
 BODIES = ((0, (12, 10)), (0, (40, 40)), (60, (40, 40)))  # modes a body, grid

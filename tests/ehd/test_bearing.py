@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd import bearing_verification as bearings
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.circumferential import gradients_around
 from piston_cosim.fmu_ehd.grid import Grid
@@ -16,6 +15,7 @@ from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases import bearings
 
 SHAPE = (24, 8)
 

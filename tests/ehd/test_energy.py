@@ -5,10 +5,10 @@ pressure around it does.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.bearing_verification import RADIUS, SPEED, bearing, eccentric
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.tests.verification.cases.bearings import RADIUS, SPEED, bearing, eccentric
 
 SHAPE = (8, 6)
 STILL = np.zeros(SHAPE)

@@ -9,7 +9,7 @@ from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.reynolds import Filling
 from piston_cosim.fmu_ehd.storage import EulerStep
-from piston_cosim.fmu_ehd.verification import FLOOR, flow_film
+from piston_cosim.tests.verification.cases.film import FLOOR, flow_film
 
 NO_LIFT = np.zeros((7, 10))
 

@@ -5,7 +5,9 @@ import pytest
 
 from piston_cosim.fmu_ehd.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import (
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     motored,
     motored_film,
@@ -13,8 +15,6 @@ from piston_cosim.fmu_ehd.motored import (
     physics,
     tangent_error,
 )
-from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters, faults
 
 SHAPE = (12, 10)
 LOSING = ("reynolds", "gumbel", "full film")

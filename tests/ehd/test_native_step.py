@@ -13,7 +13,7 @@ SCRIPT = """
 import json, sys
 import numpy as np
 from piston_cosim.fmu_ehd import native
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.slave import Ehd
 
 folder, changes = sys.argv[1], json.loads(sys.argv[2])

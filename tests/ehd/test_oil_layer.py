@@ -10,15 +10,15 @@ from piston_cosim.fmu_ehd.cavitation import NotConverged
 from piston_cosim.fmu_ehd.faults import none_yet, raise_noted
 from piston_cosim.fmu_ehd.grid import LOWER, UPPER
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import (
+from piston_cosim.fmu_ehd.oil_layer import Passed
+from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     SkirtMotion,
     central_difference,
     motored_film,
     opening,
 )
-from piston_cosim.fmu_ehd.oil_layer import Passed
-from piston_cosim.fmu_ehd.parameters import Parameters, faults
 
 SHAPE = (12, 10)
 TURN = 360

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import (
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     UNEVEN,
     SkirtMotion,
@@ -15,7 +16,6 @@ from piston_cosim.fmu_ehd.motored import (
     motored_until,
     tangent_error,
 )
-from piston_cosim.fmu_ehd.parameters import Parameters
 
 FILM = 1e-5  # [m]
 ENTRAINMENT = 5.0  # [m/s], from the lower edge to the upper one

@@ -9,15 +9,6 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
-from piston_cosim.fmu_ehd.bearing_verification import (
-    CLEARANCE,
-    RADIUS,
-    SPEED,
-    VISCOSITY,
-    bearing,
-    short_load,
-    steady,
-)
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     opening_of,
@@ -35,6 +26,15 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.rivals import rivals_of
 from piston_cosim.master.runs.run import run
+from piston_cosim.tests.verification.cases.bearings import (
+    CLEARANCE,
+    RADIUS,
+    SPEED,
+    VISCOSITY,
+    bearing,
+    short_load,
+    steady,
+)
 
 PATH = find_case("floating_pin")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}

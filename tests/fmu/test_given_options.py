@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.master.case.given import build_options
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 PATH = find_case("fired_motorcycle")
 

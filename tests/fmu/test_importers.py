@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.verification import importers
-from piston_cosim.master.verification.importers import (
+from piston_cosim.tests.verification.cases import importers
+from piston_cosim.tests.verification.cases.importers import (
     ALLOWED,
     FAILED,
     HOST,

@@ -19,7 +19,7 @@ CASES = {"elastic_tube", "fired_motorcycle", "numerical_example", "two_mass_osci
 def source(tmp_path_factory):
     """A copy of what a wheel is made of, so that building leaves nothing in the checkout."""
     copy = tmp_path_factory.mktemp("source")
-    for name in PARTS:
+    for name in (*PARTS, "tests/verification/cases"):
         shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in (
         "pyproject.toml",

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.motored import DEGREE, UNEVEN, motored_film, opening, physics
 from piston_cosim.fmu_ehd.native import COUNTERS, FIELD_OUTPUTS, PART, SCALARS, uncovered
 from piston_cosim.fmu_ehd.native_step import CHOSEN, NUMBERS, ROOM_ON_BORE
 from piston_cosim.fmu_ehd.oil import Oil
@@ -35,6 +34,13 @@ from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.fmi3 import Fmu3Participant
+from piston_cosim.tests.verification.cases.motored import (
+    DEGREE,
+    UNEVEN,
+    motored_film,
+    opening,
+    physics,
+)
 
 GRID = (12, 10)
 OF_OIL = ("axial temperature", "barus", "roelands", "cross", "carreau")

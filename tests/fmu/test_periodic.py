@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.build import prepare
-from piston_cosim.fmu_ehd.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
 from piston_cosim.master.case.system import open_system
@@ -15,6 +14,7 @@ from piston_cosim.master.participants.local import LocalParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.extrapolation import Extrapolation
 from piston_cosim.master.runs.run import run
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 PATH = find_case("data_sheet")
 PLAIN = 6

@@ -12,7 +12,6 @@ import pytest
 from rich.console import Console
 
 from piston_cosim.master.case.schema import check_case, times
-from piston_cosim.master.fmi.checks import Check
 from piston_cosim.master.fmi.description import BASE_UNITS
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import pint_unit, registry, short, to_si
@@ -32,7 +31,8 @@ from piston_cosim.master.results.judgement import (
     windows,
 )
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
-from piston_cosim.master.verification import rows
+from piston_cosim.tests.verification.cases import rows
+from piston_cosim.tests.verification.cases.checks import Check
 
 TREE = {
     "title": "Four strokes",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 INNER, OUTER = 24e-3, 28e-3
 

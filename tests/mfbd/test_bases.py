@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.reduction.bases import (
     mean_conditions,
     orthonormal_modes,
 )
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
 @pytest.fixture(scope="module")

@@ -142,7 +142,7 @@ def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
         orthonormal_modes,
     )
     from piston_cosim.fmu_mfbd.reduction.symmetry import class_parts, symmetric_modes
-    from piston_cosim.fmu_mfbd.verification import box_mesh
+    from piston_cosim.tests.verification.cases.bodies import box_mesh
 
     points, tets = box_mesh((2, 3, 2), (0.02, 0.05, 0.03))
     for axis in (0, 2):

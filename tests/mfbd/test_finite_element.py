@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiff
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
-from piston_cosim.fmu_mfbd.verification import bar, beam_in_frame, box_mesh, flexible_body
+from piston_cosim.tests.verification.cases.bodies import bar, beam_in_frame, box_mesh, flexible_body
 
 
 @pytest.fixture(scope="module")

@@ -39,13 +39,13 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
-from piston_cosim.fmu_mfbd.exudyn_reference import _settings
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
 from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.exudyn import _settings
 
 from .test_floating_pin import CENTRE, GRID, PARAMETERS, SPEED, STEP
 from .test_floating_pin import bodies as flat_bodies

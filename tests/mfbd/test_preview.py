@@ -52,7 +52,7 @@ def test_mass_of_a_mesh_is_that_of_the_reduced_body(bodies, reduced):
 
 def test_mass_properties_of_a_box():
     from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh
-    from piston_cosim.fmu_mfbd.verification import box_mesh
+    from piston_cosim.tests.verification.cases.bodies import box_mesh
 
     points, tets = box_mesh((2, 1, 1), (0.2, 0.1, 0.05))
     found = mass_properties(Mesh(points + [0.3, 0.0, 0.0], tets, {}), 1000.0)

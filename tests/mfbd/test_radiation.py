@@ -11,9 +11,9 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import normal_products
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.offline import radiation as of_table
 from piston_cosim.fmu_mfbd.reduction.radiation import radiation
-from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.engine.noise import AIR, level, noise, write_noise
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 from .conftest import tube
 

@@ -27,8 +27,8 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedPiston,
     load,
 )
-from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
 @pytest.fixture(scope="module")

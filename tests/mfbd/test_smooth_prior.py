@@ -20,8 +20,8 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     smooth_pressure_modes,
     surface_answers,
 )
-from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 ANGLE = np.radians(np.arange(0.0, 360.0, 30.0))
 HEIGHT = np.linspace(-9e-3, 9e-3, 5)

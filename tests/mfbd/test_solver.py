@@ -9,7 +9,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.finite_elements.element import stiffness
 from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
 @pytest.fixture(scope="module")

@@ -17,8 +17,8 @@ from piston_cosim.fmu_mfbd.reduction.training import (
     trained_shapes,
 )
 from piston_cosim.fmu_mfbd.truncations import truncations
-from piston_cosim.fmu_mfbd.verification import box_mesh
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 from .test_truncation import GRID, film_forces, results
 

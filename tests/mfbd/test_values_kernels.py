@@ -23,7 +23,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.modal_field import read
 from piston_cosim.fmu_mfbd.reduction.bases import expected_pressure
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
 def near(value, rel=1e-12):

@@ -5,8 +5,8 @@ closed forms, and the quick figures of `piston-cosim verify coupled`.
 import numpy as np
 import pytest
 
-from piston_cosim.master.verification.coupled import checks
-from piston_cosim.master.verification.monolithic import (
+from piston_cosim.tests.verification.cases.coupled import checks
+from piston_cosim.tests.verification.cases.monolithic import (
     NO_FORCE,
     PRESSURE_SCALE,
     Bodies,

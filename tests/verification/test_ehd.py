@@ -1,6 +1,6 @@
 """Every quick figure of `piston-cosim verify ehd`."""
 
-from piston_cosim.fmu_ehd.verification import checks
+from piston_cosim.tests.verification.cases.film import checks
 
 
 def test_figures():

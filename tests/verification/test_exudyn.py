@@ -2,7 +2,7 @@
 
 import pytest
 
-from piston_cosim.fmu_mfbd.verification import exudyn_checks
+from piston_cosim.tests.verification.cases.bodies import exudyn_checks
 
 pytest.importorskip(
     "exudyn", reason="Exudyn (extra `oracle`) has no wheel for every Python and machine"

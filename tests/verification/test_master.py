@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.verification.coupling import checks, distances, plain_converges
+from piston_cosim.tests.verification.cases.coupling import checks, distances, plain_converges
 
 
 def test_figures():

@@ -1,6 +1,6 @@
 """Every quick figure of `piston-cosim verify mfbd`."""
 
-from piston_cosim.fmu_mfbd.verification import checks
+from piston_cosim.tests.verification.cases.bodies import checks
 
 
 def test_figures():

@@ -21,7 +21,7 @@ import numpy as np
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.fmu_mfbd.options import Bodies, read_options
 from piston_cosim.fmu_mfbd.reduction.store import kept_body
-from piston_cosim.fmu_mfbd.verification import box_mesh
+from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 BORE, HALF, LOW, HIGH = 28.25e-3, 43e-3, 55e-3, 155e-3
 

@@ -41,13 +41,14 @@ from scipy.optimize import root
 from scipy.sparse import lil_matrix
 from scipy.sparse.linalg import spsolve
 
-from ..master.fmi.checks import Check, at_most
-from .cavitation import NotConverged
-from .grid import Array, Flags
-from .model import LubricationModel
-from .oil import Oil
-from .parameters import Parameters
-from .step_parts import begin
+from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.grid import Array, Flags
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.step_parts import begin
+
+from .checks import Check, at_most
 
 Checks = Iterator[Check]
 

@@ -20,8 +20,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..fmi.quantities import to_si
-from ..fmi.requirements import PACKAGES
+from piston_cosim.master.fmi.quantities import to_si
+from piston_cosim.master.fmi.requirements import PACKAGES
 
 WATCHED = (
     "lateral_displacement",
@@ -317,7 +317,7 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     ------
     Trial
     """
-    from ..participants.fmi2 import unpack
+    from piston_cosim.master.participants.fmi2 import unpack
 
     folder = unpack(fmu)
     needed = () if (Path(folder) / NATIVE).exists() else PACKAGES
@@ -345,7 +345,7 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
 
 def _ask_host(folder, count, step):
     """Rows that host.c prints, compiled here; words where it fails."""
-    from ..fmi.compiler import compiler
+    from piston_cosim.master.fmi.compiler import compiler
 
     if not (cc := compiler()):
         return f"{NOT_INSTALLED}: a C compiler (cc, or $CC)"
@@ -455,8 +455,8 @@ def engine(changes, versions, say, folder):
     step : float
         Of the case [s].
     """
-    from ..case.export import export_fmu
-    from ..case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.export import export_fmu
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
 
     path = find_case("numerical_example")
     case = check_case(read_tree(path, changes), path)
@@ -477,10 +477,10 @@ def native_engine(changes, versions, say):
     -------
     dict of str to Path
     """
-    from ..case.export import export_fmu
-    from ..case.schema import check_case, find_case, read_tree
-    from ..fmi.builder_native import too_old
-    from ..fmi.compiler import compiler
+    from piston_cosim.master.case.export import export_fmu
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.fmi.builder_native import too_old
+    from piston_cosim.master.fmi.compiler import compiler
 
     lacking = too_old() if compiler() else ["a C compiler is needed, for Linux on x86-64"]
     if lacking:
@@ -510,10 +510,10 @@ def shipped_run(changes, say, file):
     ndarray, shape (steps + 1, 1 + outputs)
         Time [s] and the watched outputs.
     """
-    from ..case.schema import check_case, find_case, read_tree
-    from ..case.system import open_system
-    from ..results.file import Results
-    from ..runs.run import run
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.system import open_system
+    from piston_cosim.master.results.file import Results
+    from piston_cosim.master.runs.run import run
 
     path = find_case("numerical_example")
     tree = read_tree(path, changes)
@@ -550,7 +550,7 @@ def in_whole_ticks(changes, step, tick):
     step : float
         Their length [s].
     """
-    from ..case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.schema import check_case, find_case, read_tree
 
     path = find_case("numerical_example")
     time = check_case(read_tree(path, changes), path).time
@@ -567,7 +567,7 @@ def verify_importers(console, say, changes=()):
     """Print how far every importer is from `run` on the shipped case; returns how many failed."""
     from rich.table import Table
 
-    from ..fmi.compiler import compiler
+    from piston_cosim.master.fmi.compiler import compiler
 
     pythons = [sys.executable, *filter(None, os.environ.get("PISTON_COSIM_PYTHONS", "").split(":"))]
     failed = 0

@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
-from ..master.fmi.checks import Check, at_most
-from ..models import MODELS
-from .dynamics.assembly import assemble
-from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
-from .dynamics.floating_frame import (
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
+from piston_cosim.fmu_mfbd.dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     TURN,
     FlexibleBody,
     FrameMotion,
@@ -24,19 +22,34 @@ from .dynamics.floating_frame import (
     rigid_body,
     whole,
 )
-from .dynamics.generalised_alpha import Coefficients, Motion, coefficients, predict
-from .dynamics.model import Inputs
-from .dynamics.parameters import Parameters
-from .dynamics.piston_motion import Load, imbalance
-from .dynamics.slider_crank import CrankMotion, LateralMotion, Mechanism, height, motion
-from .exudyn_reference import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
-from .finite_elements.element import consistent_mass, quadrature, rigid_motions, stiffness
-from .finite_elements.faces import face_load
-from .finite_elements.mesh import read_mesh, second_order
-from .geometry.grid import cell_centres
-from .options import read_options
-from .reduction import reduced_body
-from .reduction.bases import (
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
+    Coefficients,
+    Motion,
+    coefficients,
+    predict,
+)
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
+    CrankMotion,
+    LateralMotion,
+    Mechanism,
+    height,
+    motion,
+)
+from piston_cosim.fmu_mfbd.finite_elements.element import (
+    consistent_mass,
+    quadrature,
+    rigid_motions,
+    stiffness,
+)
+from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh, second_order
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.options import read_options
+from piston_cosim.fmu_mfbd.reduction import reduced_body
+from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
     craig_bampton,
@@ -45,15 +58,23 @@ from .reduction.bases import (
     pressure_modes,
     static_answers,
 )
-from .reduction.interpolation import SurfaceReading, interpolation, radial_and_axial
-from .reduction.reduce import Z, floating_frame_integrals
-from .reduction.smooth_prior import (
+from piston_cosim.fmu_mfbd.reduction.interpolation import (
+    SurfaceReading,
+    interpolation,
+    radial_and_axial,
+)
+from piston_cosim.fmu_mfbd.reduction.reduce import Z, floating_frame_integrals
+from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     ALONG,
     pressure_root,
     smooth_pressure_modes,
     surface_answers,
 )
-from .reduction.store import kept_body
+from piston_cosim.fmu_mfbd.reduction.store import kept_body
+from piston_cosim.models import MODELS
+
+from .checks import Check, at_most
+from .exudyn import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
 
 STEEL = dict(young=210e9, poisson=0.3)
 

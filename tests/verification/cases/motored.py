@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .grid import Array, Flags
-from .model import LubricationModel, State
-from .oil import Oil
-from .parameters import Parameters
+from piston_cosim.fmu_ehd.grid import Array, Flags
+from piston_cosim.fmu_ehd.model import LubricationModel, State
+from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.parameters import Parameters
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
 UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]

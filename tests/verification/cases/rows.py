@@ -9,20 +9,20 @@ from importlib.metadata import version
 
 from rich.table import Table
 
-from ..fmi.tree import import_part
+from . import bodies, coupled, coupling, film
 
 PARTS = {
-    "ehd": "fmu_ehd.verification",
-    "mfbd": "fmu_mfbd.verification",
-    "master": "master.verification.coupling",
-    "coupled": "master.verification.coupled",
+    "ehd": film,
+    "mfbd": bodies,
+    "master": coupling,
+    "coupled": coupled,
 }
 
 
 def checks(parts, slow):
     """The named parts' checks, computed one by one: pairs of part and `Check`."""
     for part in parts:
-        module = import_part(PARTS[part])
+        module = PARTS[part]
         series = [module.checks, module.slow_checks] if slow else [module.checks]
         for check in itertools.chain.from_iterable(compute() for compute in series):
             yield part, check

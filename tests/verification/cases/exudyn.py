@@ -10,16 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .dynamics.floating_frame import FlexibleBody
-from .dynamics.generalised_alpha import (
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     Coefficients,
     Motion,
     Prediction,
     coefficients,
     predict,
 )
-from .dynamics.piston_motion import LATERAL, ROCKING, Load, end_accelerations
-from .dynamics.slider_crank import CrankMotion, Mechanism, height, rod_turn
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load, end_accelerations
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height, rod_turn
 
 
 class Drive(NamedTuple):

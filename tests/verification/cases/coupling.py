@@ -8,13 +8,14 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from ..case.schema import check_case, find_case, read_tree
-from ..case.system import open_system
-from ..coupling.stepping import StepFailed
-from ..fmi.checks import Check, at_most
-from ..results.compare import score
-from ..results.file import Results
-from ..runs.run import run
+from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.coupling.stepping import StepFailed
+from piston_cosim.master.results.compare import score
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
+
+from .checks import Check, at_most
 
 TWO_TURNS = ("time.stop", "720 deg")
 """Change of the numerical example: as many steps with every method."""

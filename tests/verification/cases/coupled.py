@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..case.schema import find_case
-from ..fmi.checks import Check, at_most
-from ..fmi.quantities import to_si
-from ..fmi.tree import import_part
+from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.fmi.quantities import to_si
+from piston_cosim.master.fmi.tree import import_part
+
+from .checks import Check, at_most
 from .coupling import summary_of
 from .monolithic import Curves, Elasticity, Engine, Monolithic
 

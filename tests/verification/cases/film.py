@@ -11,16 +11,26 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
-from ..master.fmi.checks import Check, at_most
-from . import asperity, bearing_verification, oil, roughness, storage
-from .cavitation import NotConverged
-from .film_step import FilmSolution, FilmStep
-from .films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
-from .friction import ShearConstants, ShearInputs, viscous_force
-from .grid import LOWER, Array, Edges, Entrainment, Grid, flooded_edges, in_plenty
+from piston_cosim.fmu_ehd import asperity, oil, roughness, storage
+from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.film_step import FilmSolution, FilmStep
+from piston_cosim.fmu_ehd.films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
+from piston_cosim.fmu_ehd.friction import ShearConstants, ShearInputs, viscous_force
+from piston_cosim.fmu_ehd.grid import (
+    LOWER,
+    Array,
+    Edges,
+    Entrainment,
+    Grid,
+    flooded_edges,
+    in_plenty,
+)
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.storage import EulerStep, Past
+
+from . import bearings
+from .checks import Check, at_most
 from .motored import DEGREE, motored, motored_until, physics, tangent_error
-from .parameters import Parameters
-from .storage import EulerStep, Past
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
 SECOND_ORDER = "second order in the cell size"
@@ -879,7 +889,7 @@ def checks() -> Checks:
         pocket_slider_checks,
         parabolic_slider_checks,
         journal_bearing_checks,
-        bearing_verification.checks,
+        bearings.checks,
         oil_checks,
         roughness_checks,
         contact_checks,
