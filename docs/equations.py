@@ -213,7 +213,7 @@ def pages():
     reached = set()
     file = part = None
     for equation in equations().values():
-        home = equation.file.split("/")[0]
+        home = next(one for one in PARTS if equation.file.startswith(f"{one}/"))
         if home != part:
             part = home
             lines += [f"## {PARTS[part]}", ""]

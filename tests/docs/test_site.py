@@ -14,7 +14,7 @@ for needed in ("mkdocs", "material", "mkdocstrings", "mkdocs_jupyter"):
     pytest.importorskip(needed)
 
 ROOT = Path(__file__).parents[2]
-CODE = ("fmu_ehd", "fmu_mfbd", "master", "models")
+CODE = ("fmu_ehd", "fmu_mfbd", "master", "models", "tests/verification/cases")
 DEFINED = r'(?m)^\s*(?:""")?Eq\. \(([A-Z]\d+[a-z]?)\):'
 STORY = ("film", "contact", "bodies", "coupling")
 """Pages of the theory after the first one."""
