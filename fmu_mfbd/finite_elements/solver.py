@@ -9,8 +9,9 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +24,10 @@ LOOSE = (
     "elements"
 )
 SMALLEST_PIVOT = 1e-12  # of the largest one
+LARGEST = 60_000  # degrees of freedom that SuperLU factorises
+THREADS = "PISTON_COSIM_THREADS", "OMP_NUM_THREADS"
+"""Variables of the environment with the number of threads; the command line puts the user's own
+OMP_NUM_THREADS into the first one, before it sets the second one for small matrices."""
 
 
 class Factors(Protocol):
@@ -37,8 +42,7 @@ Factorise = Callable[[Sparse], Factors]
 
 
 class SuperLU:
-    """Factors by SuperLU of scipy: fine to some 60 000 degrees of freedom, out of the question
-    above 200 000.
+    """Factors by SuperLU of scipy, for up to `LARGEST` degrees of freedom.
 
     Of the other solvers, PARDISO's is the one wheel that installs everywhere: scikit-sparse
     (CHOLMOD) is compiled against SuiteSparse, python-mumps against MUMPS, and its last wheel wants
@@ -75,8 +79,8 @@ class SuperLU:
 
 
 class Pardiso:
-    """Cholesky factors by PARDISO of the MKL through pypardiso, on all cores; parameters and errors
-    as for `SuperLU`.
+    """Cholesky factors by PARDISO of the MKL through pypardiso, in so many `threads`; parameters
+    and errors as for `SuperLU`.
 
     ImportError without pypardiso.
     """
@@ -95,7 +99,7 @@ class Pardiso:
         self._upper = sp.csr_matrix(sp.triu(K))
         self._upper.sort_indices()
         self._solver.set_iparm(1, 1)  # the settings below, not the defaults
-        self._solver.set_iparm(2, 3)  # nested dissection on all cores
+        self._solver.set_iparm(2, 3)  # nested dissection in threads
         self._solver.set_iparm(24, 1)  # factorisation that scales to many cores
         try:
             self._call(self.FACTORISE, np.zeros((K.shape[0], 1)))
@@ -121,7 +125,7 @@ class Pardiso:
         ).reshape(load.shape)
 
     def _call(self, phase, columns):
-        before = self._solver.libmkl.MKL_Set_Num_Threads_Local(os.cpu_count())
+        before = self._solver.libmkl.MKL_Set_Num_Threads_Local(threads())
         try:
             self._solver.set_phase(phase)
             return self._solver._call_pardiso(self._upper, columns)
@@ -134,14 +138,69 @@ class Pardiso:
             self._call(self.RELEASE, np.zeros((1, 1)))
 
 
+def threads() -> int:
+    """Number of threads of PARDISO: OMP_NUM_THREADS, or all processors if it is not set."""
+    given = next((os.environ[name] for name in THREADS if os.environ.get(name)), "")
+    first = given.partition(",")[0]  # of nested loops the outer one
+    return int(first) if first.isdigit() and int(first) else os.cpu_count() or 1
+
+
 def factorise(K: Sparse) -> Factors:
     """Factors of a symmetric positive definite matrix: PARDISO where it is installed, else
     SuperLU.
+
+    Raises
+    ------
+    ValueError
+        Without PARDISO and with more degrees of freedom than `LARGEST`; as of `SuperLU`.
     """
     try:
         return Pardiso(K)
     except ImportError:
+        if K.shape[0] > LARGEST:
+            raise ValueError(
+                f"mesh: expected at most {LARGEST} degrees of freedom without the extra `large`, "
+                f"got {K.shape[0]}; run pip install 'piston_cosim[large]'"
+            ) from None
         return SuperLU(K)
+
+
+class Cost(NamedTuple):
+    """Measured factorisation of a box, and the orders by which it grows.
+
+    size : degrees of freedom; seconds : of processor time; gigabytes : at most.
+    """
+
+    size: int
+    seconds: float
+    gigabytes: float
+    order_of_time: float
+    order_of_memory: float
+
+    def of(self, size: int) -> tuple[float, float]:
+        """Return seconds and gigabytes for so many degrees of freedom."""
+        ratio = size / self.size
+        return self.seconds * ratio**self.order_of_time, self.gigabytes * (
+            ratio**self.order_of_memory
+        )
+
+
+COSTS = {
+    "SuperLU": (Cost(47_880, 3.0, 1.2, 1.5, 1.2), Cost(34_914, 18.0, 2.1, 2.7, 1.6)),
+    "PARDISO": (Cost(47_880, 1.0, 0.23, 1.5, 1.2), Cost(34_914, 1.4, 0.24, 2.0, 4 / 3)),
+}
+"""Of a plate two elements thick and of a cube, by solver; orders of nested dissection for PARDISO,
+measured ones for SuperLU."""
+
+
+def expected_cost(size: int) -> str:
+    """Return the expected time and memory of a factorisation by the solver at hand, in words."""
+    solver = "PARDISO" if find_spec("pypardiso") else "SuperLU"
+    (least, small), (most, large) = (cost.of(size) for cost in COSTS[solver])
+    return (
+        f"about {least:.2g} s and {small:.2g} GB by {solver} if thin-walled, "
+        f"{most:.0f} s and {large:.2g} GB if solid"
+    )
 
 
 class Remembering:
@@ -196,7 +255,8 @@ class _Remembered:
 
     def _factorise(self) -> Factors:
         begin = time.monotonic()
-        self._say(f"factorising {self._K.shape[0]} degrees of freedom")
+        size = self._K.shape[0]
+        self._say(f"factorising {size} degrees of freedom: {expected_cost(size)}")
         factors = factorise(self._K)
         del self._K  # the factors hold what of it is needed
         seconds = time.monotonic() - begin

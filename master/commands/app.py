@@ -86,6 +86,8 @@ app.register_install_completion_command(help="Teach this shell to complete comma
 
 def main():
     """Run the command line; print errors of the user's input and set the exit code."""
+    # PARDISO obeys the user's own number of threads, not the default below
+    os.environ.setdefault("PISTON_COSIM_THREADS", os.environ.get("OMP_NUM_THREADS", "all"))
     # dense algebra here is small: a second BLAS thread costs up to a factor 7
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(threads, "1")

@@ -2,13 +2,17 @@
 the same and refuse the same.
 """
 
+import os
+import sys
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
+from piston_cosim.fmu_mfbd.finite_elements import solver as solvers
 from piston_cosim.fmu_mfbd.finite_elements.element import stiffness
-from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise
+from piston_cosim.fmu_mfbd.finite_elements.solver import Pardiso, SuperLU, factorise, threads
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 
@@ -60,3 +64,40 @@ def test_the_solver_at_hand(loose):
     points, K = loose
     kind = type(factorise(without(K, np.flatnonzero(points[:, 1] == 0.0))))
     assert kind is (Pardiso if find_spec("pypardiso") else SuperLU)
+
+
+def test_the_expected_cost_is_that_of_both_shapes(monkeypatch):
+    """A plate and a cube of SuperLU with twice the degrees of freedom that were measured."""
+    monkeypatch.setattr(solvers, "find_spec", lambda name: None)
+    plate, cube = (solvers.expected_cost(2 * size) for size in (47_880, 34_914))
+    # 3 s x 2^1.5 and 1.2 GB x 2^1.2; 18 s x 2^2.7 and 2.1 GB x 2^1.6
+    assert plate.startswith("about 8.5 s and 2.8 GB by SuperLU if thin-walled")
+    assert cube.endswith("117 s and 6.4 GB if solid")
+
+
+def test_a_large_body_needs_the_extra(monkeypatch):
+    """Without pypardiso, 60 001 degrees of freedom are rejected before anything is factorised."""
+    monkeypatch.setitem(sys.modules, "pypardiso", None)
+    monkeypatch.setattr(solvers, "SuperLU", lambda K: K.shape[0])
+    assert factorise(sp.identity(60_000, format="csc")) == 60_000
+    with pytest.raises(ValueError, match=r"at most 60000 .* extra `large`, got 60001; .*\[large\]"):
+        factorise(sp.identity(60_001, format="csc"))
+
+
+@pytest.mark.parametrize(
+    "own, openmp, count",
+    [
+        (None, "3", 3),
+        ("3", "1", 3),
+        (None, "2,4", 2),
+        ("all", "1", os.cpu_count()),
+        (None, None, os.cpu_count()),
+    ],
+)
+def test_threads_are_those_of_the_user(own, openmp, count, monkeypatch):
+    """`own` is what the command line found before it set OMP_NUM_THREADS to 1."""
+    for name, value in zip(solvers.THREADS, (own, openmp)):
+        monkeypatch.delenv(name, raising=False)
+        if value:
+            monkeypatch.setenv(name, value)
+    assert threads() == count
