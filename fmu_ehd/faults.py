@@ -51,6 +51,8 @@ FAULTS = (
     "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, got {a} m",
     "film_thickness: a land or groove is one cell wide, which the grid does not resolve; use a "
     "finer grid or a smoother profile",
+    "pressure_viscosity_law: the film pressure exceeds the range of the law, in which the viscosity "
+    "rises to 1000 times that of low pressure; beyond it the viscosity is constant",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (
@@ -83,6 +85,7 @@ FAULTS = (
     CUT_OUTS_IN_A_SECTOR,
     STROKE_TOO_LONG,
     NARROW_STEPS,
+    BEYOND_PRESSURE_LAW,
 ) = map(float, range(len(FAULTS)))  # numba compiles a kernel anew for every literal integer
 MOST_FAULTS = 12
 OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c

@@ -244,6 +244,7 @@ class LubricationModel:
         raise_noted(faults)
         ended = step.end(fixed, memory, inputs, begun, solved, faults)
         raise_noted(faults)
+        self.remark = remark_of(faults)
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
         return State.of(ended.memory), outputs

@@ -99,6 +99,7 @@ class Ehd(FieldSlave):
             )
         except NotConverged as trouble:
             raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
+        self._tell_of_remark()
         return state, self._shown(outputs)
 
     def _tell_of_remark(self):

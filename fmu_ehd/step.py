@@ -26,14 +26,14 @@ from .circumferential import Changes, Turning, TurningSlopes
 from .coated_film import CoatedFilm, Layer, Pressed
 from .coating import Softness
 from .contact import contact_changes, has_narrow_steps
-from .faults import NARROW_STEPS, remark
+from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS, remark
 from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
 from .films import COUETTE, STORED, FilmSlopes
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .friction import ForceSlopes, ShearInputs
 from .grid import LOWER, UPPER, Array, Edges, Entrainment, Flags, sum_of_products
 from .oil_layer import Bore, OilLayer, Passed
-from .piezoviscosity import TruePressure, raised, true_pressure
+from .piezoviscosity import NONE, TruePressure, raised, true_pressure
 from .reynolds import Filling
 from .sparse import LinearSolver
 from .surroundings import Surroundings
@@ -528,6 +528,10 @@ def end(
     seen = Seen(solved.deflection, flow, under, found.film_fraction)
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
+    law = inputs.around.pressure_law
+    highest = acted.summary.highest - fixed.surfaces.cavitation_pressure
+    if law.kind != NONE and highest > law.limit:
+        remark(faults, BEYOND_PRESSURE_LAW)
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)
     outside = inputs.around.outside

@@ -68,6 +68,21 @@ def test_a_land_of_one_cell_is_warned_of(slave, cells, warns):
     assert sum("one cell wide" in text for text in texts) == warns
 
 
+@pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
+@pytest.mark.parametrize("closed, warns", [(8e-6, True), (1e-8, False)])
+def test_pressure_beyond_the_law_is_warned_of_once(slave, law, closed, warns):
+    """A film of 10 um that closes to 2 um in 1 us has GPa, where both laws end; by 10 nm it has
+    MPa.
+    """
+    choose(slave, "pressure_viscosity_law", law)
+    slave.exit_initialization_mode()
+    for step in range(2):
+        slave.views["film_thickness"][...] = 1e-5 - closed * (step + 1) / 2
+        assert slave.do_step(1e-6 * step, 1e-6)
+    texts = [message.msg for message in slave.log_queue]
+    assert sum("exceeds the range of the law" in text for text in texts) == warns
+
+
 def test_range_and_cross_faults_stop_the_start(slave):
     slave.views["pressure_upper_edge"][...] = -1e4
     slave.exit_initialization_mode()
