@@ -51,7 +51,7 @@ FAULTS = (
     "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, got {a} m",
     "film_thickness: a land or groove is one cell wide, which the grid does not resolve; use a "
     "finer grid or a smoother profile",
-    "pressure_viscosity_law: the film pressure exceeds the range of the law, in which the viscosity "
+    "pressure_viscosity_law: the film pressure exceeds the range of the law, in which viscosity "
     "rises to 1000 times that of low pressure; beyond it the viscosity is constant",
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
