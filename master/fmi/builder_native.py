@@ -37,7 +37,7 @@ from .errors import BadInput, unknown
 from .jobs import jobs
 from .native_parts import NativePart, symbol
 from .slave import PRODUCT, SEED, FieldSlave, reserved
-from .tree import ROOT, import_part, reached, slave_class
+from .tree import ROOT, code_digest, import_part, reached, slave_class
 from .variables import Variable
 
 MARK = b"PCNATIV2"
@@ -527,10 +527,10 @@ def _digest_of_code(package):
 
 @cache
 def _sources(package):
-    """All files that a package's machine code is made of, in one."""
+    """Digests of the code of all files that a package's machine code is made of."""
     files = reached(_file_of(f"{package}.native"))
     files |= {Path(native_code.__file__).resolve()}
-    return b"".join(path.read_bytes() for path in sorted(files))
+    return b"".join(code_digest(path.read_bytes()).encode() for path in sorted(files))
 
 
 def _file_of(module):

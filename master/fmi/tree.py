@@ -3,8 +3,10 @@ name made of its content.
 """
 
 import ast
+import io
 import json
 import sys
+import tokenize
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
@@ -98,23 +100,54 @@ def _imported(file):
     return [path.resolve() for path in found if path.is_file()]
 
 
-def _relative_imports(source):
-    """Level, module and names of each relative import of a source. To parse all that a part is made
-    of takes a fifth of a start, so what was found in a source is kept where the disk allows it.
+def _kept(find):
+    """A function of a source whose results are kept where the disk allows it: to parse all that a
+    part is made of takes a fifth of a start.
     """
-    kept = None
-    with suppress(OSError, ValueError):
-        kept = cache_folder("imports") / sha256(_OWN_SOURCE + source).hexdigest()[:24]
-        return json.loads(kept.read_text())
-    found = [
+
+    def known(source):
+        kept = None
+        with suppress(OSError, ValueError):
+            name = sha256(_OWN_SOURCE + source).hexdigest()[:24]
+            kept = cache_folder("imports") / f"{name}.{find.__name__.strip('_')}"
+            return json.loads(kept.read_text())
+        found = find(source)
+        if kept:
+            with suppress(OSError):
+                write_whole(kept, json.dumps(found).encode())
+        return found
+
+    return known
+
+
+@_kept
+def _relative_imports(source):
+    """Level, module and names of each relative import of a source."""
+    return [
         [node.level, node.module or "", [alias.name for alias in node.names]]
         for node in _statements(ast.parse(source))
         if isinstance(node, ast.ImportFrom) and node.level
     ]
-    if kept:
-        with suppress(OSError):
-            write_whole(kept, json.dumps(found).encode())
-    return found
+
+
+@_kept
+def code_digest(source):
+    """Digest of the code of a source: comments, docstrings and empty lines do not change it."""
+    text = source.decode()
+    lines = text.split("\n")
+    for token in tokenize.tokenize(io.BytesIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            row, column = token.start
+            lines[row - 1] = lines[row - 1][:column]
+    tree = ast.parse(source)
+    for node in (tree, *_statements(tree)):
+        first = next(iter(getattr(node, "body", ())), None)
+        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+            begin, end = first.lineno - 1, first.end_lineno
+            if "\n".join(lines[begin:end]).strip() == ast.get_source_segment(text, first):
+                lines[begin:end] = [""] * (end - begin)
+    code = "\n".join(line.rstrip() for line in lines if line.strip())
+    return sha256(code.encode()).hexdigest()
 
 
 def _statements(node):

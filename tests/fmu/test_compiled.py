@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from piston_cosim.master.fmi.tree import code_digest
+
 ROOT = Path(__file__).parents[2]
 
 CALLS = {
@@ -68,6 +70,31 @@ print(json.dumps([__import__("piston_cosim").__file__, float(value), len(starts)
     file, found, count = json.loads(done.stdout)
     assert file == str(tree / "__init__.py")
     return found, count
+
+
+CODE = '''"""A module."""
+import numpy  # of arrays
+
+
+def double(x):
+    """Return the double."""
+    return 2 * x  # twice
+'''
+
+
+@pytest.mark.parametrize(
+    "edited, same",
+    [
+        (("Return the double.", "Return 2 x.\n\n    Eq. (A1)"), True),
+        (("# twice", "# the double"), True),
+        (("import numpy", "\n\nimport numpy"), True),
+        (("return 2 * x", "return 3 * x"), False),
+        (("    return 2", '    "# x"\n    return 2'), False),
+    ],
+)
+def test_the_digest_of_code_ignores_its_text(edited, same):
+    one, other = CODE.encode(), CODE.replace(*edited).encode()
+    assert (code_digest(one) == code_digest(other)) == same
 
 
 @pytest.mark.parametrize("name", CALLS)
