@@ -161,7 +161,9 @@ def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Arra
     friction = acted.summary.power - sum_of_products(turned, w) + carried  # Eq. (F8)
     boundary = acted.boundary_power - sum_of_products(around.boundary, w)
     couette = inputs.area * inputs.shearing * inputs.film[COUETTE]
-    rubbing = acted.rubbing_power + sum_of_products(couette, w * w)  # as Eq. (F5) with W
+    # as Eq. (F5) with W; of what pressure carries half shears the journal back: what turns it is
+    # heat, Eq. (F8)
+    rubbing = acted.rubbing_power + sum_of_products(couette, w * w) + carried / 2
     return Powers(friction, boundary, rubbing + boundary)
 
 

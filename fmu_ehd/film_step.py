@@ -273,21 +273,14 @@ def balance(unknown: Array, full: Flags, equations: Equations):
 
 
 @compiled
-def faces_of(film: Array, entrainment: Entrainment, domain: Domain):
-    """Faces of a film, shape (6, n_c, n_a), those within openings closed."""
-    if not domain.has_openings:
-        return reynolds.faces(film, entrainment, domain.cells)
-    faces = reynolds.faces(openings.freed(domain.open_cells, film), entrainment, domain.cells)
-    openings.close(domain.open_cells, faces)
-    return faces
-
-
-@compiled
 def equations_of(given: Given, domain: Domain):
     """Equations of a step."""
     film = given.film
-    faces = faces_of(film, given.entrainment, domain)
     if domain.has_openings:
+        film = openings.freed(domain.open_cells, film)
+    faces = reynolds.faces(film, given.entrainment, domain.cells)
+    if domain.has_openings:
+        openings.close(domain.open_cells, faces)
         openings.starve(domain.open_cells, faces, given.edges.limit)
     lift = lift_along(given.lift, given.entrainment.axial, domain.model)
     rate = domain.cells.dx * domain.cells.dy / given.start.length

@@ -55,8 +55,6 @@ class State:
         What sliding has cost since the start, and the asperities' part of it [J].
     stored, volume : float
         Elastic energy [J], and volume between the surfaces [m3].
-    squeeze : float
-        Power that closing the gap cost at the end of the last step [W].
     """
 
     unknown: Array
@@ -75,7 +73,6 @@ class State:
     boundary_work: float
     stored: float
     volume: float
-    squeeze: float
 
     @classmethod
     def of(cls, memory: Memory) -> "State":

@@ -84,9 +84,8 @@ PASSED, TRAVEL = range(2)  # shape (n_c, n_a + 1)
     VELOCITY_BEFORE,
     SUPPLIED,
     HELD,
-    SQUEEZE,
-) = range(12)
-STATE_NUMBERS = 12
+) = range(11)
+STATE_NUMBERS = 11
 
 OF_LEVEL, OF_Z, OF_LIMIT, OF_MOST = range(4)  # of `PressureLaw`, between its alpha and its table
 LAW_NUMBERS = 4
@@ -532,7 +531,7 @@ def memory_of(block: Block, fixed: Fixed):
         block.passed[TRAVEL],
         x[STEP_BEFORE],
     )
-    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME], x[SQUEEZE])
+    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME])
     return Memory(before, totals, layer_of(block, fixed.bore.bottom.size))
 
 
@@ -559,7 +558,6 @@ def keep_memory(block: Block, memory: Memory, follows: bool):
     x[BOUNDARY_WORK] = totals.boundary_work
     x[ENERGY] = totals.stored
     x[VOLUME] = totals.volume
-    x[SQUEEZE] = totals.squeeze
     if follows:
         keep(block.on_bore[: layer.bore.size], layer.bore)
         keep(block.reservoir, layer.reservoir)

@@ -25,10 +25,6 @@ Sliding drags in over an edge, T towards the film,
 
 Eq. (E12):  min(max(T, 0) f, S)
 
-Heat that the flow of pressure makes, h^3 grad(p)^2 / (12 mu) by area between smooth surfaces:
-
-Eq. (E13):  P = sum over faces of  K (r_a - r_b) (p_a - p_b),   r reduced pressure, Eq. (O6)
-
 A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
 centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
@@ -504,49 +500,6 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
             flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
             flow[i, j] += t[i, j] * lift[i, j]
     return flow
-
-
-@compiled(inline="always")
-def _heat(conductance, a, b, true_a, true_b):
-    """Heat of the flow of pressure through a face, a term of Eq. (E13) [W]."""
-    return conductance * (a - b) * (true_a - true_b)
-
-
-@compiled
-def flow_heat(
-    faces: Faces, reduced: Array, pressure: Array, at_edges: tuple[Array, Array], ring: bool
-):
-    """Heat that the flow of pressure makes in the whole film, Eq. (E13) [W].
-
-    Parameters
-    ----------
-    faces : Faces
-    reduced, pressure : ndarray, shape (n_c, n_a)
-        q and p of `piezoviscosity`, above cavitation pressure [Pa]; the same without it.
-    at_edges : tuple of ndarray, shape (5,)
-        Both at the edges [Pa].
-    ring : bool
-    """
-    k_c, k_a = faces.conductance_c, faces.conductance_a
-    q, p = reduced, pressure  # q reduced, as in `piezoviscosity`
-    q_e, p_e = at_edges
-    n_c, n_a = p.shape
-    heat = 0.0
-    for i in range(n_c):
-        heat += _heat(k_a[i, 0], q_e[LOWER], q[i, 0], p_e[LOWER], p[i, 0])
-        heat += _heat(k_a[i, n_a], q[i, n_a - 1], q_e[UPPER], p[i, n_a - 1], p_e[UPPER])
-        for j in range(1, n_a):
-            heat += _heat(k_a[i, j], q[i, j - 1], q[i, j], p[i, j - 1], p[i, j])
-    last = n_c - 1
-    for j in range(n_a):
-        for i in range(1, n_c):
-            heat += _heat(k_c[i, j], q[i - 1, j], q[i, j], p[i - 1, j], p[i, j])
-        if ring:
-            heat += _heat(k_c[0, j], q[last, j], q[0, j], p[last, j], p[0, j])
-        else:
-            heat += _heat(k_c[0, j], q_e[FIRST], q[0, j], p_e[FIRST], p[0, j])
-            heat += _heat(k_c[n_c, j], q[last, j], q_e[LAST], p[last, j], p_e[LAST])
-    return heat  # Eq. (E13)
 
 
 @compiled

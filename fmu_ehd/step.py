@@ -420,7 +420,7 @@ def start(
     rms = fixed.surfaces.contact.roughness_rms
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells.ring):
         remark(faults, NARROW_STEPS)
-    totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume, 0.0)
+    totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer), fields_of(acting, fraction), scalars
 
@@ -500,21 +500,6 @@ def solve(
 
 
 @compilable
-def flow_heat_of(
-    fixed: Fixed, inputs: Inputs, begun: Begun, solved: Solved, under: TruePressure
-) -> float:
-    """Heat that the flow of pressure makes at the end of a step [W]."""
-    outside = inputs.around.outside
-    at_edges = np.full(5, outside.opening)
-    at_edges[LOWER] = outside.lower
-    at_edges[UPPER] = outside.upper
-    faces = film_step.faces_of(solved.flow.quantities, begun.entrainment, fixed.domain)
-    reduced = solved.solution.pressure
-    both = begun.edges.pressure, at_edges
-    return reynolds.flow_heat(faces, reduced, under.pressure, both, fixed.domain.cells.ring)
-
-
-@compilable
 def end(
     fixed: Fixed, memory: Memory, inputs: Inputs, begun: Begun, solved: Solved, faults: Array
 ) -> Ended:
@@ -535,9 +520,8 @@ def end(
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)
     outside = inputs.around.outside
-    heat = acting.powers.rubbing + flow_heat_of(fixed, inputs, begun, solved, under)
     account = parts.account(
-        memory.totals, acted, acting.powers, found, went.passed, outside, heat, length
+        memory.totals, acted, acting.powers, found, went.passed, outside, length
     )
     layer = begun.covered
     if fixed.bore.supply.followed:

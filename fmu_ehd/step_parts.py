@@ -344,7 +344,7 @@ def passage(
 
 
 class Powers(NamedTuple):
-    """Power that sliding costs, the asperities' part of it, and the heat of sliding [W]."""
+    """Power that sliding costs, the asperities' part of it, and all that is heat [W]."""
 
     friction: float
     boundary: float
@@ -355,14 +355,13 @@ class Totals(NamedTuple):
     """Sums that go on from step to step.
 
     friction_work, boundary_work : what sliding has cost since the start, and the asperities' part
-    of it [J]; stored, volume : as in `Forces`; squeeze : Q of Eq. (A13) at the end [W].
+    of it [J]; stored, volume : as in `Forces`.
     """
 
     friction_work: float
     boundary_work: float
     stored: float
     volume: float
-    squeeze: float
 
 
 class Account(NamedTuple):
@@ -386,21 +385,14 @@ def account(
     found: FilmSolution,
     passed: Array,
     outside: Outside,
-    heat: float,
     step: float,
 ):
     """Sums at the end of a step, with the work that the pressure around the film did on it.
 
     Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
-    Eq. (A13):  E = dU - W + H P + H mean(Q_n, Q),   Q = P_h - P
 
     p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
-    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step. dU
-    growth of Eq. (A10), P what sliding costs at the end of the step, as the bodies take it, P_h
-    heat of shear, of asperities and of the flow of pressure, Eq. (E13), so that Q is what
-    closing the gap costs. Its mean over the step is the arithmetic one where Q is negative. Where
-    Q is positive it is the geometric one, but at most Q at the end: of second order while Q rises,
-    and small where a stop begins or ends within the step.
+    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
 
     Parameters
     ----------
@@ -411,8 +403,6 @@ def account(
     passed : ndarray, shape (n_c, n_a + 1)
         Of `Passage`.
     outside : Outside
-    heat : float
-        P_h [W].
     step : float
         [s].
 
@@ -433,13 +423,8 @@ def account(
     work = outside.cavitation * (acted.volume - before.volume)
     work += outside.opening * step * found.from_openings
     work += outside.lower * inflow - outside.upper * outflow
-    # Eq. (A13)
-    was = before.squeeze
-    now = heat - powers.friction
-    mean = min(np.sqrt(max(was, 0.0) * max(now, 0.0)), max(now, 0.0))
-    mean += (min(was, 0.0) + min(now, 0.0)) / 2.0
-    gain = acted.stored - before.stored + step * (powers.friction + mean) - work
-    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume, now)
+    gain = acted.stored - before.stored + step * powers.rubbing - work
+    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume)
     return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
 
 

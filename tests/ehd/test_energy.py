@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.bearings import RADIUS, SPEED, bearing, eccentric
 
@@ -31,62 +30,35 @@ def test_contact_gives_back_what_it_took(coating):
     begun = outputs["stored_energy"]
     force, work, taken = outputs["nodal_pressure_force"].sum(), 0.0, 0.0
     for before, gap in zip(way, way[1:]):
-        state, outputs = model.advance(state, flat(gap), STILL, 1e11)
+        state, outputs = model.advance(state, flat(gap), STILL, 1e3)
         after = outputs["nodal_pressure_force"].sum()
         work -= (force + after) / 2 * (gap - before)
         force = after
         taken += outputs["energy_gain"]
     stored = outputs["stored_energy"] - begun
     # the trapezoidal rule on an eightieth of the roughness: 1/80^2/12 of the energy, and of the
-    # oil pressed out in 1e11 s nothing
+    # oil pressed out in 1e3 s nothing
     assert stored == pytest.approx(work, rel=1e-4)
     assert taken == pytest.approx(stored, rel=1e-12)
     for gap in way[::-1]:
-        state, outputs = model.advance(state, flat(gap), STILL, 1e11)
+        state, outputs = model.advance(state, flat(gap), STILL, 1e3)
         taken += outputs["energy_gain"]
     assert abs(taken) <= 1e-9 * stored
 
 
 def test_what_turns_a_steady_journal_is_heat():
     """Eccentric by 0.8, nothing squeezes, ends without pressure: all that its moment about its own
-    axis does, shear and pressure on the slope of the film, and no more. Work is by cells and heat
-    by faces: they differ by 1e-3 on 60 cells around, of second order.
+    axis does, shear and pressure on the slope of the film, and no more.
     """
-    errors = []
-    for around in (60, 120):
-        shape = (around, around // 6)
-        model = bearing(shape, RADIUS, cavitation_model="gumbel", cavity_shear="full_film")
-        still, turning = np.zeros(shape), np.full(shape, SPEED)
-        film = eccentric(shape, 0.8)
-        state, _ = model.start(film, still, turning)
-        for _ in range(2):
-            state, outputs = model.advance(state, film, still, 1e-2, turning)
-        errors.append(outputs["energy_gain"] / (1e-2 * outputs["friction_power"]) - 1.0)
-        assert outputs["friction_power"] > -1.1 * outputs["friction_torque"] * SPEED / RADIUS
-    assert abs(errors[0]) <= 1e-3 and abs(errors[1]) <= abs(errors[0]) / 3.0
-
-
-@pytest.mark.parametrize("sliding", [0.0, 5.0, -5.0])
-def test_a_squeezed_wedge_takes_all_work_of_its_forces(sliding):
-    """A flooded wedge of 20 to 30 um, closed by a quarter in 50 steps, at rest or sliding: the heat
-    of shear and of pressure flow is the work of both forces, that of sliding as the bodies have it,
-    by the end of each step. 1e-4: second order in the step.
-    """
-    shape, steps, closed = (8, 10), 50, 5e-6
-    model = LubricationModel(Parameters(shape, oil=Oil(viscosity=0.05)))
-    wedge = np.tile(20e-6 + 10e-6 * (np.arange(10) + 0.5) / 10, (8, 1))
-    velocity = np.full(shape, sliding)
-    state, _ = model.start(wedge, velocity)
-    taken, work, power = 0.0, 0.0, None
-    for k in range(1, steps + 1):
-        state, outputs = model.advance(state, wedge - closed * k / steps, velocity, 1e-3 / steps)
-        pushed = outputs["nodal_pressure_force"].sum() * closed / 1e-3
-        rubbed = -(outputs["nodal_friction_force"] * velocity).sum()
-        if power is not None:  # the start knows no squeeze
-            taken += outputs["energy_gain"]
-            work += ((power + pushed) / 2 + rubbed) * 1e-3 / steps
-        power = pushed
-    assert taken == pytest.approx(work, rel=1e-4)
+    shape = (60, 10)
+    model = bearing(shape, RADIUS, cavitation_model="gumbel", cavity_shear="full_film")
+    still, turning = np.zeros(shape), np.full(shape, SPEED)
+    film = eccentric(shape, 0.8)
+    state, _ = model.start(film, still, turning)
+    for _ in range(2):
+        state, outputs = model.advance(state, film, still, 1e-2, turning)
+    assert outputs["energy_gain"] == pytest.approx(1e-2 * outputs["friction_power"], rel=1e-12)
+    assert outputs["friction_power"] > -1.1 * outputs["friction_torque"] * SPEED / RADIUS
 
 
 def test_sliding_turns_work_into_heat():

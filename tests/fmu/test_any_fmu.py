@@ -336,8 +336,8 @@ def test_names_that_files_do_not_like_are_recorded_and_wired(folder, library, na
 def test_names_of_participants_that_results_files_cannot_hold(folder):
     text = case_text([]).replace("participants.a", "participants.fields").replace('"a"', '"fields"')
     assert (
-        "expected a name of letters, digits and _ other than coupling, fields, time, got 'fields'"
-        in refused(folder, text)
+        "expected a name of letters, digits and _ other than coupling, envelopes, fields, time, "
+        "got 'fields'" in refused(folder, text)
     )
 
 

@@ -147,7 +147,7 @@ def ledgered(refused=0, share=0.049, made=0.0):
         ({"interface_work_imbalance": float("nan")}, "interface work", "red"),
         (ledgered(), "energy balance", "green"),
         (ledgered(refused=1), "energy balance", "amber"),
-        (ledgered(refused=1) | {"steps": 20}, "energy balance", "green"),
+        (ledgered(share=0.051), "energy balance", "amber"),
         (ledgered(made=0.0009), "energy balance", "green"),
         (ledgered(made=0.0011), "energy balance", "amber"),
         (ledgered(made=0.011), "energy balance", "red"),

@@ -81,47 +81,43 @@ def test_a_stop_is_not_returned_as_a_rebound():
     assert random_impacts(limited=False).max() > 2.0
 
 
-def made(film, step, push, path, velocity, force):
-    """Largest energy that a step made, over what passed in it and was held [-], as the ledger has
-    it, with the push as all other forces, and with the heat of the film, Eq. (A13).
+def made(push, path, velocity, force):
+    """Largest energy that a step gave the mass, by what passed in it and was held [-], as the
+    ledger has it, with the push as all other forces.
     """
     kinetic = MASS * velocity**2 / 2
     others = np.array([MASS * push])
-    ways = np.diff(path)
-    heat = np.concatenate([[0.0], film * (np.minimum(ways, 0.0) / step) ** 2 / path[1:] ** 3])
     shares = []
     size = 0.0
-    for k, way in enumerate(ways):
+    for k, way in enumerate(np.diff(path)):
         now, then = k, k + 1
         found = account((kinetic[now], kinetic[then]), np.array([way]), (others, others), 0.0)
         passed = (abs(force[now]) + abs(force[then])) / 2 * abs(way)
         size = max(passed + found.size, REMEMBERED * size)
-        mean = min(np.sqrt(heat[now] * heat[then]), heat[then])
-        shares.append((found.gain + step * mean) / size)
+        shares.append(found.gain / size)
     return max(shares)
 
 
 def test_the_ledger_sees_a_rebound_that_makes_energy():
-    """Wall to wall, 1000 impacts: whatever leaves the film 2 % faster than it came has a step in
-    which more was made than the ledger allows; one that is stopped makes none by itself. With the
-    heat of the film a stop in a few steps can exceed the limit, because neither side resolves it.
+    """Wall to wall: whatever leaves the film 5 % faster than it came has a step in which it was
+    given more than a tenth of what passed and was held; one that is stopped has none.
     """
     rng = np.random.default_rng(1)
     faster = 0
-    for k in range(1000):
+    for k in range(200):
         thickness, speed = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-2, 0)
         step, film = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-16, -12)
         push = -(10 ** rng.uniform(1, 4)) if k % 2 else 0.0
         free = drop(film, thickness, speed, step, 30, push, limited=False)
         _, velocity, _ = free
-        if velocity.max() > 1.02 * speed:
+        if velocity.max() > 1.05 * speed:
             faster += 1
-            assert made(film, step, push, *free) > LIMIT
+            assert made(push, *free) > LIMIT
         held = drop(film, thickness, speed, step, 30, push)
         _, velocity, _ = held
         if velocity.max() <= 1e-9 * speed:
-            assert made(0.0, step, push, *held) <= LIMIT
-    assert faster > 100
+            assert made(push, *held) <= LIMIT
+    assert faster > 20
 
 
 @pytest.mark.parametrize("step", [1e-4, 2e-5, 2e-7])
