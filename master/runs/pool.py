@@ -7,6 +7,7 @@ import queue
 import threading
 import traceback
 from concurrent.futures import Executor, Future, wait
+from contextlib import suppress
 from functools import partial
 
 from ..participants.worker import Worker
@@ -175,5 +176,5 @@ def _serve(pipe):
 
 
 def _tell(pipe, lock, data):
-    with lock:
+    with lock, suppress(OSError):  # the command may have ended
         pipe.send((TOLD, data))
