@@ -73,7 +73,7 @@ def _rehearsal(system: System, name: str, participant: FmuParticipant) -> Rehear
 
 
 def _rehearse(tell, one: Rehearsal) -> None:
-    """Start a participant with its start values, take a step and a directional derivative."""
+    """Start a participant with its start values, take a step and a derivative that it offers."""
     compilation = Compilation(one.name)
 
     def tick() -> None:
@@ -84,7 +84,8 @@ def _rehearse(tell, one: Rehearsal) -> None:
         participant.start(one.parameters, one.begin, one.begin + one.step)
         participant.step(one.begin, one.step)
         seeds = {name: np.zeros(participant.fields[name].shape) for name in one.inputs}
-        participant.derivative(seeds, one.outputs)
+        if participant.has_derivatives:
+            participant.derivative(seeds, one.outputs)
         participant.close()
     compilation.finish()
     tell((1.0, ""))
