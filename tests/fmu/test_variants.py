@@ -206,9 +206,9 @@ class Follower(FieldSlave):
 
 
 def test_slaves_without_derivatives_need_no_rehearsal_of_them(tmp_path):
-    """Two kinds of Python code, which a first run rehearses."""
+    """Two kinds of Python code that no earlier run has rehearsed."""
     for name in "ab":
-        (tmp_path / f"{name}.py").write_text(SLAVE.replace("half", f"half, {name},"))
+        (tmp_path / f"{name}.py").write_text(SLAVE.replace("half", f"half, {tmp_path / name},"))
     text = case_text(LOOP)
     for name in "ab":
         text = text.replace(f'fmu = "{name}.fmu"', f'file = "{name}.py:Follower"')
