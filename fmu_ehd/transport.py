@@ -24,19 +24,17 @@ of an explicit step positive and without new extremes. Eq. (T14) lets the lift f
 gets full, as it has to: a full cell passes on what pressure tells it, there is no lift behind one,
 and a cell that fills or empties must not see a lift appear. Film quantities are those expected in
 the middle of the step, for f* those at its end. `gain` is the content that came in
-circumferentially in the last step; over a face beside a full cell goes what went in the last step,
-unless oil goes on from there into a cavity: a full cell passes on its film.
+circumferentially in the last step; over a face beside a full cell goes what went in the last step.
 
 Where oil enters a full zone, the last cell before it holds the front:
 
 Eq. (T16):  l = min((1 - f_in) / 2, f_in)      at the face into the full zone
 
-f_in film fraction that enters this cell. Its pressure is zero at its centre whatever it holds, and
-a steady zone needs f = f_in + (1 - f_in) s at the face when the front is s cells before the centre
-of the first full cell. Oil reaches from there over s - 1/2 of the cell that holds the front, so its
-content is f_in + (1 - f_in) (s - 1/2), and Eq. (T16) is the difference, as far as the cell owes no
-oil. Without it, each front takes the oil of half a cell more than there is, and a film on scarce
-oil carries too little.
+f_in is the film fraction that enters this cell. The pressure is zero at its centre. If the front is
+s cells before the centre of the first full cell, a steady zone needs f = f_in + (1 - f_in) s at the
+face, and the share s - 1/2 of this cell is full. Its content is then f_in + (1 - f_in) (s - 1/2).
+Eq. (T16) is the difference, limited so that the cell owes no oil. Without it, the oil of each front
+is half a cell too much, and a film on scarce oil carries too little.
 
 Travel of the last step and of this one:
 
