@@ -15,6 +15,7 @@ from pathlib import Path
 import equations
 import gallery
 from mkdocs.exceptions import PluginError
+from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
@@ -41,6 +42,7 @@ OPTION_CLASSES = {
 }
 
 
+@event_priority(100)  # before mkdocstrings, which looks for the folder of the copy
 def on_config(config):
     """Copy the package under its name for mkdocstrings; set version, repository and navigation."""
     os.environ.pop("MPLBACKEND", None)  # notebooks draw into the page
