@@ -27,7 +27,7 @@ import numpy as np
 from ..master.fmi.compiled import compilable, compiled
 from .films import COUETTE, POISEUILLE, FilmSlopes
 from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
-from .grid import Array, put, sum_of_products
+from .grid import Array, Field, put, sum_of_products
 from .step_parts import Forces, Powers
 
 
@@ -38,7 +38,7 @@ class Turning(NamedTuple):
     around [m]; ring : whether i is periodic.
     """
 
-    velocity: Array
+    velocity: Field
     end: float
     dx: float
     ring: bool
@@ -53,14 +53,14 @@ class TurningSlopes(NamedTuple):
     axial_own, axial_across : of the axial force, that of its asperities to V, and to W [N s/m].
     """
 
-    film: Array
-    own: Array
-    axial: Array
-    shearing: Array
-    gradient: Array
-    pressure: Array
-    axial_own: Array
-    axial_across: Array
+    film: Field
+    own: Field
+    axial: Field
+    shearing: Field
+    gradient: Field
+    pressure: Field
+    axial_own: Field
+    axial_across: Field
 
 
 class Changes(NamedTuple):

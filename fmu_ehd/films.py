@@ -24,7 +24,7 @@ All quantities of a film stand in one array of shape (6, n_c, n_a); the names be
 axis.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -47,6 +47,7 @@ from .roughness import (
 # s, t [m];  g across i and j [m3/(Pa s)];  c [Pa s/m];  b [m]
 STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, POISEUILLE = range(6)
 QUANTITIES = 6
+Quantities = Annotated[Array, f"{QUANTITIES}, n_c, n_a"]
 
 
 class FilmSlopes(NamedTuple):
@@ -58,8 +59,8 @@ class FilmSlopes(NamedTuple):
         To sliding velocity [unit of the quantity s/m].
     """
 
-    by_film: Array
-    by_velocity: Array
+    by_film: Quantities
+    by_velocity: Quantities
 
 
 @compiled

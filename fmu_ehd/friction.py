@@ -36,8 +36,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .films import COUETTE, POISEUILLE, FilmSlopes
-from .grid import Array
+from .films import COUETTE, POISEUILLE, FilmSlopes, Quantities
+from .grid import Array, Field
 
 # what shears of a cavitated film: its oil alone, or f = 1
 CAVITY_SHEAR = ("film_fraction", "full_film")
@@ -65,12 +65,12 @@ class ShearInputs(NamedTuple):
     constants : ShearConstants.
     """
 
-    pressure: Array
-    shearing: Array
-    velocity: Array
-    film: Array
-    boundary_stress: Array
-    area: Array
+    pressure: Field
+    shearing: Field
+    velocity: Field
+    film: Quantities
+    boundary_stress: Field
+    area: Field
     constants: ShearConstants
 
 
@@ -93,11 +93,11 @@ class ShearSlopes(NamedTuple):
     pressure, beyond the gradient [N/Pa].
     """
 
-    film: Array
-    velocity: Array
-    shearing: Array
-    gradient: Array
-    pressure: Array
+    film: Field
+    velocity: Field
+    shearing: Field
+    gradient: Field
+    pressure: Field
 
 
 class ForceSlopes(NamedTuple):
@@ -112,9 +112,9 @@ class ForceSlopes(NamedTuple):
     """
 
     shear: ShearSlopes
-    area: Array
-    pressure_share: Array
-    fraction_share: Array
+    area: Field
+    pressure_share: Field
+    fraction_share: Field
     dy: float
 
 

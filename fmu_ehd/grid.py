@@ -1,7 +1,7 @@
 """The film grid: its cells, its edges, and how a five-point stencil is laid out on it."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from ..master.fmi.compiled import compilable, compiled, standing_for
 
 Array = NDArray[np.float64]  # of the shape that the docstring says
 Flags = NDArray[np.bool_]
+Field = Annotated[Array, "n_c, n_a"]
+AxialFaces = Annotated[Array, "n_c, n_a + 1"]
+Stencil = Annotated[Array, "5, n_c, n_a"]
 
 # axis of the edges: both ends of the skirt, the two sides of a grid that is no ring, openings
 LOWER, UPPER, FIRST, LAST, OPENINGS = range(5)
@@ -42,9 +45,9 @@ class Edges(NamedTuple):
     face, an edge or one beside an opening [m3/s]; inf where oil is in plenty.
     """
 
-    pressure: Array
-    film_fraction: Array
-    limit: Array
+    pressure: Annotated[Array, "5"]
+    film_fraction: Annotated[Array, "5"]
+    limit: AxialFaces
 
 
 class Entrainment(NamedTuple):

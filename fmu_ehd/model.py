@@ -20,9 +20,7 @@ from .step import Directions, Fields, Fixed, Inputs, Last, Linear, Memory, Scala
 from .summary import halves
 from .surroundings import Surroundings, surroundings
 
-# where oil outside the film is not followed
 NOTHING = np.zeros((0, 0))
-NO_LAYER = OilLayer(NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 NO_DIRECTION = np.zeros((0, 0, 0))
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 OF_BEARINGS = ("nodal_circumferential_force", "friction_torque")  # outputs
@@ -188,7 +186,7 @@ class LubricationModel:
         inputs = self._inputs(motion, 0.0, conditions)
         faults = none_yet()
         filled = self.parameters.initial_film_fraction
-        memory, fields, scalars = step.start(self.fixed, inputs, filled, NO_LAYER, faults)
+        memory, fields, scalars = step.start(self.fixed, inputs, filled, faults)
         raise_noted(faults)
         self.remark = remark_of(faults)
         return State.of(memory), self._outputs(fields, scalars, 0)

@@ -22,10 +22,8 @@ from .grid import Array, keep
 from .native_step import (
     CHOSEN,
     EDGES,
-    EULER_LENGTH,
     GIVEN_HEAD,
     INITIAL_FILM_FRACTION,
-    LINEAR,
     NUMBERS,
     SECTOR_ANGLE,
     STROKES,
@@ -34,15 +32,14 @@ from .native_step import (
     factors_of,
     filled,
     fixed_of,
-    keep_last,
-    keep_linear,
-    keep_memory,
     laid_out,
     last_of,
     linear_of,
     memory_of,
-    none_followed,
     place_openings,
+    put_last,
+    put_linear,
+    put_memory,
     roughen,
     supply_of,
     surroundings_of,
@@ -235,17 +232,17 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     faults = block.faults
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
-    block.last_numbers[EULER_LENGTH] = 0.0
+    block.has_last[0] = 0.0
     take_numbers(real, integer, memory, block, 0.0)
     if faults[0] > 0.0:
         return
     fixed = fixed_of(block, 1.0)
     inputs = inputs_of(real, memory, block, fixed.domain, 0.0)
     initial = block.numbers[INITIAL_FILM_FRACTION]
-    begun, fields, scalars = step.start(fixed, inputs, initial, none_followed(), faults)
+    begun, fields, scalars = step.start(fixed, inputs, initial, faults)
     if faults[0] > 0.0:
         return
-    keep_memory(block, begun, fixed.bore.supply.followed)
+    put_memory(block.state, begun)
     publish(fields, scalars, 0.0, real, integer, memory)
 
 
@@ -258,13 +255,13 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     faults = block.faults
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
-    block.last_numbers[EULER_LENGTH] = 0.0  # a refused step has no tangent
+    block.has_last[0] = 0.0  # a refused step has no tangent
     take_numbers(real, integer, memory, block, numbers[0])
     if faults[0] > 0.0:
         return
     fixed = fixed_of(block, 1.0)
     inputs = inputs_of(real, memory, block, fixed.domain, numbers[0])
-    before = memory_of(block, fixed)
+    before = memory_of(block.state.copy())
     begun = step.begin(fixed, before, inputs, faults)
     if faults[0] > 0.0:
         return
@@ -274,8 +271,10 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     ended = step.end(fixed, before, inputs, begun, solved, faults)
     if faults[0] > 0.0:
         return
-    keep_memory(block, ended.memory, fixed.bore.supply.followed)
-    keep_last(block, ended.last)
+    put_memory(block.state, ended.memory)
+    put_last(block.last, ended.last)
+    block.has_last[0] = 1.0
+    block.has_linear[0] = 0.0
     publish(ended.fields, ended.scalars, float(ended.iterations), real, integer, memory)
 
 
@@ -284,14 +283,14 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     """Products of the seeds among the variables; `numbers` unused."""
     block = block_of(memory)
     block.faults[0] = 0.0
-    if block.last_numbers[EULER_LENGTH] == 0.0:
+    if block.has_last[0] == 0.0:
         refuse(block.faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
         return
     fixed = fixed_of(block, 0.0)
-    last = last_of(block, fixed)
-    if block.last_numbers[LINEAR] == 0.0:
-        keep_linear(block, step.linearise(fixed, last))
-        block.last_numbers[LINEAR] = 1.0
+    last = last_of(block.last)
+    if block.has_linear[0] == 0.0:
+        put_linear(block.linear, step.linearise(fixed, last))
+        block.has_linear[0] = 1.0
     n_c, n_a = block.mask.shape
     directions = 3 if block.bearing else 2
     n = directions * n_c * n_a
@@ -307,7 +306,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
         filled(block, seeds[NORMAL], domain), filled(block, seeds[ALONG], domain), turning
     )
     right = np.empty((1, n_c, n_a))
-    linear = linear_of(block, fixed)
+    linear = linear_of(block.linear)
     step.changes(fixed, last, linear, seeded, factors_of(block), right, products)
 
 

@@ -9,12 +9,12 @@ from collections import namedtuple
 
 import numpy as np
 
+from ..master.fmi.block import flatten, room
 from ..master.fmi.compiled import compiled, packed
 from . import cavitation, coating, oil_layer, openings, step
 from . import step_parts as parts
 from .asperity import ContactConstants, pressure_scale
 from .blocks import Factors
-from .circumferential import Turning, TurningSlopes
 from .contradictions import (
     FULL_TURN,
     Kind,
@@ -25,16 +25,11 @@ from .contradictions import (
 )
 from .faults import ROOM, STROKE_TOO_LONG, refuse
 from .film_step import Domain
-from .films import QUANTITIES, FilmSlopes
 from .flow_film import FilmLaws
-from .friction import ForceSlopes, ShearConstants, ShearInputs, ShearSlopes
-from .grid import Array, Cells, Edges, keep
-from .oil import NO_THINNING, TWO_POINT, LowShear, Thinning, low_shear_viscosity
-from .oil_layer import OilLayer
-from .piezoviscosity import NONE as NO_LAW
+from .grid import Array, Cells, keep
+from .oil import TWO_POINT, LowShear, Thinning, low_shear_viscosity
 from .piezoviscosity import TABLE as LAW_TABLE
-from .piezoviscosity import PressureLaw, TruePressure, pressure_law, raised
-from .reynolds import Filling
+from .piezoviscosity import PressureLaw, pressure_law
 from .roughness import TABLE as FACTORS
 from .roughness import fill_factor_table
 from .step import Fixed, Last, Linear, Memory
@@ -67,63 +62,8 @@ CONTACT_TABLE = (513, 6)  # of `asperity.contact_table`
 STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
 ROOM_ON_BORE = 1 + 2 * STROKES
 
-# fields of the state, shape (n_c, n_a); the two films have a row for each quantity
-STATE_FIELDS = 7 + 2 * QUANTITIES
-UNKNOWN, UNKNOWN_BEFORE, CONTENT, GROWTH, GROWTH_BEFORE, DEFLECTION, SPILLED, FILM = range(8)
-FILM_BEFORE = FILM + QUANTITIES
-PASSED, TRAVEL = range(2)  # shape (n_c, n_a + 1)
-(
-    STEP_BEFORE,
-    FRICTION_WORK,
-    BOUNDARY_WORK,
-    ENERGY,
-    VOLUME,
-    REACHED,
-    HEIGHT,
-    VELOCITY,
-    VELOCITY_BEFORE,
-    SUPPLIED,
-    HELD,
-) = range(11)
-STATE_NUMBERS = 11
-
 OF_LEVEL, OF_Z, OF_LIMIT, OF_MOST = range(4)  # of `PressureLaw`, between its alpha and its table
 LAW_NUMBERS = 4
-
-# fields of the last step, for its tangent; the pressure that the balance was solved with, and the
-# true one with what stands under it
-(
-    VELOCITY_NOW,
-    TURNING_NOW,
-    SOLVED_NOW,
-    PRESSURE_NOW,
-    RATIO_NOW,
-    RATIO_SLOPE_NOW,
-    FRACTION_NOW,
-    FULL_NOW,
-    SHEARING_NOW,
-    STRESS_NOW,
-    UNKNOWN_NOW,
-    FILM_NOW,
-) = range(12)
-SLOPES_NOW = FILM_NOW + QUANTITIES
-BY_VELOCITY_NOW = SLOPES_NOW + QUANTITIES
-BY_TURNING_NOW = BY_VELOCITY_NOW + QUANTITIES
-PRESSURE_SLOPE_NOW = BY_TURNING_NOW + QUANTITIES
-STRESS_SLOPE_NOW = PRESSURE_SLOPE_NOW + 5
-STENCIL_NOW = STRESS_SLOPE_NOW + 5
-LAST_FIELDS = STENCIL_NOW + 5
-LIFT, LIMIT = range(2)  # shape (n_c, n_a + 1)
-EULER_LENGTH, TOUCHING, LINEAR, LOWER_NOW, UPPER_NOW, OPENING_NOW, EDGES_NOW = range(7)
-LAST_NUMBERS = EDGES_NOW + 10
-
-# fields that every direction of a tangent shares: of both balances, of the forces, of contact
-TO_TURNING, SHEAR_SLOPES = 10, 20
-PRESSURE_SHARE, FRACTION_SHARE, WEIGHT, TURNING_SLOPES = range(25, 29)
-CONTACT_PRESSURE = TURNING_SLOPES + len(TurningSlopes._fields)
-CONTACT_SHEAR = CONTACT_PRESSURE + 5
-CONTACT_AROUND = CONTACT_SHEAR + 5
-LINEAR_FIELDS = CONTACT_AROUND + 5
 
 HEAD = ("columns", "rows", "edges", "bearing")
 """What a block begins with: cells around and along, edges that a row has at most, 1 for the film of
@@ -141,15 +81,11 @@ LAYOUT = {
     "chosen": f"{len(CHOSEN)}",
     "temperature": "n_c, n_a",
     "viscosity": "n_c, n_a",
-    "fields": f"{STATE_FIELDS}, n_c, n_a",
-    "passed": "2, n_c, n_a + 1",
-    "counts": f"{STATE_NUMBERS}",
-    "on_bore": f"{ROOM_ON_BORE} * n_c * n_a",
-    "reservoir": "n_e, n_c",
-    "last": f"{LAST_FIELDS}, n_c, n_a",
-    "last_faces": "2, n_c, n_a + 1",
-    "last_numbers": f"{LAST_NUMBERS}",
-    "linear": f"{LINEAR_FIELDS}, n_c, n_a",
+    "state": room(Memory),
+    "last": room(Last),
+    "has_last": "1",
+    "linear": room(Linear),
+    "has_linear": "1",
     "columns": "n_a, n_c, n_c",
     "diagonals": "n_a, n_c",
     "orders": "n_a, n_c",
@@ -164,12 +100,11 @@ LAYOUT = {
 
 share, sine : of `summary.Halves`; mask : 1 where there is a film, 0 in cut-outs; faces : of
 `oil_layer.Bore`; beside : of `openings.nearest`; numbers, chosen : `NUMBERS` and `CHOSEN`;
-temperature, viscosity [K], [Pa s]; fields to reservoir : the state, in one piece; last.. : of the
-last step; linear : what directions share; columns to direction : of `blocks.Factors`;
-factors : of `roughness.fill_factor_table`; law, law_table : of `piezoviscosity.PressureLaw`.
+temperature, viscosity [K], [Pa s]; state, last, linear : rows of `step.Memory`, `step.Last` and
+`step.Linear`; has_last, has_linear : whether there is one of the last step; columns to direction :
+of `blocks.Factors`; factors : of `roughness.fill_factor_table`; law, law_table : of
+`piezoviscosity.PressureLaw`.
 """
-STATE = ("fields", "reservoir")
-"""First and last part of the state."""
 Block = namedtuple("Block", ("tables", "bearing", *LAYOUT))
 """Parts of the block of a slave; tables : ndarray, shape (2, 513, 6), of both contact laws."""
 
@@ -180,19 +115,18 @@ def laid_out(first: int):
     """
     head = f"""
     n_c, n_a, n_e = int(memory[{COLUMNS}]), int(memory[{ROWS}]), int(memory[{ROW_EDGES}])
+    n_b = {ROOM_ON_BORE} * n_a
     a = {first + 2 * CONTACT_TABLE[0] * CONTACT_TABLE[1]}
 """
     takes = measures = head
     for name, shape in LAYOUT.items():
         length = " * ".join(f"({one})" for one in shape.split(", "))
         takes += f"    {name} = memory[a : a + {length}].reshape(({shape},))\n    a += {length}\n"
-        if name == STATE[0]:
-            measures += "    numbers[1] = a\n"
+        if name == "state":
+            measures += f"    numbers[1] = a\n    numbers[2] = {length}\n"
         if name == "faults":
             measures += "    numbers[3] = a\n"
         measures += f"    a += {length}\n"
-        if name == STATE[1]:
-            measures += "    numbers[2] = a - numbers[1]\n"
     tables = f"memory[{first} : {first} + 2 * {CONTACT_TABLE[0]} * {CONTACT_TABLE[1]}]"
     tables += f".reshape((2, {CONTACT_TABLE[0]}, {CONTACT_TABLE[1]}))"
     made = f"Block({tables}, memory[{BEARING}] != 0.0, {', '.join(LAYOUT)})"
@@ -205,11 +139,9 @@ def laid_out(first: int):
     return compiled(scope["block_of"]), compiled(scope["measure"])
 
 
-@compiled
-def keep_all(places: Array, fields: tuple[Array, ...]):
-    """Copy a named tuple of fields into rows of the block."""
-    for k in range(len(fields)):
-        keep(places[k], fields[k])
+put_memory, memory_of = flatten(Memory)
+put_last, last_of = flatten(Last)
+put_linear, linear_of = flatten(Linear)
 
 
 # ---- what stays of a film
@@ -482,230 +414,4 @@ def law_of(block: Block):
         law[OF_LIMIT],
         law[OF_MOST],
         block.law_table,
-    )
-
-
-# ---- what of a step stands in the block
-
-
-@compiled
-def layer_of(block: Block, cells: int):
-    """`oil_layer.OilLayer` in the block, of so many cells along the bore."""
-    n_c, _ = block.mask.shape
-    x = block.counts
-    return OilLayer(
-        block.on_bore[: n_c * cells].reshape((n_c, cells)),
-        block.reservoir,
-        block.fields[SPILLED],
-        x[REACHED],
-        x[HEIGHT],
-        x[VELOCITY],
-        x[VELOCITY_BEFORE],
-        x[SUPPLIED],
-        x[HELD],
-    )
-
-
-@compiled
-def none_followed():
-    """`oil_layer.OilLayer` where none is followed."""
-    nothing = np.zeros((0, 0))
-    return OilLayer(nothing, nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@compiled
-def memory_of(block: Block, fixed: Fixed):
-    """`step.Memory` in the block."""
-    fields = block.fields
-    x = block.counts
-    before = parts.Before(
-        fields[UNKNOWN],
-        fields[UNKNOWN_BEFORE],
-        fields[CONTENT],
-        fields[GROWTH],
-        fields[GROWTH_BEFORE],
-        fields[DEFLECTION],
-        fields[FILM:FILM_BEFORE],
-        fields[FILM_BEFORE:],
-        block.passed[PASSED],
-        block.passed[TRAVEL],
-        x[STEP_BEFORE],
-    )
-    totals = parts.Totals(x[FRICTION_WORK], x[BOUNDARY_WORK], x[ENERGY], x[VOLUME])
-    return Memory(before, totals, layer_of(block, fixed.bore.bottom.size))
-
-
-@compiled
-def keep_memory(block: Block, memory: Memory, follows: bool):
-    """A `step.Memory` into the block, parts of which it may consist of; oil outside the film if it
-    is followed.
-    """
-    fields = block.fields
-    film, totals, layer = memory
-    keep(fields[UNKNOWN_BEFORE], film.unknown_before)
-    keep(fields[UNKNOWN], film.unknown)
-    keep(fields[GROWTH_BEFORE], film.growth_before)
-    keep(fields[GROWTH], film.growth)
-    keep(fields[CONTENT], film.content)
-    keep(fields[DEFLECTION], film.deflection)
-    keep(fields[FILM_BEFORE:], film.film_before)
-    keep(fields[FILM:FILM_BEFORE], film.film)
-    keep(block.passed[PASSED], film.passed)
-    keep(block.passed[TRAVEL], film.travel)
-    x = block.counts
-    x[STEP_BEFORE] = film.step
-    x[FRICTION_WORK] = totals.friction_work
-    x[BOUNDARY_WORK] = totals.boundary_work
-    x[ENERGY] = totals.stored
-    x[VOLUME] = totals.volume
-    if follows:
-        keep(block.on_bore[: layer.bore.size], layer.bore)
-        keep(block.reservoir, layer.reservoir)
-        keep(fields[SPILLED], layer.spilled)
-        x[REACHED] = layer.reached
-        x[HEIGHT] = layer.height
-        x[VELOCITY] = layer.velocity
-        x[VELOCITY_BEFORE] = layer.velocity_before
-        x[SUPPLIED] = layer.supplied
-        x[HELD] = layer.held
-
-
-@compiled
-def keep_last(block: Block, last: Last):
-    """A `step.Last` into the block."""
-    to = block.last
-    shear = last.shear
-    keep(to[VELOCITY_NOW], shear.velocity)
-    keep(to[TURNING_NOW], last.turning.velocity)
-    keep(to[SOLVED_NOW], last.filling.pressure)
-    keep(to[PRESSURE_NOW], last.under.pressure)
-    if last.under.ratio.size > 0:
-        keep(to[RATIO_NOW], last.under.ratio)
-        keep(to[RATIO_SLOPE_NOW], last.under.slope)
-    keep(to[FRACTION_NOW], last.filling.film_fraction)
-    keep(to[UNKNOWN_NOW], last.unknown)
-    keep(to[SHEARING_NOW], shear.shearing)
-    keep(to[STRESS_NOW], shear.boundary_stress)
-    keep(to[FILM_NOW:SLOPES_NOW], last.film)
-    keep(to[SLOPES_NOW:BY_VELOCITY_NOW], last.slopes.by_film)
-    if last.slopes.by_velocity.shape[0] > 0:
-        keep(to[BY_VELOCITY_NOW:BY_TURNING_NOW], last.slopes.by_velocity)
-        keep(to[BY_TURNING_NOW:PRESSURE_SLOPE_NOW], last.slopes_around.by_velocity)
-    keep(to[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW], last.pressure_slope)
-    keep(to[STRESS_SLOPE_NOW:STENCIL_NOW], last.stress_slope)
-    keep(to[STENCIL_NOW:], last.stencil)
-    for i in range(to.shape[1]):
-        for j in range(to.shape[2]):
-            to[FULL_NOW, i, j] = 1.0 if last.full[i, j] else 0.0
-    keep(block.last_faces[LIFT], last.filling.lift)
-    keep(block.last_faces[LIMIT], last.edges.limit)
-    x = block.last_numbers
-    x[EULER_LENGTH] = last.length
-    x[TOUCHING] = 1.0 if last.touching else 0.0
-    x[LINEAR] = 0.0
-    x[LOWER_NOW] = shear.constants.lower
-    x[UPPER_NOW] = shear.constants.upper
-    x[OPENING_NOW] = last.turning.end
-    keep(x[EDGES_NOW : EDGES_NOW + 5], last.edges.pressure)
-    keep(x[EDGES_NOW + 5 :], last.edges.film_fraction)
-
-
-@compiled
-def last_of(block: Block, fixed: Fixed):
-    """`step.Last` in the block."""
-    of = block.last
-    x = block.last_numbers
-    shape = block.mask.shape
-    n_c, n_a = shape
-    cells = fixed.domain.cells
-    film = of[FILM_NOW:SLOPES_NOW]
-    by_film = of[SLOPES_NOW:BY_VELOCITY_NOW]
-    by_velocity = np.zeros((0, n_c, n_a))
-    by_turning = by_velocity
-    if fixed.laws.thinning.kind != NO_THINNING:
-        by_velocity = of[BY_VELOCITY_NOW:BY_TURNING_NOW]
-        by_turning = of[BY_TURNING_NOW:PRESSURE_SLOPE_NOW]
-    ratio = np.zeros((0, 0))
-    slope = ratio
-    if int(chosen_from(block.chosen).pressure_viscosity_law) - 1 != NO_LAW:
-        ratio = of[RATIO_NOW]
-        slope = of[RATIO_SLOPE_NOW]
-    full = np.empty(shape, np.bool_)
-    for i in range(n_c):
-        for j in range(n_a):
-            full[i, j] = of[FULL_NOW, i, j] != 0.0
-    rounding = fixed.surfaces.rounding_velocity
-    shear = ShearInputs(
-        of[PRESSURE_NOW],
-        of[SHEARING_NOW],
-        of[VELOCITY_NOW],
-        raised(film, ratio),
-        of[STRESS_NOW],
-        fixed.surfaces.area,
-        ShearConstants(x[LOWER_NOW], x[UPPER_NOW], cells.dy, rounding),
-    )
-    return Last(
-        film,
-        FilmSlopes(by_film, by_velocity),
-        FilmSlopes(by_film, by_turning),
-        TruePressure(of[PRESSURE_NOW], ratio, slope),
-        Filling(of[SOLVED_NOW], of[FRACTION_NOW], block.last_faces[LIFT]),
-        Edges(x[EDGES_NOW : EDGES_NOW + 5], x[EDGES_NOW + 5 :], block.last_faces[LIMIT]),
-        x[EULER_LENGTH],
-        of[UNKNOWN_NOW],
-        full,
-        of[STENCIL_NOW:],
-        shear,
-        of[PRESSURE_SLOPE_NOW:STRESS_SLOPE_NOW],
-        of[STRESS_SLOPE_NOW:STENCIL_NOW],
-        x[TOUCHING] != 0.0,
-        Turning(of[TURNING_NOW], x[OPENING_NOW], cells.dx, cells.ring),
-    )
-
-
-@compiled
-def keep_linear(block: Block, linear: Linear):
-    """A `step.Linear` into the block."""
-    to = block.linear
-    keep(to[:TO_TURNING], linear.stencil)
-    keep_all(to[SHEAR_SLOPES:PRESSURE_SHARE], linear.film.shear)
-    keep(to[PRESSURE_SHARE], linear.film.pressure_share)
-    keep(to[FRACTION_SHARE], linear.film.fraction_share)
-    if linear.weight.size > 0:
-        keep(to[WEIGHT], linear.weight)
-    if linear.stencil_around.size > 0:
-        keep(to[TO_TURNING:SHEAR_SLOPES], linear.stencil_around)
-        keep_all(to[TURNING_SLOPES:CONTACT_PRESSURE], linear.around)
-    if linear.contact_pressure.size > 0:
-        keep(to[CONTACT_PRESSURE:CONTACT_SHEAR], linear.contact_pressure)
-        keep(to[CONTACT_SHEAR:CONTACT_AROUND], linear.contact_shear)
-    if linear.contact_around.size > 0:
-        keep(to[CONTACT_AROUND:], linear.contact_around)
-
-
-@compiled
-def linear_of(block: Block, fixed: Fixed):
-    """`step.Linear` in the block."""
-    of = block.linear
-    n_c, n_a = block.mask.shape
-    k = SHEAR_SLOPES
-    shear = ShearSlopes(of[k], of[k + 1], of[k + 2], of[k + 3], of[k + 4])
-    k = TURNING_SLOPES
-    return Linear(
-        of[:TO_TURNING].reshape((2, 5, n_c, n_a)),
-        of[TO_TURNING:SHEAR_SLOPES].reshape((2, 5, n_c, n_a)),
-        ForceSlopes(
-            shear,
-            fixed.surfaces.area,
-            of[PRESSURE_SHARE],
-            of[FRACTION_SHARE],
-            fixed.domain.cells.dy,
-        ),
-        TurningSlopes(
-            of[k], of[k + 1], of[k + 2], of[k + 3], of[k + 4], of[k + 5], of[k + 6], of[k + 7]
-        ),
-        of[WEIGHT] if fixed.surfaces.compliance > 0.0 else np.zeros((0, 0)),
-        of[CONTACT_PRESSURE:CONTACT_SHEAR],
-        of[CONTACT_SHEAR:CONTACT_AROUND],
-        of[CONTACT_AROUND:],
     )

@@ -68,13 +68,13 @@ piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J
 (rings that live on the layer they meet, and oil that gathers before them).
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..master.fmi.compiled import compilable
 from .faults import TOO_FAR, refuse
-from .grid import Array, Cells, Flags, add, in_plenty, put, sum_of_products
+from .grid import Array, Cells, Field, Flags, add, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0
 BARE_AT_LEAST = 1e-300  # share of a cell in place of none, to divide by
@@ -99,9 +99,9 @@ class OilLayer(NamedTuple):
         Volume on the bore and in the reservoirs at the end of the step [m3].
     """
 
-    bore: Array
-    reservoir: Array
-    spilled: Array
+    bore: Annotated[Array, "n_c, n_b"]
+    reservoir: Annotated[Array, "n_e, n_c"]
+    spilled: Field
     reached: float
     height: float
     velocity: float
@@ -212,6 +212,13 @@ def start(bore: Bore, velocity: Array) -> OilLayer:
     held = sum_of_products(layer, bore.area)
     nothing = np.zeros(bore.faces.shape)
     return OilLayer(layer, nothing, np.zeros(velocity.shape), 0.0, 0.0, mean, mean, 0.0, held)
+
+
+@compilable
+def none_followed() -> OilLayer:
+    """Return the oil layer of a film without oil outside it."""
+    nothing = np.zeros((0, 0))
+    return OilLayer(nothing, nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compilable

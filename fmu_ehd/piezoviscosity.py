@@ -26,7 +26,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
 from .films import COUETTE
-from .grid import Array
+from .grid import Array, Field
 
 PRESSURE_VISCOSITY_LAWS = ("none", "barus_1893", "roelands_1966")
 NONE, BARUS_1893, ROELANDS_1966 = range(len(PRESSURE_VISCOSITY_LAWS))
@@ -67,9 +67,9 @@ class TruePressure(NamedTuple):
     piezoviscosity.
     """
 
-    pressure: Array
-    ratio: Array
-    slope: Array
+    pressure: Field
+    ratio: Field
+    slope: Field
 
 
 @compilable

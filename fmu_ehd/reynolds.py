@@ -69,9 +69,11 @@ from .grid import (
     UPPER,
     WEST,
     Array,
+    AxialFaces,
     Cells,
     Edges,
     Entrainment,
+    Field,
     Flags,
 )
 
@@ -121,9 +123,9 @@ class Filling(NamedTuple):
         l at the axial faces [-].
     """
 
-    pressure: Array
-    film_fraction: Array
-    lift: Array
+    pressure: Field
+    film_fraction: Field
+    lift: AxialFaces
 
 
 class Outflow(NamedTuple):

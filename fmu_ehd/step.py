@@ -6,7 +6,7 @@ derivatives are `linearise`, once, and `changes`, for any directions. What diffe
 and a bearing, and with oil on the bore, is said here.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -28,10 +28,10 @@ from .coating import Softness
 from .contact import contact_changes, has_narrow_steps
 from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS, remark
 from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
-from .films import COUETTE, STORED, FilmSlopes
+from .films import COUETTE, STORED, FilmSlopes, Quantities
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .friction import ForceSlopes, ShearInputs
-from .grid import LOWER, UPPER, Array, Edges, Entrainment, Flags, sum_of_products
+from .grid import LOWER, UPPER, Array, Edges, Entrainment, Field, Flags, Stencil, sum_of_products
 from .oil_layer import Bore, OilLayer, Passed
 from .piezoviscosity import NONE, TruePressure, raised, true_pressure
 from .reynolds import Filling
@@ -192,19 +192,19 @@ class Last(NamedTuple):
     turning : circumferential.Turning.
     """
 
-    film: Array
+    film: Quantities
     slopes: FilmSlopes
     slopes_around: FilmSlopes
     under: TruePressure
     filling: Filling
     edges: Edges
     length: float
-    unknown: Array
-    full: Flags
-    stencil: Array
+    unknown: Field
+    full: Annotated[Flags, "n_c, n_a"]
+    stencil: Stencil
     shear: ShearInputs
-    pressure_slope: Array
-    stress_slope: Array
+    pressure_slope: Stencil
+    stress_slope: Stencil
     touching: bool
     turning: Turning
 
@@ -217,6 +217,9 @@ class Ended(NamedTuple):
     scalars: Scalars
     last: Last
     iterations: int
+
+
+StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
 
 
 class Linear(NamedTuple):
@@ -232,14 +235,14 @@ class Linear(NamedTuple):
     What there is not is of shape (0, ..).
     """
 
-    stencil: Array
-    stencil_around: Array
+    stencil: StencilPair
+    stencil_around: StencilPair
     film: ForceSlopes
     around: TurningSlopes
-    weight: Array
-    contact_pressure: Array
-    contact_shear: Array
-    contact_around: Array
+    weight: Field
+    contact_pressure: Stencil
+    contact_shear: Stencil
+    contact_around: Stencil
 
 
 class Directions(NamedTuple):
@@ -373,7 +376,7 @@ def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) ->
 
 @compilable
 def start(
-    fixed: Fixed, inputs: Inputs, filled: float, layer: OilLayer, faults: Array
+    fixed: Fixed, inputs: Inputs, filled: float, faults: Array
 ) -> tuple[Memory, Fields, Scalars]:
     """A full film, reduced pressure linear between the edges; or one filled in part, without
     pressure.
@@ -385,8 +388,6 @@ def start(
         Its length unused.
     filled : float
         Film fraction [-].
-    layer : oil_layer.OilLayer
-        For a film without oil outside it.
     faults : ndarray
         `faults.refuse`: forces that are not finite; `faults.remark`: steps of one cell.
     """
@@ -412,6 +413,7 @@ def start(
     before = parts.Before(
         unknown, unknown, content, still, still, still, film, film, no_flow, no_flow, 0.0
     )
+    layer = oil_layer.none_followed()
     if fixed.bore.supply.followed:
         layer = oil_layer.start(fixed.bore, inputs.velocity)
     oil = sum_of_products(content, fixed.surfaces.area)

@@ -13,9 +13,9 @@ from .contact import Contact, contact, contact_changes
 from .contradictions import Outside
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .film_step import Domain, FilmSolution
-from .films import COUETTE, FilmSlopes
+from .films import COUETTE, FilmSlopes, Quantities
 from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
-from .grid import Array, Edges, Flags, sum_of_products
+from .grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
 from .piezoviscosity import TruePressure, raised
 from .storage import EulerStep, Past
 from .summary import Halves, Summary, summarise
@@ -27,16 +27,16 @@ from .transport import Pace, PastTransport
 class Before(NamedTuple):
     """What the film at the beginning of a step remembers, as in `model.State`; step : H_n [s]."""
 
-    unknown: Array
-    unknown_before: Array
-    content: Array
-    growth: Array
-    growth_before: Array
-    deflection: Array
-    film: Array
-    film_before: Array
-    passed: Array
-    travel: Array
+    unknown: Field
+    unknown_before: Field
+    content: Field
+    growth: Field
+    growth_before: Field
+    deflection: Field
+    film: Quantities
+    film_before: Quantities
+    passed: AxialFaces
+    travel: AxialFaces
     step: float
 
 

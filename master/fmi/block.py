@@ -1,0 +1,87 @@
+"""Trees of named tuples in rows of float64 numbers: what code without Python keeps between calls.
+
+The annotations of a tree say what it holds: numbers, further named tuples, and arrays with their
+shapes, `Annotated[NDArray, "n_c, n_a + 1"]`. A row holds the leaves in the order in which they are
+declared, an array behind its lengths, so that one that is not there takes a length of 0.
+"""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from .compiled import Kernel, compiled
+
+
+def leaves(kind: Any, path: str = "tree") -> Iterator[tuple[str, Any]]:
+    """Yield path and annotation of every leaf of a tree of named tuples, in order."""
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        if hasattr(hint, "_fields"):
+            yield from leaves(hint, f"{path}.{name}")
+        else:
+            yield f"{path}.{name}", hint
+
+
+def shape_of(hint: Any) -> list[str]:
+    """Return the lengths that an annotation gives an array, none for a number."""
+    return get_args(hint)[1].split(", ") if get_origin(hint) is Annotated else []
+
+
+def element_of(hint: Any) -> Any:
+    """Return the type of the elements that an annotation gives an array."""
+    _, dtype = get_args(get_args(hint)[0])
+    return get_args(dtype)[0]
+
+
+def room(kind: Any) -> str:
+    """Return the length of the longest row of a tree, in the lengths that its annotations name."""
+    terms = []
+    for _, hint in leaves(kind):
+        shape = shape_of(hint)
+        terms.append(f"{len(shape)} + " * bool(shape) + " * ".join(f"({n})" for n in shape or "1"))
+    return " + ".join(terms)
+
+
+def flatten(kind: Any) -> tuple[Kernel, Kernel]:
+    """Return kernels that write a tree into a row, (row, tree), and that read it, (row).
+
+    Arrays that are read are views of the row; those of flags are copies.
+
+    Parameters
+    ----------
+    kind : type
+        Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64 or bool.
+    """
+    scope = {"np": np}
+    writes, reads = ["at = 0"], ["at = 0"]
+    for path, hint in leaves(kind):
+        shape = shape_of(hint)
+        name = path.replace(".", "_")
+        if not shape:
+            kept = hint.__name__
+            writes += [f"row[at] = {path}", "at += 1"]
+            reads += [f"{name} = {'' if kept == 'float' else kept}(row[at])", "at += 1"]
+            continue
+        lengths = [f"int(row[at + {axis}])" for axis in range(len(shape))]
+        writes += [f"row[at + {axis}] = {path}.shape[{axis}]" for axis in range(len(shape))]
+        writes += [f"at += {len(shape)}", f"flat = {path}.reshape({path}.size)"]
+        writes += ["for k in range(len(flat)):", "    row[at + k] = flat[k]", "at += len(flat)"]
+        reads += [f"shape = ({', '.join(lengths)},)", f"at += {len(shape)}"]
+        reads += [f"size = {' * '.join(f'shape[{axis}]' for axis in range(len(shape)))}"]
+        reads += [f"{name} = row[at : at + size].reshape(shape)", "at += size"]
+        if element_of(hint) is np.bool_:
+            reads.append(f"{name} = {name} != 0.0")
+    reads.append(f"return {_built(kind, 'tree', scope)}")
+    body = "\n    ".join
+    exec(f"def put(row, tree):\n    {body(writes)}\ndef get(row):\n    {body(reads)}", scope)
+    return compiled(scope["put"]), compiled(scope["get"])
+
+
+def _built(kind, path, scope):
+    """Return the text that makes a tree of its leaves."""
+    scope[kind.__name__] = kind
+    members = (
+        _built(hint, f"{path}_{name}", scope) if hasattr(hint, "_fields") else f"{path}_{name}"
+        for name, hint in get_type_hints(kind).items()
+    )
+    return f"{kind.__name__}({', '.join(members)})"

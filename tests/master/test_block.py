@@ -1,0 +1,61 @@
+"""Rows of trees of named tuples, against trees of random numbers."""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from piston_cosim.master.fmi.block import flatten, room
+
+
+class Branch(NamedTuple):
+    """Leaves of every kind."""
+
+    count: int
+    field: Annotated[NDArray[np.float64], "n, m + 1"]
+    is_wet: bool
+    full: Annotated[NDArray[np.bool_], "n"]
+
+
+class Tree(NamedTuple):
+    """Two branches beside numbers."""
+
+    first: Branch
+    length: float
+    last: Branch
+    stencil: Annotated[NDArray[np.float64], "2, n, m"]
+
+
+def branch(random, n, m):
+    """Return a branch of random numbers."""
+    return Branch(
+        int(random.integers(100)),
+        random.random((n, m + 1)),
+        bool(random.integers(2)),
+        random.random(n) > 0.5,
+    )
+
+
+def same(one, other):
+    """Return whether two trees are of equal leaves."""
+    if isinstance(one, tuple):
+        return type(one) is type(other) and all(map(same, one, other))
+    return np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+@pytest.mark.parametrize("n, m", [(3, 4), (1, 1)])
+def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
+    random = np.random.default_rng(n)
+    absent = branch(random, n, m)._replace(field=np.zeros((0, 0)))
+    tree = Tree(branch(random, n, m), 0.3, absent, random.random((2, n, m)))
+    put, get = flatten(Tree)
+    if not is_compiled:
+        put, get = put.py_func, get.py_func
+    length = eval(room(Tree), dict(n=n, m=m))
+    row = np.full(length, np.nan)
+    put(row, tree)
+    assert same(get(row), tree)
+    # the absent array alone leaves room
+    assert np.isnan(row).sum() == n * (m + 1)
