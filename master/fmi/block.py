@@ -10,7 +10,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .compiled import Kernel, compiled
+from .compiled import compiled
 
 
 def leaves(kind: Any, path: str = "tree") -> Iterator[tuple[str, Any]]:
@@ -42,7 +42,7 @@ def room(kind: Any) -> str:
     return " + ".join(terms)
 
 
-def flatten(kind: Any) -> tuple[Kernel, Kernel]:
+def flatten(kind: Any) -> tuple[Any, Any]:
     """Return kernels that write a tree into a row, (row, tree), and that read it, (row).
 
     Arrays that are read are views of the row; those of flags are copies.
