@@ -3,9 +3,11 @@ what the FMU carries.
 """
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from dataclasses import fields, replace
+from functools import cache
 from importlib.util import find_spec
 from math import pi
 from pathlib import Path
@@ -15,6 +17,7 @@ import numpy as np
 
 from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput
+from ..master.fmi.phases import phase
 from ..master.fmi.variables import Variable
 from .dynamics.build_options import (
     BlockOptions,
@@ -62,6 +65,8 @@ from .reduction.store import kept, kept_body
 from .variables import inputs, parameters, signals
 
 Say = Callable[[str], None]
+TYPICAL = 50.0
+"""Time of a first reduction per megabyte of its mesh file [s]."""
 Given = TypeVar("Given")
 Table = TypeVar("Table")
 
@@ -349,22 +354,20 @@ def _told(error: Exception) -> str:
 def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
     """Path of the reduced small end, made or found in the cache."""
 
-    def say(text):
-        progress(f"small_end: {text}")
-
     def made() -> ReducedSmallEnd:
         from .reduction.small_end import read_small_end, reduce_small_end, small_end_body
 
-        mesh = read_small_end(
-            options.mesh,
-            {name: surface.region() for name, surface in options.surfaces.items()},
-            options.mesh_unit,
-            options.axes,
-            options.origin,
-            say,
-        )
-        material = options.young, options.poisson, options.density
-        return reduce_small_end(small_end_body(mesh, material), film, say)
+        with _reducing("small_end", options.mesh, progress) as say:
+            mesh = read_small_end(
+                options.mesh,
+                {name: surface.region() for name, surface in options.surfaces.items()},
+                options.mesh_unit,
+                options.axes,
+                options.origin,
+                say,
+            )
+            material = options.young, options.poisson, options.density
+            return reduce_small_end(small_end_body(mesh, material), film, say)
 
     decided = options.model_dump(mode="json") | {"film": list(film)}
     decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
@@ -412,10 +415,25 @@ def _body(
             _check_bosses(path, bosses)
         return path
 
-    def say(text):
-        progress(f"{name}: {text}")
+    with _reducing(name, options.mesh, progress) as say:
+        return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
 
-    return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
+
+@contextmanager
+def _reducing(name: str, mesh: str | None, progress: Say) -> Iterator[Say]:
+    """Yield `say`. Its first message begins the phase: a cached body has no messages."""
+    with ExitStack() as phases:
+
+        @cache
+        def begin() -> None:
+            megabytes = Path(mesh or "").stat().st_size / 1e6
+            phases.enter_context(phase(f"reducing {name}", megabytes, TYPICAL))
+
+        def say(text: str) -> None:
+            begin()
+            progress(f"{name}: {text}")
+
+        yield say
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from ...master.fmi.cache import cache_folder
 from ...master.fmi.errors import BadInput
+from ...master.fmi.phases import phase
 from ...master.fmi.variables import Variable
 from ..finite_elements.deck import MeshFault
 from ..reduction.monoblock import Plan, free_block, read_block, reduce_monoblock
@@ -51,10 +52,11 @@ def prepare(
     plan = plan_of(build)
 
     def made():
-        mesh = read_block(build.mesh, plan, build.mesh_unit, build.axes, build.origin, progress)
-        material = build.young, build.poisson, build.density
-        body = free_block(mesh, material, build.head_mass, build.crank_mass)
-        return reduce_monoblock(body, plan, progress)
+        with phase("reducing monoblock"):
+            mesh = read_block(build.mesh, plan, build.mesh_unit, build.axes, build.origin, progress)
+            material = build.young, build.poisson, build.density
+            body = free_block(mesh, material, build.head_mass, build.crank_mass)
+            return reduce_monoblock(body, plan, progress)
 
     decided = build.model_dump(mode="json")
     decided["mesh"] = hashlib.sha256(Path(build.mesh).read_bytes()).hexdigest()

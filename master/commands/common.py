@@ -242,7 +242,7 @@ def draw_pictures(case, runs, folder, kind=None, paper=False):
 
     for picture, why in left_out(case, runs).items():
         say(f"picture  {picture} is omitted: {why}")
-    with working(console, "drawing"):
+    with working(console, "drawing", len(case.pictures) * len(runs), typical=1.0):
         drawn = draw(case, runs, folder, kind, paper)
     for picture in drawn:
         console.print(f"picture  {picture}", highlight=False, soft_wrap=True)

@@ -5,7 +5,7 @@ from rich.table import Table
 from ..api.bodies import reduced
 from ..case.schema import find_case, read_tree
 from ..runs.working import working
-from .common import Changes, OutputFolder, console, default_folder, parse_changes
+from .common import Changes, OutputFolder, console, default_folder, parse_changes, say
 
 
 def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None = None):
@@ -29,13 +29,8 @@ def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None =
     path = find_case(source)
     tree = read_tree(path, parse_changes(set_))
     folder = output or default_folder(path) / "bodies"
-    with working(console, "reducing") as status:
-
-        def progress(text):
-            status.update(text)
-            console.print(f"[dim]{text}[/]", soft_wrap=True)
-
-        bodies = reduced(tree, path.parent, folder, progress)
+    with working(console, "preparing bodies"):
+        bodies = reduced(tree, path.parent, folder, say)
     for body in bodies:
         print_body(body)
 

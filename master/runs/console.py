@@ -3,19 +3,11 @@
 import time as clock
 from contextlib import contextmanager
 
-from rich.progress import (
-    BarColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.table import Column, Table
+from rich.table import Table
 
 from ..fmi.quantities import short
-from .working import Phase, ticking
+from .working import Compilation, bars
 
-STARTING = "starting"
 REFRESH = 0.2
 """Seconds from one progress line to the next: units of handy size take a millisecond to find."""
 
@@ -33,18 +25,18 @@ class Watch:
         self.show = show
         self.first: float | None = None
         self.next = 0.0
-        self.phase = Phase(STARTING)
+        self.compilation = Compilation()
 
     def tick(self):
         """Show the progress of the start."""
         if self.first is None:
-            self.show(0.0, self.phase.text())
+            self.show(0.0, self.compilation.text() or "starting")
 
     def __call__(self, time, stop, solution, monitored):
         now = clock.perf_counter()
         if self.first is None:
             self.first = now
-            self.phase.compilation.finish()
+            self.compilation.finish()
         if now < self.next and time < stop:
             return
         self.next = now + REFRESH
@@ -54,39 +46,10 @@ class Watch:
 
 
 @contextmanager
-def bars(console, labels, tick=lambda: None):
-    """Yield `show(label, share, state)` of progress bars side by side; call `tick` before each
-    update.
-    """
-    width = max(map(len, labels))
-    name = TextColumn("{task.description}", table_column=Column(min_width=width))
-    times = TimeElapsedColumn(), TimeRemainingColumn()
-    columns = (name, BarColumn(8), *times, TextColumn("{task.fields[state]}"))
-    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH) as progress:
-        tasks = {label: progress.add_task(label, total=1.0, state=STARTING) for label in labels}
-
-        def show(label, share, state):
-            progress.update(tasks[label], completed=share, state=state)
-
-        def text():
-            tick()
-            return "\n".join(
-                f"{task.description}: "
-                + (f"{100 * task.completed:.0f} %  " if task.completed else "")
-                + task.fields["state"]
-                for task in progress.tasks
-                if not task.finished
-            )
-
-        with ticking(console, text, lambda text: None):
-            yield show
-
-
-@contextmanager
 def watching(console, label):
     """Yield a `Watch` under a progress bar."""
     watch = Watch(lambda share, state: show(label, share, state))
-    with bars(console, [label], watch.tick) as show:
+    with bars(console, watch.tick) as show:
         yield watch
 
 

@@ -10,9 +10,8 @@ import numpy as np
 from ..coupling.wiring import System
 from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..participants.fmi2 import FmuParticipant
-from .console import bars
 from .pool import LocalPool
-from .working import REFRESH, Compilation, every
+from .working import REFRESH, Compilation, bars, every
 
 
 class Rehearsal(NamedTuple):
@@ -42,7 +41,7 @@ def compile_kernels(systems: Iterable[System], pool: LocalPool, console) -> None
     if len(wanted) < 2 or all(mark.exists() for mark in marks):
         return
     labels = {code: f"compiling {one.name}" for code, one in wanted.items()}
-    with bars(console, [*labels.values()]) as show:
+    with bars(console) as show:
         pool.share(
             lambda label, state: show(label, *state),
             _rehearse,

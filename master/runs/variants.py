@@ -10,11 +10,11 @@ from ..case.schema import check_case
 from ..case.system import open_system
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput, Stopped
-from .console import Watch, bars
+from .console import Watch
 from .pool import LocalPool, PointDied
 from .run import run
 from .signals import forwarding
-from .working import REFRESH, every
+from .working import REFRESH, bars, every
 
 
 class Variant(NamedTuple):
@@ -80,7 +80,7 @@ def run_variants(
             said.add(data[0])
             say(data[0])
 
-    with bars(console, variants) as show, forwarding(pool.send_signal) as heard:
+    with bars(console) as show, forwarding(pool.send_signal) as heard:
         futures = pool.share(told, _run, variants)
     outcomes = {label: _outcome(future) for label, future in futures.items()}
     stopped = {label: one for label, one in outcomes.items() if one.lines}

@@ -2,15 +2,24 @@
 
 import sys
 import threading
-import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cached_property
 from typing import Any
 
 from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from ..fmi.cache import cache_folder, write_whole
+from ..fmi.phases import LONGEST_SHARE, UNDER_WAY, phase
 
 QUIET = 4.0
 """Time between two lines outside a terminal [s]."""
@@ -89,40 +98,57 @@ def every(seconds: float, action: Callable[[], object]) -> Iterator:
 
 
 @contextmanager
-def ticking(console: Console, text: Callable[[], str], show: Callable[[str], object]) -> Iterator:
-    """Show `text()` by `show` in a terminal, and on the error stream every `QUIET` s elsewhere."""
+def bars(console: Console, tick: Callable[[], object] = lambda: None, **options: Any) -> Iterator:
+    """Yield `show(label, share, state)` of progress bars side by side; call `tick` before each
+    update. They are lines on the error stream outside a terminal, one every `QUIET` s.
+    """
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(8),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[state]}"),
+    )
+    tasks: dict[str, TaskID] = {}
+    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH, **options) as progress:
 
-    def tick() -> None:
-        if console.is_terminal:
-            show(text())
-        elif line := text():
-            print(line, file=sys.stderr, flush=True)
+        def show(label: str, share: float, state: str) -> None:
+            if label not in tasks:
+                tasks[label] = progress.add_task(label, total=1.0, state="")
+            progress.update(tasks[label], completed=share, state=state)
 
-    with every(REFRESH if console.is_terminal else QUIET, tick):
-        yield
+        def print_lines() -> None:
+            if not console.is_terminal:
+                for task in progress.tasks:
+                    if not task.finished:
+                        print(_line(task), file=sys.stderr, flush=True)
+
+        with every(REFRESH, tick), every(QUIET, print_lines):
+            yield show
 
 
-class Phase:
-    """Name of the phase under way."""
-
-    def __init__(self, name: str):
-        self.name = name
-        self.begin = clock.monotonic()
-        self.compilation = Compilation()
-
-    def update(self, name: str) -> None:
-        """Change the name."""
-        self.name = name
-
-    def text(self) -> str:
-        """Return name, elapsed time and progress of the compilation."""
-        parts = [self.name, f"{clock.monotonic() - self.begin:.0f} s", self.compilation.text()]
-        return "  ".join(filter(None, parts))
+def _line(task: Task) -> str:
+    """Return name, share, remaining time and state of a bar."""
+    share = task.completed
+    parts = [f"{task.description}:", f"{100 * share:.0f} %" if share else ""]
+    if share < LONGEST_SHARE and task.time_remaining is not None:
+        parts.append(f"{task.time_remaining:.0f} s left")
+    return "  ".join(filter(None, [*parts, task.fields["state"]]))
 
 
 @contextmanager
-def working(console: Console, name: str) -> Iterator[Phase]:
-    """Show a phase: with a spinner in a terminal, by lines on the error stream elsewhere."""
-    phase = Phase(name)
-    with console.status(name) as status, ticking(console, phase.text, status.update):
-        yield phase
+def working(console: Console, name: str, work: float = 1.0, typical: float = 5.0) -> Iterator:
+    """Show a phase with the parameters of `Phase`, and the phases within it, by `bars`."""
+    compilation = Compilation()
+    shown: set[str] = set()
+
+    def tick() -> None:
+        under_way = {one.name: one.share for one in list(UNDER_WAY)}
+        for label in shown - under_way.keys():
+            show(label, 1.0, "")
+        shown.update(under_way)
+        for label, share in under_way.items():
+            show(label, share, compilation.text() if label == name else "")
+
+    with bars(console, tick, transient=True) as show, phase(name, work, typical):
+        yield

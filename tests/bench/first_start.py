@@ -28,8 +28,8 @@ PHASES = {
     "preparing": "start and reductions",
     "compiling": "compilation",
     "starting": "first step",
-    "%": "steps",
     "drawing": "pictures",
+    "%": "steps",
 }
 """Word of a progress line -> phase."""
 

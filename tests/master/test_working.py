@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,35 +14,51 @@ import pytest
 from rich.console import Console
 
 from piston_cosim.master.fmi.builder_native import sole_compiler
+from piston_cosim.master.fmi.phases import LONGEST_SHARE, UNDER_WAY, Phase, phase
 from piston_cosim.master.runs import working as module
-from piston_cosim.master.runs.working import Compilation, Phase, working
+from piston_cosim.master.runs.working import Compilation, working
 
 RUN = [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--no-plots"]
 RUN += ["--only", "rigid", "--set", "time.stop=1 deg"]
 
 
-def test_outside_a_terminal_a_phase_prints_a_line_each_period(capsys, monkeypatch):
-    monkeypatch.setattr(module, "QUIET", 0.1)
-    with working(Console(force_terminal=False), "reducing") as phase:
-        time.sleep(0.35)
-        phase.update("packing")
+def test_outside_a_terminal_phases_print_a_line_each_period(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(module, "REFRESH", 0.02)
+    monkeypatch.setattr(module, "QUIET", 0.2)
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    with working(Console(force_terminal=False), "preparing", work=2, typical=5.0):
         time.sleep(0.25)
-    lines = capsys.readouterr().err.splitlines()
-    assert 4 <= len(lines) <= 6
-    assert lines[0].startswith("reducing  0 s") and lines[-1].startswith("packing  ")
+        with phase("reducing", typical=100.0), phase("packing", typical=0.01):
+            time.sleep(0.2)
+    alone, beside = capsys.readouterr().err.split("preparing:")[1:]
+    assert re.fullmatch(r"  [12] %  \d+ s left\n", alone)  # 0.2 of 10 s
+    assert re.fullmatch(r"  [345] %  \d+ s left\nreducing:  .* s left\npacking:  99 %\n", beside)
+    assert 0.2 < float((tmp_path / "durations/preparing").read_text()) < 0.3
+
+
+def test_the_expected_time_is_that_of_the_last_phase_of_this_name(tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    with pytest.raises(ValueError), phase("drawing", work=4) as failed:
+        raise ValueError
+    assert failed.expected == Phase("drawing", work=4).expected == 20.0
+    with phase("drawing", work=2, typical=1.0) as last:
+        last.begin -= 30.0
+        assert last.share == LONGEST_SHARE
+    assert Phase("drawing", work=4).expected == pytest.approx(60.0, rel=1e-2)
+    assert not UNDER_WAY
 
 
 def test_the_share_of_kernels_is_that_of_the_last_complete_compilation(tmp_path, monkeypatch):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
     count = SimpleNamespace(value=0)
     monkeypatch.setattr(Compilation, "count", property(lambda self: count.value))
-    phase = Phase("starting")
-    assert phase.text() == "starting  0 s"
+    compilation = Compilation()
+    assert compilation.text() == ""
     count.value = module.TYPICAL // 2
-    assert "compiling: 50 %" in phase.text()
+    assert "compiling: 50 %" in compilation.text()
     count.value = 4 * module.TYPICAL
-    assert "compiling: 99 %" in phase.text()
-    phase.compilation.finish()
+    assert "compiling: 99 %" in compilation.text()
+    compilation.finish()
     assert Compilation().expected == 4 * module.TYPICAL
     count.value = module.COMPLETE - 1  # most kernels came from the cache
     Compilation().finish()

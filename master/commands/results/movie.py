@@ -69,6 +69,6 @@ def command(
         else:
             write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
     else:
-        with working(console, "drawing"):
+        with working(console, "drawing frames", frames, typical=0.1):
             write_movie(described, results, field, frames, target)
     console.print(f"movie    {target}", highlight=False, soft_wrap=True)
