@@ -2,11 +2,10 @@
 
     python .ci/try_wheel.py dist/piston_cosim-*.whl
 
-The export starts with an empty cache. It fails above `ALLOWED`, and after any reduction of a body
-or compilation.
+The main job is that of the README, with its pictures. Both start with an empty cache. The script
+fails if one needs more than `ALLOWED`, and after any reduction of a body or compilation.
 """
 
-import os
 import resource
 import shutil
 import subprocess
@@ -14,7 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-ALLOWED = 20.0  # processor time of the export [s]
+ALLOWED = {"main job": 25.0, "native FMU": 20.0}
+"""Processor time [s]. It is the longest wall time on an idle machine."""
 
 
 def processor_time():
@@ -38,7 +38,7 @@ def main(wheel):
         subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
         subprocess.run([folder / "venv/bin/pip", "install", "-q", wheel], check=True)
         command = folder / "venv/bin/piston-cosim"
-        job = run(folder, command, "run", "numerical_example", "--no-plots")
+        costs = {"main job": run(folder, command, "run", "numerical_example")}
         cache = folder / "home/.cache/piston-cosim"
         if reduced := [path.name for path in (cache / "bodies").iterdir()]:
             raise SystemExit(f"main job: expected no reduction of a body, got {', '.join(reduced)}")
@@ -46,15 +46,16 @@ def main(wheel):
             raise SystemExit(f"main job: expected no compilation, got {', '.join(compiled)}")
         shutil.rmtree(cache)
         output = folder / "engine.fmu"
-        export = run(
+        costs["native FMU"] = run(
             folder, command, "fmu", "export", "numerical_example", "--native", "--output", output
         )
-        print(f"main job: {job:.1f} s of processor time")
-        print(
-            f"native FMU: {export:.1f} s of processor time, {os.path.getsize(output) / 1e6:.1f} MB"
-        )
-        if export > ALLOWED:
-            raise SystemExit(f"native FMU: expected at most {ALLOWED:.0f} s, got {export:.1f} s")
+        print(f"{output.name}: {output.stat().st_size / 1e6:.1f} MB")
+        for name, cost in costs.items():
+            print(f"{name}: {cost:.1f} s of processor time")
+            if cost > ALLOWED[name]:
+                raise SystemExit(
+                    f"{name}: expected at most {ALLOWED[name]:.0f} s, got {cost:.1f} s"
+                )
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import piston_cosim as pc
 for needed in ("mkdocs", "material", "mkdocstrings", "mkdocs_jupyter"):
     pytest.importorskip(needed)
 
+pytestmark = pytest.mark.slow  # .ci/run builds the site next to the tests
 ROOT = Path(__file__).parents[2]
 CODE = ("fmu_ehd", "fmu_mfbd", "master", "models", "tests/verification/cases")
 DEFINED = r'(?m)^\s*(?:""")?Eq\. \(([A-Z]\d+[a-z]?)\):'

@@ -3,15 +3,12 @@ on with the same bits.
 """
 
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
 
 import h5py
 import numpy as np
 import pytest
+
+from ..command import call
 
 STEP, SMALLEST = 10.0, 10.0 / 64  # deg
 
@@ -25,19 +22,8 @@ def command(folder, *more):
         "participants.ehd.build.grid=[20,16]",
         *more,
     )
-    return [
-        sys.executable,
-        "-m",
-        "piston_cosim",
-        "run",
-        "numerical_example",
-        "--only",
-        "rigid",
-        "--no-plots",
-        "--output",
-        str(folder),
-        *(word for setting in settings for word in ("--set", setting)),
-    ]
+    words = ["run", "numerical_example", "--only", "rigid", "--no-plots", "--output", str(folder)]
+    return words + [word for setting in settings for word in ("--set", setting)]
 
 
 def outcome(file):
@@ -59,9 +45,7 @@ def runs(tmp_path_factory):
         ("1", "wires.0.local_error=1 nm"),
         ("fine", "time.step=0.25 deg"),
     ):
-        subprocess.run(
-            command(folder / name, setting), check=True, capture_output=True, timeout=300
-        )
+        call(*command(folder / name, setting)).check_returncode()
     return [outcome(folder / name / "rigid.h5") for name in ("10", "1", "fine")]
 
 
@@ -86,29 +70,3 @@ def test_a_smaller_local_error_takes_more_steps_and_errs_less(runs):
     # ones
     assert 1.5 < fine[2]["steps"] / coarse[2]["steps"] < 10 ** (1 / 3)
     assert 2.5 < errors[0] / errors[1] < 10.0
-
-
-@pytest.mark.slow  # test_resume.py interrupts three times
-def test_interrupted_and_resumed_equals_uninterrupted(tmp_path):
-    whole, broken = tmp_path / "whole", tmp_path / "broken"
-    more = ("wires.0.local_error=1 nm", "record.checkpoint_every=2")
-    subprocess.run(command(whole, *more), check=True, capture_output=True, timeout=300)
-    process = subprocess.Popen(
-        command(broken, *more), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    checkpoint, deadline = broken / "rigid.h5.checkpoint", time.monotonic() + 120
-    while not checkpoint.exists() and time.monotonic() < deadline:
-        time.sleep(0.002)
-    os.kill(process.pid, signal.SIGKILL)
-    assert process.wait(60) == -signal.SIGKILL
-    subprocess.run(
-        [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)],
-        check=True,
-        capture_output=True,
-        timeout=300,
-    )
-    (times, lateral, summary), (times_resumed, lateral_resumed, resumed) = (
-        outcome(f / "rigid.h5") for f in (whole, broken)
-    )
-    assert np.array_equal(times, times_resumed) and np.array_equal(lateral, lateral_resumed)
-    assert summary["rejected_steps"] == resumed["rejected_steps"]

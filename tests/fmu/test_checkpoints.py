@@ -4,8 +4,6 @@ are damaged, of another version or of another FMU.
 
 import os
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +23,7 @@ from piston_cosim.master.runs.checkpoint import (
 )
 from piston_cosim.master.runs.run import run
 
+from ..command import call
 from .counter import case_text, library, make
 
 __all__ = ["library"]
@@ -72,15 +71,12 @@ def folder(tmp_path, library):
 
 def resumed(path):
     """Exit code and error text of `piston-cosim resume`."""
-    done = subprocess.run(
-        [sys.executable, "-m", "piston_cosim", "resume", str(path)], capture_output=True, text=True
-    )
-    assert "Traceback" not in done.stderr
+    done = call("resume", path)
     return done.returncode, done.stderr
 
 
 @pytest.mark.parametrize("method", ["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken"])
-def test_resumed_in_another_process_the_bits_are_the_same(folder, method):
+def test_resumed_the_bits_are_the_same(folder, method):
     whole, summary = interrupted(folder, np.inf, method, stop="3 s")
     output, _ = interrupted(folder, 1.55, method, stop="3 s")
     assert resumed(Checkpoint.path(output)) == (0, "")

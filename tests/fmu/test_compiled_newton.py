@@ -3,8 +3,6 @@ on FMUs that are nobody's (`c_models/lag.c`) and on the shipped case.
 """
 
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -28,6 +26,7 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs import run as running
 from piston_cosim.master.runs.run import run
 
+from ..command import call
 from .c_fmus import MODELS, compile_model, pack
 
 VARIABLES = [
@@ -408,8 +407,6 @@ def test_either_goes_on_from_where_the_other_stopped(folder, iteration):
 
 
 def test_an_interrupted_run_goes_on_with_the_same_bits(folder, iteration, tmp_path):
-    """In another process."""
-
     class Stopped(RuntimeError):
         pass
 
@@ -425,8 +422,7 @@ def test_an_interrupted_run_goes_on_with_the_same_bits(folder, iteration, tmp_pa
         else:
             with pytest.raises(Stopped):
                 run(system, case, tree, tmp_path / "cut.h5", watch)
-    command = [sys.executable, "-m", "piston_cosim", "resume", tmp_path / "cut.h5.checkpoint"]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    call("resume", tmp_path / "cut.h5.checkpoint").check_returncode()
     one, other = (Results(tmp_path / f"{name}.h5") for name in ("whole", "cut"))
     for port in one.ports:
         assert np.array_equal(one.series(port).values, other.series(port).values), port

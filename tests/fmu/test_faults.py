@@ -5,6 +5,7 @@
 import resource
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from unittest.mock import MagicMock
 
@@ -14,6 +15,7 @@ import pytest
 
 from piston_cosim.master.participants import isolated
 
+from ..command import call
 from .waiting import wait_for
 
 CASE = """
@@ -51,15 +53,10 @@ checkpoint_every = 30
 MASTER = [sys.executable, "-m", "piston_cosim"]
 
 
-def call(*arguments, **settings):
-    return subprocess.run(
-        [*MASTER, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        start_new_session=True,
-        **settings,
-    )
+def call_apart(*words, **settings):
+    """The command in a process group of its own, in which it may be interrupted."""
+    settings |= {"capture_output": True, "text": True, "timeout": 120, "start_new_session": True}
+    return subprocess.run([*MASTER, *map(str, words)], **settings)
 
 
 def write_case(folder, fault, isolated=False):
@@ -71,8 +68,9 @@ def write_case(folder, fault, isolated=False):
 
 def run(folder, fault, isolated=False, changes=(), **settings):
     write_case(folder, fault, isolated)
+    command = partial(call_apart, **settings) if settings or fault == "interrupt" else call
     changes = [f"--set={change}" for change in changes]
-    return call("run", folder / "case.toml", "--output", folder, "--no-plots", *changes, **settings)
+    return command("run", folder / "case.toml", "--output", folder, "--no-plots", *changes)
 
 
 def datasets(file):
@@ -160,9 +158,8 @@ def test_full_disk(whole, tmp_path):
     done = run(tmp_path, "", preexec_fn=limit)
     assert done.returncode == 1, done.stderr
     assert "cannot be written" in done.stderr and "base.h5" in done.stderr
-    again = call(
-        "resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit
-    )  # the disk is still full: nothing is lost
+    # the disk is still full: nothing is lost
+    again = call_apart("resume", tmp_path / "base.h5.checkpoint", preexec_fn=limit)
     assert again.returncode == 1 and "cannot be written" in again.stderr
     goes_on_as_if_nothing_had_happened(done, tmp_path, whole)
 

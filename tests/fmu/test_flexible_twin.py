@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -156,18 +155,6 @@ def mount_places():
         build, PATH.parent, lambda text: None
     )
     return load(ReducedMonoblock, file).mount_place
-
-
-@pytest.mark.slow  # test_twin.py has one
-def test_processes_of_their_own_give_the_same_bits(tmp_path):
-    """Films, cylinders and block in processes that have not seen the source."""
-    tree = tree_of(PATH, "3 deg")
-    computed(tree, tmp_path / "here.h5")
-    apart = deepcopy(tree)
-    for table in apart["participants"].values():
-        table["isolated"] = True
-    computed(apart, tmp_path / "apart.h5")
-    assert compare(tmp_path / "here.h5", tmp_path / "apart.h5") == []
 
 
 def test_a_run_that_was_killed_goes_on_with_the_same_bits(flexible, tmp_path):

@@ -42,6 +42,7 @@ def native_forms():
     return native_engine(SMALL, ("2.0", "3.0"), print) or pytest.skip("cannot be built here")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_every_importer_gives_what_run_writes(shipped, version):
     """Row 0 included; those that are installed in any case must be among them."""
@@ -56,6 +57,7 @@ def test_every_importer_gives_what_run_writes(shipped, version):
     assert verdicts.keys() - {HOST} == {n for n, i in IMPORTERS.items() if version in i.versions}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_every_importer_takes_native_fmus(shipped, native_forms, version):
     """Whatever Python has: a native FMU needs none of it."""
@@ -68,6 +70,7 @@ def test_every_importer_takes_native_fmus(shipped, native_forms, version):
     assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
 
 
+@pytest.mark.slow
 def test_a_clock_of_whole_nanoseconds_is_held_against_a_run_in_its_steps(shipped, tmp_path):
     """The run in the case's own steps is further away than importers may be: it is not just any."""
     reference, fmus, step = shipped
@@ -80,6 +83,7 @@ def test_a_clock_of_whole_nanoseconds_is_held_against_a_run_in_its_steps(shipped
     assert distance(run, reference) > ALLOWED
 
 
+@pytest.mark.slow
 def test_a_python_without_what_the_fmu_needs_is_not_tried(shipped, monkeypatch):
     monkeypatch.setattr(importers, "PACKAGES", ("numpy", "no_such_package"))
     _, fmus, step = shipped

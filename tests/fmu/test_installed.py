@@ -63,7 +63,7 @@ def built(source, folder):
     return next(folder.glob("*.whl"))
 
 
-@pytest.fixture(scope="module", params=["wheel", "editable"])
+@pytest.fixture(scope="module", params=["wheel", pytest.param("editable", marks=pytest.mark.slow)])
 def python(request, source, tmp_path_factory):
     """Interpreter of an environment with the wheel, or with the checkout installed as editable."""
     folder = tmp_path_factory.mktemp(request.param)
@@ -96,7 +96,7 @@ def said(interpreter, folder, *words):
     return done.stdout
 
 
-def test_cases_are_listed_and_the_version_is_told(python, crowded):
+def test_cases_are_listed_and_run_and_the_version_is_told(python, crowded):
     assert set(said(python, crowded, "piston_cosim", "list").split()) >= CASES
     version = next(
         line.split('"')[1]
@@ -104,18 +104,9 @@ def test_cases_are_listed_and_the_version_is_told(python, crowded):
         if line.startswith("version")
     )
     assert said(python, crowded, "piston_cosim", "--version").strip() == version
-
-
-def test_a_case_runs(python, crowded):
     words = ("run", "two_mass_oscillator", "--only", "linear", "--no-plots", "--output", "here")
     said(python, crowded, "piston_cosim", *words, "--set", "time.stop=0.1 s")
     assert list((crowded / "here").glob("*.h5"))
-
-
-def test_the_wheel_brings_one_package(wheel):
-    tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
-    assert {top for top in tops if not top.endswith(".dist-info")} == {"piston_cosim"}
-    assert wheel.stat().st_size < LARGEST_WHEEL
 
 
 def test_an_fmu_carries_the_same_tree(fmu):
@@ -131,7 +122,9 @@ def test_an_fmu_carries_the_same_tree(fmu):
     assert all((ROOT / name).read_bytes() == data for name, data in inside.items())
 
 
-def test_a_wheel_is_small_and_the_same_again(wheel, source, tmp_path):
+def test_a_wheel_is_one_small_package_and_the_same_again(wheel, source, tmp_path):
+    tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"piston_cosim"}
     assert wheel.stat().st_size < LARGEST_WHEEL
     shutil.rmtree(source / "build", ignore_errors=True)
     again = built(source, tmp_path)
@@ -153,6 +146,7 @@ def test_a_wheel_says_whose_it_is(wheel):
         assert line in text
 
 
+@pytest.mark.slow
 def test_a_source_distribution_has_the_tests(tmp_path):
     pytest.importorskip("build")
     copy = tmp_path / "checkout"

@@ -14,24 +14,18 @@ import pytest
 from piston_cosim.master.results.file import Results
 from piston_cosim.models.numerical_example.paper import deflection, findings
 
+from ..command import call
+
 DEGREES = 360
 ROOT = Path(__file__).parents[2]
-
-
-def piston_cosim(*words, folder):
-    return subprocess.run(
-        [sys.executable, "-m", "piston_cosim", *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=900,
-    )
 
 
 @pytest.fixture(scope="module")
 def job(tmp_path_factory):
     folder = tmp_path_factory.mktemp("job")
-    run = piston_cosim("run", "numerical_example", "--summary-json", "summary.json", folder=folder)
+    words = ["run", "numerical_example", "--summary-json", "summary.json"]
+    command = [sys.executable, "-m", "piston_cosim", *words]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900)
     assert run.returncode == 0, run.stdout + run.stderr
     return folder
 
@@ -165,7 +159,7 @@ def test_pictures_are_drawn(job):
 
 
 def test_plot_again_from_the_files(job):
-    run = piston_cosim(
+    run = call(
         "results", "plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job
     )
     assert run.returncode == 0, run.stderr
@@ -173,7 +167,7 @@ def test_plot_again_from_the_files(job):
 
 
 def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
-    run = piston_cosim(
+    run = call(
         "run",
         "numerical_example",
         "--set",
@@ -197,40 +191,8 @@ def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    "change, words",
-    [
-        ("participants.bodies.build.piston.mesh=none.msh", "got 'none.msh'"),
-        (
-            "participants.bodies.build.piston.densty=1 kg",
-            "got unknown key 'densty'; did you mean 'density'?",
-        ),
-        ("coupling.methd=newton", "got unknown key 'methd'; did you mean 'method'?"),
-        ("time.stop=3 bar", "time.stop: expected a quantity in rad, got '3 bar'"),
-        (
-            "participants.ehd.parameters.pressure_upper_edge=-1 bar",
-            "pressure_upper_edge: expected at least",
-        ),
-    ],
-)
-def test_bad_input_is_named(tmp_path, change, words):
-    run = piston_cosim(
-        "run", "numerical_example", "--only", "rigid", "--set", change, folder=tmp_path
-    )
-    assert run.returncode == 2, run.stdout + run.stderr
-    assert words in run.stderr
-    assert not list(tmp_path.iterdir())
-
-
-def test_unknown_case_and_missing_files(tmp_path):
-    assert piston_cosim("run", "nonsense", folder=tmp_path).returncode == 2
-    assert piston_cosim("results", "plot", "nonsense.h5", folder=tmp_path).returncode == 2
-    assert piston_cosim("fmu", "info", "nonsense.fmu", folder=tmp_path).returncode == 2
-    assert piston_cosim("run", folder=tmp_path).returncode == 2
-
-
 def test_relaxation_stops_honestly_and_keeps_what_was_accepted(tmp_path):
-    run = piston_cosim(
+    run = call(
         "run",
         "numerical_example",
         "--only",

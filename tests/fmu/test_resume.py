@@ -12,21 +12,10 @@ import h5py
 import numpy as np
 import pytest
 
-RUN = [
-    sys.executable,
-    "-m",
-    "piston_cosim",
-    "run",
-    "numerical_example",
-    "--only",
-    "rigid",
-    "--set",
-    "time.stop=60 deg",
-    "--set",
-    "record.checkpoint_every=7",
-    "--no-plots",
-    "--output",
-]
+from ..command import call
+
+WORDS = ["run", "numerical_example", "--only", "rigid", "--set", "time.stop=60 deg"]
+WORDS += ["--set", "record.checkpoint_every=7", "--no-plots", "--output"]
 WORK_COUNTERS = ("residual_evaluations", "jacobian_evaluations")
 """Outputs that count work done since the FMU was started; the only ones that a new process may
 change.
@@ -36,7 +25,7 @@ change.
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
-    subprocess.run([*RUN, str(folder)], check=True, capture_output=True, timeout=300)
+    call(*WORDS, folder).check_returncode()
     return folder / "rigid.h5"
 
 
@@ -66,9 +55,8 @@ def compare(first, second):
     ],
 )
 def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, code):
-    process = subprocess.Popen(
-        [*RUN, str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    command = [sys.executable, "-m", "piston_cosim", *WORDS, tmp_path]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     checkpoint = tmp_path / "rigid.h5.checkpoint"
     deadline = time.monotonic() + 120
     while not checkpoint.exists() and time.monotonic() < deadline:
@@ -90,9 +78,5 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
 def test_no_checkpoint_is_bad_input(tmp_path):
     (tmp_path / "x.h5.checkpoint").write_bytes(b"nonsense")
     for name in ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5"):
-        run = subprocess.run(
-            [sys.executable, "-m", "piston_cosim", "resume", str(tmp_path / name)],
-            capture_output=True,
-            text=True,
-        )
-        assert run.returncode == 2, run.stderr
+        done = call("resume", tmp_path / name)
+        assert done.returncode == 2, done.stderr

@@ -1,14 +1,13 @@
 """`compare CASE --lubrication ...`: two models on one case, as a user calls it."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.rivals import Exchange, distance, rivals_of
+
+from ..command import call
 
 SMALL = [
     f"--set={change}"
@@ -23,13 +22,7 @@ SMALL = [
 
 
 def compare(folder, *words):
-    return subprocess.run(
-        [sys.executable, "-m", "piston_cosim", "compare", "numerical_example", *words],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
+    return call("compare", "numerical_example", *words, folder=folder)
 
 
 def test_cavitation_models_differ_and_a_model_not_from_itself(tmp_path, fmu):

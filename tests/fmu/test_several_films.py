@@ -2,12 +2,6 @@
 work of every film to round-off, kill -9 and resume, checks and rivals by film.
 """
 
-import os
-import signal
-import subprocess
-import sys
-import time
-
 import numpy as np
 import pytest
 
@@ -25,7 +19,6 @@ from piston_cosim.master.results.rivals import rivals_of
 from piston_cosim.master.runs.run import run
 
 from .films import PATH, even_bands, one_film, several_films
-from .test_resume import compare
 
 GRID = (24, 20)
 STOP = "60 deg"
@@ -210,26 +203,3 @@ def test_each_film_has_the_mask_of_its_own_surface(tmp_path, monkeypatch):
     mask = build_options(check_case(tree, path), path.parent, lambda text: None)["ehd"]["mask"]
     np.testing.assert_array_equal(mask, np.array(whole)[:, 18:])
     assert np.array(mask).min() == 0
-
-
-RUN = [
-    *(sys.executable, "-m", "piston_cosim", "run", "grooved_skirt", "--no-plots"),
-    *("--set", "time.stop=60 deg", "--set", "record.checkpoint_every=7", "--output"),
-]
-
-
-@pytest.mark.slow
-def test_killed_and_resumed_gives_the_same_bits(tmp_path):
-    whole = tmp_path / "whole"
-    subprocess.run([*RUN, str(whole)], check=True, capture_output=True, timeout=600)
-    cut = tmp_path / "cut"
-    process = subprocess.Popen([*RUN, str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    checkpoint = cut / "rigid.h5.checkpoint"
-    deadline = time.monotonic() + 300
-    while not checkpoint.exists() and time.monotonic() < deadline:
-        time.sleep(0.002)
-    os.kill(process.pid, signal.SIGKILL)
-    assert process.wait(60) == -signal.SIGKILL
-    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
-    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
-    assert compare(whole / "rigid.h5", cut / "rigid.h5") == []

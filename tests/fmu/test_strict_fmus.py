@@ -5,8 +5,6 @@ Eq. (X11):  (1 + H) a' = a + H g b',   (1 + H) b' = b - H g a',   a = 1, b = 0 a
 """
 
 import json
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -18,6 +16,7 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.isolated import IsolatedParticipant
 from piston_cosim.master.results.file import Results
 
+from ..command import call
 from .c_fmus import MODELS, compile_model
 
 HERE = Path(__file__).parent
@@ -108,12 +107,7 @@ def run(folder, output, a="cell", method="newton", isolated=False, fails_at=1e9,
     case = folder / "case.toml"
     case.write_text(text)
     command = ["run", case, "--no-plots", "--output", output, "--summary-json", output / "s.json"]
-    done = subprocess.run(
-        [sys.executable, "-m", "piston_cosim", *map(str, command)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    done = call(*command)
     summary = output / "s.json"
     return done, json.loads(summary.read_text()) if summary.exists() else None
 

@@ -288,8 +288,8 @@ def test_soft_mounts_move_the_pistons(four, tmp_path):
 
 
 def test_processes_of_their_own_give_the_same_bits(tmp_path):
-    """A twin's films and cylinders in processes that have not seen the source, at the same time."""
-    tree = engine_tree(ENGINES["twin, 180 deg"], GRID, "6 deg")
+    """A block, its cylinder and film in processes that have not seen the source."""
+    tree = engine_tree(ENGINES["single"], GRID, "6 deg")
     computed(tree, tmp_path / "here.h5")
     for table in tree["participants"].values():
         table["isolated"] = True

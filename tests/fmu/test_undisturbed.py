@@ -20,6 +20,7 @@ from piston_cosim.master.participants.fmi2 import unpack
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 
+from ..command import call
 from .counter import case_text, library, make
 
 __all__ = ["library"]
@@ -125,9 +126,8 @@ def test_points_that_hang_or_cannot_run_are_rows_and_the_rest_is_done(folder):
 @pytest.mark.parametrize("limit", ["8 m", "-1 s", "x"])
 def test_a_time_limit_is_a_time(folder, limit):
     words = ("--vary", "participants.b.parameters.k=1;2", f"--time-limit={limit}")
-    process = begun(folder, "sweep", "case.toml", *words)
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 2 and "--time-limit" in told
+    done = call("sweep", "case.toml", *words, folder=folder)
+    assert done.returncode == 2 and "--time-limit" in done.stderr
 
 
 PICTURE = '[[pictures]]\nfile = "{}"\ntitle = "t"\nkind = "lines"\nx = "a.x"\ny = [["b.x"]]\n'

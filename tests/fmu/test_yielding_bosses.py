@@ -2,12 +2,6 @@
 work to round-off, kill -9 and resume; pin, bosses and the rod's eye that yield.
 """
 
-import os
-import signal
-import subprocess
-import sys
-import time
-
 import numpy as np
 import pytest
 
@@ -18,8 +12,6 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-
-from .test_resume import compare
 
 PATH = find_case("yielding_bosses")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
@@ -208,33 +200,3 @@ def test_a_body_reduced_for_other_films_is_refused(tmp_path):
         BadInput, match="expected films of 40 x 4 cells in the bosses of .*, got 48 x 4"
     ):
         prepare(build | {"piston": piston, "floating_pin": other}, PATH.parent, lambda text: None)
-
-
-@pytest.mark.slow  # test_flexible_twin.py has one of two films and a block
-def test_killed_and_resumed_with_four_films_gives_the_same_bits(tmp_path):
-    changes = settings(("time.stop", "30 deg"), ("record.checkpoint_every", 5))
-    command = [sys.executable, "-m", "piston_cosim", "run", "yielding_bosses", "--no-plots"]
-    command += ["--only", "yielding"]
-    for key, value in changes:
-        command += ["--set", f"{key}={_toml(value)}"]
-    whole, cut = tmp_path / "whole", tmp_path / "cut"
-    subprocess.run([*command, "--output", str(whole)], check=True, capture_output=True, timeout=600)
-    process = subprocess.Popen(
-        [*command, "--output", str(cut)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    checkpoint = cut / "yielding.h5.checkpoint"
-    deadline = time.monotonic() + 300
-    while not checkpoint.exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    os.kill(process.pid, signal.SIGKILL)
-    assert process.wait(60) == -signal.SIGKILL
-    resumed = [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)]
-    subprocess.run(resumed, check=True, capture_output=True, timeout=600)
-    assert compare(whole / "yielding.h5", cut / "yielding.h5") == []
-
-
-def _toml(value):
-    """A value as --set takes it."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + " }"
-    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -3,8 +3,6 @@ stop.
 """
 
 import csv
-import subprocess
-import sys
 from functools import partial
 
 import numpy as np
@@ -13,6 +11,8 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
 from piston_cosim.fmu_mfbd.offline import reduce
+
+from ..command import call
 
 
 @pytest.fixture
@@ -55,16 +55,14 @@ young = "75 GPa"
 poisson = 0.33
 modes = 3
 """)
-    call = [sys.executable, "-m", "piston_cosim", "reduce", "bodies.toml"]
-    done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True)
+    words = ("reduce", "bodies.toml")
+    done = call(*words, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
     [block] = pc.reduce_bodies(tmp_path / "bodies.toml", tmp_path / "again", {"block.modes": 2})
     assert len(block.modes) == 2 and (tmp_path / "again" / "block.npz").is_file()
     assert f"mass {block.mass:.6g} kg" in done.stdout
-    wrong = subprocess.run(
-        [*call, "--set", "block.young=1 mm"], cwd=tmp_path, capture_output=True, text=True
-    )
+    wrong = call(*words, "--set", "block.young=1 mm", folder=tmp_path)
     assert wrong.returncode == 2 and "block.young" in wrong.stderr
 
 
@@ -148,17 +146,8 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
         file["time"] = file["fields/time"] = [0.0, 1e-3, 2e-3]
         file["fields/bodies/modal_coordinate"] = coordinates
         file["fields/bodies/modal_coordinate"].attrs.update(unit="1", description="")
-    call = [
-        sys.executable,
-        "-m",
-        "piston_cosim",
-        "results",
-        "recover",
-        "run.h5",
-        "--case",
-        str(folder),
-    ]
-    done = subprocess.run([*call, "--time", "1.1 ms"], cwd=tmp_path, capture_output=True, text=True)
+    words = ("results", "recover", "run.h5", "--case", folder)
+    done = call(*words, "--time", "1.1 ms", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (
         "1 ms  piston: displacement up to 0 \N{MICRO SIGN}m, von Mises stress up to 0 MPa at x "
@@ -169,7 +158,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     mesh = meshio.read(tmp_path / "run-1000us-block.vtu")
     np.testing.assert_allclose(mesh.point_data["displacement"], 1e-7 * shapes[:, :, 1])
     assert mesh.point_data["von_mises"].max() > 0
-    wrong = subprocess.run([*call, "--time", "1 kg"], cwd=tmp_path, capture_output=True, text=True)
+    wrong = call(*words, "--time", "1 kg", folder=tmp_path)
     assert wrong.returncode == 2
 
 
