@@ -5,7 +5,9 @@ closed forms, and the quick figures of `piston-cosim verify coupled`.
 import numpy as np
 import pytest
 
-from piston_cosim.tests.verification.cases.coupled import checks
+from piston_cosim.fmu_ehd.asperity import gaussian_integral
+from piston_cosim.tests.verification.cases import coupled, fired
+from piston_cosim.tests.verification.cases.mixed_film import height_integral
 from piston_cosim.tests.verification.cases.monolithic import (
     NO_FORCE,
     PRESSURE_SCALE,
@@ -143,5 +145,21 @@ def test_squeezed_disc_of_a_skirt_carries_what_the_series_says():
     assert out.reshape(24, 16)[inner] == pytest.approx(1e-3 * film.area, rel=1e-9)
 
 
+def test_heights_of_asperities_agree_with_the_parabolic_cylinder_function():
+    separation = np.linspace(0, 4, 9)
+    # both evaluate the same integral to round-off, which the tail shows relative to F(0)
+    assert height_integral(2.5, separation) == pytest.approx(
+        gaussian_integral(2.5, separation), abs=1e-13
+    )
+
+
 def test_figures():
-    assert [str(check) for check in checks() if not check.passed] == []
+    assert [str(check) for check in coupled.checks() if not check.passed] == []
+
+
+def test_figures_of_the_fired_engine_and_a_wrong_coefficient_of_boundary_friction():
+    assert [str(check) for check in fired.checks() if not check.passed] == []
+    wrong = fired.checks({"boundary_friction_coefficient": "0.126"})
+    assert "friction_force_asperity, scale of the curve [-]" in {
+        check.quantity for check in wrong if not check.passed
+    }

@@ -9,7 +9,8 @@ equations, all of it solved at once in each step. It shares no line and no metho
 | coupling | exchange until the wires agree | one Newton iteration over all unknowns |
 | film | kernels, elimination downstream | sparse operators of scipy |
 
-Smooth surfaces, a Newtonian oil, flooded edges at cavitation pressure, a crank at constant speed.
+A Newtonian oil, edges at cavitation pressure, a crank at constant speed; smooth surfaces and
+flooded edges, or contact and scarce oil by `mixed_film`.
 Axes: x to the thrust side, y to the head, z along the pin; the crank turns about +z and leaves top
 dead centre towards -x. Angles of the film from +z towards +x; a cell's centre lies on the thrust
 line.
@@ -23,6 +24,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import splu
+
+from .mixed_film import LOWER, POINTS, UPPER, Asperities, BoreOil, Contact, Roughness, Supply
 
 PRESSURE_SCALE = 1e6
 """Pa: what a signed unknown of 1 is worth as a pressure."""
@@ -61,6 +64,14 @@ class Engine:
         x, y of the centre of mass from A [m].
     speed : float
         Of the crank [rad/s].
+    gas : callable
+        Crank angle [rad] to the force of the gas on the crown [N].
+    roughness : Roughness, optional
+        Smooth if omitted.
+    edge_fraction, initial_fraction : float
+        Film fraction that enters at the edges, and at the start [-].
+    supply : Supply, optional
+        Of the oil on the bore; replaces `edge_fraction`. The run then starts at top dead centre.
     """
 
     grid: tuple[int, int]
@@ -83,6 +94,11 @@ class Engine:
     piston_inertia: float
     piston_centre: np.ndarray
     speed: float
+    gas: Callable[[float], float] = lambda angle: 0.0
+    roughness: Roughness | None = None
+    edge_fraction: float = 1.0
+    initial_fraction: float = 1.0
+    supply: Supply | None = None
 
 
 class Elasticity(NamedTuple):
@@ -111,8 +127,12 @@ class Curves(NamedTuple):
         Of the film on the bore along x: what the piston leans on it with [N].
     minimum_film_thickness, maximum_pressure : ndarray
         [m], [Pa]
+    asperity_friction : ndarray
+        Of the asperities on the skirt along y [N].
     friction_power : ndarray
         [W]
+    oil_in_film : ndarray
+        [m3]
     """
 
     crank_angle: np.ndarray
@@ -121,7 +141,9 @@ class Curves(NamedTuple):
     side_force: np.ndarray
     minimum_film_thickness: np.ndarray
     maximum_pressure: np.ndarray
+    asperity_friction: np.ndarray
     friction_power: np.ndarray
+    oil_in_film: np.ndarray
 
 
 class FilmForce(NamedTuple):
@@ -337,18 +359,47 @@ class Monolithic:
         self.stencils = stencils(around, along, self.dx, self.dy)
         angle = np.pi / 2 + (np.arange(around) - around // 4) * 2 * np.pi / around
         height = engine.skirt_lower + (np.arange(along) + 0.5) * self.dy
-        self.sine = np.repeat(np.sin(angle), along)
+        self.angle = np.repeat(angle, along)
+        self.sine = np.sin(self.angle)
         self.height = np.tile(height, around)
-        middle = (engine.skirt_lower + engine.skirt_upper) / 2
-        half = (engine.skirt_upper - engine.skirt_lower) / 2
-        self.gap = (
-            engine.clearance
-            + engine.barrel * ((self.height - middle) / half) ** 2
-            + engine.ovality / 4 * (1 + np.repeat(np.cos(2 * angle), along))
-        )
-        # how x_A and the rocking angle change the film
-        self.by_motion = np.column_stack([-self.sine, self.height * self.sine])
+        self.arm = engine.bore_radius * self.sine - engine.pin_offset
+        self.gap, self.by_motion = self._clearance(self.angle, self.height)
         self.orbits, self.chosen = _mirrored(around, along)
+        self.asperities = self._asperities() if engine.roughness else None
+        self.inlet = np.full((2, around), engine.edge_fraction)
+
+    def _clearance(self, angle, height):
+        """Gap at rest [m], and how x_A and the rocking angle change it, at angles and heights."""
+        e = self.engine
+        middle = (e.skirt_lower + e.skirt_upper) / 2
+        half = (e.skirt_upper - e.skirt_lower) / 2
+        gap = (
+            e.clearance
+            + e.barrel * ((height - middle) / half) ** 2
+            + e.ovality / 4 * (1 + np.cos(2 * angle))
+        )
+        sine = np.sin(angle)
+        return gap, np.stack([-sine, height * sine], axis=-1)
+
+    def _asperities(self):
+        """Contact at Gauss points of the cells."""
+        x, weight = np.polynomial.legendre.leggauss(POINTS)
+        across = np.repeat(x, POINTS) / 2 * 2 * np.pi / self.engine.grid[0]
+        along = np.tile(x, POINTS) / 2 * self.dy
+        gap, by_motion = self._clearance(self.angle[:, None] + across, self.height[:, None] + along)
+        return Asperities(self.engine.roughness, gap, by_motion, np.kron(weight, weight) / 4)
+
+    def contact(self, position) -> Contact:
+        """Contact of the cells."""
+        if self.asperities is None:
+            n = len(self.gap)
+            return Contact(np.zeros(n), np.zeros((n, 2)), np.zeros(n), np.inf)
+        return self.asperities.contact(position, 0.0)
+
+    def rubbing(self, sliding) -> float:
+        """Boundary shear stress per contact pressure, along y [-]."""
+        r = self.engine.roughness
+        return -r.friction * sliding / np.hypot(sliding, r.rounding) if r else 0.0
 
     def thickness(self, pressure, position, axial_acceleration, compliance):
         """h [m] at the cells."""
@@ -360,16 +411,18 @@ class Monolithic:
 
     def carried(self, fraction, sliding):
         """Film fraction upstream of the axial faces, and the operator that takes it from the
-        cells; an edge supplies a full film.
+        cells; `inlet` is that of the edges.
         """
         faces = self.stencils.axial
         around, along = self.engine.grid
         upstream = faces.before if sliding < 0 else faces.behind
         inlet = np.zeros((around, along + 1))
-        inlet[:, 0 if sliding < 0 else along] = 1.0
-        inlet = inlet.ravel()
-        upstream = sp.diags(1 - inlet) @ upstream
-        return upstream @ fraction + inlet, upstream
+        inside = np.ones((around, along + 1))
+        face, edge = (0, LOWER) if sliding < 0 else (along, UPPER)
+        inlet[:, face] = self.inlet[edge]
+        inside[:, face] = 0.0
+        upstream = sp.diags(inside.ravel()) @ upstream
+        return upstream @ fraction + inlet.ravel(), upstream
 
     def sharpened(self, fraction, sliding):
         """What van Leer's limiter adds to the upstream film fraction at the faces inside.
@@ -379,9 +432,11 @@ class Monolithic:
         """
         around, along = self.engine.grid
         f = fraction.reshape(around, along)
-        with_edge = np.pad(f, ((0, 0), (1, 0)), constant_values=1.0)
+        edge = LOWER
         if sliding > 0:
-            with_edge = np.pad(f[:, ::-1], ((0, 0), (1, 0)), constant_values=1.0)
+            f = f[:, ::-1]
+            edge = UPPER
+        with_edge = np.column_stack([self.inlet[edge], f])
         rise = np.diff(with_edge, axis=1)
         before = rise[:, :-1]
         after = rise[:, 1:]
@@ -392,18 +447,17 @@ class Monolithic:
         faces[:, 1:-1] = more if sliding <= 0 else more[:, ::-1]
         return faces.ravel()
 
-    def force(self, pressure, fraction, h, sliding) -> FilmForce:
-        """On the piston: the pressure pushes inwards; along y minus what the bore feels.
+    def force(self, pressure, fraction, h, sliding, contact=0.0) -> FilmForce:
+        """On the piston: both pressures push inwards; along y minus what the bore feels.
 
-        Eq. (Z5):  f_y = -(mu f V/h - h/2 dp/dy)
+        Eq. (Z5):  f_y = -(mu f V/h - h/2 dp/dy) - mu_b p_c V/|V|
         """
-        push = pressure * self.area
+        push = (pressure + contact) * self.area
         gradient = self._cell_gradient(pressure)
-        shear = -self.engine.viscosity * fraction * sliding / h + h / 2 * gradient  # Eq. (Z5)
-        drag = self.area * shear
+        shear = -self.engine.viscosity * fraction * sliding / h + h / 2 * gradient
+        drag = self.area * (shear + self.rubbing(sliding) * contact)  # Eq. (Z5)
         lateral = -np.sum(push * self.sine)
-        arm = self.engine.bore_radius * self.sine - self.engine.pin_offset
-        moment = np.sum(self.height * push * self.sine) + np.sum(arm * drag)
+        moment = np.sum(self.height * push * self.sine) + np.sum(self.arm * drag)
         return FilmForce(lateral, float(np.sum(drag)), moment)
 
     def _cell_gradient(self, pressure):
@@ -414,8 +468,7 @@ class Monolithic:
         return (np.diff(at_face, axis=1) / self.dy).ravel()
 
     def run(self, angles: np.ndarray, each: Callable[[float], None] = lambda angle: None) -> Curves:
-        """From rest at the first crank angle, the gap of the undeformed bodies full of oil; equal
-        steps.
+        """From rest at the first crank angle, the gap of the undeformed bodies filled; equal steps.
 
         Parameters
         ----------
@@ -429,24 +482,52 @@ class Monolithic:
         ArithmeticError
             Newton's iteration does not converge.
         """
-        step = (angles[1] - angles[0]) / self.engine.speed
+        e = self.engine
+        step = (angles[1] - angles[0]) / e.speed
         n = len(self.gap)
         position = np.zeros(2)
         velocity = np.zeros(2)
-        unknown = np.zeros(n)
+        unknown = np.full(n, e.initial_fraction - 1)
         h = self.gap + self.by_motion @ position
         rows = [self._row(angles[0], unknown, h, position, velocity)]
         # values of the last step and of the one before
-        past = [(position, velocity, h.copy())] * 2
+        past = [(position, velocity, e.initial_fraction * h)] * 2
         rates = (1.0, -1.0, 0.0)  # backward Euler, then BDF2
+        oil = BoreOil(e.supply, e.grid[0], self.dy, 2 * e.crank_radius) if e.supply else None
+        top = self.bodies.height(angles[0], 0.0, 0.0)[0]
+        depth = 0.0
         for angle in angles[1:]:
-            unknown, h, position, velocity = self._step(angle, step, unknown, past, rates)
-            content = _interpret(unknown)[1] * h
-            past = [(position, velocity, content), past[0]]
+            deeper = top - self.bodies.height(angle, 0.0, 0.0)[0]
+            available = oil.available(depth, deeper, step) / step if oil else None
+            unknown, h, position, velocity = self._step(
+                angle, step, unknown, past, rates, available
+            )
+            pressure, fraction = _interpret(unknown)
+            if oil:
+                _, sliding = self.bodies.height(angle, position[0], velocity[0])
+                inflow = step * self._edge_flows(pressure, fraction, h, sliding)
+                oil.left(depth, deeper, inflow, self._at_edges(h))
+            depth = deeper
+            past = [(position, velocity, fraction * h), past[0]]
             rates = (1.5, -2.0, 0.5)
             rows.append(self._row(angle, unknown, h, position, velocity))
             each(angle)
         return Curves(angles, *np.array(rows).T)
+
+    def _at_edges(self, cells):
+        """Values of the cells at the lower and the upper edge, (2, around)."""
+        return cells.reshape(self.engine.grid)[:, [0, -1]].T
+
+    def _edge_flows(self, pressure, fraction, h, sliding):
+        """Oil per width into the film over both edges [m2/s], (2, around)."""
+        carried = self._at_edges(fraction)
+        if sliding != 0:
+            edge = LOWER if sliding < 0 else UPPER
+            carried[edge] = self.inlet[edge]
+        h = self._at_edges(h)
+        squeezed = h**3 / (12 * self.engine.viscosity) * self._at_edges(pressure) * 2 / self.dy
+        inward = np.array([[1.0], [-1.0]])
+        return -inward * sliding / 2 * carried * h - squeezed
 
     def _compliance(self, angle, position, velocity):
         if self.elasticity is None:
@@ -457,11 +538,15 @@ class Monolithic:
     def _row(self, angle, unknown, h, position, velocity):
         pressure, fraction = _interpret(unknown)
         _, sliding = self.bodies.height(angle, position[0], velocity[0])
-        force = self.force(pressure, fraction, h, sliding)
+        contact = self.contact(position)
+        force = self.force(pressure, fraction, h, sliding, contact.pressure)
+        rubbing = self.rubbing(sliding) * self.area * np.sum(contact.pressure)
+        thinnest = min(h.min(), contact.gap)
         power = -force.axial * sliding
-        return *position, -force.lateral, h.min(), pressure.max(), power
+        oil = self.area * np.sum(fraction * h)
+        return *position, -force.lateral, thinnest, pressure.max(), rubbing, power, oil
 
-    def _step(self, angle, step, unknown, past, rates):
+    def _step(self, angle, step, unknown, past, rates, available):
         """Unknowns, film thickness, position and velocity at the end of a step."""
         now, last, before = (rate / step for rate in rates)
         (position_1, velocity_1, content_1), (position_2, velocity_2, content_2) = past
@@ -479,14 +564,21 @@ class Monolithic:
             _, sliding = self.bodies.height(angle, position[0], velocity[0])
             pressure, fraction = _interpret(unknown)
             h = self.thickness(pressure, position, up, compliance)
-            force = self.force(pressure, fraction, h, sliding)
+            contact = self.contact(position)
+            force = self.force(pressure, fraction, h, sliding, contact.pressure)
+            force = self._with_gas(force, self.engine.gas(angle), position)
+            if available is not None and sliding != 0:
+                most = np.abs(sliding) / 2 * self._at_edges(h)
+                self.inlet = np.minimum(available / most, 1.0)
             *wanted, up = self.bodies.accelerations(angle, motion, force)
             balance = now * velocity + velocity_past - wanted
             if iteration < LIMITED:
                 more = self.sharpened(fraction, sliding)
             oil = self.oil_balance(pressure, fraction, h, sliding, now, content_past, more)
+            by_force = self._by_force(angle, motion, force)
+            stiffness = self._contact_stiffness(contact.by_motion, sliding)
             change, moved = self._newton(
-                oil, unknown > 0, compliance, self._by_force(angle, motion, force), now, balance
+                oil, unknown > 0, compliance, by_force, now, balance, stiffness
             )
             change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
             unknown = np.maximum(unknown + change, EMPTIEST - 1)
@@ -546,6 +638,16 @@ class Monolithic:
         )
         return OilBalance(value, by_pressure, by_fraction, by_film)
 
+    def _with_gas(self, force, gas, position):
+        """Add the gas, which acts along the bore's axis."""
+        moment = (self.engine.pin_offset + position[0]) * gas
+        return FilmForce(force.lateral, force.axial - gas, force.moment + moment)
+
+    def _contact_stiffness(self, by_motion, sliding):
+        """Lateral force and moment of the asperities per x_A and rocking angle, (2, 2)."""
+        turning = self.height * self.sine + self.arm * self.rubbing(sliding)
+        return self.area * np.vstack([-self.sine, turning]) @ by_motion
+
     def _by_force(self, angle, motion, force):
         """x_A'' and b' per lateral force and moment, (2, 2)."""
         base = self.bodies.accelerations(angle, motion, force)[:2]
@@ -554,17 +656,18 @@ class Monolithic:
         ends = [self.bodies.accelerations(angle, motion, load)[:2] for load in (pushed, turned)]
         return np.column_stack([end - base for end in ends])
 
-    def _newton(self, oil, full, compliance, by_force, now, balance):
+    def _newton(self, oil, full, compliance, by_force, now, balance, stiffness):
         """Newton's step of the cells and of the position. What the drag on the skirt and the
         acceleration along y change is left to the iteration.
         """
         as_pressure = PRESSURE_SCALE * full
         film = oil.by_pressure @ sp.diags(as_pressure) + oil.by_fraction @ sp.diags(1.0 * ~full)
         right = np.column_stack([oil.value, oil.by_film @ self.by_motion])
+        rows = self.chosen
         if self.elasticity is None:
-            of_cells = splu(sp.csc_matrix(film)).solve(right)
+            half = sp.csc_matrix(film.tocsr()[rows] @ self.orbits)
+            of_cells = self.orbits @ splu(half).solve(right[rows])
         else:
-            rows = self.chosen
             elastic = (oil.by_film.tocsr()[rows] @ compliance) * (self.area * as_pressure)
             dense = (film.tocsr()[rows] @ self.orbits).toarray() + elastic @ self.orbits
             of_cells = self.orbits @ lu_solve(lu_factor(dense), right[rows])
@@ -574,7 +677,8 @@ class Monolithic:
         pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area * as_pressure
         by_cells = -by_force @ pushing
         moved = np.linalg.solve(
-            now**2 * np.eye(2) - by_cells @ from_position, by_cells @ from_oil - balance
+            now**2 * np.eye(2) - by_cells @ from_position - by_force @ stiffness,
+            by_cells @ from_oil - balance,
         )
         return -from_oil - from_position @ moved, moved
 

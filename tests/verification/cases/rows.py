@@ -1,7 +1,7 @@
 """Verification rows of every part: computed against closed forms, published tables and independent
 codes.
 
-A part is a module with `checks()` and, for what takes long, `slow_checks()`; both yield `Check`.
+A part is modules with `checks()` and, for what takes long, `slow_checks()`; both yield `Check`.
 """
 
 import itertools
@@ -9,21 +9,21 @@ from importlib.metadata import version
 
 from rich.table import Table
 
-from . import bodies, coupled, coupling, film
+from . import bodies, coupled, coupling, film, fired
 
 PARTS = {
-    "ehd": film,
-    "mfbd": bodies,
-    "master": coupling,
-    "coupled": coupled,
+    "ehd": [film],
+    "mfbd": [bodies],
+    "master": [coupling],
+    "coupled": [coupled, fired],
 }
 
 
 def checks(parts, slow):
     """The named parts' checks, computed one by one: pairs of part and `Check`."""
     for part in parts:
-        module = PARTS[part]
-        series = [module.checks, module.slow_checks] if slow else [module.checks]
+        series = [module.checks for module in PARTS[part]]
+        series += [module.slow_checks for module in PARTS[part] if slow]
         for check in itertools.chain.from_iterable(compute() for compute in series):
             yield part, check
 
