@@ -157,9 +157,22 @@ def test_figures():
     assert [str(check) for check in coupled.checks() if not check.passed] == []
 
 
-def test_figures_of_the_fired_engine_and_a_wrong_coefficient_of_boundary_friction():
-    assert [str(check) for check in fired.checks() if not check.passed] == []
-    wrong = fired.checks({"boundary_friction_coefficient": "0.126"})
-    assert "friction_force_asperity, scale of the curve [-]" in {
-        check.quantity for check in wrong if not check.passed
+def failed(change):
+    """Quantities of the fired engine whose checks fail if parameters of the film are wrong."""
+    return {check.quantity for check in fired.checks(change) if not check.passed}
+
+
+def test_figures_of_the_fired_engine():
+    assert failed({}) == set()
+
+
+def test_errors_of_five_percent_in_boundary_friction_and_layer_are_seen():
+    wrong = {
+        "boundary_friction_coefficient": "0.126",
+        "oil_ring_layer": "2.1 um",
+        "initial_oil_layer": "3.15 um",
+    }
+    assert failed(wrong) == {
+        "friction_force_asperity, scale of the curve [-]",
+        "oil_in_film, scale of the curve [-]",
     }
