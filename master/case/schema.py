@@ -517,6 +517,11 @@ class Study(Table):
     """Output over which curves are plotted and scored."""
     curves: list[Port] = []
     """Outputs that are scored against those of the reference."""
+    summary: list[str] = []
+    """Entries of the case's summary that the command prints for each run."""
+    sizes: dict[FileName, float] = {}
+    """Cell size or step of three points in any unit, from which the command computes observed
+    orders of `summary`."""
 
     @model_validator(mode="after")
     def consistent(self):
@@ -524,6 +529,11 @@ class Study(Table):
             raise ValueError("x: expected an output with curves, got nothing")
         if self.reference not in self.points:
             raise ValueError(f"reference: {unknown('point', self.reference, self.points)}")
+        for label in self.sizes:
+            if label not in self.points:
+                raise ValueError(f"sizes: {unknown('point', label, self.points)}")
+        if len(self.sizes) not in (0, 3) or len(set(self.sizes.values())) != len(self.sizes):
+            raise ValueError(f"sizes: expected three different sizes, got {self.sizes}")
         return self
 
 

@@ -62,6 +62,12 @@ def command(
     said = studies.study_rows(chosen, checked, rows, runs)
     costs = {row.run: row.cost._asdict() if row.cost else {} for row in said}
     console.print(_shown(costs, f"{chosen.title}: cost", studies.Cost._fields))
+    if chosen.summary:
+        values = {row.run: row.summary for row in said}
+        orders = studies.observed_orders(chosen, said)
+        if orders:
+            values["observed order"] = orders
+        console.print(_shown(values, "summary [SI]", chosen.summary))
     if chosen.curves:
         distances = {row.run: row.distances for row in said}
         title = f"rms distance from {chosen.reference} / its range"

@@ -118,6 +118,41 @@ def _study_row(study, case, row, results, reference):
     )
 
 
+def observed_orders(study, rows) -> dict[str, float]:
+    """Order p of each entry of `study.summary` over the three points of `study.sizes`.
+
+    Eq. (W4):  (u_1 - u_2)/(u_2 - u_3) = (h_1^p - h_2^p)/(h_2^p - h_3^p),   h_1 > h_2 > h_3
+
+    Returns
+    -------
+    dict
+        Empty if a point is not done; NaN if the values do not converge monotonically with an order
+        of 0.01 to 10.
+    """
+    summaries = {row.run: row.summary for row in rows if row.cost}
+    labels = sorted(study.sizes, key=study.sizes.__getitem__, reverse=True)
+    if not labels or any(label not in summaries for label in labels):
+        return {}
+    size = np.array([study.sizes[label] for label in labels]) / study.sizes[labels[0]]
+    return {
+        name: _order(size, [summaries[label][name] for label in labels]) for name in study.summary
+    }
+
+
+def _order(size, values):
+    from scipy.optimize import brentq  # slow to import, and most studies have no sizes
+
+    coarse, fine = np.diff(values)
+
+    def defect(p):
+        first, last = np.diff(size**p)
+        return coarse * last - fine * first  # Eq. (W4)
+
+    if coarse * fine <= 0.0 or defect(0.01) * defect(10.0) >= 0.0:
+        return float("nan")
+    return float(brentq(defect, 0.01, 10.0))
+
+
 def _curve(results, x, y):
     return results.series(x).values, results.series(y).values
 

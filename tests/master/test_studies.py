@@ -1,6 +1,7 @@
 """Studies: points from the case file, distance from the reference, faults before anything runs."""
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,14 @@ import pytest
 from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Series
-from piston_cosim.master.runs.studies import Cost, StudyRow, study_points, study_rows, write_table
+from piston_cosim.master.runs.studies import (
+    Cost,
+    StudyRow,
+    observed_orders,
+    study_points,
+    study_rows,
+    write_table,
+)
 
 PATH = find_case("numerical_example")
 
@@ -87,3 +95,18 @@ def test_distance_from_the_reference(tmp_path):
     del runs[study.reference]
     with pytest.raises(BadInput, match=r"reference: expected a finished run '0\.125"):
         study_rows(study, case, rows, runs)
+
+
+@pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
+def test_observed_order_of_a_power_of_the_size(order):
+    sizes = {"a": 4.0, "c": 1.0, "b": 2.5}
+    study = SimpleNamespace(sizes=sizes, summary=["film", "noise"])
+    cost = Cost(1.0, 1, 1, 1, 1.0)
+    rows = [
+        StudyRow(label, "done", cost, {"film": 3.0 - h**order, "noise": (h - 2) ** 2}, {})
+        for label, h in sizes.items()
+    ]
+    orders = observed_orders(study, rows)
+    assert orders["film"] == pytest.approx(order, rel=1e-9)
+    assert np.isnan(orders["noise"])
+    assert observed_orders(study, rows[1:]) == {}
