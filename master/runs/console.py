@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 from rich.table import Table
 
+from ..fmi.phases import Phase
 from ..fmi.quantities import short
 from .working import Compilation, bars
 
@@ -26,17 +27,21 @@ class Watch:
         self.first: float | None = None
         self.next = 0.0
         self.compilation = Compilation()
+        self.start = Phase("starting")
 
     def tick(self):
         """Show the progress of the start."""
         if self.first is None:
-            self.show(0.0, self.compilation.text() or "starting")
+            left = self.start.expected - self.start.elapsed
+            words = f"starting, {left:.0f} s left" if left > 0.0 else "starting"
+            self.show(0.0, f"{words}  {self.compilation.text()}".rstrip())
 
     def __call__(self, time, stop, solution, monitored):
         now = clock.perf_counter()
         if self.first is None:
             self.first = now
             self.compilation.finish()
+            self.start.finish()
         if now < self.next and time < stop:
             return
         self.next = now + REFRESH

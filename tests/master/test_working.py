@@ -16,6 +16,7 @@ from rich.console import Console
 from piston_cosim.master.fmi.builder_native import sole_compiler
 from piston_cosim.master.fmi.phases import LONGEST_SHARE, UNDER_WAY, Phase, phase
 from piston_cosim.master.runs import working as module
+from piston_cosim.master.runs.console import Watch
 from piston_cosim.master.runs.working import Compilation, working
 
 RUN = [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--no-plots"]
@@ -46,6 +47,17 @@ def test_the_expected_time_is_that_of_the_last_phase_of_this_name(tmp_path, monk
         assert last.share == LONGEST_SHARE
     assert Phase("drawing", work=4).expected == pytest.approx(60.0, rel=1e-2)
     assert not UNDER_WAY
+
+
+def test_the_start_of_a_run_has_the_remaining_time_of_the_last_one(tmp_path, monkeypatch):
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
+    shown = []
+    watch = Watch(lambda share, state: shown.append(state))
+    watch.start.begin -= 60.0
+    watch.tick()
+    watch(1e-3, 1.0, SimpleNamespace(iterations=2, history=[0.5]), {})
+    Watch(lambda share, state: shown.append(state)).tick()
+    assert shown == ["starting", "iterations 2  residual 5e-01", "starting, 60 s left"]
 
 
 def test_the_share_of_kernels_is_that_of_the_last_complete_compilation(tmp_path, monkeypatch):
