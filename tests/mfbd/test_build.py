@@ -50,8 +50,8 @@ def test_missing_file_and_surface(bodies):
         prepare(options | {"piston": options["piston"] | {"mesh": "block.msh"}}, folder, print)
 
 
-def test_reduction_is_cached_by_content(bodies, tmp_path, monkeypatch):
-    folder, options = bodies
+def test_reduction_is_cached_by_content(coarse, tmp_path, monkeypatch):
+    folder, options = coarse
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
     small = options | {
         "piston": options["piston"] | {"modes": 4},
@@ -204,9 +204,9 @@ def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
     assert block["radius"] == pytest.approx(28.025e-3, rel=1e-9)
 
 
-def test_a_body_already_reduced(bodies, tmp_path, monkeypatch):
+def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):
     """One file holds all: the FMU built of it is that of its mesh, reports need nothing else."""
-    folder, options = bodies
+    folder, options = coarse
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
     small = options | {
         "piston": options["piston"] | {"modes": 4},
