@@ -25,13 +25,13 @@ from typing import NamedTuple
 
 CASE = "numerical_example"
 PHASES = {
-    "preparing": "start and reductions",
+    "preparing|reducing": "start and reductions",
     "compiling": "compilation",
     "starting": "first step",
-    "drawing": "pictures",
+    "evaluating|drawing": "answers and pictures",
     "%": "steps",
 }
-"""Word of a progress line -> phase."""
+"""Words of a progress line -> phase, in the order of the search."""
 
 
 class Cost(NamedTuple):
@@ -70,7 +70,7 @@ def run(home: Path, *words: str) -> Cost:
 
 def phase(line: str) -> str:
     """Return the phase of a progress line; "" of another line."""
-    return next((name for word, name in PHASES.items() if re.search(rf"{word}", line)), "")
+    return next((name for words, name in PHASES.items() if re.search(words, line)), "")
 
 
 def lengths(seen: list[tuple[float, str]], wall: float) -> list[tuple[str, float]]:

@@ -18,6 +18,8 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.logs import CouplingLog
 from piston_cosim.master.runs.run import run
 
+from .runs import run_tree
+
 PATH = find_case("two_mass_oscillator")
 
 
@@ -116,10 +118,8 @@ max_iterations = 100
 def test_work_balance_is_as_good_as_the_tolerance(tolerance, tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(CELLS.format(home=Path(__file__).parent, tolerance=tolerance))
-    tree = read_tree(path)
-    case = check_case(tree, path)
-    summary = run(open_system(case, tmp_path, print), case, tree, tmp_path / "base.h5")
-    results = Results(tmp_path / "base.h5")
+    results = run_tree(path, read_tree(path), tmp_path / "base.h5")
+    summary = results.summary
     displacement, force = (
         results.series(port)[0] for port in ("mass.displacement", "spring.force")
     )

@@ -10,14 +10,11 @@ import zipfile
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.ssp import read_ssp
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from .counter import case_text, library, make
+from .runs import run_text
 
 __all__ = ["library"]
 
@@ -32,12 +29,8 @@ LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
 
 def solved(folder, text, changes=()):
     """Summary and results of a case."""
-    path = folder / "case.toml"
-    path.write_text(text)
-    tree = read_tree(path, changes)
-    case = check_case(tree, path)
-    summary = run(open_system(case, folder, print), case, tree, folder / "o.h5")
-    return summary, Results(folder / "o.h5")
+    results = run_text(folder, text, changes)
+    return results.summary, results
 
 
 def refused(folder, text):

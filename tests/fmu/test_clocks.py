@@ -20,10 +20,9 @@ from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 from piston_cosim.master.participants.open import open_fmu
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from .c_fmus import compile_model
+from .runs import run_text
 
 SOURCE = Path(__file__).parent / "c_models" / "clocked.c"
 REALS = [
@@ -126,12 +125,7 @@ order = ["a", "b"]
 
 
 def solved(folder, output, text):
-    path = folder / "case.toml"
-    path.write_text(text)
-    tree = read_tree(path)
-    case = check_case(tree, path)
-    run(open_system(case, folder, print), case, tree, output)
-    results = Results(output)
+    results = run_text(folder, text, output=output)
     return results, results.time
 
 

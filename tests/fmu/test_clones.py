@@ -14,10 +14,9 @@ from piston_cosim.master.case.schema import check_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from . import vectors
+from .runs import run_text
 from .test_foreign_fmus import FEEDTHROUGH
 
 STEPS, H = 4, 0.1
@@ -31,12 +30,9 @@ def folder(tmp_path_factory):
 
 
 def solved(folder, output, more):
-    path = folder / "case.toml"
-    path.write_text(vectors.CASE.format(stop=STEPS * H, more=more))
-    tree = read_tree(path)
-    case = check_case(tree, path)
-    summary = run(open_system(case, folder, print), case, tree, output)
-    return summary, Results(output).dataset("bent.x")[:]
+    text = vectors.CASE.format(stop=STEPS * H, more=more)
+    results = run_text(folder, text, output=output)
+    return results.summary, results.dataset("bent.x")[:]
 
 
 def exact():

@@ -2,6 +2,7 @@
 powers, oil, what is refused, export.
 """
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -12,12 +13,12 @@ from piston_cosim.master.case.check import check
 from piston_cosim.master.case.contract import interface
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 PATH = find_case("crank_bearings")
+computed = partial(run_tree, PATH)
 CRANK = {"big_end_film": "big_end", "main_film": "main_bearing"}
 BEARINGS = {
     "left_film": "boss_left",
@@ -47,12 +48,6 @@ def small(*changes, skirt=(24, 12), pin=(48, 4), crank=(48, 4), stop="30 deg"):
         for supply in ("opening_supply", "pressure_openings"):
             tables[name]["parameters"].pop(supply, None)
     return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
-
-
-def computed(tree, path):
-    case = check_case(tree, PATH)
-    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
-    return Results(path)
 
 
 class Bearing:

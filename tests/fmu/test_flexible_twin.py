@@ -12,12 +12,10 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
+from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.builder import import_part
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
+from .runs import run_tree
 from .test_resume import compare
 
 PATH = find_case("flexible_twin")
@@ -40,11 +38,9 @@ def tree_of(path, stop):
 
 def computed(tree, out, path=PATH):
     """Results of a tree, every step converged."""
-    case = check_case(tree, path)
-    system = open_system(case, path.parent, lambda text: None)
-    summary = run(system, case, tree, out)
-    assert summary["unconverged_steps"] == 0
-    return Results(out)
+    results = run_tree(path, tree, out)
+    assert results.summary["unconverged_steps"] == 0
+    return results
 
 
 def of(results, name):

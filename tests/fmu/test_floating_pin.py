@@ -2,6 +2,7 @@
 forms, powers, oil, the tied pin as the limit, a film's model among several.
 """
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -20,12 +21,9 @@ from piston_cosim.master.case.check import check
 from piston_cosim.master.case.contract import check_fmu, interface, swap_all
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.rivals import rivals_of
-from piston_cosim.master.runs.run import run
 from piston_cosim.tests.verification.cases.bearings import (
     CLEARANCE,
     RADIUS,
@@ -36,7 +34,10 @@ from piston_cosim.tests.verification.cases.bearings import (
     steady,
 )
 
+from .runs import run_tree
+
 PATH = find_case("floating_pin")
+computed = partial(run_tree, PATH)
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
 
 
@@ -52,12 +53,6 @@ def small(*changes, skirt=(24, 12), pin=(48, 4), stop="30 deg"):
         tables[name]["build"] |= {"grid": list(pin), "mask": "none"}
         del tables[name]["parameters"]["opening_supply"]
     return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
-
-
-def computed(tree, path):
-    case = check_case(tree, PATH)
-    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
-    return Results(path)
 
 
 @pytest.mark.parametrize("eccentricity", [pytest.param(0.3, marks=pytest.mark.slow), 0.6])
@@ -187,12 +182,8 @@ def test_newton_needs_no_more_iterations_than_with_one_film(four, tmp_path):
     for name in ("bodies", "ehd"):
         tree["participants"][name]["build"]["grid"] = [24, 12]
     tree |= {"record": {"every": 100}, "pictures": []}
-    case = check_case(tree, find_case("data_sheet"))
-    folder = find_case("data_sheet").parent
-    path = tmp_path / "one.h5"
-    run(open_system(case, folder, lambda text: None), case, tree, path)
-    one = Results(path).summary["mean_iterations"]
-    assert four.summary["mean_iterations"] <= one + 0.5
+    one = run_tree(find_case("data_sheet"), tree, tmp_path / "one.h5")
+    assert four.summary["mean_iterations"] <= one.summary["mean_iterations"] + 0.5
 
 
 @pytest.mark.slow
@@ -209,15 +200,12 @@ def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
     for name in ("bodies", "ehd"):
         tree["participants"][name]["build"]["grid"] = [24, 12]
     tree |= {"record": {"every": 100}, "pictures": []}
-    case = check_case(tree, find_case("data_sheet"))
-    folder = find_case("data_sheet").parent
-    run(open_system(case, folder, lambda text: None), case, tree, tmp_path / "tied.h5")
     names = ("lateral_displacement", "rocking_angle", "side_force")
 
-    def motion(path):
-        return [Results(path).series(f"bodies.{name}").values for name in names]
+    def motion(results):
+        return [results.series(f"bodies.{name}").values for name in names]
 
-    tied = motion(tmp_path / "tied.h5")
+    tied = motion(run_tree(find_case("data_sheet"), tree, tmp_path / "tied.h5"))
     apart = []
     for clearance in (20, 10, 5):
         loose = [
@@ -226,11 +214,10 @@ def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
         ]
         viscosity = f"{5.6 * (clearance / 10) ** 2} mPa s"
         loose += [(f"participants.{film}.parameters.viscosity", viscosity) for film in PINS]
-        path = tmp_path / f"{clearance}.h5"
-        computed(small(*changes, *loose, stop="60 deg"), path)
-        apart.append(
-            [np.abs(a - b).max() / np.ptp(b) for a, b in zip(motion(path), tied, strict=True)]
+        near = motion(
+            computed(small(*changes, *loose, stop="60 deg"), tmp_path / f"{clearance}.h5")
         )
+        apart.append([np.abs(a - b).max() / np.ptp(b) for a, b in zip(near, tied, strict=True)])
         print(f"{clearance} um: " + ", ".join(f"{n} {a:.2e}" for n, a in zip(names, apart[-1])))
     apart = np.array(apart)
     assert (apart[1:] < 0.6 * apart[:-1]).all()

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
+from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.engine.impacts import impacts
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 MASS, CENTRE, INERTIA = 1.39, 0.0265, 0.003
 EDGES = {"lower": -0.0455, "upper": 0.0373}
@@ -22,9 +21,7 @@ def test_energy_lost_is_the_drop_of_the_pistons_own_energy(name, tmp_path):
     path = find_case(name)
     changes = [("time.stop", "400 deg"), ("time.step", "5 deg"), ("record.fields", [])]
     tree = read_tree(path, changes)
-    case = check_case(tree, path)
-    run(open_system(case, path.parent, lambda text: None), case, tree, tmp_path / "run.h5")
-    with Results(tmp_path / "run.h5") as results:
+    with run_tree(path, tree, tmp_path / "run.h5") as results:
         found = impacts(results, "bodies")
         speed, rocking = (
             results.series(f"bodies.{port}").values

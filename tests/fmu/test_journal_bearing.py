@@ -9,6 +9,8 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
 
+from .runs import run_tree
+
 PATH = find_case("journal_bearing")
 
 
@@ -36,10 +38,9 @@ def test_forces_by_hand():
 def ran(tmp_path, *changes):
     """Results of the case, changed, every step converged."""
     tree = read_tree(PATH, list(changes))
-    case, output = check_case(tree, PATH), tmp_path / "shaft.h5"
-    system = open_system(case, PATH.parent, print)
-    assert run(system, case, tree, output)["unconverged_steps"] == 0
-    return Results(output)
+    results = run_tree(PATH, tree, tmp_path / "shaft.h5")
+    assert results.summary["unconverged_steps"] == 0
+    return results
 
 
 def test_motion_forces_and_power_of_the_coupled_shaft(tmp_path):

@@ -2,6 +2,8 @@
 work and oil of a lopsided one, the built FMU, what is refused.
 """
 
+from functools import partial
+
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
@@ -9,12 +11,12 @@ from fmpy.validation import validate_fmu
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.contract import check_fmu
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 PATH = find_case("data_sheet")
+computed = partial(run_tree, PATH)
 SPACE = "participants.bodies.build.motion_in_space"
 MOMENTS = {"inertia_x": "0.0033 kg*m^2", "inertia_y": "0.0029 kg*m^2"}
 TILT = ("participants.bodies.parameters.pin_tilt", "0.5 mrad")
@@ -27,12 +29,6 @@ def small(*changes, stop):
     for name in ("bodies", "ehd"):
         tree["participants"][name]["build"]["grid"] = [24, 12]
     return {**tree, "record": {"every": 100}, "pictures": []}
-
-
-def computed(tree, path):
-    case = check_case(tree, PATH)
-    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
-    return Results(path)
 
 
 def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):

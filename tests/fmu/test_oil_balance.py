@@ -2,11 +2,10 @@
 
 import pytest
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
+from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.engine.oil_balance import oil_balance
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 
 @pytest.mark.parametrize("supply", ["edges", "bore_and_ring"])
@@ -23,9 +22,7 @@ def test_net_flow_is_the_growth_of_the_film(supply, tmp_path):
             *((f"participants.{name}.build.grid", [16, 12]) for name in ("bodies", "ehd")),
         ],
     )
-    case = check_case(tree, path)
-    run(open_system(case, path.parent, lambda text: None), case, tree, tmp_path / "run.h5")
-    with Results(tmp_path / "run.h5") as results:
+    with run_tree(path, tree, tmp_path / "run.h5") as results:
         oil = oil_balance(results, "ehd")
     assert oil is not None and oil.throughput > 0.0
     apart = oil.lower + oil.upper + oil.openings - oil.growth

@@ -8,13 +8,12 @@ import pytest
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.engine.headlines import measures
 from piston_cosim.master.participants.local import LocalParticipant
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.extrapolation import Extrapolation
-from piston_cosim.master.runs.run import run
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
+
+from .runs import run_tree
 
 PATH = find_case("data_sheet")
 PLAIN = 6
@@ -32,10 +31,8 @@ def through(folder, name, *changes, path=PATH, grid=(12, 8), step="6 deg"):
         ("record.fields", []),
     ]
     tree = read_tree(path, [*usual, *changes])
-    case = check_case(tree, path)
-    output = folder / f"{name}.h5"
-    summary = run(open_system(case, path.parent, lambda text: None), case, tree, output)
-    return summary, Results(output)
+    results = run_tree(path, tree, folder / f"{name}.h5")
+    return results.summary, results
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,8 @@
 work of every film to round-off, kill -9 and resume, checks and rivals by film.
 """
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -14,23 +16,16 @@ from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.rivals import rivals_of
-from piston_cosim.master.runs.run import run
 
 from .films import PATH, even_bands, one_film, several_films
+from .runs import run_tree
+
+computed = partial(run_tree, PATH)
 
 GRID = (24, 20)
 STOP = "60 deg"
 GROOVED = [(1, 9), (12, 20)]
-
-
-def computed(tree, path, place=PATH):
-    """Results of a case's tree, which lies at `place`."""
-    case = check_case(tree, place)
-    system = open_system(case, place.parent, lambda text: None)
-    run(system, case, tree, path)
-    return Results(path)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +84,7 @@ def test_a_crown_land_beside_the_skirt(tmp_path):
     path = find_case("grooved_skirt")
     short = [("time.stop", "20 deg"), ("time.step", "2 deg"), ("record.every", 1)]
     tree = variant_trees(path, short, "crown_land")["crown_land"]
-    land = computed(tree, tmp_path / "land.h5", path)
+    land = run_tree(path, tree, tmp_path / "land.h5")
     alone = computed(read_tree(PATH, short), tmp_path / "alone.h5")
     motion = {}
     for name in ("lateral_displacement", "rocking_angle"):

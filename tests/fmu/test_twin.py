@@ -12,13 +12,10 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
-from piston_cosim.master.case.schema import check_case
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from .engines import ENGINES, PATH, PITCH, alone, engine_tree, held, in_line
+from .runs import run_tree
 from .test_resume import compare
 
 SPEED = 176.0
@@ -223,11 +220,9 @@ ROUND_OFF = "1e-9 nm"
 
 def computed(tree, path):
     """Results of a case's tree, every step converged."""
-    case = check_case(tree, PATH)
-    system = open_system(case, PATH.parent, lambda text: None)
-    summary = run(system, case, tree, path)
-    assert summary["unconverged_steps"] == 0
-    return Results(path)
+    results = run_tree(PATH, tree, path)
+    assert results.summary["unconverged_steps"] == 0
+    return results
 
 
 def of(results, name):

@@ -7,11 +7,10 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.master.case.check import check
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import open_system
+from piston_cosim.master.case.schema import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 PATH = find_case("yielding_bosses")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
@@ -43,9 +42,7 @@ def computed(path, *changes):
     tree = read_tree(PATH, settings(*changes))
     fields = ["left_film.pressure", "small_end_film.pressure"]
     tree |= {"record": {"fields": fields, "every": 10}, "pictures": []}
-    case = check_case(tree, PATH)
-    run(open_system(case, PATH.parent, lambda text: None), case, tree, path)
-    return Results(path)
+    return run_tree(PATH, tree, path)
 
 
 @pytest.fixture(scope="module")
@@ -149,9 +146,7 @@ def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tm
     np.savez(path, **arrays)
     build["piston"] = {"reduced": str(path), "tie": "rbe3", "modes": 50}
     tree |= {"record": {"every": 100}, "pictures": []}
-    case = check_case(tree, PATH)
-    run(open_system(case, PATH.parent, lambda text: None), case, tree, tmp_path / "stiff.h5")
-    stiff = Results(tmp_path / "stiff.h5")
+    stiff = run_tree(PATH, tree, tmp_path / "stiff.h5")
     for name in ("lateral_displacement", "pin_displacement_y"):
         soft, hard, near = (one.series(f"bodies.{name}").values for one in (yielding, rigid, stiff))
         apart = np.abs(soft - hard).max()
