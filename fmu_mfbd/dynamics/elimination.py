@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from .arrays import Matrix, Vector
 
 
 class Factors(NamedTuple):
@@ -25,8 +26,8 @@ class Factors(NamedTuple):
         Row that took the place of each in turn; whole numbers.
     """
 
-    both: np.ndarray
-    order: np.ndarray
+    both: Matrix
+    order: Vector
 
 
 @compilable

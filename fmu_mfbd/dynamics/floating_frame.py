@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from .arrays import Matrix, Vector
 
 X = 0
 Y = 1
@@ -113,9 +114,9 @@ class Arrow(NamedTuple):
         Each mode to itself.
     """
 
-    top: np.ndarray
-    left: np.ndarray
-    diagonal: np.ndarray
+    top: Matrix
+    left: Matrix
+    diagonal: Vector
 
 
 def rigid_body(mass: float, centre: tuple[float, float], inertia: float) -> FlexibleBody:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
+from .arrays import Vector
 
 
 class Coefficients(NamedTuple):
@@ -47,9 +48,9 @@ class Motion(NamedTuple):
         q, q', q''.
     """
 
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
 
 
 class Prediction(NamedTuple):

@@ -21,6 +21,7 @@ from ..geometry.film import (
     window_at,
 )
 from ..geometry.surfaces import count_of, surface_at
+from .arrays import Matrix
 from .carrier import FIXED, Carrier, carried
 from .energy import (
     Ledger,
@@ -579,7 +580,7 @@ class Linear(NamedTuple):
     """
 
     arrow: Arrow
-    coupling: np.ndarray
+    coupling: Matrix
     slope: float
     axial_velocity_slope: float
     arm: float

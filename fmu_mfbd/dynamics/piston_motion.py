@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from .arrays import Vector
 from .carrier import FIXED, Carried, Carrier, carried
 from .floating_frame import (
     TURN,
@@ -62,7 +63,7 @@ class Load(NamedTuple):
     axial: float
     moment: float
     guided: float
-    modal: np.ndarray
+    modal: Vector
     carrier: Carrier = FIXED
 
 

@@ -5,7 +5,7 @@ shapes, `Annotated[NDArray, "n_c, n_a + 1"]`. A row holds the leaves in the orde
 declared, an array behind its lengths, so that one that is not there takes a length of 0.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -29,8 +29,8 @@ def shape_of(hint: Any) -> list[str]:
 
 def element_of(hint: Any) -> Any:
     """Return the type of the elements that an annotation gives an array."""
-    _, dtype = get_args(get_args(hint)[0])
-    return get_args(dtype)[0]
+    of_array = get_args(get_args(hint)[0])
+    return get_args(of_array[1])[0] if of_array else np.float64
 
 
 def room(kind: Any) -> str:
@@ -42,8 +42,54 @@ def room(kind: Any) -> str:
     return " + ".join(terms)
 
 
+def row_of(put: Any, tree: Any) -> np.ndarray:
+    """Return the row of a tree by the kernel that writes it."""
+    row = np.zeros(_longest(tree))
+    return row[: put.py_func(row, tree)]
+
+
+def _longest(tree):
+    """Return a length that the row of a tree does not exceed."""
+    if isinstance(tree, tuple):
+        return sum(map(_longest, tree))
+    return np.size(tree) + np.ndim(tree)
+
+
+# ---- the memory of a participant: a head, then parts
+
+PARTS_FROM = 4
+"""Behind the lengths that the entry `size` tells, places where parts begin."""
+
+
+def memory_of(given: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np.ndarray:
+    """Return what a memory begins with: the head and the parts that are given.
+
+    Parameters
+    ----------
+    given : mapping
+        Parts by name, in order.
+    lengths : mapping
+        Of the parts behind them; `state` and `faults` are among them.
+    """
+    sizes = {name: part.size for name, part in given.items()} | dict(lengths)
+    begins = np.cumsum([PARTS_FROM + len(sizes) + 1, *sizes.values()])
+    first = dict(zip(sizes, begins))
+    head = [begins[-1], first["state"], sizes["state"], first["faults"], *begins]
+    return np.concatenate([head, *given.values()])
+
+
+@compiled
+def part(memory: np.ndarray, k: int) -> np.ndarray:
+    """Return the k-th part."""
+    return memory[int(memory[PARTS_FROM + k]) : int(memory[PARTS_FROM + k + 1])]
+
+
+# ---- rows
+
+
 def flatten(kind: Any) -> tuple[Any, Any]:
-    """Return kernels that write a tree into a row, (row, tree), and that read it, (row).
+    """Return kernels that write a tree into a row and return its length, (row, tree), and that read
+    it, (row).
 
     Arrays that are read are views of the row; those of flags are copies.
 
@@ -73,7 +119,8 @@ def flatten(kind: Any) -> tuple[Any, Any]:
             reads.append(f"{name} = {name} != 0.0")
     reads.append(f"return {_built(kind, 'tree', scope)}")
     body = "\n    ".join
-    exec(f"def put(row, tree):\n    {body(writes)}\ndef get(row):\n    {body(reads)}", scope)
+    exec(f"def put(row, tree):\n    {body(writes)}\n    return at", scope)
+    exec(f"def get(row):\n    {body(reads)}", scope)
     return compiled(scope["put"]), compiled(scope["get"])
 
 
