@@ -208,7 +208,7 @@ def given(slave: Any) -> np.ndarray:
             f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
             f"{piston.radius:g} m"
         )
-    begun = _begun(slave, piston, block)
+    begun = _begun(slave, options, piston, block)
     k = len(begun.piston_omega)
     n = len(begun.start_position)
     floats = options.floating_pin is not None
@@ -224,7 +224,7 @@ def given(slave: Any) -> np.ndarray:
     arrow = Arrow(
         np.zeros((RIGID, RIGID + of_tangent)), np.zeros((of_tangent, RIGID)), np.zeros(of_tangent)
     )
-    numbers = [0.0] * (len(Linear._fields) - 2)
+    numbers: Any = [0.0] * (len(Linear._fields) - 2)
     direction = Direction(
         Linear(arrow, np.zeros((of_tangent, of_tangent)), *numbers),
         np.zeros((len(FIXED), of_motion if options.mounted else 0)),
@@ -238,9 +238,8 @@ def given(slave: Any) -> np.ndarray:
     return memory_of({"given": row_of(put_given, begun)}, lengths)
 
 
-def _begun(slave, piston: ReducedPiston, block: ReducedBlock) -> Given:
+def _begun(slave: Any, options: BuildOptions, piston: ReducedPiston, block: ReducedBlock) -> Given:
     """Return `Given` before a start."""
-    options: BuildOptions = slave.built
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
     k, m = len(piston.omega), len(block.omega)
     wall = bore_wall(block.heights, block.radial, block.radius, 1.0, 1.0)
@@ -337,11 +336,11 @@ def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> i
 def _places(slave) -> Places:
     """Return where everything lies among a slave's variables."""
 
-    def place(*key):
-        return slave.references.get(reserved(*key) if len(key) > 1 else key[0], NOWHERE)
+    def place(name, kind=""):
+        return slave.references.get(reserved(kind, name) if kind else name, NOWHERE)
 
-    def places(kind, prefix, *key):
-        return kind(*(place(*key, f"{prefix}{name}") for name in kind._fields))
+    def places(places, prefix, kind=""):
+        return places(*(place(f"{prefix}{name}", kind) for name in places._fields))
 
     def each(names):
         return np.array([place(name) for name in names], dtype=float)
@@ -350,7 +349,7 @@ def _places(slave) -> Places:
         names = [others.get(name, name) for name in FIELDS]
         columns = [[place(f"{film.prefix}{name}") for film in films] for name in names]
         for kind, some in ((SEED, names[:2]), (PRODUCT, names[2:4])):
-            columns += [[place(kind, f"{film.prefix}{name}") for film in films] for name in some]
+            columns += [[place(f"{film.prefix}{name}", kind) for film in films] for name in some]
         columns.append([np.prod(film.shape) for film in films])
         return FieldPlaces(*(np.array(column, dtype=float) for column in columns))
 
@@ -465,15 +464,17 @@ def check(memory, given):
 
 
 @compiled
-def damp(given, p, omega, damping):
-    """Damping of a body's modes, by the bands that hold their frequencies (Eq. (I5))."""
+def spring(bands, p, omega, stiffness, damping):
+    """Set stiffness and damping of modes, by the bands that hold their frequencies (Eq. (I5))."""
+    above, ratio = bands
     for k in range(len(omega)):
         band = 0
-        for j in range(len(given.band_above)):
-            if 2 * np.pi * given.band_above[j] <= omega[k]:
+        for j in range(len(above)):
+            if 2 * np.pi * above[j] <= omega[k]:
                 band = j
+        stiffness[k] = omega[k] ** 2
         damping[k] = damping_at(
-            omega[k], given.band_ratio[band], p.rayleigh_mass_factor, p.rayleigh_stiffness_factor
+            omega[k], ratio[band], p.rayleigh_mass_factor, p.rayleigh_stiffness_factor
         )
 
 
@@ -511,8 +512,8 @@ def machine_pins(given, p):
         for j in range(len(rows)):
             rows[j] = clearance
     bodies = pin_system_of(given, system_of(given)).bodies
-    keep(given.inertia, inertia(bodies))
-    keep(given.with_rod, inertia_with_rod(bodies))
+    keep(given.inertia, inertia(bodies), 1.0)
+    keep(given.with_rod, inertia_with_rod(bodies), 1.0)
 
 
 @compiled
@@ -544,18 +545,16 @@ def prepare(real, integer, given):
     machine(given, p)
     widen(given, p)
     gas = 1.0 if p.top_ring_height > 0.0 else 0.0
-    keep(given.wall_above_now, gas * given.wall_above)
-    keep(given.wall_at_now, gas * given.wall_at)
+    keep(given.wall_above_now, given.wall_above, gas)
+    keep(given.wall_at_now, given.wall_at, gas)
     if not given.constants.bands_given:
         given.band_above[1] = p.damping_transition_frequency
         given.band_ratio[0] = p.damping_ratio
         given.band_ratio[1] = p.high_frequency_damping_ratio
-    damp(given, p, given.piston_omega, given.piston_damping)
-    damp(given, p, given.block_omega, given.block_damping)
-    damp(given, p, given.eye_omega, given.eye_damping)
-    keep(given.piston_stiffness, given.piston_omega**2)
-    keep(given.block_stiffness, given.block_omega**2)
-    keep(given.eye_stiffness, given.eye_omega**2)
+    bands = given.band_above, given.band_ratio
+    spring(bands, p, given.piston_omega, given.piston_stiffness, given.piston_damping)
+    spring(bands, p, given.block_omega, given.block_stiffness, given.block_damping)
+    spring(bands, p, given.eye_omega, given.eye_stiffness, given.eye_damping)
     if has_pins(given):
         machine_pins(given, p)
 
@@ -631,12 +630,12 @@ def is_mounted(given):
 
 
 @compiled
-def keep(to, what):
-    """Copy an array, in a loop."""
+def keep(to, what, factor):
+    """Copy an array times a factor, in a loop."""
     to = to.reshape(to.size)
     what = what.reshape(what.size)
     for k in range(len(to)):
-        to[k] = what[k]
+        to[k] = factor * what[k]
 
 
 @compiled
@@ -740,9 +739,12 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     state = state_of(memory)
     steps = 0 if at.begins else state.steps + 1
     if not at.begins:
+        way = now.position.copy()
+        for k in range(len(way)):
+            way[k] -= before.position[k]
         found = account(
             (state.kinetic, now.ledger.accounted),
-            now.position - before.position,
+            way,
             (state.other_forces, now.other_forces),
             scalars.energy_gain,
         )
@@ -813,8 +815,7 @@ def change_of_tied(real, memory, given, system, last):
     places = given.places
     on_piston = np.zeros(RIGID + len(given.piston_omega))
     if is_mounted(given):
-        carried = carried_at(real, places.carrier_seed)
-        keep(on_piston, carried_force(direction.by_carrier, carried))
+        on_piston = carried_force(direction.by_carrier, carried_at(real, places.carrier_seed))
     push, drag = forces_at(real, places.skirt, True)
     rings = rings_at(real, places.rings_seed)
     return response(system, last.guided, direction.linear, push, drag, rings, on_piston)
@@ -863,7 +864,8 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         crank_angle = p.start_crank_angle
     at_rest = np.zeros(len(position))
     before = Motion(position, given.start_velocity, at_rest)
-    crank = CrankMotion(crank_angle, real[given.places.crank_speed], 0.0)
+    speed = float(real[given.places.crank_speed])
+    crank = CrankMotion(crank_angle, speed, 0.0)
     now = coefficients(0.0, p.spectral_radius)
     solve(real, integer, memory, now, before, at_rest, End(crank, 0.0, True))
 

@@ -87,6 +87,52 @@ def part(memory: np.ndarray, k: int) -> np.ndarray:
 # ---- rows
 
 
+@compiled
+def write(row, at, array):
+    """Write an array into a row from a place on, behind its lengths; return the place behind it."""
+    for length in array.shape:
+        row[at] = length
+        at += 1
+    flat = array.reshape(array.size)
+    for k in range(len(flat)):
+        row[at + k] = flat[k]
+    return at + len(flat)
+
+
+@compiled
+def read_1(row, at):
+    """Return the array of one axis at a place of a row, and the place behind it."""
+    end = at + 1 + int(row[at])
+    return row[at + 1 : end], end
+
+
+@compiled
+def read_2(row, at):
+    """Return the array of two axes at a place of a row, and the place behind it."""
+    n, m = int(row[at]), int(row[at + 1])
+    end = at + 2 + n * m
+    return row[at + 2 : end].reshape((n, m)), end
+
+
+@compiled
+def read_3(row, at):
+    """Return the array of three axes at a place of a row, and the place behind it."""
+    q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2])
+    end = at + 3 + q * n * m
+    return row[at + 3 : end].reshape((q, n, m)), end
+
+
+@compiled
+def read_4(row, at):
+    """Return the array of four axes at a place of a row, and the place behind it."""
+    p, q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2]), int(row[at + 3])
+    end = at + 4 + p * q * n * m
+    return row[at + 4 : end].reshape((p, q, n, m)), end
+
+
+READERS = {f"read_{axes}": one for axes, one in enumerate((read_1, read_2, read_3, read_4), 1)}
+
+
 def flatten(kind: Any) -> tuple[Any, Any]:
     """Return kernels that write a tree into a row and return its length, (row, tree), and that read
     it, (row).
@@ -98,25 +144,20 @@ def flatten(kind: Any) -> tuple[Any, Any]:
     kind : type
         Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64 or bool.
     """
-    scope = {"np": np}
+    scope = {"write": write, **READERS}
     writes, reads = ["at = 0"], ["at = 0"]
     for path, hint in leaves(kind):
-        shape = shape_of(hint)
+        axes = len(shape_of(hint))
         name = path.replace(".", "_")
-        if not shape:
-            kept = hint.__name__
+        if axes:
+            writes.append(f"at = write(row, at, {path})")
+            reads.append(f"{name}, at = read_{axes}(row, at)")
+            if element_of(hint) is np.bool_:
+                reads.append(f"{name} = {name} != 0.0")
+        else:
             writes += [f"row[at] = {path}", "at += 1"]
-            reads += [f"{name} = {'' if kept == 'float' else kept}(row[at])", "at += 1"]
-            continue
-        lengths = [f"int(row[at + {axis}])" for axis in range(len(shape))]
-        writes += [f"row[at + {axis}] = {path}.shape[{axis}]" for axis in range(len(shape))]
-        writes += [f"at += {len(shape)}", f"flat = {path}.reshape({path}.size)"]
-        writes += ["for k in range(len(flat)):", "    row[at + k] = flat[k]", "at += len(flat)"]
-        reads += [f"shape = ({', '.join(lengths)},)", f"at += {len(shape)}"]
-        reads += [f"size = {' * '.join(f'shape[{axis}]' for axis in range(len(shape)))}"]
-        reads += [f"{name} = row[at : at + size].reshape(shape)", "at += size"]
-        if element_of(hint) is np.bool_:
-            reads.append(f"{name} = {name} != 0.0")
+            cast = "" if hint is float else hint.__name__
+            reads += [f"{name} = {cast}(row[at])", "at += 1"]
     reads.append(f"return {_built(kind, 'tree', scope)}")
     body = "\n    ".join
     exec(f"def put(row, tree):\n    {body(writes)}\n    return at", scope)
