@@ -92,7 +92,6 @@ from .native_block import (
     last_of,
     pin_system_of,
     put_direction,
-    put_given,
     put_last,
     put_state,
     settings_of,
@@ -230,12 +229,12 @@ def given(slave: Any) -> np.ndarray:
         np.zeros((len(FIXED), of_motion if options.mounted else 0)),
     )
     lengths = {
-        "state": row_of(put_state, state).size,
-        "last": row_of(put_last, last).size,
-        "direction": row_of(put_direction, direction).size,
+        "state": row_of(state).size,
+        "last": row_of(last).size,
+        "direction": row_of(direction).size,
         "faults": ROOM,
     }
-    return memory_of({"given": row_of(put_given, begun)}, lengths)
+    return memory_of({"given": row_of(begun)}, lengths)
 
 
 def _begun(slave: Any, options: BuildOptions, piston: ReducedPiston, block: ReducedBlock) -> Given:

@@ -253,7 +253,7 @@ class Direction(NamedTuple):
 
 PARTS = ("given", "state", "last", "direction", "faults")
 GIVEN, STATE, LAST, DIRECTION, FAULTS_AT = range(len(PARTS))
-put_given, _given = flatten(Given)
+_, _given = flatten(Given)
 put_state, _state = flatten(State)
 put_last, _last = flatten(Last)
 put_direction, _direction = flatten(Direction)

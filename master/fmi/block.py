@@ -42,17 +42,11 @@ def room(kind: Any) -> str:
     return " + ".join(terms)
 
 
-def row_of(put: Any, tree: Any) -> np.ndarray:
-    """Return the row of a tree by the kernel that writes it."""
-    row = np.zeros(_longest(tree))
-    return row[: put.py_func(row, tree)]
-
-
-def _longest(tree):
-    """Return a length that the row of a tree does not exceed."""
+def row_of(tree: Any) -> np.ndarray:
+    """Return the row of a tree, as its kernel writes it."""
     if isinstance(tree, tuple):
-        return sum(map(_longest, tree))
-    return np.size(tree) + np.ndim(tree)
+        return np.concatenate([row_of(member) for member in tree])
+    return np.array([*np.shape(tree), *np.ravel(tree)], dtype=float)
 
 
 # ---- the memory of a participant: a head, then parts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from piston_cosim.master.fmi.block import flatten, room
+from piston_cosim.master.fmi.block import flatten, room, row_of
 
 
 class Branch(NamedTuple):
@@ -55,7 +55,8 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
         put, get = put.py_func, get.py_func
     length = eval(room(Tree), dict(n=n, m=m))
     row = np.full(length, np.nan)
-    put(row, tree)
+    end = put(row, tree)
+    assert np.array_equal(row[:end], row_of(tree))
     assert same(get(row), tree)
     # the absent array alone leaves room
     assert np.isnan(row).sum() == n * (m + 1)
