@@ -16,7 +16,7 @@ from piston_cosim.master.engine.headlines import (
 )
 from piston_cosim.master.engine.oil_balance import oil_balance
 from piston_cosim.master.engine.places import thinnest_place
-from piston_cosim.master.engine.verdicts import verdicts
+from piston_cosim.master.engine.verdicts import euler_error, verdicts
 from piston_cosim.master.results.file import Results
 
 PATH = find_case("data_sheet")
@@ -287,3 +287,26 @@ def test_where_there_is_no_film_the_gap_is_not_looked_at(tmp_path):
     with Results(tmp_path / "run.h5") as results:
         place = thinnest_place(check_case(results.case, PATH), results, "ehd")
     assert place.index == (30, 9)
+
+
+def test_local_error_of_backward_euler_is_exact_for_a_parabola():
+    time = np.array([0.0, 1.0, 1.5, 3.0])
+    # x = 3 t^2 has x'' = 6: H^2/2 x'' with H = 0.5 and 1.5
+    assert euler_error(time, 3.0 * time**2) == pytest.approx([0.75, 6.75])
+
+
+@pytest.mark.parametrize("turn, colour", [(10.0, "green"), (13.0, "amber")])
+def test_play_of_a_pin_is_judged_by_its_error_over_the_range(tmp_path, turn, colour):
+    """An oscillation that turns by some degrees a step: its error is turn^2/4 of its range, 0.76 %
+    with 10 deg and 1.3 % with 13 deg.
+    """
+    made(tmp_path).close()
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        angle = np.radians(turn) * np.arange(len(file["time"]))
+        for name in ("pin_displacement", "small_end_displacement"):
+            for axis in "xy":
+                column = file.create_dataset(f"bodies/{name}_{axis}", data=1e-6 * np.cos(angle))
+                column.attrs.update({"unit": "m", "description": ""})
+    with Results(tmp_path / "run.h5") as results:
+        found = {one.what: one for one in verdicts(check_case(results.case, PATH), results)}
+    assert found["play of the pin"].colour == colour
