@@ -1,8 +1,14 @@
 """A film as flow and shear see it: between smooth or rough surfaces, thinned by shear.
 
-Shear thinning lowers the viscosity of a cell to that at its shear rate |V|/h, so conductivities
-grow by mu_0/mu and Couette stress falls by mu/mu_0. A bearing slides both ways, V along and W
-around: its shear rate is that of both together.
+Shear thinning lowers the viscosity of a cell to that at its shear rate g = S/h. A bearing slides
+both ways, V along and W around, with S^2 = V^2 + W^2. Couette stress falls by mu/mu_0. Pressure
+flow along the sliding direction meets the slope mu_t of the stress, Eq. (O10), and across it mu:
+
+Eq. (E13):  g_a = g_a0 mu_0 (c^2/mu_t + s^2/mu),   g_c = g_c0 mu_0 (s^2/mu_t + c^2/mu)
+
+c = V/S and s = W/S, at rest 0 and 1. g_a0 and g_c0 are the conductivities with mu_0. Eq. (E13) is
+the generalised-Newtonian average across the film to first order in the pressure gradient. It omits
+the flow that a pressure gradient drives at right angles if a surface slides both ways.
 """
 
 from typing import NamedTuple
@@ -12,7 +18,7 @@ import numpy as np
 from ..master.fmi.compiled import compilable, compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes, rough_film, smooth_film
 from .grid import Array
-from .oil import NO_THINNING, Thinning, thinning
+from .oil import NO_THINNING, Thinning, tangent_thinning, thinning
 
 
 class FilmLaws(NamedTuple):
@@ -95,19 +101,33 @@ def _thinned(quantities, by_film, film_thickness, sheared, laws):
             w = sheared.turning[i, j]
             speed = np.hypot(v, w)
             h = max(film_thickness[i, j], laws.minimum_flow_film)
-            factor, slope = thinning(laws.thinning, speed / h, sheared.temperature[i, j])
+            rate = speed / h
+            kelvin = sheared.temperature[i, j]
+            factor, slope = thinning(laws.thinning, rate, kelvin)
+            tangent, tangent_slope = tangent_thinning(laws.thinning, rate, kelvin)
             above = film_thickness[i, j] > laws.minimum_flow_film
-            to_film = -slope * speed / (h * h) if above else 0.0
-            to_speed = slope / h
-            along = v / speed if speed > 0.0 else 0.0
-            across = w / speed if speed > 0.0 else 0.0
+            to_film = -rate / h if above else 0.0
+            cosine = v / speed if speed > 0.0 else 0.0
+            sine = w / speed if speed > 0.0 else 0.0
+            along = 1.0 / tangent
+            across = 1.0 / factor
+            along_slope = -tangent_slope * along * along
+            across_slope = -slope * across * across
+            # derivative of c^2 to V and to W, times (along - across)
+            turning = (along - across) * 2.0 * cosine * sine / speed if speed > 0.0 else 0.0
             for name in (CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE):
-                raises = name != COUETTE
-                scale = 1.0 / factor if raises else factor
-                by_factor = -1.0 / (factor * factor) if raises else 1.0
-                thick = quantities[name, i, j] * by_factor
-                by_velocity[name, i, j] = thick * to_speed * along
-                by_turning[name, i, j] = thick * to_speed * across
-                by_film[name, i, j] = by_film[name, i, j] * scale + thick * to_film
-                quantities[name, i, j] *= scale
+                if name == COUETTE:
+                    scale = factor
+                    by_rate = slope
+                    turned = 0.0
+                else:
+                    share = cosine * cosine if name == CONDUCTIVITY_A else sine * sine
+                    scale = share * along + (1.0 - share) * across  # Eq. (E13)
+                    by_rate = share * along_slope + (1.0 - share) * across_slope
+                    turned = turning if name == CONDUCTIVITY_A else -turning
+                quantity = quantities[name, i, j]
+                by_velocity[name, i, j] = quantity * (by_rate * cosine / h + turned * sine)
+                by_turning[name, i, j] = quantity * (by_rate * sine / h - turned * cosine)
+                by_film[name, i, j] = by_film[name, i, j] * scale + quantity * by_rate * to_film
+                quantities[name, i, j] = quantity * scale
     return FlowFilm(quantities, FilmSlopes(by_film, by_velocity), FilmSlopes(by_film, by_turning))

@@ -16,6 +16,13 @@ Eq. (O7):  mu/mu_0 = m + (1 - m) / [1 + (g/g_c)^n]
 Eq. (O8):  mu/mu_0 = m + (1 - m) [1 + (g/g_c)^2]^((n-1)/2)
 Eq. (O9):  lg g_c = a + b t
 
+Pressure flow along the sliding direction changes the shear rate of the Couette flow a little. It
+meets the slope of the shear stress, pressure flow across meets mu itself [Conry1987]:
+
+Eq. (O10):  mu_t = max(d(mu g)/dg, m mu_0)
+
+The bound acts for exponents above 1 only, where the stress may fall with the shear rate.
+
 The shear rate is that of sliding: the film of a skirt is sheared by |V|/h, pressure flow adds
 little, and so the thinned viscosity is a function of film and velocity in the same cell, with an
 exact derivative.
@@ -26,6 +33,8 @@ References
 [Walther1931] C. Walther, Erdoel und Teer 7 (1931) 382; ASTM D341.
 [Cross1965] M. M. Cross, J. Colloid Sci. 20 (1965) 417.
 [Carreau1972] P. J. Carreau, Trans. Soc. Rheol. 16 (1972) 99.
+[Conry1987] T. F. Conry, S. Wang, C. Cusano, A Reynolds-Eyring equation for elastohydrodynamic
+lubrication in line contacts, J. Tribol. 109 (1987) 648-654.
 """
 
 from __future__ import annotations
@@ -165,6 +174,40 @@ def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any
     else:
         factor, slope = _carreau_1972(law.exponent, ratio)
     m = law.high_shear_ratio
+    return m + (1.0 - m) * factor, (1.0 - m) * slope / critical
+
+
+@compilable
+def _cross_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
+    """d(x F)/dx and its derivative for the F of `_cross_1965` and x = g/g_c."""
+    power = ratio**n
+    factor = 1.0 / (1.0 + power)
+    slope = n * power / np.maximum(ratio, 1e-30) * factor**2
+    return factor - n * power * factor**2, slope * (2.0 * n * power * factor - n - 1.0)
+
+
+@compilable
+def _carreau_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
+    """The same for the F of `_carreau_1972`."""
+    square = 1.0 + ratio**2
+    factor = square ** ((n - 1.0) / 2.0)
+    share = (1.0 + n * ratio**2) / square
+    slope = (n - 1.0) * ratio * factor / square
+    return factor * share, slope * (share + 2.0 / square)
+
+
+@compilable
+def tangent_thinning(law: Thinning, shear_rate: float, temperature: float) -> tuple[float, float]:
+    """mu_t/mu_0 [-] and its derivative [s], Eq. (O10), as `thinning`."""
+    critical = 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))
+    ratio = shear_rate / critical
+    if law.kind == CROSS_1965:
+        factor, slope = _cross_tangent(law.exponent, ratio)
+    else:
+        factor, slope = _carreau_tangent(law.exponent, ratio)
+    m = law.high_shear_ratio
+    if factor < 0.0:  # Eq. (O10)
+        return m, 0.0
     return m + (1.0 - m) * factor, (1.0 - m) * slope / critical
 
 

@@ -5,9 +5,14 @@ import pytest
 from scipy.integrate import trapezoid
 
 from piston_cosim.fmu_ehd.build import oil_values
-from piston_cosim.fmu_ehd.oil import Oil, thinning
+from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning, thinning
 from piston_cosim.fmu_ehd.piezoviscosity import pressure_of, reduced_pressure, viscosity_ratio
 from piston_cosim.models import MODELS
+from piston_cosim.tests.verification.cases.thinned_pad import (
+    generalised_newtonian_load,
+    isotropic_load,
+    model_load,
+)
 
 GRADES = {
     "sae_0w_20": (6.2, -35.0, 6.9, 9.3, 2.6),
@@ -124,3 +129,25 @@ def test_library_faults_are_reported_together():
         "got unknown choice 'linear'",
     )
     assert all(word in text for word in words)
+
+
+@pytest.mark.parametrize(
+    "ratio, speed, error",
+    [(0.74, 1.0, 0.005), (0.5, 1.0, 0.01), (0.3, 1.0, 0.015), (0.3, 10.0, 0.001)],
+)
+def test_a_pad_carries_the_load_of_the_generalised_newtonian_flow(ratio, speed, error):
+    """Measured -0.25, -0.65, -1.34 and -0.04 %, of second order in the pressure gradient. One
+    viscosity for both directions carries 3.3, 9.2, 21 and 2.9 % too much.
+    """
+    oil = Oil(shear_thinning_law="cross_1965", high_shear_ratio=ratio)
+    load = generalised_newtonian_load(oil, speed)
+    assert isotropic_load(oil, speed) > (1.0 + 3.0 * error) * load
+    assert model_load(oil, speed) == pytest.approx(load, rel=error)
+
+
+def test_the_stress_of_a_large_exponent_may_fall_but_the_film_still_flows():
+    """Cross with n = 4: d(mu g)/dg < 0 next to g_c, where the bound m is used."""
+    law = Oil(shear_thinning_law="cross_1965", shear_thinning_exponent=4.0).thinning
+    critical = 10.0 ** (2.5 + 0.0213 * 100.0)
+    assert tangent_thinning(law, 1.2 * critical, 373.15) == (0.74, 0.0)
+    assert tangent_thinning(law, 0.0, 373.15) == (1.0, 0.0)

@@ -14,6 +14,7 @@ from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table, point
 from piston_cosim.fmu_ehd.contact import Contact
 from piston_cosim.fmu_ehd.films import (
     CONDUCTIVITY_A,
+    CONDUCTIVITY_C,
     COUETTE,
     QUANTITIES,
     FilmSlopes,
@@ -137,8 +138,10 @@ def test_below_the_floor_nothing_follows_the_film():
 def test_thinned_film_follows_film_and_velocity():
     """Cross, n = 1, m = 1/5, at three times the critical shear rate g_c = 1/h per second: mu/mu_0 =
     1/5 + 4/5 / 4 = 2/5, its derivative -1/(20 g_c) = -h/20 s at V = -3 m/s; to the film 3/(20 h)
-    1/m, to the velocity 1/20 s/m;  c = m mu_0/h,  g = h^3/(12 m mu_0). Below the floor it
-    follows the velocity alone; W shears it as V does; at rest it is thick.
+    1/m, to the velocity 1/20 s/m;  c = mu/h. Flow along the sliding direction meets mu_t/mu_0 =
+    1/5 + 4/5 / 4^2 = 1/4, its derivative -2 x 4/5 / 4^3 / g_c = -h/40 s, and flow across meets mu:
+    g_a = h^3/(12 mu_t),  g_c = h^3/(12 mu). Below the floor it follows the velocity alone; W shears
+    it as V does; at rest it is thick.
     """
     law = Thinning(CROSS_1965, 0.2, 1.0, -np.log10(FILM), 0.0)
     laws = FilmLaws(FILM, 0.0, np.zeros((0, 0)), law)
@@ -155,11 +158,16 @@ def test_thinned_film_follows_film_and_velocity():
     )
     assert slopes.by_velocity[COUETTE, 0] == near(couette * 0.05 * np.array([1.0, 1.0, 0.0, 0.0]))
     assert around.by_velocity[COUETTE, 0] == near(-couette * 0.05 * np.array([0.0, 0.0, 1.0, 0.0]))
-    assert film[CONDUCTIVITY_A, 0, 0] == near(CONDUCTIVITY / 0.4)
-    by_factor = CONDUCTIVITY / 0.16
-    steeper = CONDUCTIVITY / 0.4 * 3.0 / FILM - by_factor * 0.15 / FILM
-    assert slopes.by_film[CONDUCTIVITY_A, 0, 0] == near(steeper)
-    assert slopes.by_velocity[CONDUCTIVITY_A, 0, 0] == near(-by_factor * 0.05)
+    # quantity, viscosity ratio of each cell, its derivative to V in the first
+    for name, ratio, slope in (
+        (CONDUCTIVITY_A, np.array([0.25, 0.25, 0.4, 1.0]), 1.0 / 40.0),
+        (CONDUCTIVITY_C, np.array([0.4, 0.4, 0.25, 1.0]), 1.0 / 20.0),
+    ):
+        assert film[name, 0] == near(CONDUCTIVITY / ratio)
+        by_ratio = CONDUCTIVITY / ratio[0] ** 2
+        steeper = CONDUCTIVITY / ratio[0] * 3.0 / FILM - by_ratio * 3.0 * slope / FILM
+        assert slopes.by_film[name, 0, 0] == near(steeper)
+        assert slopes.by_velocity[name, 0, 0] == near(-by_ratio * slope)
 
 
 def test_contact_at_no_distance_follows_the_film():
