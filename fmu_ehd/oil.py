@@ -17,7 +17,7 @@ Eq. (O8):  mu/mu_0 = m + (1 - m) [1 + (g/g_c)^2]^((n-1)/2)
 Eq. (O9):  lg g_c = a + b t
 
 Pressure flow along the sliding direction changes the shear rate of the Couette flow a little. It
-meets the slope of the shear stress, pressure flow across meets mu itself [Conry1987]:
+meets the slope of the shear stress, pressure flow across meets mu itself [Dien1983]:
 
 Eq. (O10):  mu_t = max(d(mu g)/dg, m mu_0)
 
@@ -33,8 +33,8 @@ References
 [Walther1931] C. Walther, Erdoel und Teer 7 (1931) 382; ASTM D341.
 [Cross1965] M. M. Cross, J. Colloid Sci. 20 (1965) 417.
 [Carreau1972] P. J. Carreau, Trans. Soc. Rheol. 16 (1972) 99.
-[Conry1987] T. F. Conry, S. Wang, C. Cusano, A Reynolds-Eyring equation for elastohydrodynamic
-lubrication in line contacts, J. Tribol. 109 (1987) 648-654.
+[Dien1983] I. K. Dien, H. G. Elrod, A generalized steady-state Reynolds equation for non-Newtonian
+fluids, with application to journal bearings, J. Lubr. Technol. 105 (1983) 385-390.
 """
 
 from __future__ import annotations
@@ -163,11 +163,17 @@ def _carreau_1972(n: float, ratio: Any) -> tuple[Any, Any]:
 
 
 @compilable
+def _critical_shear_rate(law: Thinning, temperature: Any) -> Any:
+    """g_c [1/s], Eq. (O9)."""
+    return 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))  # Eq. (O9)
+
+
+@compilable
 def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any]:
     """mu/mu_0 [-] and its derivative [s] at a shear rate [1/s] and temperature [K], Eqs. (O7) to
     (O9), of a law that is not none.
     """
-    critical = 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))  # Eq. (O9)
+    critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
     if law.kind == CROSS_1965:
         factor, slope = _cross_1965(law.exponent, ratio)
@@ -199,16 +205,15 @@ def _carreau_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
 @compilable
 def tangent_thinning(law: Thinning, shear_rate: float, temperature: float) -> tuple[float, float]:
     """mu_t/mu_0 [-] and its derivative [s], Eq. (O10), as `thinning`."""
-    critical = 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))
+    critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
     if law.kind == CROSS_1965:
         factor, slope = _cross_tangent(law.exponent, ratio)
     else:
         factor, slope = _carreau_tangent(law.exponent, ratio)
     m = law.high_shear_ratio
-    if factor < 0.0:  # Eq. (O10)
-        return m, 0.0
-    return m + (1.0 - m) * factor, (1.0 - m) * slope / critical
+    share = 1.0 - m if factor > 0.0 else 0.0  # Eq. (O10)
+    return m + share * factor, share * slope / critical
 
 
 # ---- the oil

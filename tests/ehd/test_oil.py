@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from piston_cosim.fmu_ehd.build import oil_values
+from piston_cosim.fmu_ehd.flow_film import FilmLaws, Sheared, flow_film
 from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning, thinning
 from piston_cosim.fmu_ehd.piezoviscosity import pressure_of, reduced_pressure, viscosity_ratio
 from piston_cosim.models import MODELS
@@ -151,3 +152,25 @@ def test_the_stress_of_a_large_exponent_may_fall_but_the_film_still_flows():
     critical = 10.0 ** (2.5 + 0.0213 * 100.0)
     assert tangent_thinning(law, 1.2 * critical, 373.15) == (0.74, 0.0)
     assert tangent_thinning(law, 0.0, 373.15) == (1.0, 0.0)
+
+
+def test_thinned_film_has_its_slopes_where_it_slides_both_ways():
+    law = Oil(shear_thinning_law="cross_1965", shear_thinning_exponent=0.8).thinning
+    laws = FilmLaws(1e-7, 0.0, np.zeros((0, 0)), law)
+
+    def at(film, velocity, turning):
+        cell = np.full((1, 1), 1.0)
+        oil = Sheared(velocity * cell, turning * cell, 0.01 * cell, 373.15 * cell)
+        return flow_film(film * cell, oil, laws)
+
+    _, slopes, around = at(8e-6, 0.2, -0.3)
+    for slope, change in (
+        (slopes.by_film, np.array([1e-10, 0.0, 0.0])),
+        (slopes.by_velocity, np.array([0.0, 1e-5, 0.0])),
+        (around.by_velocity, np.array([0.0, 0.0, 1e-5])),
+    ):
+        point = np.array([8e-6, 0.2, -0.3])
+        upper, lower = at(*(point + change)), at(*(point - change))
+        difference = (upper.quantities - lower.quantities) / (2.0 * change.sum())
+        # third derivative times the square of the change, and round-off
+        assert slope == pytest.approx(difference, rel=1e-7, abs=0.0)
