@@ -91,7 +91,7 @@ def flow_film(film_thickness: Array, sheared: Sheared, laws: FilmLaws) -> FlowFi
 
 @compiled
 def _thinned(quantities, by_film, film_thickness, sheared, laws):
-    """`FlowFilm` of thinned oil; `quantities` and `by_film` in place."""
+    """`FlowFilm` of thinned oil, Eq. (E13); `quantities` and `by_film` in place."""
     n_c, n_a = film_thickness.shape
     by_velocity = np.zeros(by_film.shape)
     by_turning = np.zeros(by_film.shape)
