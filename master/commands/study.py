@@ -62,14 +62,13 @@ def command(
     said = studies.study_rows(chosen, checked, rows, runs)
     costs = {row.run: row.cost._asdict() if row.cost else {} for row in said}
     console.print(_shown(costs, f"{chosen.title}: cost", studies.Cost._fields))
+    orders = studies.observed_orders(chosen, said)
+    last = {"observed order": orders} if orders else {}
     if chosen.summary:
-        values = {row.run: row.summary for row in said}
-        orders = studies.observed_orders(chosen, said)
-        if orders:
-            values["observed order"] = orders
+        values = {row.run: row.summary for row in said} | last
         console.print(_shown(values, "summary [SI]", chosen.summary))
     if chosen.curves:
-        distances = {row.run: row.distances for row in said}
+        distances = {row.run: row.distances for row in said} | last
         title = f"rms distance from {chosen.reference} / its range"
         console.print(_shown(distances, title, chosen.curves))
     missed = {row.run: row.truncation for row in said if row.truncation}

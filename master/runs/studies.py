@@ -119,7 +119,8 @@ def _study_row(study, case, row, results, reference):
 
 
 def observed_orders(study, rows) -> dict[str, float]:
-    """Order p of each entry of `study.summary` over the three points of `study.sizes`.
+    """Order p of each entry of `study.summary` over the three points of `study.sizes`, and of each
+    curve by its distance from the finest one, if that is the reference.
 
     Eq. (W4):  (u_1 - u_2)/(u_2 - u_3) = (h_1^p - h_2^p)/(h_2^p - h_3^p),   h_1 > h_2 > h_3
 
@@ -129,14 +130,15 @@ def observed_orders(study, rows) -> dict[str, float]:
         Empty if a point is not done; NaN if the values do not converge monotonically with an order
         of 0.01 to 10.
     """
-    summaries = {row.run: row.summary for row in rows if row.cost}
+    done = {row.run: row for row in rows if row.cost}
     labels = sorted(study.sizes, key=study.sizes.__getitem__, reverse=True)
-    if not labels or any(label not in summaries for label in labels):
+    if not labels or any(label not in done for label in labels):
         return {}
     size = np.array([study.sizes[label] for label in labels]) / study.sizes[labels[0]]
-    return {
-        name: _order(size, [summaries[label][name] for label in labels]) for name in study.summary
-    }
+    values = {name: [done[label].summary[name] for label in labels] for name in study.summary}
+    if labels[-1] == study.reference:
+        values |= {port: [done[label].distances[port] for label in labels] for port in study.curves}
+    return {name: _order(size, several) for name, several in values.items()}
 
 
 def _order(size, values):

@@ -100,13 +100,20 @@ def test_distance_from_the_reference(tmp_path):
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_observed_order_of_a_power_of_the_size(order):
     sizes = {"a": 4.0, "c": 1.0, "b": 2.5}
-    study = SimpleNamespace(sizes=sizes, summary=["film", "noise"])
+    study = SimpleNamespace(sizes=sizes, summary=["film", "noise"], reference="c", curves=["y"])
     cost = Cost(1.0, 1, 1, 1, 1.0)
     rows = [
-        StudyRow(label, "done", cost, {"film": 3.0 - h**order, "noise": (h - 2) ** 2}, {})
+        StudyRow(
+            label,
+            "done",
+            cost,
+            {"film": 3.0 - h**order, "noise": (h - 2) ** 2},
+            {"y": h**order - 1.0},
+        )
         for label, h in sizes.items()
     ]
     orders = observed_orders(study, rows)
     assert orders["film"] == pytest.approx(order, rel=1e-9)
+    assert orders["y"] == pytest.approx(order, rel=1e-9)
     assert np.isnan(orders["noise"])
     assert observed_orders(study, rows[1:]) == {}
