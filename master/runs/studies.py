@@ -152,7 +152,8 @@ def _order(size, values):
 
     if coarse * fine <= 0.0 or defect(0.01) * defect(10.0) >= 0.0:
         return float("nan")
-    return float(brentq(defect, 0.01, 10.0))
+    root: Any = brentq(defect, 0.01, 10.0)
+    return float(root)
 
 
 def _curve(results, x, y):
