@@ -447,7 +447,7 @@ class Monolithic:
         faces[:, 1:-1] = more if sliding <= 0 else more[:, ::-1]
         return faces.ravel()
 
-    def force(self, pressure, fraction, h, sliding, contact=0.0) -> FilmForce:
+    def force(self, pressure, fraction, h, sliding, contact: Any = 0.0) -> FilmForce:
         """On the piston: both pressures push inwards; along y minus what the bore feels.
 
         Eq. (Z5):  f_y = -(mu f V/h - h/2 dp/dy) - mu_b p_c V/|V|
