@@ -2,9 +2,9 @@
 is made outside.
 """
 
-import numpy as np
-
 from ..master.fmi.compiled import compiled
+from ..master.fmi.noted import refuse as note
+from ..master.fmi.noted import sentences_of
 from .cavitation import NotConverged
 from .grid import Array
 
@@ -87,55 +87,15 @@ FAULTS = (
     NARROW_STEPS,
     BEYOND_PRESSURE_LAW,
 ) = map(float, range(len(FAULTS)))  # numba compiles a kernel anew for every literal integer
-MOST_FAULTS = 12
-OF_A_FAULT = 6  # number of the sentence, i, j, a, b, c
-ROOM = 1 + MOST_FAULTS * OF_A_FAULT  # numbers: how many, then each
 
 
 @compiled
 def refuse(faults: Array, number: float, i: int, j: int, a: float, b: float, c: float):
-    """Note a fault."""
-    count = int(faults[0])
-    if count < MOST_FAULTS:
-        first = 1 + OF_A_FAULT * count
-        faults[first] = number
-        faults[first + 1] = i + 1
-        faults[first + 2] = j + 1
-        faults[first + 3] = a
-        faults[first + 4] = b
-        faults[first + 5] = c
-        faults[0] = count + 1
-
-
-@compiled
-def remark(faults: Array, number: float):
-    """Note a warning, a sentence without numbers, in the place of the first fault: below 0, and no
-    fault is counted.
-    """
-    if faults[0] == 0.0:
-        faults[1] = -1.0 - number
-
-
-def remark_of(faults: Array) -> str:
-    """Return the sentence of the warning that is noted, empty without one."""
-    return FAULTS[int(-1.0 - faults[1])] if faults[1] < 0.0 else ""
-
-
-def sentences_of(faults: Array) -> list[str]:
-    """The sentence of each fault that is noted."""
-    noted = faults[1:].reshape(MOST_FAULTS, OF_A_FAULT)[: int(faults[0])].tolist()
-    return [
-        FAULTS[int(number)].format(i=int(i), j=int(j), a=f"{a:g}", b=f"{b:g}", c=f"{c:g}")
-        for number, i, j, a, b, c in noted
-    ]
+    """Note a fault in a cell, counted from 0 here and from 1 in sentences."""
+    note(faults, number, i + 1.0, j + 1.0, a, b, c)
 
 
 def raise_noted(faults: Array) -> None:
     """Raise `NotConverged` where a fault is noted, with all their sentences."""
     if faults[0]:
-        raise NotConverged("; ".join(sentences_of(faults)))
-
-
-def none_yet() -> Array:
-    """Room for faults."""
-    return np.zeros(ROOM)
+        raise NotConverged("; ".join(sentences_of(faults, FAULTS)))

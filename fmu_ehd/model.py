@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..master.fmi.noted import none_yet, remark_of
 from . import asperity, coating, oil_layer, openings, step
 from . import step_parts as parts
 from .asperity import ContactConstants
-from .faults import none_yet, raise_noted, remark_of
+from .faults import FAULTS, raise_noted
 from .film_step import FilmStep
 from .flow_film import FilmLaws
 from .grid import Array, Grid
@@ -188,7 +189,7 @@ class LubricationModel:
         filled = self.parameters.initial_film_fraction
         memory, fields, scalars = step.start(self.fixed, inputs, filled, faults)
         raise_noted(faults)
-        self.remark = remark_of(faults)
+        self.remark = remark_of(faults, FAULTS)
         return State.of(memory), self._outputs(fields, scalars, 0)
 
     def advance(
@@ -239,7 +240,7 @@ class LubricationModel:
         raise_noted(faults)
         ended = step.end(fixed, memory, inputs, begun, solved, faults)
         raise_noted(faults)
-        self.remark = remark_of(faults)
+        self.remark = remark_of(faults, FAULTS)
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
         return State.of(ended.memory), outputs

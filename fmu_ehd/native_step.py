@@ -11,6 +11,7 @@ import numpy as np
 
 from ..master.fmi.block import flatten, room
 from ..master.fmi.compiled import compiled, packed
+from ..master.fmi.noted import ROOM
 from . import cavitation, coating, oil_layer, openings, step
 from . import step_parts as parts
 from .asperity import ContactConstants, pressure_scale
@@ -23,7 +24,7 @@ from .contradictions import (
     edges_of,
     outside_of,
 )
-from .faults import ROOM, STROKE_TOO_LONG, refuse
+from .faults import STROKE_TOO_LONG, refuse
 from .film_step import Domain
 from .flow_film import FilmLaws
 from .grid import Array, Cells, keep

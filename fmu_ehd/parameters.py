@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..master.fmi.noted import none_yet, sentences_of
 from .asperity import CONTACT_LAWS
 from .cavitation import CAVITATION
 from .contradictions import FULL_TURN, Kind, Supply, check_kind, check_supply
 from .declaration import choice, declared, names_of
-from .faults import none_yet, sentences_of
+from .faults import FAULTS
 from .friction import CAVITY_SHEAR
 from .grid import Flags
 from .oil import Oil
@@ -243,7 +244,7 @@ def supply_faults(parameters: Parameters, conditions: Mapping[str, float]) -> li
     """
     noted = none_yet()
     check_supply(supply_of(parameters, conditions), noted)
-    return sentences_of(noted)
+    return sentences_of(noted, FAULTS)
 
 
 def faults(parameters: Parameters) -> list[str]:
@@ -273,4 +274,4 @@ def faults(parameters: Parameters) -> list[str]:
     )
     check_kind(kind, noted)
     conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
-    return supply_faults(p, conditions) + sentences_of(noted)
+    return supply_faults(p, conditions) + sentences_of(noted, FAULTS)

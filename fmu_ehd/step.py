@@ -11,6 +11,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable, standing_for
+from ..master.fmi.noted import remark
 from . import (
     cavitation,
     circumferential,
@@ -26,7 +27,7 @@ from .circumferential import Changes, Turning, TurningSlopes
 from .coated_film import CoatedFilm, Layer, Pressed
 from .coating import Softness
 from .contact import contact_changes, has_narrow_steps
-from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS, remark
+from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
 from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
 from .films import COUETTE, STORED, FilmSlopes, Quantities
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film

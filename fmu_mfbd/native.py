@@ -11,28 +11,29 @@ from ..master.fmi.block import memory_of, part, row_of
 from ..master.fmi.compiled import compiled
 from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import Entry, NativePart, size
+from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.account import account
 from .dynamics.assembly import (
-    BESIDE_BOSSES,
-    BESIDE_EYE,
-    NO_PIN_MASS,
-    NO_ROD,
-    OTHER_FRICTION,
-    TURN,
     damping_at,
-    lies_beside,
     machined_gap,
     measured,
     modes_beside_pin,
-    pin_height,
-    pin_radius,
     pin_surfaces,
     surfaces,
 )
 from .dynamics.block_force import StepEnd, by_carrier, carried_force, force_at, force_change
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
+from .dynamics.contradictions import (
+    FAULTS,
+    GIVEN_TWICE,
+    NO_ANGLE,
+    NOT_SOLVED,
+    Fit,
+    check,
+    pin_radius,
+)
 from .dynamics.drive import Scalars, demand_of, others_of, scalars_of
 from .dynamics.elimination import Factors
 from .dynamics.first_steps import FIRST_STEPS, first_steps
@@ -49,8 +50,6 @@ from .dynamics.generalised_alpha import Motion, coefficients
 from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
-    GAS_TWICE,
-    NO_GAS_TABLE,
     Parameters,
     PinParameters,
 )
@@ -118,55 +117,10 @@ class GasAtAngle(NamedTuple):
 COVERED: dict[str, tuple[str, ...] | float] = {"crank_free": 0.0, "quasi_static_frequency": 1e9}
 """The only value of a number that is in the library; all else is free."""
 
-FAULTS = (
-    "rod_length: expected more than crank_radius plus the offsets, {b} m, got {a} m",
-    "rod_centre: expected at most rod_length = {b} m, got {a} m",
-    "second_ring_height: expected {b} m, the skirt's upper edge, to top_ring_height = {c} m, "
-    "got {a} m",
-    "crank_radius, rod_length: expected a skirt within the bore, {c} to {i} m, "
-    "got {a} to {b} m above the crank axis",
-    "piston motion at crank angle {a} rad: Newton's method finds no accelerations; their last "
-    "relative change is {b} (nan: diverged)",
-    "crank angle = {a} rad: must be finite",
-    BESIDE_BOSSES,
-    BESIDE_EYE,
-    NO_PIN_MASS,
-    *OTHER_FRICTION.values(),
-    *NO_ROD.values(),
-    NO_GAS_TABLE,
-    GAS_TWICE,
-)
-(
-    ROD_TOO_SHORT,
-    CENTRE_BEYOND,
-    RINGS_REVERSED,
-    OUT_OF_BORE,
-    NOT_SOLVED,
-    NO_ANGLE,
-    NOT_OF_BOSSES,
-    NOT_OF_EYE,
-    WITHOUT_PIN_MASS,
-    FRICTION_OF_PIN,
-) = range(10)
-FRICTION_SPEED = FRICTION_OF_PIN + 1
-FRICTION_DAMPING = FRICTION_OF_PIN + 2
-WITHOUT_TABLE, GIVEN_TWICE = len(FAULTS) - 2, len(FAULTS) - 1
 GAS_EITHER, GAS_TABLE, GAS_INPUT = range(1, 4)
 """Numbers of the choices in `GAS_SOURCES`."""
 CHOSEN_GAS = SETTING.index("gas_source")
-ROD_IN_BIG_END = FRICTION_OF_PIN + len(OTHER_FRICTION)
-ROD_IN_BEARING = ROD_IN_BIG_END + 2
-ROD_IN_BOTH = ROD_IN_BIG_END + 4
-"""Without mass of the rod, and without inertia one further."""
-MOST_FAULTS = 8
-OF_A_FAULT = 6
-ROOM = 1 + MOST_FAULTS * OF_A_FAULT
 ENERGY_GAIN, ENERGY_SIZE = map(Scalars._fields.index, ("energy_gain", "energy_size"))
-USUAL = Parameters()
-USUAL_FRICTION = float(USUAL.pin_friction_coefficient)
-USUAL_SPEED = float(USUAL.pin_friction_speed)
-USUAL_DAMPING = float(USUAL.pin_friction_damping)
-
 OPTIONS = {
     "speed": "a table of crank speed",
     "motion_in_space": "a motion in space",
@@ -376,90 +330,23 @@ def _places(slave) -> Places:
 
 
 @compiled
-def refuse(memory, number, a, b, c, d):
-    """Note a fault: its number among FAULTS and what its sentence names."""
-    faults = part(memory, FAULTS_AT)
-    at = int(faults[0])
-    if at < MOST_FAULTS:
-        one = faults[1 + OF_A_FAULT * at :]
-        one[0], one[1], one[3], one[4], one[5] = number, d, a, b, c
-        faults[0] = at + 1.0
-
-
-@compiled
-def remark(memory, number):
-    """Note a warning in the place of the first fault: below 0, and no fault is counted."""
-    faults = part(memory, FAULTS_AT)
-    if faults[0] == 0.0:
-        faults[1] = -1.0 - number
-
-
-@compiled
-def refused(memory):
-    """Return whether a fault is noted."""
-    return part(memory, FAULTS_AT)[0] > 0.0
-
-
-@compiled
-def check_pin(memory, x, p):
-    """Note what does not go with a floating pin, as `assembly.floating_faults`, `eye_faults` and
-    `crank_faults`.
-    """
-    radius = pin_radius(x.piston_radius, p)
-    if x.boss_radius > 0.0 and lies_beside(radius, x.boss_radius):
-        refuse(memory, NOT_OF_BOSSES, 1e3 * radius, 1e3 * x.boss_radius, 0.0, 0.0)
-    if p.pin_mass == 0.0:
-        refuse(memory, WITHOUT_PIN_MASS, 0.0, 0.0, 0.0, 0.0)
-    if p.pin_friction_coefficient != 0.0 and p.pin_friction_coefficient != USUAL_FRICTION:
-        refuse(memory, FRICTION_OF_PIN, p.pin_friction_coefficient, 0.0, 0.0, 0.0)
-    if p.pin_friction_speed != 0.0 and p.pin_friction_speed != USUAL_SPEED:
-        refuse(memory, FRICTION_SPEED, p.pin_friction_speed, 0.0, 0.0, 0.0)
-    if p.pin_friction_damping != 0.0 and p.pin_friction_damping != USUAL_DAMPING:
-        refuse(memory, FRICTION_DAMPING, p.pin_friction_damping, 0.0, 0.0, 0.0)
-    if x.eye_radius > 0.0 and lies_beside(radius, x.eye_radius):
-        refuse(memory, NOT_OF_EYE, 1e3 * radius, 1e3 * x.eye_radius, 0.0, 0.0)
-    if x.has_big_end or x.has_main_bearing:
-        sentence = ROD_IN_BIG_END
-        if x.has_main_bearing:
-            sentence = ROD_IN_BOTH if x.has_big_end else ROD_IN_BEARING
-        if p.rod_mass == 0.0:
-            refuse(memory, sentence, 0.0, 0.0, 0.0, 0.0)
-        if p.rod_inertia == 0.0:
-            refuse(memory, sentence + 1, 0.0, 0.0, 0.0, 0.0)
-
-
-@compiled
-def check(memory, given):
-    """Note parameters that do not fit each other, as `assembly.faults`."""
+def fit_of(given, p):
+    """Return what parameters have to fit, as `assembly.fit_of`."""
     x = given.constants
-    p = settings_of(given)
-    offset = x.pin_offset - p.crank_offset
-    reach = p.crank_radius + abs(offset)
-    if p.rod_length**2 - reach**2 <= 0.0:
-        refuse(memory, ROD_TOO_SHORT, p.rod_length, reach, 0.0, 0.0)
-        return
-    if p.gas_source == GAS_TABLE and not len(given.gas_angle):
-        refuse(memory, WITHOUT_TABLE, 0.0, 0.0, 0.0, 0.0)
-    if p.rod_centre > p.rod_length:
-        refuse(memory, CENTRE_BEYOND, p.rod_centre, p.rod_length, 0.0, 0.0)
-    upper = x.skirt_upper
-    second = p.second_ring_height
-    if p.top_ring_height > 0.0 and not upper <= second <= p.top_ring_height:
-        refuse(memory, RINGS_REVERSED, second, upper, p.top_ring_height, 0.0)
-    if has_pins(given):
-        check_pin(memory, x, p)
-    lowest = np.inf
-    highest = -np.inf
-    for k in range(TURN):
-        turn = 2 * np.pi * k / (TURN - 1)
-        height = pin_height(turn, offset, p.crank_radius, p.rod_length)
-        lowest = min(lowest, height)
-        highest = max(highest, height)
-    lowest += x.skirt_lower
-    highest += upper
-    heights = given.heights
-    if lowest < heights[0] or highest > heights[-1]:
-        refuse(memory, OUT_OF_BORE, lowest, highest, heights[0], heights[-1])
+    return Fit(
+        x.piston_radius,
+        x.skirt_lower,
+        x.skirt_upper,
+        x.pin_offset,
+        given.heights[0],
+        given.heights[-1],
+        x.boss_radius,
+        x.eye_radius,
+        p.gas_source == GAS_TABLE and len(given.gas_angle) == 0,
+        has_pins(given),
+        x.has_big_end,
+        x.has_main_bearing,
+    )
 
 
 @compiled
@@ -687,7 +574,7 @@ def crown_pressure(real, memory, given, p, crank_angle):
     by_input = real[given.places.gas_pressure]
     has_table = len(given.gas_angle) > 0
     if has_table and by_input != 0.0 and p.gas_source == GAS_EITHER:
-        remark(memory, GIVEN_TWICE)
+        remark(part(memory, FAULTS_AT), GIVEN_TWICE)
     pressure = 0.0 if p.gas_source == GAS_TABLE else by_input
     if has_table and p.gas_source != GAS_INPUT:
         table = GasAtAngle(given.gas_angle, given.gas_pressure, given.constants.gas_cycle)
@@ -702,7 +589,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     """
     crank = at.crank
     if not np.isfinite(crank.angle):
-        refuse(memory, NO_ANGLE, crank.angle, 0.0, 0.0, 0.0)
+        refuse(part(memory, FAULTS_AT), NO_ANGLE, 0.0, 0.0, crank.angle, 0.0, 0.0)
         return
     given = given_of(memory)
     places = given.places
@@ -731,7 +618,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     else:
         now = end_of_step(system, c, before, auxiliary, crank, others, push, drag)
     if now.evaluations == 0:
-        refuse(memory, NOT_SOLVED, crank.angle, now.change, 0.0, 0.0)
+        refuse(part(memory, FAULTS_AT), NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
     scalars = scalars_of(now, crank, p.crank_inertia, system.piston, system.surfaces)
     publish(real, integer, given, now, scalars)
@@ -845,11 +732,12 @@ def change_with_pin(real, given, system, last):
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """State and outputs at the start; `numbers` unused."""
-    part(memory, FAULTS_AT)[0] = 0.0
+    faults = part(memory, FAULTS_AT)
+    faults[0] = 0.0
     given = given_of(memory)
     prepare(real, integer, given)
-    check(memory, given)
-    if refused(memory):
+    check(fit_of(given, settings_of(given)), settings_of(given), faults)
+    if faults[0] > 0.0:
         return
     given.evaluations[0] = 0.0
     given.tangents[0] = 0.0

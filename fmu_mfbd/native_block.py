@@ -13,7 +13,8 @@ import numpy as np
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
 from .dynamics.arrays import Matrix, Vector
-from .dynamics.assembly import mechanism, pin_radius, pin_spin_inertia
+from .dynamics.assembly import mechanism, pin_spin_inertia
+from .dynamics.contradictions import pin_radius
 from .dynamics.elimination import Factors
 from .dynamics.floating_frame import FlexibleBody
 from .dynamics.floating_pin import Bodies, Crankshaft, EyeModes

@@ -23,8 +23,9 @@ from .build import (
     piston_about_pin,
     read_tables,
 )
-from .dynamics.assembly import bore_shape, eye_faults, faults, pin_beam, pin_radius, skirt_gap
+from .dynamics.assembly import bore_shape, faults, pin_beam, skirt_gap
 from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
+from .dynamics.contradictions import pin_radius
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
@@ -130,8 +131,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     axis = _axis(prepared, given, build)
     eye = _eye(build, wrong, remarks)
     if None not in parameters.values():
-        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis)
-        wrong += eye_faults(piston.body, chosen, eye.radius) if eye else []
+        of_eye = eye.radius if eye else 0.0
+        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis, eye_radius=of_eye)
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),

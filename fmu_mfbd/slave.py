@@ -130,7 +130,8 @@ class Mfbd(FieldSlave):
         }
         if pin and pin.pin_shapes:
             axis = AxisParameters(**{one.name: values[one.name] for one in fields(AxisParameters)})
-        wrong = faults(piston, block, options, parameters, bosses, axis, eye)
+        radius = eye.eye_radius if eye else 0.0
+        wrong = faults(piston, block, options, parameters, bosses, axis, radius)
         if wrong:
             raise BadInput(wrong)
         if pin:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
@@ -39,6 +40,7 @@ from .build_options import (
     FloatingPin,
     PistonOptions,
 )
+from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .floating_pin import RIGID_CRANK, RIGID_EYE, Crankshaft, EyeModes
 from .gas_on_bore import bore_wall
@@ -46,7 +48,6 @@ from .instant import Block, System
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
 from .parameters import (
-    NO_GAS_TABLE,
     AxisParameters,
     BigEndParameters,
     MainBearingParameters,
@@ -60,18 +61,10 @@ from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 
-PIN_SHARE = 0.25
-"""Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
-
-
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
 short of the skirt's two radii.
 """
-
-TURN = 721
-"""Crank angles of a turn at which the skirt has to be in the bore."""
-
 
 CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
 """Film surface of the crank -> its own parameters."""
@@ -411,58 +404,38 @@ def faults(
     parameters: Parameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
-    small_end: ReducedSmallEnd | None = None,
+    eye_radius: float = 0.0,
 ) -> list[str]:
-    """Sentences about parameters that do not fit each other: rod too short, skirt leaving the
-    bore, a pin that is not its shells'.
+    """Return sentences about parameters that do not fit each other, with the radius [m] of an eye
+    that yields.
     """
-    crank_radius = parameters.crank_radius
-    rod_length = parameters.rod_length
-    offset = options.piston.pin_offset - parameters.crank_offset
-    reach = crank_radius + abs(offset)
-    if rod_length**2 - reach**2 <= 0.0:
-        return [
-            f"rod_length: expected more than crank_radius plus the offsets, {reach:g} m, "
-            f"got {rod_length:g} m"
-        ]
-    out = []
-    if parameters.crank_free and options.speed:
-        out.append("crank_free: expected 0 with a table build.speed, got 1")
-    if parameters.gas_source == "table" and not options.gas:
-        out.append(NO_GAS_TABLE)
-    if parameters.rod_centre > rod_length:
-        out.append(
-            f"rod_centre: expected at most rod_length = {rod_length:g} m, "
-            f"got {parameters.rod_centre:g} m"
-        )
-    if parameters.top_ring_height and not (
-        piston.skirt_upper <= parameters.second_ring_height <= parameters.top_ring_height
-    ):
-        out.append(
-            f"second_ring_height: expected {piston.skirt_upper:g} m, the skirt's upper edge, to "
-            f"top_ring_height = {parameters.top_ring_height:g} m, "
-            f"got {parameters.second_ring_height:g} m"
-        )
-    if options.floating_pin:
-        out += floating_faults(piston, block, parameters, bosses)
+    noted = none_yet()
+    check(fit_of(piston, block, options, parameters, bosses, eye_radius), parameters, noted)
+    out = sentences_of(noted, FAULTS)
+    if noted[1] == ROD_TOO_SHORT and out:
+        return out
+    pin = options.floating_pin
+    limits = [
+        (options.speed, "a table build.speed"),
+        (pin, "a floating pin"),
+        (options.in_space, "motion in space"),
+    ]
+    for given, what in limits:
+        if given and parameters.crank_free:
+            out.append(f"crank_free: expected 0 with {what}, got 1")
+    if pin:
+        out += modes_beside_pin(piston, block, bosses)
+        fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
+        if fastest > parameters.quasi_static_frequency:
+            out.append(
+                f"quasi_static_frequency: expected more than all modes with a floating pin, "
+                f"{fastest:.4g} Hz, got {parameters.quasi_static_frequency:g} Hz"
+            )
         if axis:
-            out += axis_faults(piston, options.floating_pin, parameters, bosses, axis)
-        if small_end:
-            out += eye_faults(piston, parameters, small_end.eye_radius)
-    if options.crank_bearings:
-        out += crank_faults(options, parameters)
-    if options.in_space:
-        out += space_faults(piston, block, parameters)
-    height_of_A = pin_height(np.linspace(0.0, 2 * np.pi, TURN), offset, crank_radius, rod_length)
-    lowest = height_of_A.min() + piston.skirt_lower
-    highest = height_of_A.max() + piston.skirt_upper
-    bore_lower = block.heights[0]
-    bore_upper = block.heights[-1]
-    if lowest < bore_lower or highest > bore_upper:
-        out.append(
-            f"crank_radius, rod_length: expected a skirt within the bore, {bore_lower:g} to "
-            f"{bore_upper:g} m, got {lowest:g} to {highest:g} m above the crank axis"
-        )
+            out += axis_faults(piston, pin, parameters, bosses, axis)
+    modes = len(block.omega) + len(piston.omega)
+    if options.in_space and modes:
+        out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
     if piston.radius >= block.radius:
         out.append(
             f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
@@ -471,80 +444,36 @@ def faults(
     return out
 
 
-PIN_TO_BOSS = 0.02
-"""How far the radius of a pin may lie beside that of bosses and eye in their meshes, by it: our own
-choice.
-"""
-
-BESIDE = "pin_radius: expected within 2 % of the {of} in {its} mesh, {b} mm, got {a} mm"
-BESIDE_BOSSES = BESIDE.replace("{of}", "bosses").replace("{its}", "the")
-BESIDE_EYE = BESIDE.replace("{of}", "eye").replace("{its}", "its")
-NO_PIN_MASS = "pin_mass: expected more than 0 kg with a floating pin, got 0 kg"
-OTHER_FRICTION = {
-    name: name + ": expected 0 with a floating pin, got {a}; its films have the friction"
-    for name in ("pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping")
-}
-NO_ROD = {
-    (name, films): f"{name}: expected more than 0 {unit} with a film in {films}, got 0 {unit}"
-    for films in ("big_end", "main_bearing", "big_end and main_bearing")
-    for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2"))
-}
-"""Sentences about a floating pin and films of the crank, {a} and {b} numbers: of the slave in
-Python and of a native one.
-"""
-
-
-def told(sentence: str, a: float, b: float = 0.0) -> str:
-    """A sentence with its numbers."""
-    return sentence.replace("{a}", f"{a:g}").replace("{b}", f"{b:g}")
-
-
-@compilable
-def lies_beside(radius: float, other: float) -> bool:
-    """Whether the radius of a pin is another than that of its shell in a mesh."""
-    return abs(radius - other) > PIN_TO_BOSS * other
-
-
-@compilable
-def pin_height(turn, offset, crank_radius, rod_length):
-    """Height of A above the crank axis [m] at crank angles `turn` [rad], x_A = 0."""
-    xi = offset + crank_radius * np.sin(turn)
-    return crank_radius * np.cos(turn) + np.sqrt(rod_length**2 - xi**2)  # Eq. (K1)
-
-
-def floating_faults(
+def fit_of(
     piston: ReducedPiston,
     block: ReducedBlock,
+    options: BuildOptions,
     parameters: Parameters,
     bosses: ReducedBosses | None,
-) -> list[str]:
-    """Sentences about what does not go with a floating pin."""
-    out = modes_beside_pin(piston, block, bosses)
-    fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
-    if fastest > parameters.quasi_static_frequency:
-        out.append(
-            f"quasi_static_frequency: expected more than all modes with a floating pin, "
-            f"{fastest:.4g} Hz, got {parameters.quasi_static_frequency:g} Hz"
-        )
-    radius = pin_radius(piston.radius, parameters)
-    if bosses and lies_beside(radius, bosses.boss_radius):
-        out.append(told(BESIDE_BOSSES, 1e3 * radius, 1e3 * bosses.boss_radius))
-    if parameters.crank_free:
-        out.append("crank_free: expected 0 with a floating pin, got 1")
-    if not parameters.pin_mass:
-        out.append(NO_PIN_MASS)
-    usual = Parameters()
-    for name, sentence in OTHER_FRICTION.items():
-        given = getattr(parameters, name)
-        if given not in (0.0, getattr(usual, name)):
-            out.append(told(sentence, given))
-    return out
+    eye_radius: float,
+) -> Fit:
+    """Return what parameters have to fit."""
+    films = options.crank_surfaces()
+    return Fit(
+        piston.radius,
+        piston.skirt_lower,
+        piston.skirt_upper,
+        options.piston.pin_offset,
+        float(block.heights[0]),
+        float(block.heights[-1]),
+        bosses.boss_radius if bosses else 0.0,
+        eye_radius,
+        parameters.gas_source == "table" and not options.gas,
+        options.floating_pin is not None,
+        "big_end" in films,
+        "main_bearing" in films,
+    )
 
 
 def modes_beside_pin(
     piston: ReducedPiston, block: ReducedBlock, bosses: ReducedBosses | None
 ) -> list[str]:
-    """A sentence about modes that do not go with a floating pin."""
+    """Return a sentence about modes that do not go with a floating pin."""
     modes = len(block.omega) + (0 if bosses else len(piston.omega))
     if not modes:
         return []
@@ -552,21 +481,6 @@ def modes_beside_pin(
         "floating_pin: expected rigid bodies or a piston with modes for its bosses, "
         f"got {modes} modes"
     ]
-
-
-def eye_faults(piston: ReducedPiston, parameters: Parameters, eye_radius: float) -> list[str]:
-    """A sentence about a pin that is not its eye's, of radius `eye_radius` [m]."""
-    radius = pin_radius(piston.radius, parameters)
-    if not lies_beside(radius, eye_radius):
-        return []
-    return [told(BESIDE_EYE, 1e3 * radius, 1e3 * eye_radius)]
-
-
-def crank_faults(options: BuildOptions, parameters: Parameters) -> list[str]:
-    """Sentences about what does not go with films of the crank."""
-    films = " and ".join(options.crank_surfaces())
-    names = ("rod_mass", "rod_inertia")
-    return [NO_ROD[name, films] for name in names if not getattr(parameters, name)]
 
 
 def axis_faults(
@@ -590,17 +504,6 @@ def axis_faults(
             f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "
             f"got {1e3 * axis.pin_length:.4g} mm"
         )
-    return out
-
-
-def space_faults(piston: ReducedPiston, block: ReducedBlock, parameters: Parameters) -> list[str]:
-    """Sentences about what does not go with motion in space."""
-    out = []
-    modes = len(block.omega) + len(piston.omega)
-    if modes:
-        out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
-    if parameters.crank_free:
-        out.append("crank_free: expected 0 with motion in space, got 1")
     return out
 
 
@@ -651,13 +554,6 @@ def parted_block(block: ReducedBlock, damping: np.ndarray, parameters: Parameter
 def _moving(body: ReducedBody, parameters: Parameters) -> int:
     """How many modes have inertia of their own."""
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
-
-
-@compilable
-def pin_radius(skirt_radius: float, parameters: Parameters) -> float:
-    """Of the pin [m]."""
-    given = parameters.pin_radius
-    return given if given > 0.0 else PIN_SHARE * skirt_radius
 
 
 @compilable

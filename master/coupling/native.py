@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ..fmi.block import FIRST_STATE, STATES, part
 from ..fmi.compiled import compiled
 from ..fmi.native_parts import CALL, Entry, NativePart, size
+from ..fmi.noted import refuse
 from . import native_calls
 from .native_block import (
     A_START,
@@ -22,7 +24,6 @@ from .native_block import (
     EXPOSED_COUNT,
     FAILURES,
     FAULTS_AT,
-    FIRST_STATE,
     FOUND,
     INTEGERS,
     INTEGRAL,
@@ -56,7 +57,6 @@ from .native_block import (
     SOURCE,
     STANDING,
     STARTING,
-    STATES,
     TARGET,
     TIMES,
     WIRE_COUNT,
@@ -65,8 +65,6 @@ from .native_block import (
     exposed_of,
     given,
     keep,
-    note,
-    part,
     row_of,
     wire_of,
 )
@@ -342,7 +340,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     faults[0] = 0.0
     last = part(memory, LAST_NUMBERS)
     if last[LAST_KIND] == 0.0:
-        note(faults, float(NO_STEP), (0.0, 0.0, 0.0, 0.0, 0.0))
+        refuse(faults, float(NO_STEP), 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     length = nudge_of(real, memory)
     if length == 0.0:

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from ..fmi.block import memory_of, part
 from ..fmi.compiled import compiled
 
-WHOLE, FIRST_STATE, STATES, FIRST_FAULT, PARTS_FROM = range(5)
 """The head: lengths that `native_size` tells, then where parts begin."""
 
 GIVEN = ("counts", "constants", "order", "starting", "rows", "wires", "exposed", "contents")
@@ -197,9 +197,6 @@ EVALUATIONS, PRODUCTS = range(len(OF_TRAIL))
 FOUND = 2
 """Of the numbers that the entry `iterate` is called with: whether it found the fixed point."""
 
-OF_A_FAULT = 6
-FAULT, FAULT_I, FAULT_J, FAULT_A, FAULT_B, FAULT_C = range(OF_A_FAULT)
-MOST_FAULTS = 24
 OF_PARTICIPANT, OF_WIRES, OF_SENTENCES = len(OF_ROW), len(OF_WIRE), 3
 
 OWN_FAULTS = (
@@ -217,33 +214,15 @@ WORST, MUST_BE_FINITE, OUT_OF_RANGE = range(OF_SENTENCES)
 
 
 def given(contents: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np.ndarray:
-    """What the memory begins with: the head, then the parts that are given.
-
-    Parameters
-    ----------
-    contents : mapping
-        `GIVEN` by name.
-    lengths : mapping
-        Of all other parts.
-    """
-    sizes = {name: contents[name].size if name in contents else lengths[name] for name in PARTS}
-    begins = np.cumsum([PARTS_FROM + len(PARTS) + 1, *(sizes[name] for name in PARTS)])
-    first = dict(zip(PARTS, begins))
-    states = sum(sizes[name] for name in STATE)
-    head = [begins[-1], first[STATE[0]], states, first["faults"], *begins]
-    parts = [np.ravel(contents[name]).astype(float) for name in GIVEN[:-1]]
-    return np.concatenate([head, *parts, contents["contents"]])
+    """Return what the memory begins with, by `GIVEN` and by the lengths of all other parts."""
+    parts = {name: np.ravel(contents[name]).astype(float) for name in GIVEN[:-1]}
+    parts[GIVEN[-1]] = contents[GIVEN[-1]]
+    return memory_of(parts, {name: lengths[name] for name in PARTS if name not in parts}, STATE)
 
 
 def in_order(rows: Iterable[Mapping[str, float]], names: tuple[str, ...]) -> np.ndarray:
     """Rows of named numbers as one array."""
     return np.array([[row[name] for name in names] for row in rows], dtype=float).ravel()
-
-
-@compiled
-def part(memory: np.ndarray, k: int) -> np.ndarray:
-    """The k-th of `PARTS`."""
-    return memory[int(memory[PARTS_FROM + k]) : int(memory[PARTS_FROM + k + 1])]
 
 
 @compiled
@@ -282,25 +261,3 @@ def clear(to):
     """Set all to zero, in a loop."""
     for k in range(len(to)):
         to[k] = 0.0
-
-
-@compiled
-def note(faults, number, numbers):
-    """Put a fault down: its sentence and the numbers (i, j, a, b, c) that it names."""
-    at = int(faults[0])
-    if at < MOST_FAULTS:
-        one = faults[1 + OF_A_FAULT * at :]
-        one[FAULT] = number
-        i, j, a, b, c = numbers
-        one[FAULT_I] = i
-        one[FAULT_J] = j
-        one[FAULT_A] = a
-        one[FAULT_B] = b
-        one[FAULT_C] = c
-        faults[0] = at + 1.0
-
-
-@compiled
-def numbers_of(one):
-    """The numbers that the sentence of a fault names, as `note` takes them."""
-    return one[FAULT_I], one[FAULT_J], one[FAULT_A], one[FAULT_B], one[FAULT_C]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..fmi.builder_native import Inside
 from ..fmi.native_parts import uncovered_values
+from ..fmi.noted import ROOM
 from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
@@ -17,9 +18,7 @@ from .methods.newton import Newton
 from .native_block import (
     CONSTANT,
     COUNTED,
-    MOST_FAULTS,
     NOWHERE,
-    OF_A_FAULT,
     OF_EXPOSED,
     OF_LAST,
     OF_ROW,
@@ -146,7 +145,6 @@ class Layout:
             which: sum(v.size for v, row in exposed if v.causality == which and row["kept"] >= 0)
             for which in ("input", "output")
         }
-        faults = 1 + OF_A_FAULT * MOST_FAULTS
         return {
             "inside": sum(map(self._inside, self.names)),
             "saved": self.standing,
@@ -157,8 +155,8 @@ class Layout:
             "last_inputs": of_kept["input"],
             "last_outputs": of_kept["output"],
             "trail": len(OF_TRAIL) + len(self.wires),
-            "failures": faults,
-            "faults": faults,
+            "failures": ROOM,
+            "faults": ROOM,
         }
 
     def contents(self) -> dict[str, np.ndarray]:

@@ -7,17 +7,16 @@ a row is copied when it is first overwritten, all else when the step begins.
 
 import numpy as np
 
+from ..fmi.block import FIRST_STATE, PARTS_FROM, part
 from ..fmi.compiled import compiled
 from .native_block import (
     BEFORE,
     DIFFERENCES,
-    FIRST_STATE,
     GRAM,
     IMAGES,
     KEPT,
     MARKS,
     OLDEST,
-    PARTS_FROM,
     PAST,
     STANDING,
     TIMES,
@@ -25,7 +24,6 @@ from .native_block import (
     clear,
     count,
     keep,
-    part,
 )
 
 

@@ -4,7 +4,9 @@ the equations stand, on participants that are entries and a block of memory.
 
 import numpy as np
 
+from ..fmi.block import part
 from ..fmi.compiled import compiled
+from ..fmi.noted import refuse, take_over
 from . import native_calls
 from .native_block import (
     ACCURACY,
@@ -14,7 +16,6 @@ from .native_block import (
     ELEMENTS,
     EVALUATIONS,
     FAILURES,
-    FAULT,
     FAULTS_AT,
     FIRST,
     FORCING,
@@ -35,7 +36,6 @@ from .native_block import (
     NOMINAL,
     NOT_FINITE,
     NOWHERE,
-    OF_A_FAULT,
     OF_TRAIL,
     OLDEST,
     ORDER,
@@ -69,9 +69,6 @@ from .native_block import (
     clear,
     count,
     keep,
-    note,
-    numbers_of,
-    part,
     row_of,
     wire_of,
 )
@@ -155,17 +152,15 @@ def answered(memory: np.ndarray, p: int, status: int, faults: np.ndarray):
     in the place of its first fault, is handed on.
     """
     if status != 0:
-        note(faults, NO_MEMORY, (0.0, 0.0, 0.0, 0.0, 0.0))
+        refuse(faults, NO_MEMORY, 0.0, 0.0, 0.0, 0.0, 0.0)
         return False
     row = row_of(memory, p)
     first = int(row[MEMORY]) + int(row[OWN_FAULT])
     found = int(memory[first])
-    for k in range(found):
-        one = memory[first + 1 + k * OF_A_FAULT : first + 1 + (k + 1) * OF_A_FAULT]
-        note(faults, row[SENTENCE] + one[FAULT], numbers_of(one))
+    take_over(faults, memory[first:], row[SENTENCE])
     own = part(memory, FAULTS_AT)
-    if found == 0 and own[0] == 0.0 and memory[first + 1 + FAULT] < 0.0:
-        own[1 + FAULT] = memory[first + 1 + FAULT] - row[SENTENCE]
+    if found == 0 and own[0] == 0.0 and memory[first + 1] < 0.0:
+        own[1] = memory[first + 1] - row[SENTENCE]
     return found == 0
 
 
@@ -185,9 +180,9 @@ def is_fed_well(memory: np.ndarray, w: int, faults: np.ndarray):
         i = float(k // columns + 1)
         j = float(k % columns + 1)
         if not np.isfinite(x):
-            note(faults, wire[WIRE_SENTENCE] + MUST_BE_FINITE, (i, j, x, 0.0, 0.0))
+            refuse(faults, wire[WIRE_SENTENCE] + MUST_BE_FINITE, i, j, x, 0.0, 0.0)
         else:
-            note(faults, wire[WIRE_SENTENCE] + OUT_OF_RANGE, (i, j, x, low, high))
+            refuse(faults, wire[WIRE_SENTENCE] + OUT_OF_RANGE, i, j, x, low, high)
         return False
     return True
 
@@ -375,7 +370,7 @@ def note_worst(memory, residual):
     x = residual[int(wire[FIRST]) + element]
     i = float(element // columns + 1)
     j = float(element % columns + 1)
-    note(part(memory, FAILURES), wire[WIRE_SENTENCE] + WORST, (i, j, x, wire[TOLERANCE], 0.0))
+    refuse(part(memory, FAILURES), wire[WIRE_SENTENCE] + WORST, i, j, x, wire[TOLERANCE], 0.0)
 
 
 @compiled
@@ -581,7 +576,7 @@ def converge(memory: np.ndarray, guess: np.ndarray, numbers: np.ndarray, x: np.n
         elif done == count(memory, ITERATIONS):
             trouble = TOO_MANY
         if trouble >= 0:
-            note(failures, float(trouble), (float(done), 0.0, now, best, 0.0))
+            refuse(failures, float(trouble), float(done), 0.0, now, best, 0.0)
             note_worst(memory, outcome[RESIDUAL])
             return False
         if not update(memory, outcome, change):

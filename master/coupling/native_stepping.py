@@ -4,12 +4,13 @@ and `coupled`.
 
 import numpy as np
 
+from ..fmi.block import part
 from ..fmi.compiled import compiled
+from ..fmi.noted import refuse, take_over
 from .native_block import (
     CONSTANTS,
     DIFFERENCES,
     FAILURES,
-    FAULT,
     FAULTS_AT,
     GRAM,
     HALVINGS,
@@ -17,7 +18,6 @@ from .native_block import (
     KEPT,
     LENIENCE,
     NO_HALVING,
-    OF_A_FAULT,
     OLDEST,
     PAST,
     REMEMBERED,
@@ -29,9 +29,6 @@ from .native_block import (
     clear,
     count,
     keep,
-    note,
-    numbers_of,
-    part,
 )
 from .native_journal import overwrite
 from .native_newton import converge, moved, restore, save
@@ -151,10 +148,8 @@ def report(memory, time, step):
     """Why a macro step failed, among the faults."""
     faults = part(memory, FAULTS_AT)
     failures = part(memory, FAILURES)
-    note(faults, float(NO_HALVING), (0.0, 0.0, time, step, 0.0))
-    for k in range(int(failures[0])):
-        one = failures[1 + k * OF_A_FAULT : 1 + (k + 1) * OF_A_FAULT]
-        note(faults, one[FAULT], numbers_of(one))
+    refuse(faults, float(NO_HALVING), 0.0, 0.0, time, step, 0.0)
+    take_over(faults, failures, 0.0)
 
 
 @compiled
@@ -165,8 +160,8 @@ def reach(memory: np.ndarray, time: float, step: float):
     constants = part(memory, CONSTANTS)
     asked = np.ceil(step / constants[STEP] / (1.0 + constants[LENIENCE]))
     if not asked <= MOST_STEPS:
-        numbers = (0.0, 0.0, step, MOST_STEPS, constants[STEP])
-        note(part(memory, FAULTS_AT), float(TOO_LONG), numbers)
+        faults = part(memory, FAULTS_AT)
+        refuse(faults, float(TOO_LONG), 0.0, 0.0, step, float(MOST_STEPS), constants[STEP])
         return False
     steps = int(asked)
     for k in range(steps):

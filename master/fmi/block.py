@@ -51,11 +51,17 @@ def row_of(tree: Any) -> np.ndarray:
 
 # ---- the memory of a participant: a head, then parts
 
-PARTS_FROM = 4
-"""Behind the lengths that the entry `size` tells, places where parts begin."""
+FIRST_STATE, STATES, PARTS_FROM = 1, 2, 4
+"""The head: what the entry `size` tells (length of all, place and length of the state, place of the
+faults), then places where parts begin.
+"""
 
 
-def memory_of(given: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np.ndarray:
+def memory_of(
+    given: Mapping[str, np.ndarray],
+    lengths: Mapping[str, int],
+    state: tuple[str, ...] = ("state",),
+) -> np.ndarray:
     """Return what a memory begins with: the head and the parts that are given.
 
     Parameters
@@ -63,12 +69,15 @@ def memory_of(given: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np
     given : mapping
         Parts by name, in order.
     lengths : mapping
-        Of the parts behind them; `state` and `faults` are among them.
+        Of the parts behind them, of which one is called faults.
+    state : tuple of str
+        Parts that are the state, one behind the other.
     """
     sizes = {name: part.size for name, part in given.items()} | dict(lengths)
     begins = np.cumsum([PARTS_FROM + len(sizes) + 1, *sizes.values()])
     first = dict(zip(sizes, begins))
-    head = [begins[-1], first["state"], sizes["state"], first["faults"], *begins]
+    of_state = sum(sizes[name] for name in state)
+    head = [begins[-1], first[state[0]], of_state, first["faults"], *begins]
     return np.concatenate([head, *given.values()])
 
 

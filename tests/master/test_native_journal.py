@@ -18,8 +18,8 @@ from piston_cosim.master.coupling.native_block import (
     STATE,
     TIMES,
     given,
-    part,
 )
+from piston_cosim.master.fmi.block import part
 from piston_cosim.master.fmi.compiled import Kernel
 
 KEPT, UNKNOWNS = 4, 3

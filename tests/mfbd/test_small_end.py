@@ -383,9 +383,9 @@ def test_a_stiff_eye_is_the_rigid_one():
 def test_a_pin_that_is_not_the_eyes_is_told():
     piston, block = bodies()
     wide = dataclasses.replace(PARAMETERS, pin_radius=18.5e-3)
-    (told,) = faults(piston, block, options(True), wide, small_end=small_end())
+    (told,) = faults(piston, block, options(True), wide, eye_radius=small_end().eye_radius)
     assert told == ("pin_radius: expected within 2 % of the eye in its mesh, 18 mm, got 18.5 mm")
-    assert faults(piston, block, options(True), PARAMETERS, small_end=small_end()) == []
+    assert faults(piston, block, options(True), PARAMETERS, eye_radius=small_end().eye_radius) == []
 
 
 def test_a_rigid_eye_stays_the_same_file():

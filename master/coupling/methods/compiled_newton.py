@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...fmi.block import part
+from ...fmi.noted import ROOM
 from ..interface import Interface
 from ..native_block import (
     CONSTANT,
@@ -25,9 +27,7 @@ from ..native_block import (
     FOUND,
     GRAM,
     IMAGES,
-    MOST_FAULTS,
     NOWHERE,
-    OF_A_FAULT,
     OF_LAST,
     OF_ROW,
     OF_TRAIL,
@@ -38,7 +38,6 @@ from ..native_block import (
     TRAIL,
     given,
     in_order,
-    part,
 )
 from ..wiring import System
 from .krylov import KEPT, NOISE, RecycledGmres
@@ -266,7 +265,6 @@ class Iteration:
             "differences": self.kept * self.unknowns,
             "gram": self.kept**2,
         }
-        faults = 1 + OF_A_FAULT * MOST_FAULTS
         return {
             "inside": sum(one.inside for one in self.called),
             "saved": 0,
@@ -277,8 +275,8 @@ class Iteration:
             "last_inputs": 0,
             "last_outputs": 0,
             "trail": len(OF_TRAIL) + evaluations * len(self.interface.wires),
-            "failures": faults,
-            "faults": faults,
+            "failures": ROOM,
+            "faults": ROOM,
         }
 
     def _rows(self, behind: int) -> list[dict[str, float]]:

@@ -1,0 +1,66 @@
+"""Faults that kernels note: by the number of a sentence, two places and three numbers.
+
+The sentences are made outside: `{i}` and `{j}` in them are the places, `{a}` to `{c}` the numbers.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .compiled import compiled
+
+MOST_FAULTS = 24
+OF_A_FAULT = 6
+ROOM = 1 + MOST_FAULTS * OF_A_FAULT
+"""How many, then number of the sentence, i, j, a, b and c of each."""
+
+
+def none_yet() -> np.ndarray:
+    """Return room for faults."""
+    return np.zeros(ROOM)
+
+
+@compiled
+def refuse(faults: np.ndarray, number: float, i: float, j: float, a: float, b: float, c: float):
+    """Note a fault."""
+    count = int(faults[0])
+    if count < MOST_FAULTS:
+        first = 1 + OF_A_FAULT * count
+        faults[first] = number
+        faults[first + 1] = i
+        faults[first + 2] = j
+        faults[first + 3] = a
+        faults[first + 4] = b
+        faults[first + 5] = c
+        faults[0] = count + 1
+
+
+@compiled
+def take_over(faults: np.ndarray, others: np.ndarray, first: float):
+    """Note faults of another list, whose sentences begin with the number `first` of this one."""
+    for k in range(int(others[0])):
+        one = others[1 + k * OF_A_FAULT : 1 + (k + 1) * OF_A_FAULT]
+        refuse(faults, first + one[0], one[1], one[2], one[3], one[4], one[5])
+
+
+@compiled
+def remark(faults: np.ndarray, number: float):
+    """Note a warning, a sentence without numbers, in the place of the first fault: below 0, and no
+    fault is counted.
+    """
+    if faults[0] == 0.0:
+        faults[1] = -1.0 - number
+
+
+def remark_of(faults: np.ndarray, sentences: Sequence[str]) -> str:
+    """Return the sentence of the warning that is noted, empty without one."""
+    return sentences[int(-1.0 - faults[1])] if faults[1] < 0.0 else ""
+
+
+def sentences_of(faults: np.ndarray, sentences: Sequence[str]) -> list[str]:
+    """Return the sentence of each fault that is noted."""
+    noted = faults[1:].reshape(MOST_FAULTS, OF_A_FAULT)[: int(faults[0])].tolist()
+    return [
+        sentences[int(number)].format(i=f"{i:g}", j=f"{j:g}", a=f"{a:g}", b=f"{b:g}", c=f"{c:g}")
+        for number, i, j, a, b, c in noted
+    ]
