@@ -3,7 +3,6 @@ inside is that of the FMU.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,10 @@ from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from .cavitation import NotConverged
 from .grid import Array, Flags
-from .model import LubricationModel, State
+from .model import LubricationModel
 from .oil import Oil
 from .parameters import SURFACES, Parameters, faults
+from .step import Memory
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
 
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
@@ -90,7 +90,7 @@ class Film:
             raise BadInput(contradictions)
         self.grid = chosen.shape
         self.model = LubricationModel(chosen)
-        self.state: State | None = None
+        self.state: Memory | None = None
         """All that the next step needs of the past; setting it back repeats a step, bit for bit."""
 
     def __repr__(self) -> str:
@@ -248,7 +248,8 @@ class Film:
             outputs = self.start(film_thickness, **velocities, **conditions)
             self._settle(outputs, tolerance, film_thickness, velocities | conditions)
             assert self.state is not None
-            self.state = replace(self.state, friction_work=0.0, boundary_work=0.0)
+            totals = self.state.totals._replace(friction_work=0.0, boundary_work=0.0)
+            self.state = self.state._replace(totals=totals)
             return self.step(film_thickness, AFTERWARDS, **velocities, **conditions)
         except Discard:
             self.state = before

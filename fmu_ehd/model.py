@@ -1,6 +1,5 @@
 """The lubrication model: film, oil, contact and friction of one surface, one step at a time."""
 
-from dataclasses import dataclass
 from math import prod
 from typing import Any
 
@@ -14,7 +13,6 @@ from .faults import FAULTS, raise_noted
 from .film_step import FilmStep
 from .flow_film import FilmLaws
 from .grid import Array, Grid
-from .oil_layer import OilLayer
 from .parameters import FULL_TURN, Parameters
 from .roughness import factor_table
 from .step import Directions, Fields, Fixed, Inputs, Last, Linear, Memory, Scalars
@@ -25,69 +23,6 @@ NOTHING = np.zeros((0, 0))
 NO_DIRECTION = np.zeros((0, 0, 0))
 BATCH = 64  # directions at once: bounds the memory of a large Jacobian
 OF_BEARINGS = ("nodal_circumferential_force", "friction_torque")  # outputs
-
-
-@dataclass(frozen=True, repr=False)
-class State:
-    """All that a step needs from the past; arrays of shape (n_c, n_a).
-
-    Parameters
-    ----------
-    unknown, unknown_before : ndarray
-        Signed unknown at the end of the last two steps: its extrapolation starts the next one, so a
-        repeat takes the same path.
-    content, growth, growth_before : ndarray
-        film_fraction x stored film [m], and its growth over the last step and the one before [m/s],
-        `storage.Past`.
-    deflection : ndarray
-        Of the coating [m].
-    step_before : float
-        Length of the last step [s]; 0 at the start.
-    film, film_before : ndarray, shape (7, n_c, n_a)
-        Quantities of `films` at the end of the last two steps.
-    passed, travel : ndarray, shape (n_c, n_a + 1)
-        Volume that passed the axial faces [m3], and travel of the entrainment there [m], in the
-        last step, `transport`.
-    layer : oil_layer.OilLayer
-        Oil outside the film; without it no cells of the bore.
-    friction_work, boundary_work : float
-        What sliding has cost since the start, and the asperities' part of it [J].
-    stored, volume : float
-        Elastic energy [J], and volume between the surfaces [m3].
-    """
-
-    unknown: Array
-    unknown_before: Array
-    content: Array
-    growth: Array
-    growth_before: Array
-    deflection: Array
-    film: Array
-    film_before: Array
-    passed: Array
-    travel: Array
-    step_before: float
-    layer: OilLayer
-    friction_work: float
-    boundary_work: float
-    stored: float
-    volume: float
-
-    @classmethod
-    def of(cls, memory: Memory) -> "State":
-        """What a step has left behind."""
-        return cls(*memory.film, memory.layer, *memory.totals)
-
-    def __repr__(self) -> str:
-        return f"<State of a film: {self.content.shape[0]} x {self.content.shape[1]} cells>"
-
-    @property
-    def memory(self) -> Memory:
-        """What the next step starts from."""
-        values = list(vars(self).values())
-        film = parts.Before(*values[: len(parts.Before._fields)])
-        totals = parts.Totals(*values[-len(parts.Totals._fields) :])
-        return Memory(film, totals, self.layer)
 
 
 class LubricationModel:
@@ -164,7 +99,7 @@ class LubricationModel:
         sliding_velocity: Array,
         circumferential_velocity: Array | None = None,
         **conditions: Any,
-    ) -> tuple[State, dict[str, Any]]:
+    ) -> tuple[Memory, dict[str, Any]]:
         """State and outputs at the start: a full film, reduced pressure linear between the edges;
         or one filled in part, without pressure.
 
@@ -179,7 +114,7 @@ class LubricationModel:
 
         Returns
         -------
-        state : State
+        state : step.Memory
         outputs : dict
             As from `advance`.
         """
@@ -190,22 +125,22 @@ class LubricationModel:
         memory, fields, scalars = step.start(self.fixed, inputs, filled, faults)
         raise_noted(faults)
         self.remark = remark_of(faults, FAULTS)
-        return State.of(memory), self._outputs(fields, scalars, 0)
+        return memory, self._outputs(fields, scalars, 0)
 
     def advance(
         self,
-        state: State,
+        state: Memory,
         film_thickness: Array,
         sliding_velocity: Array,
         length: float,
         circumferential_velocity: Array | None = None,
         **conditions: Any,
-    ) -> tuple[State, dict[str, Any]]:
+    ) -> tuple[Memory, dict[str, Any]]:
         """One step from `state` to the given film and velocity, of second order in time, `storage`.
 
         Parameters
         ----------
-        state : State
+        state : step.Memory
             At the beginning of the step.
         film_thickness, sliding_velocity : ndarray, shape (n_c, n_a)
             At the end of the step [m], [m/s].
@@ -218,7 +153,7 @@ class LubricationModel:
 
         Returns
         -------
-        state : State
+        state : step.Memory
             At the end of the step.
         outputs : dict
             Output variable name -> value, `variables.py`.
@@ -232,18 +167,17 @@ class LubricationModel:
         motion = film_thickness, sliding_velocity, circumferential_velocity
         inputs = self._inputs(motion, length, conditions)
         fixed = self.fixed
-        memory = state.memory
         faults = none_yet()
-        begun = step.begin(fixed, memory, inputs, faults)
+        begun = step.begin(fixed, state, inputs, faults)
         raise_noted(faults)
-        solved = step.solve(fixed, memory, inputs, begun, self.film_step.solver, faults)
+        solved = step.solve(fixed, state, inputs, begun, self.film_step.solver, faults)
         raise_noted(faults)
-        ended = step.end(fixed, memory, inputs, begun, solved, faults)
+        ended = step.end(fixed, state, inputs, begun, solved, faults)
         raise_noted(faults)
         self.remark = remark_of(faults, FAULTS)
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
-        return State.of(ended.memory), outputs
+        return ended.memory, outputs
 
     def tangent(
         self,

@@ -2,8 +2,7 @@
 and what it covers.
 
 An entry takes the slave's real and integer variables, as `master.fmi.slave` lays them out, and its
-block of float64 numbers. A block begins with what is given: the grid, where in the variables each
-number lies, tables that depend on no parameter.
+memory of float64 numbers (`native_step`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ..master.fmi.block import memory_of, part, room, row_of
 from ..master.fmi.compiled import compiled
-from ..master.fmi.native_parts import Entry, NativePart
+from ..master.fmi.native_parts import Entry, NativePart, size
+from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from . import step
 from .asperity import CONTACT_LAWS, contact_table
@@ -22,20 +23,29 @@ from .grid import Array, keep
 from .native_step import (
     CHOSEN,
     EDGES,
-    GIVEN_HEAD,
+    FAULTS_AT,
     INITIAL_FILM_FRACTION,
+    LAST,
+    LINEAR,
     NUMBERS,
+    ROOM_ON_BORE,
     SECTOR_ANGLE,
+    STATE,
     STROKES,
+    Block,
+    InputPlaces,
+    Places,
+    Solver,
+    block_of,
     check_parameters,
+    clear_solver,
     domain_of,
     factors_of,
     filled,
     fixed_of,
-    laid_out,
     last_of,
     linear_of,
-    memory_of,
+    memory_of_state,
     place_openings,
     put_last,
     put_linear,
@@ -48,36 +58,15 @@ from .native_step import (
 )
 from .oil_layer import skirt_edges
 from .options import BuildOptions
+from .piezoviscosity import PressureLaw
+from .roughness import TABLE as FACTOR_TABLE
 from .step import ALONG, AROUND, NORMAL, Directions, Fields, Inputs, Scalars
 from .summary import halves
 
+NOWHERE = -1
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
 
-# ---- where things lie: numbers in the variables, then parts of the block
-
-FIELD_INPUTS = (
-    "film_thickness",
-    "sliding_velocity",
-    "circumferential_velocity",
-    "oil_temperature",
-)
-FILM_THICKNESS, SLIDING_VELOCITY, CIRCUMFERENTIAL_VELOCITY, OIL_TEMPERATURE = 0.0, 1.0, 2.0, 3.0
-FIELD_OUTPUTS = Fields._fields
-SCALARS = Scalars._fields
-COUNTERS = ("solver_iterations",)
-PLACED = (*NUMBERS, *CHOSEN, *FIELD_INPUTS, *FIELD_OUTPUTS, *SCALARS, *COUNTERS)
-PLACES = len(PLACED)
-OF_CHOSEN = len(NUMBERS)
-OF_INPUTS = OF_CHOSEN + len(CHOSEN)
-OF_OUTPUTS = OF_INPUTS + len(FIELD_INPUTS)
-OF_SCALARS = OF_OUTPUTS + len(FIELD_OUTPUTS)
-OF_COUNTERS = OF_SCALARS + len(SCALARS)
-OF_SEEDS = PLACES  # the first of them; the others follow
-OF_PRODUCTS = OF_SEEDS + 1
-FOLLOWED = OF_PRODUCTS + 1  # 1 for each of NUMBERS that is an input
-NOWHERE = -1.0
-
-block_of, measure = laid_out(GIVEN_HEAD + FOLLOWED + len(NUMBERS))
+# ---- what the memory begins with
 
 
 def given(slave: Any) -> Array:
@@ -91,17 +80,58 @@ def given(slave: Any) -> Array:
     n_c, n_a = built.grid
     cut = built.open_cells
     faces = skirt_edges(np.zeros((n_c, n_a), dtype=bool) if cut is None else cut)
-    mask = np.ones((n_c, n_a)) if cut is None else ~cut
-    head = [n_c, n_a, len(faces), built.surface == "bearing"]
-    places = [slave.references.get(name, NOWHERE) for name in PLACED]
-    directions = [
-        slave.references[reserved(kind, names[0])]
-        for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
-    ]
-    followed = [float(name in built.inputs) for name in NUMBERS]
-    tables = [contact_table(law) for law in CONTACT_LAWS]
-    whole = [head, places, directions, followed, *tables, *halves(n_c), mask, faces]
-    return np.concatenate([np.asarray(part, dtype=float).ravel() for part in whole])
+    field = np.zeros((n_c, n_a))
+    lengths = dict(n_c=n_c, n_a=n_a, n_e=len(faces), n_b=ROOM_ON_BORE * n_a)
+    block = Block(
+        places=_places(slave),
+        follows=np.array([float(name in built.inputs) for name in NUMBERS]),
+        bearing=built.surface == "bearing",
+        tables=np.array([contact_table(law) for law in CONTACT_LAWS]),
+        share=halves(n_c).share,
+        sine=halves(n_c).sine,
+        mask=field + 1.0 if cut is None else (~cut).astype(float),
+        faces=faces,
+        beside=field,
+        numbers=np.zeros(len(NUMBERS)),
+        chosen=np.zeros(len(CHOSEN)),
+        temperature=field,
+        viscosity=field,
+        factors=np.zeros(FACTOR_TABLE),
+        law=np.zeros(room(PressureLaw)),
+        has_last=np.zeros(1),
+        has_linear=np.zeros(1),
+    )
+    return memory_of(
+        {"given": row_of(block)},
+        {
+            "state": room(step.Memory, **lengths),
+            "last": room(step.Last, **lengths),
+            "linear": room(step.Linear, **lengths),
+            "solver": room(Solver, **lengths),
+            "faults": ROOM,
+        },
+    )
+
+
+def _places(slave) -> Places:
+    """Return where everything lies among a slave's variables."""
+
+    def place(name, kind=""):
+        return slave.references.get(reserved(kind, name) if kind else name, NOWHERE)
+
+    def each(names):
+        return np.array([place(name) for name in names], dtype=float)
+
+    return Places(
+        each(NUMBERS),
+        each(CHOSEN),
+        InputPlaces(*(place(name) for name in InputPlaces._fields)),
+        each(Fields._fields),
+        each(Scalars._fields),
+        place("solver_iterations"),
+        place(slave.derivative_inputs[0], SEED),
+        place(slave.derivative_outputs[0], PRODUCT),
+    )
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -125,12 +155,6 @@ def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
 
 
 @compiled
-def _place(memory, k):
-    """Where in the variables the k-th of `PLACED` and what follows lies; -1 for nowhere."""
-    return int(memory[GIVEN_HEAD + k])
-
-
-@compiled
 def _field(real, place, shape):
     """A field among the variables."""
     n_c, n_a = shape
@@ -138,22 +162,23 @@ def _field(real, place, shape):
 
 
 @compiled
-def _input(real, memory, block, which, domain):
-    """A field of `FIELD_INPUTS`, whatever stands in cells without a film."""
+def _input(real, block, place, domain):
+    """An input field, whatever stands in cells without a film."""
     n_c, n_a = block.mask.shape
-    field = _field(real, _place(memory, OF_INPUTS + int(which)), block.mask.shape)
+    field = _field(real, place, block.mask.shape)
     return filled(block, field.reshape((1, n_c, n_a)), domain)[0]
 
 
 @compiled
-def inputs_of(real, memory, block, domain, length):
+def inputs_of(real, block, domain, length):
     """`step.Inputs` for a step of a length [s]."""
+    places = block.places.inputs
     turning = np.zeros(block.mask.shape)
     if block.bearing:
-        turning = _input(real, memory, block, CIRCUMFERENTIAL_VELOCITY, domain)
+        turning = _input(real, block, places.circumferential_velocity, domain)
     return Inputs(
-        _input(real, memory, block, FILM_THICKNESS, domain),
-        _input(real, memory, block, SLIDING_VELOCITY, domain),
+        _input(real, block, places.film_thickness, domain),
+        _input(real, block, places.sliding_velocity, domain),
         turning,
         surroundings_of(block),
         length,
@@ -161,89 +186,70 @@ def inputs_of(real, memory, block, domain, length):
 
 
 @compiled
-def take_numbers(real, integer, memory, block, length):
+def take_numbers(real, integer, block, length, faults):
     """Take parameters from the variables, for a step of a length [s] those alone that are inputs;
     note what contradicts.
     """
+    places = block.places
     all_of_them = length == 0.0
     changed = all_of_them
     for k in range(len(NUMBERS)):
-        follows = memory[GIVEN_HEAD + FOLLOWED + k] != 0.0
-        place = _place(memory, k)
-        if place >= 0 and (all_of_them or follows):
+        place = int(places.numbers[k])
+        if place >= 0 and (all_of_them or block.follows[k] != 0.0):
             block.numbers[k] = real[place]
             changed = True
     if all_of_them:
-        if _place(memory, SECTOR_ANGLE) < 0:
+        if places.numbers[SECTOR_ANGLE] < 0.0:
             block.numbers[SECTOR_ANGLE] = FULL_TURN
         for k in range(len(CHOSEN)):
-            block.chosen[k] = float(integer[_place(memory, OF_CHOSEN + k)])
+            block.chosen[k] = float(integer[int(places.chosen[k])])
         place_openings(block)
         roughen(block)
-        check_parameters(block)
+        check_parameters(block, faults)
     if changed:
-        check_supply(supply_of(block), block.faults)
-    if _place(memory, OF_INPUTS + int(OIL_TEMPERATURE)) >= 0:
-        domain = domain_of(block)
-        warm_by_field(block, _input(real, memory, block, OIL_TEMPERATURE, domain))
+        check_supply(supply_of(block), faults)
+    if places.inputs.oil_temperature >= 0:
+        warm_by_field(block, _input(real, block, places.inputs.oil_temperature, domain_of(block)))
     elif changed:
         warm_by_edges(block)
 
 
 @compiled
-def publish(fields, scalars, iterations, real, integer, memory):
+def publish(fields, scalars, iterations, real, integer, places):
     """Outputs into the variables."""
     shape = fields[0].shape
     for k in range(len(fields)):
-        place = _place(memory, OF_OUTPUTS + k)
-        if place >= 0:
-            keep(_field(real, place, shape), fields[k])
+        if places.fields[k] >= 0.0:
+            keep(_field(real, int(places.fields[k]), shape), fields[k])
     for k in range(len(scalars)):
-        place = _place(memory, OF_SCALARS + k)
-        if place >= 0:
-            real[place] = scalars[k]
-    integer[_place(memory, OF_COUNTERS)] = int(iterations)
+        if places.scalars[k] >= 0.0:
+            real[int(places.scalars[k])] = scalars[k]
+    integer[places.solver_iterations] = int(iterations)
 
 
 # ---- entries
 
 
 @compiled
-def size(real: Array, integer: Array, memory: Array, numbers: Array):
-    """Lengths for what a block begins with: of the whole, where its state begins and how long that
-    is, where faults are.
-
-    Parameters
-    ----------
-    real, integer : ndarray
-        Unused.
-    memory : ndarray
-        At least what is given.
-    numbers : ndarray, shape (4,)
-        Overwritten.
-    """
-    measure(memory, numbers)
-
-
-@compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
-    block = block_of(memory)
-    faults = block.faults
+    faults = part(memory, FAULTS_AT)
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
+    block = block_of(memory)
     block.has_last[0] = 0.0
-    take_numbers(real, integer, memory, block, 0.0)
+    clear_solver(memory, block)
+    take_numbers(real, integer, block, 0.0, faults)
     if faults[0] > 0.0:
         return
     fixed = fixed_of(block, 1.0)
-    inputs = inputs_of(real, memory, block, fixed.domain, 0.0)
+    inputs = inputs_of(real, block, fixed.domain, 0.0)
     initial = block.numbers[INITIAL_FILM_FRACTION]
     begun, fields, scalars = step.start(fixed, inputs, initial, faults)
     if faults[0] > 0.0:
         return
-    put_memory(block.state, begun)
-    publish(fields, scalars, 0.0, real, integer, memory)
+    put_memory(part(memory, STATE), begun)
+    publish(fields, scalars, 0.0, real, integer, block.places)
 
 
 @compiled
@@ -251,52 +257,55 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     """One step; numbers: its length [s]. Where it is refused the fault is noted and the state
     stays.
     """
-    block = block_of(memory)
-    faults = block.faults
+    faults = part(memory, FAULTS_AT)
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
+    block = block_of(memory)
     block.has_last[0] = 0.0  # a refused step has no tangent
-    take_numbers(real, integer, memory, block, numbers[0])
+    take_numbers(real, integer, block, numbers[0], faults)
     if faults[0] > 0.0:
         return
     fixed = fixed_of(block, 1.0)
-    inputs = inputs_of(real, memory, block, fixed.domain, numbers[0])
-    before = memory_of(block.state.copy())
+    inputs = inputs_of(real, block, fixed.domain, numbers[0])
+    before = memory_of_state(part(memory, STATE).copy())
     begun = step.begin(fixed, before, inputs, faults)
     if faults[0] > 0.0:
         return
-    solved = step.solve(fixed, before, inputs, begun, factors_of(block), faults)
+    solved = step.solve(fixed, before, inputs, begun, factors_of(memory), faults)
     if faults[0] > 0.0:
         return
     ended = step.end(fixed, before, inputs, begun, solved, faults)
     if faults[0] > 0.0:
         return
-    put_memory(block.state, ended.memory)
-    put_last(block.last, ended.last)
+    put_memory(part(memory, STATE), ended.memory)
+    put_last(part(memory, LAST), ended.last)
     block.has_last[0] = 1.0
     block.has_linear[0] = 0.0
-    publish(ended.fields, ended.scalars, float(ended.iterations), real, integer, memory)
+    iterations = float(ended.iterations)
+    publish(ended.fields, ended.scalars, iterations, real, integer, block.places)
 
 
 @compiled
 def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     """Products of the seeds among the variables; `numbers` unused."""
+    faults = part(memory, FAULTS_AT)
+    faults[0] = 0.0
     block = block_of(memory)
-    block.faults[0] = 0.0
     if block.has_last[0] == 0.0:
-        refuse(block.faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
+        refuse(faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
         return
     fixed = fixed_of(block, 0.0)
-    last = last_of(block.last)
+    last = last_of(part(memory, LAST))
     if block.has_linear[0] == 0.0:
-        put_linear(block.linear, step.linearise(fixed, last))
+        put_linear(part(memory, LINEAR), step.linearise(fixed, last))
         block.has_linear[0] = 1.0
+    linear = linear_of(part(memory, LINEAR))
     n_c, n_a = block.mask.shape
     directions = 3 if block.bearing else 2
     n = directions * n_c * n_a
-    first = _place(memory, OF_SEEDS)
+    first = block.places.seeds
     seeds = real[first : first + n].reshape((directions, 1, n_c, n_a))
-    first = _place(memory, OF_PRODUCTS)
+    first = block.places.products
     products = real[first : first + n].reshape((directions, 1, n_c, n_a))
     domain = fixed.domain
     turning = np.zeros((0, 0, 0))
@@ -306,8 +315,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
         filled(block, seeds[NORMAL], domain), filled(block, seeds[ALONG], domain), turning
     )
     right = np.empty((1, n_c, n_a))
-    linear = linear_of(block.linear)
-    step.changes(fixed, last, linear, seeded, factors_of(block), right, products)
+    step.changes(fixed, last, linear, seeded, factors_of(memory), right, products)
 
 
 PART = NativePart(

@@ -1,17 +1,16 @@
-"""What the block of a native slave holds, and how `step` is called on it.
+"""The memory of a native slave, and how `step` is called on it.
 
-The block is one flat piece of float64 numbers, all of a slave; `LAYOUT` says what lies in it. What
-is done with it is the model's own text, so every number has the same bits; viscosities differ by
-the last bit of exp and log where the C library does.
+What is done with it is the model's own text, so every number has the same bits; viscosities differ
+by the last bit of exp and log where the C library does.
 """
 
 from collections import namedtuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import flatten, room
+from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from ..master.fmi.noted import ROOM
 from . import cavitation, coating, oil_layer, openings, step
 from . import step_parts as parts
 from .asperity import ContactConstants, pressure_scale
@@ -27,11 +26,10 @@ from .contradictions import (
 from .faults import STROKE_TOO_LONG, refuse
 from .film_step import Domain
 from .flow_film import FilmLaws
-from .grid import Array, Cells, keep
+from .grid import Array, Cells, Field, keep
 from .oil import TWO_POINT, LowShear, Thinning, low_shear_viscosity
 from .piezoviscosity import TABLE as LAW_TABLE
 from .piezoviscosity import PressureLaw, pressure_law
-from .roughness import TABLE as FACTORS
 from .roughness import fill_factor_table
 from .step import Fixed, Last, Linear, Memory
 from .summary import Halves
@@ -40,9 +38,9 @@ from .variables import CONDITION_VARIABLES, OIL_VARIABLES, film_variables
 
 # ---- what a slave is given: parameters in SI, choices by their number from 1 on
 
-GIVEN = (*film_variables("bearing"), *CONDITION_VARIABLES, *OIL_VARIABLES)
-NUMBERS = tuple(v.name for v in GIVEN if not v.choices)
-CHOSEN = tuple(v.name for v in GIVEN if v.choices)
+DECLARED = (*film_variables("bearing"), *CONDITION_VARIABLES, *OIL_VARIABLES)
+NUMBERS = tuple(v.name for v in DECLARED if not v.choices)
+CHOSEN = tuple(v.name for v in DECLARED if v.choices)
 Numbers = namedtuple("Numbers", NUMBERS)
 Chosen = namedtuple("Chosen", CHOSEN)
 SECTOR_ANGLE = NUMBERS.index("sector_angle")
@@ -59,90 +57,104 @@ _pressure_scale = compiled(pressure_scale)
 
 # ---- the block
 
-CONTACT_TABLE = (513, 6)  # of `asperity.contact_table`
 STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
 ROOM_ON_BORE = 1 + 2 * STROKES
 
-OF_LEVEL, OF_Z, OF_LIMIT, OF_MOST = range(4)  # of `PressureLaw`, between its alpha and its table
-LAW_NUMBERS = 4
+PARTS = ("given", "state", "last", "linear", "solver", "faults")
+GIVEN, STATE, LAST, LINEAR, SOLVER, FAULTS_AT = range(len(PARTS))
+"""Parts of the memory; rows of `Given`, `step.Memory`, `step.Last`, `step.Linear` and `Solver`."""
 
-HEAD = ("columns", "rows", "edges", "bearing")
-"""What a block begins with: cells around and along, edges that a row has at most, 1 for the film of
-a bearing, else 0."""
-COLUMNS, ROWS, ROW_EDGES, BEARING = range(len(HEAD))
-GIVEN_HEAD = len(HEAD)
-
-LAYOUT = {
-    "share": "n_c",
-    "sine": "n_c",
-    "mask": "n_c, n_a",
-    "faces": "n_e, n_c",
-    "beside": "n_c, n_a",
-    "numbers": f"{len(NUMBERS)}",
-    "chosen": f"{len(CHOSEN)}",
-    "temperature": "n_c, n_a",
-    "viscosity": "n_c, n_a",
-    "state": room(Memory),
-    "last": room(Last),
-    "has_last": "1",
-    "linear": room(Linear),
-    "has_linear": "1",
-    "columns": "n_a, n_c, n_c",
-    "diagonals": "n_a, n_c",
-    "orders": "n_a, n_c",
-    "sizes": "n_a",
-    "direction": "1",
-    "factors": f"{FACTORS[0]}, {FACTORS[1]}",
-    "law": f"{LAW_NUMBERS}",
-    "law_table": f"{LAW_TABLE[0]}, {LAW_TABLE[1]}",
-    "faults": f"{ROOM}",
-}
-"""Parts of a block behind the tables of both contact laws, and their shapes.
-
-share, sine : of `summary.Halves`; mask : 1 where there is a film, 0 in cut-outs; faces : of
-`oil_layer.Bore`; beside : of `openings.nearest`; numbers, chosen : `NUMBERS` and `CHOSEN`;
-temperature, viscosity [K], [Pa s]; state, last, linear : rows of `step.Memory`, `step.Last` and
-`step.Linear`; has_last, has_linear : whether there is one of the last step; columns to direction :
-of `blocks.Factors`; factors : of `roughness.fill_factor_table`; law, law_table : of
-`piezoviscosity.PressureLaw`.
-"""
-Block = namedtuple("Block", ("tables", "bearing", *LAYOUT))
-"""Parts of the block of a slave; tables : ndarray, shape (2, 513, 6), of both contact laws."""
+Vector = Annotated[Array, "n"]
+Number = Annotated[Array, "1"]
+"""An array of one, for what changes."""
 
 
-def laid_out(first: int):
-    """Kernels that make a `Block` of a slave's memory, whose tables begin at `first`, and that put
-    into an array the lengths that the entry `size` tells.
+class InputPlaces(NamedTuple):
+    """Where input fields begin."""
+
+    film_thickness: int
+    sliding_velocity: int
+    circumferential_velocity: int
+    oil_temperature: int
+
+
+class Places(NamedTuple):
+    """Where everything lies among the variables, -1 of what there is not.
+
+    numbers, chosen, fields, scalars : of `NUMBERS`, `CHOSEN`, `step.Fields` and `step.Scalars`;
+    seeds, products : where those of all directions begin.
     """
-    head = f"""
-    n_c, n_a, n_e = int(memory[{COLUMNS}]), int(memory[{ROWS}]), int(memory[{ROW_EDGES}])
-    n_b = {ROOM_ON_BORE} * n_a
-    a = {first + 2 * CONTACT_TABLE[0] * CONTACT_TABLE[1]}
-"""
-    takes = measures = head
-    for name, shape in LAYOUT.items():
-        length = " * ".join(f"({one})" for one in shape.split(", "))
-        takes += f"    {name} = memory[a : a + {length}].reshape(({shape},))\n    a += {length}\n"
-        if name == "state":
-            measures += f"    numbers[1] = a\n    numbers[2] = {length}\n"
-        if name == "faults":
-            measures += "    numbers[3] = a\n"
-        measures += f"    a += {length}\n"
-    tables = f"memory[{first} : {first} + 2 * {CONTACT_TABLE[0]} * {CONTACT_TABLE[1]}]"
-    tables += f".reshape((2, {CONTACT_TABLE[0]}, {CONTACT_TABLE[1]}))"
-    made = f"Block({tables}, memory[{BEARING}] != 0.0, {', '.join(LAYOUT)})"
-    scope = {"Block": Block}
-    exec(
-        f"def block_of(memory):{takes}    return {made}\n"
-        f"def measure(memory, numbers):{measures}    numbers[0] = a\n",
-        scope,
-    )
-    return compiled(scope["block_of"]), compiled(scope["measure"])
+
+    numbers: Vector
+    chosen: Vector
+    inputs: InputPlaces
+    fields: Vector
+    scalars: Vector
+    solver_iterations: int
+    seeds: int
+    products: int
 
 
-put_memory, memory_of = flatten(Memory)
+class Block(NamedTuple):
+    """What a memory begins with; from `beside` on it is made at the start.
+
+    follows : 1 for each of `NUMBERS` that is an input; tables : of both contact laws; share, sine :
+    of `summary.Halves`; mask : 1 where there is a film, 0 in cut-outs; faces : of
+    `oil_layer.Bore`; beside : of `openings.nearest`; numbers, chosen : `NUMBERS` and `CHOSEN`;
+    temperature, viscosity [K], [Pa s]; factors : of `roughness.fill_factor_table`; law : row of
+    `piezoviscosity.PressureLaw`; has_last, has_linear : whether there is one of the last step.
+    """
+
+    places: Places
+    follows: Vector
+    bearing: bool
+    tables: Annotated[Array, "2, 513, 6"]
+    share: Vector
+    sine: Vector
+    mask: Field
+    faces: Field
+    beside: Field
+    numbers: Vector
+    chosen: Vector
+    temperature: Field
+    viscosity: Field
+    factors: Field
+    law: Vector
+    has_last: Number
+    has_linear: Number
+
+
+class Solver(NamedTuple):
+    """Room for `blocks.Factors`, its whole numbers by their bits."""
+
+    columns: Annotated[Array, "n_a, n_c, n_c"]
+    diagonals: Annotated[Array, "n_a, n_c"]
+    orders: Annotated[Array, "n_a, n_c"]
+    sizes: Annotated[Array, "n_a"]
+    direction: Number
+
+
+_, _block = flatten(Block)
+put_law, law_from = flatten(PressureLaw)
+put_solver, _solver = flatten(Solver)
+put_memory, memory_of_state = flatten(Memory)
 put_last, last_of = flatten(Last)
 put_linear, linear_of = flatten(Linear)
+
+
+@compiled
+def block_of(memory: Array):
+    """Return `Block`; writing into its arrays changes the memory."""
+    return _block(part(memory, GIVEN))
+
+
+@compiled
+def clear_solver(memory: Array, block: Block):
+    """Make room for factors."""
+    n_c, n_a = block.mask.shape
+    rows = np.zeros((n_a, n_c))
+    room = Solver(np.zeros((n_a, n_c, n_c)), rows, rows, np.zeros(n_a), np.zeros(1))
+    put_solver(part(memory, SOLVER), room)
 
 
 # ---- what stays of a film
@@ -270,14 +282,15 @@ def roughen(block: Block):
 
 
 @compiled
-def factors_of(block: Block):
-    """`blocks.Factors` in the block."""
+def factors_of(memory: Array):
+    """`blocks.Factors` in the memory."""
+    solver = _solver(part(memory, SOLVER))
     return Factors(
-        block.columns,
-        block.diagonals,
-        block.orders.view(np.int64),
-        block.sizes.view(np.int64),
-        block.direction,
+        solver.columns,
+        solver.diagonals,
+        solver.orders.view(np.int64),
+        solver.sizes.view(np.int64),
+        solver.direction,
     )
 
 
@@ -304,7 +317,7 @@ def supply_of(block: Block):
 
 
 @compiled
-def check_parameters(block: Block):
+def check_parameters(block: Block, faults: Array):
     """Note what is wrong between the parameters at the start, but for those of `supply_of`."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
@@ -321,10 +334,10 @@ def check_parameters(block: Block):
         x.viscosity_40,
         x.viscosity_100,
     )
-    check_kind(kind, block.faults)
+    check_kind(kind, faults)
     room = STROKES * x.skirt_length
     if from_bore and x.stroke > room:
-        refuse(block.faults, STROKE_TOO_LONG, 0, 0, x.stroke, x.skirt_length, room)
+        refuse(faults, STROKE_TOO_LONG, 0, 0, x.stroke, x.skirt_length, room)
 
 
 @compiled
@@ -333,7 +346,7 @@ def surroundings_of(block: Block):
     x = numbers_from(block.numbers)
     supply = supply_of(block)
     outside = outside_of(supply)
-    law = law_of(block)
+    law = law_from(block.law)
     return Surroundings(
         edges_of(supply, outside, law, block.mask.shape),
         outside,
@@ -396,23 +409,4 @@ def thicken(block: Block):
     """The pressure law for the viscosity of the cells, into the block."""
     kind = int(chosen_from(block.chosen).pressure_viscosity_law) - 1
     alpha = numbers_from(block.numbers).pressure_viscosity_coefficient
-    law = pressure_law(kind, alpha, block.viscosity, block.law_table)
-    block.law[OF_LEVEL] = law.level
-    block.law[OF_Z] = law.z
-    block.law[OF_LIMIT] = law.limit
-    block.law[OF_MOST] = law.most
-
-
-@compiled
-def law_of(block: Block):
-    """`piezoviscosity.PressureLaw` in the block."""
-    law = block.law
-    return PressureLaw(
-        int(chosen_from(block.chosen).pressure_viscosity_law) - 1,
-        numbers_from(block.numbers).pressure_viscosity_coefficient,
-        law[OF_LEVEL],
-        law[OF_Z],
-        law[OF_LIMIT],
-        law[OF_MOST],
-        block.law_table,
-    )
+    put_law(block.law, pressure_law(kind, alpha, block.viscosity, np.zeros(LAW_TABLE)))

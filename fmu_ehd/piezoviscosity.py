@@ -20,7 +20,7 @@ References
 [Roelands1966] C. J. A. Roelands, thesis, Delft 1966.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -56,7 +56,7 @@ class PressureLaw(NamedTuple):
     z: float
     limit: float
     most: float
-    table: Array
+    table: Annotated[Array, f"3, {TABLE_CELLS + 1}"]
 
 
 class TruePressure(NamedTuple):

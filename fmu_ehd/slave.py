@@ -9,10 +9,11 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from .cavitation import NotConverged
-from .model import LubricationModel, State
+from .model import LubricationModel
 from .oil import Oil
 from .options import BuildOptions
 from .parameters import Parameters, faults
+from .step import Memory
 from .variables import (
     CONDITION_VARIABLES,
     DERIVATIVE_INPUTS,
@@ -33,7 +34,7 @@ class Ehd(FieldSlave):
 
     name = "fmu_ehd"
     description = "Transient elastohydrodynamic lubrication of a piston skirt"
-    state_type = State
+    state_type = Memory
     slow_state = ("layer.bore",)
     _remarked: frozenset[str] = frozenset()
 
@@ -57,7 +58,7 @@ class Ehd(FieldSlave):
         built = BuildOptions.read(options)
         return variables(built.grid, not built.no_fields, built.inputs, built.oil, built.surface)
 
-    def start(self, values: Mapping[str, Any]) -> tuple[State, dict[str, Any]]:
+    def start(self, values: Mapping[str, Any]) -> tuple[Memory, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
         built = BuildOptions.read(self.options)
         parameters = Parameters(
@@ -85,8 +86,8 @@ class Ehd(FieldSlave):
         return state, self._shown(outputs)
 
     def advance(
-        self, state: State, values: Mapping[str, Any], time: float, step: float
-    ) -> tuple[State, dict[str, Any]]:
+        self, state: Memory, values: Mapping[str, Any], time: float, step: float
+    ) -> tuple[Memory, dict[str, Any]]:
         """One step; discarded where the film has no solution."""
         try:
             state, outputs = self.model.advance(

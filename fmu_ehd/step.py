@@ -72,6 +72,11 @@ class Memory(NamedTuple):
     totals: parts.Totals
     layer: OilLayer
 
+    def __repr__(self) -> str:
+        return (
+            f"<Memory of a film: {self.film.content.shape[0]} x {self.film.content.shape[1]} cells>"
+        )
+
 
 class Inputs(NamedTuple):
     """What a film is given at the end of a step.

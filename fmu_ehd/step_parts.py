@@ -25,7 +25,16 @@ from .transport import Pace, PastTransport
 
 
 class Before(NamedTuple):
-    """What the film at the beginning of a step remembers, as in `model.State`; step : H_n [s]."""
+    """What a film remembers at the beginning of a step.
+
+    unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
+    starts the next one, so that a repeat takes the same path; content, growth, growth_before :
+    film fraction times stored film [m], and its growth over the last step and the one before
+    [m/s], `storage.Past`; deflection : of the coating [m]; film, film_before : quantities of
+    `films` at the end of the last two steps; passed, travel : volume that passed the axial faces
+    [m3], and travel of the entrainment there [m], in the last step, `transport`; step : length of
+    the last step [s], 0 at the start.
+    """
 
     unknown: Field
     unknown_before: Field

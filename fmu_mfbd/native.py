@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import memory_of, part, row_of
-from ..master.fmi.compiled import compiled
+from ..master.fmi.block import memory_of, part, room, row_of
+from ..master.fmi.compiled import compiled, packed
 from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import ROOM, refuse, remark
@@ -37,7 +37,6 @@ from .dynamics.contradictions import (
 from .dynamics.drive import Scalars, demand_of, others_of, scalars_of
 from .dynamics.elimination import Factors
 from .dynamics.first_steps import FIRST_STEPS, first_steps
-from .dynamics.floating_frame import Arrow
 from .dynamics.floating_pin import (
     COORDINATES,
     inertia,
@@ -47,14 +46,14 @@ from .dynamics.floating_pin import (
 )
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Motion, coefficients
-from .dynamics.instant import Linear, RingForce, end_of_step, linearise, response
+from .dynamics.instant import RingForce, end_of_step, linearise, response
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     Parameters,
     PinParameters,
 )
 from .dynamics.pin_instant import EYE, PinScalars, PinStepEnd, end_of_pin_step, respond_pin
-from .dynamics.piston_motion import LATERAL, RIGID, ROCKING, Load
+from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
 from .geometry import pin_surfaces as pin_block
@@ -162,30 +161,11 @@ def given(slave: Any) -> np.ndarray:
             f"{piston.radius:g} m"
         )
     begun = _begun(slave, options, piston, block)
-    k = len(begun.piston_omega)
-    n = len(begun.start_position)
-    floats = options.floating_pin is not None
-    of_motion = n if floats else RIGID + k
-    of_pin = n if floats else 0
-    of_tangent = 0 if floats else k
-    no_load = Load(0.0, 0.0, 0.0, 0.0, np.zeros(k))
-    still, still_now = (Motion(*[np.zeros(size)] * 3) for size in (n, of_motion))
-    crank = CrankMotion(0.0, 0.0, 0.0)
-    state = State(0.0, crank, 0.0, 0, still, np.zeros(n), np.zeros(n))
-    factors = Factors(np.zeros((of_pin, of_pin)), np.zeros(of_pin))
-    last = Last(0.0, coefficients(0.0, 1.0), no_load, crank, still_now, factors)
-    arrow = Arrow(
-        np.zeros((RIGID, RIGID + of_tangent)), np.zeros((of_tangent, RIGID)), np.zeros(of_tangent)
-    )
-    numbers: Any = [0.0] * (len(Linear._fields) - 2)
-    direction = Direction(
-        Linear(arrow, np.zeros((of_tangent, of_tangent)), *numbers),
-        np.zeros((len(FIXED), of_motion if options.mounted else 0)),
-    )
+    n = max(len(begun.start_position), len(FIXED))
     lengths = {
-        "state": row_of(state).size,
-        "last": row_of(last).size,
-        "direction": row_of(direction).size,
+        "state": room(State, n=len(begun.start_position)),
+        "last": room(Last, n=n, m=n),
+        "direction": room(Direction, n=n, m=n),
         "faults": ROOM,
     }
     return memory_of({"given": row_of(begun)}, lengths)
@@ -560,6 +540,9 @@ def publish_pin(real, given, bodies, found):
         put_stacked(real, at, of_eye(first, found.now.kept_velocity))
 
 
+_, carrier_from = packed(Carrier)
+
+
 class End(NamedTuple):
     """Of a step: the crank there, the time [s], and whether it is the start."""
 
@@ -601,7 +584,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         pressure,
         rings_at(real, places.rings),
         real[places.land_pressure],
-        carrier_of(carried_at(real, places.carrier)),
+        carrier_from(carried_at(real, places.carrier)),
     )
     push, drag = forces_at(real, places.skirt, False)
     factors = Factors(np.zeros((0, 0)), np.zeros(0))
@@ -657,12 +640,6 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         part(memory, STATE),
         State(at.time, crank, now.ledger.accounted, steps, kept, auxiliary_now, now.other_forces),
     )
-
-
-@compiled
-def carrier_of(motion):
-    """Return `Carrier` of an array."""
-    return Carrier(motion[0], motion[1], motion[2], motion[3])
 
 
 @compiled

@@ -6,6 +6,7 @@ declared, an array behind its lengths, so that one that is not there takes a len
 """
 
 from collections.abc import Iterator, Mapping
+from math import prod
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -33,13 +34,10 @@ def element_of(hint: Any) -> Any:
     return get_args(of_array[1])[0] if of_array else np.float64
 
 
-def room(kind: Any) -> str:
-    """Return the length of the longest row of a tree, in the lengths that its annotations name."""
-    terms = []
-    for _, hint in leaves(kind):
-        shape = shape_of(hint)
-        terms.append(f"{len(shape)} + " * bool(shape) + " * ".join(f"({n})" for n in shape or "1"))
-    return " + ".join(terms)
+def room(kind: Any, **lengths: int) -> int:
+    """Return the length of the longest row of a tree, by the lengths that its annotations name."""
+    shapes = [shape_of(hint) for _, hint in leaves(kind)]
+    return sum(len(shape) + prod(eval(one, {}, lengths) for one in shape) for shape in shapes)
 
 
 def row_of(tree: Any) -> np.ndarray:

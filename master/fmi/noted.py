@@ -39,8 +39,12 @@ def refuse(faults: np.ndarray, number: float, i: float, j: float, a: float, b: f
 def take_over(faults: np.ndarray, others: np.ndarray, first: float):
     """Note faults of another list, whose sentences begin with the number `first` of this one."""
     for k in range(int(others[0])):
-        one = others[1 + k * OF_A_FAULT : 1 + (k + 1) * OF_A_FAULT]
-        refuse(faults, first + one[0], one[1], one[2], one[3], one[4], one[5])
+        count = int(faults[0])
+        if count < MOST_FAULTS:
+            for m in range(OF_A_FAULT):
+                faults[1 + OF_A_FAULT * count + m] = others[1 + OF_A_FAULT * k + m]
+            faults[1 + OF_A_FAULT * count] += first
+            faults[0] = count + 1
 
 
 @compiled

@@ -13,9 +13,9 @@ where:
   writes `real` and `integer` in place: they are allocated once and stay where they are. A value
   reference counts through all three one after the other, so that none stands for two variables:
   one that is taken for another type is refused.
-- `state`: the participant's own frozen dataclass. The FMU state is (real variables, texts and
-  choices, state); Integer outputs count work done, which no rollback undoes, so they are not part
-  of it.
+- `state`: the participant's own frozen dataclass or named tuple. The FMU state is (real variables,
+  texts and choices, state); Integer outputs count work done, which no rollback undoes, so they are
+  not part of it.
 
 Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host
 later. A step that cannot be taken is logged, leaves the state as it was, and sets `status` to
@@ -25,9 +25,9 @@ discard (a bug: to error).
 import json
 import sys
 import traceback
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 from pythonfmu import Fmi2Slave
@@ -67,8 +67,8 @@ class FieldSlave(Fmi2Slave):
     A participant defines
 
     - `name`, `description`: model identifier and one sentence;
-    - `state_type`: the frozen dataclass (of arrays, floats and named tuples of these) that `start`
-      and `advance` return;
+    - `state_type`: the frozen dataclass or named tuple (of arrays, floats and named tuples) that
+      `start` and `advance` return;
     - `variables(options)`: its table, a list of `Variable`;
     - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every
       fault;
@@ -491,32 +491,33 @@ class FieldSlave(Fmi2Slave):
         return real, tuple(head["settings"]), members if head["started"] else None
 
 
-def _members(state):
-    """Arrays of a state by name, those of a named tuple in it as `field.name`."""
+def _members(state, path=""):
+    """Return arrays of a state by name, those of a tuple in it as `field.name`."""
     members = {}
-    for entry in fields(state):
-        value = getattr(state, entry.name)
+    for name, value in _named(state):
         if isinstance(value, tuple):
-            parts = value._asdict()  # pyright: ignore[reportAttributeAccessIssue]
-            members |= {f"{entry.name}.{name}": np.asarray(part) for name, part in parts.items()}
+            members |= _members(value, f"{path}{name}.")
         else:
-            members[entry.name] = np.asarray(value)
+            members[f"{path}{name}"] = np.asarray(value)
     return members
 
 
-def _assembled(state_type, members):
-    """The state of those `_members`."""
-    values: dict[str, Any] = {}
-    for name, value in members.items():
-        field, _, part = name.partition(".")
-        if part:
-            values.setdefault(field, {})[part] = value
-        else:
-            values[field] = value
-    for entry in fields(state_type):
-        if isinstance(values[entry.name], dict):
-            values[entry.name] = entry.type(**values[entry.name])  # pyright: ignore[reportCallIssue]
-    return state_type(**values)
+def _named(state):
+    """Return names and values of the members of a named tuple or a dataclass."""
+    if isinstance(state, tuple):
+        return state._asdict().items()  # pyright: ignore[reportAttributeAccessIssue]
+    return vars(state).items()
+
+
+def _assembled(kind, members, path=""):
+    """Return the state of those `_members`."""
+    values = {
+        name: _assembled(hint, members, f"{path}{name}.")
+        if hasattr(hint, "_fields")
+        else members[f"{path}{name}"]
+        for name, hint in get_type_hints(kind).items()
+    }
+    return kind(**values)
 
 
 def element_names(variable):

@@ -85,7 +85,7 @@ def test_tangent_is_exact_with_both_velocities(name):
             film, axial, around = (m + by * c for m, c in zip(motions, change))
             ends.append(model.advance(state, film, axial, step, around))
         (ahead_state, ahead), (behind_state, behind) = ends
-        if not np.array_equal(ahead_state.unknown > 0.0, behind_state.unknown > 0.0):
+        if not np.array_equal(ahead_state.film.unknown > 0.0, behind_state.film.unknown > 0.0):
             continue  # a cell ruptures meanwhile: no derivative
         film, axial, around = motions
         model.advance(state, film, axial, step, around)

@@ -232,7 +232,7 @@ def test_a_start_that_is_not_full():
     state, outputs = LubricationModel(p).start(film, velocity)
     assert np.all(outputs["film_fraction"] == 0.3)
     assert outputs["maximum_pressure"] == 0.0
-    assert state.content == pytest.approx(0.3 * film, rel=1e-15)
+    assert state.film.content == pytest.approx(0.3 * film, rel=1e-15)
 
 
 @pytest.mark.parametrize("degrees", [60, 200])  # going one way and the other
@@ -415,7 +415,7 @@ def test_oil_put_on_the_bore_between_steps_counts_as_supplied():
         state, before = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
     more = np.where(state.layer.bore > 0.0, state.layer.bore + 1e-6, 0.0)
     added = (more - state.layer.bore).sum() * model.area.flat[0]
-    state = replace(state, layer=state.layer._replace(bore=more))
+    state = state._replace(layer=state.layer._replace(bore=more))
     _, after = model.advance(state, *motored_film(SHAPE, 5 * DEGREE), DEGREE)
     assert after["oil_supplied"] - before["oil_supplied"] == pytest.approx(added, rel=1e-9)
     assert total(after) == pytest.approx(total(first), rel=1e-12)

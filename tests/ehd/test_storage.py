@@ -137,9 +137,9 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     start, _ = model.start(*motored_film(SHAPE, 0.0))
     state, last, inflows, lengths, shares = start, 0.0, [], [], []
     for end in random_ends(0, 720):
-        length = begin(state.memory.film, end - last).start.length
+        length = begin(state.film, end - last).start.length
         lengths.append(length)
-        shares.append((end - last - length) / state.step_before if state.step_before else 0.0)
+        shares.append((end - last - length) / state.film.step if state.film.step else 0.0)
         state, outputs = model.advance(state, *motored_film(SHAPE, end), end - last)
         inflows.append(outputs["flow_lower_edge"] + outputs["flow_upper_edge"])
         last = end
@@ -147,7 +147,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     for k in reversed(range(len(lengths))):  # G = beta G_n + H_e Q of `storage`, telescoped
         weights[k] = lengths[k] * carried
         carried = 1.0 + shares[k] * carried
-    grown = model.grid.cell_area * (state.content - start.content).sum()
+    grown = model.grid.cell_area * (state.film.content - start.film.content).sum()
     moved = np.abs(weights * inflows).sum()
     assert weights.sum() == pytest.approx(last, rel=1e-12)
     assert abs(grown - weights @ inflows) <= 1e-12 * moved  # round-off
@@ -163,7 +163,7 @@ def test_an_opened_film_keeps_its_oil_in_steps_of_any_length():
     for step in 10.0 ** np.random.default_rng(1).uniform(-6.0, -3.0, 60):
         film = 1e-5 + 1e-2 * step  # without pressure nothing flows, however the film moves
         state, outputs = model.advance(state, np.full(SHAPE, film), still, step)
-        assert np.abs(state.content - 1e-5).max() <= 1e-15 * 1e-5 * 60  # round-off
+        assert np.abs(state.film.content - 1e-5).max() <= 1e-15 * 1e-5 * 60  # round-off
         assert outputs["film_fraction"] == pytest.approx(1e-5 / film, rel=1e-12)
 
 

@@ -118,11 +118,11 @@ def test_a_step_repeats_bit_for_bit():
 def test_the_volumes_that_pass_the_faces_are_those_that_cells_gain():
     _, state, _ = motored_until(Parameters((12, 10)), np.arange(1, 101) * DEGREE)
     # the ring closes: what circumferential faces pass cancels in a station
-    gained = (state.growth * state.step_before).sum(axis=0)
+    gained = (state.film.growth * state.film.step).sum(axis=0)
     p = Parameters((12, 10))
     area = 2.0 * np.pi * p.bore_radius / 12 * p.skirt_length / 10
-    passed = -np.diff(state.passed, axis=1).sum(axis=0) / area
-    assert gained == pytest.approx(passed, abs=1e-12 * state.content.sum())  # round-off
+    passed = -np.diff(state.film.passed, axis=1).sum(axis=0) / area
+    assert gained == pytest.approx(passed, abs=1e-12 * state.film.content.sum())  # round-off
 
 
 def test_the_tangent_of_a_starved_film_holds_the_lift():
@@ -145,7 +145,7 @@ def test_the_tangent_holds_with_a_front_in_the_film():
     difference = central_difference(model, state, inputs, change)
     assert difference is not None
     model.advance(state, *inputs, UNEVEN)
-    fraction = (state.content / wedge)[0]
+    fraction = (state.film.content / wedge)[0]
     assert fraction.max() - fraction.min() > 0.5  # front and full film, both there
     for tangent, reference in zip(model.tangent(*change), difference):
         # third derivative times the difference squared

@@ -53,7 +53,7 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     put, get = flatten(Tree)
     if not is_compiled:
         put, get = put.py_func, get.py_func
-    length = eval(room(Tree), dict(n=n, m=m))
+    length = room(Tree, n=n, m=m)
     row = np.full(length, np.nan)
     end = put(row, tree)
     assert np.array_equal(row[:end], row_of(tree))

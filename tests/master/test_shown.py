@@ -68,7 +68,7 @@ def test_tables_hold_what_was_asked_for(shown):
 
 
 def test_the_state_of_a_film_is_one_line(shown):
-    assert repr(shown["Film"].state) == "<State of a film: 8 x 4 cells>"
+    assert repr(shown["Film"].state) == "<Memory of a film: 8 x 4 cells>"
 
 
 def test_text_is_escaped():

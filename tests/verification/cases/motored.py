@@ -96,7 +96,7 @@ def central_difference(
 
     forward_state, forward = shifted(size)
     backward_state, backward = shifted(-size)
-    if not np.array_equal(forward_state.unknown > 0.0, backward_state.unknown > 0.0):
+    if not np.array_equal(forward_state.film.unknown > 0.0, backward_state.film.unknown > 0.0):
         return None
     return [
         (forward[name] - backward[name]) / (2.0 * size)
