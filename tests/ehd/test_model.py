@@ -98,7 +98,7 @@ def test_what_is_given_in_cut_outs_is_looked_at_nowhere(name):
         )
         temperature = np.where(opening(SHAPE), 360.0 + 1e3 * other, 380.0)
         after, o = model.advance(state, h, v, DEGREE, oil_temperature=temperature)
-        answers.append([after.content, *o.values(), *model.tangent(dh, dv)])
+        answers.append([after.film.content, *o.values(), *model.tangent(dh, dv)])
     for again in answers[1:]:
         assert all(np.array_equal(a, b) for a, b in zip(answers[0], again))
 

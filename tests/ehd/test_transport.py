@@ -112,7 +112,7 @@ def test_a_step_repeats_bit_for_bit():
     model.advance(first, *inputs, DEGREE)
     again, _ = model.advance(state, *inputs, DEGREE)
     for name in ("unknown", "content", "passed", "travel"):
-        assert np.array_equal(getattr(first, name), getattr(again, name))
+        assert np.array_equal(getattr(first.film, name), getattr(again.film, name))
 
 
 def test_the_volumes_that_pass_the_faces_are_those_that_cells_gain():

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from piston_cosim.fmu_ehd.grid import Array, Flags
-from piston_cosim.fmu_ehd.model import LubricationModel, State
+from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.step import Memory
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
 UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
@@ -29,7 +30,7 @@ class MotoredRun(NamedTuple):
     """Model and state after a run, and the outputs of each step."""
 
     model: LubricationModel
-    state: State
+    state: Memory
     history: list[dict[str, Any]]
 
 
@@ -75,7 +76,7 @@ def motored_until(parameters: Parameters, ends: Iterable[float]) -> MotoredRun:
 
 def central_difference(
     model: LubricationModel,
-    state: State,
+    state: Memory,
     inputs: SkirtMotion,
     change: SkirtMotion,
     size: float = 1e-5,
@@ -89,7 +90,7 @@ def central_difference(
         None if a cell switches between full and cavitated meanwhile: there is no derivative then.
     """
 
-    def shifted(by: float) -> tuple[State, dict[str, Any]]:
+    def shifted(by: float) -> tuple[Memory, dict[str, Any]]:
         film = inputs.film_thickness + by * change.film_thickness
         velocity = inputs.sliding_velocity + by * change.sliding_velocity
         return model.advance(state, film, velocity, UNEVEN)
