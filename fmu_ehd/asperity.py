@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from .grid import Array
 from .hermite import interpolate
 
@@ -169,6 +169,20 @@ def _energy_integral(table, separation):
     return value
 
 
+@compilable
+def contact_constants(x: Any, table: Array) -> ContactConstants:
+    """Return the constants of a contact, by numbers `x` with names, and `contact_table`."""
+    return ContactConstants(
+        x.roughness_rms,
+        pressure_scale(x.asperity_product, x.asperity_slope, x.contact_modulus),
+        np.pi**2 * x.asperity_product**2,
+        x.boundary_friction_coefficient,
+        x.boundary_shear_strength,
+        table,
+    )
+
+
+@compilable
 def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus: float) -> float:
     """Factor of F_5/2 in the asperity pressure, Eq. (A3).
 

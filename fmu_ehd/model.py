@@ -6,16 +6,14 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
-from . import asperity, coating, oil_layer, openings, step
-from . import step_parts as parts
-from .asperity import ContactConstants
+from . import oil_layer, openings, step
+from .asperity import contact_table
 from .faults import FAULTS, raise_noted
 from .film_step import FilmStep
-from .flow_film import FilmLaws
 from .grid import Array, Grid
 from .parameters import FULL_TURN, Parameters
 from .roughness import factor_table
-from .step import Directions, Fields, Fixed, Inputs, Last, Linear, Memory, Scalars
+from .step import Directions, Fields, Inputs, Last, Linear, Memory, Scalars
 from .summary import halves
 from .surroundings import Surroundings, surroundings
 
@@ -35,7 +33,7 @@ class LubricationModel:
 
     def __init__(self, parameters: Parameters):
         p = self.parameters = parameters
-        n_circumferential, n_axial = p.shape
+        n_circumferential, _ = p.shape
         ring = p.sector_angle == FULL_TURN
         self.grid = Grid(p.shape, p.sector_angle * p.bore_radius, p.skirt_length, ring)
         self._bearing = p.surface == "bearing"
@@ -43,47 +41,25 @@ class LubricationModel:
         domain = self.film_step.domain
         cells = self.grid.cells
         self._beside = openings.nearest(domain.open_cells, cells.dx, cells.dy)
-        self.area = np.where(domain.open_cells, 0.0, self.grid.cell_area)
-        contact_constants = ContactConstants(
-            p.roughness_rms,
-            asperity.pressure_scale(p.asperity_product, p.asperity_slope, p.contact_modulus),
-            np.pi**2 * p.asperity_product**2,
-            p.boundary_friction_coefficient,
-            p.boundary_shear_strength,
-            asperity.contact_table(p.contact_law),
-        )
         factors = NOTHING
         if p.flow_factors == "patir_cheng_1978":
             factors = factor_table(
                 p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
             )
-        surfaces = parts.Surfaces(
-            self.area,
-            contact_constants,
-            halves(n_circumferential),
-            coating.compliance(p.coating_thickness, p.coating_modulus, p.coating_poisson),
-            p.cavitation_pressure,
-            p.friction_rounding_velocity,
+        choices = step.Choices(
+            self._bearing,
             p.cavity_shear == "film_fraction",
-        )
-        supply = oil_layer.Supply(
             p.oil_supply != "edges",
             p.oil_supply == "bore_and_ring",
-            p.initial_oil_layer,
-            p.stroke,
-            p.chamfer_capacity,
-            p.largest_oil_layer,
         )
-        faces = oil_layer.skirt_edges(domain.open_cells)
-        self.fixed = Fixed(
-            domain,
-            surfaces,
-            FilmLaws(p.minimum_flow_film, p.roughness_rms, factors, p.oil.thinning),
-            self._bearing,
-            step.SHARE_OF_A_BEARING if self._bearing else step.SHARE_OF_A_SKIRT,
-            p.bore_radius,
-            oil_layer.bore_of(supply, faces, cells, n_axial),
+        tables = step.Tables(
+            contact_table(p.contact_law),
+            halves(n_circumferential),
+            factors,
+            oil_layer.skirt_edges(domain.open_cells),
         )
+        self.fixed = step.fixed_of(p, domain, choices, tables, p.oil.thinning)
+        self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})
         self._right = np.empty(0)

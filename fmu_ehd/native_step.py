@@ -11,9 +11,7 @@ import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from . import cavitation, coating, oil_layer, openings, step
-from . import step_parts as parts
-from .asperity import ContactConstants, pressure_scale
+from . import cavitation, openings, step
 from .blocks import Factors
 from .contradictions import (
     FULL_TURN,
@@ -25,13 +23,12 @@ from .contradictions import (
 )
 from .faults import STROKE_TOO_LONG, refuse
 from .film_step import Domain
-from .flow_film import FilmLaws
 from .grid import Array, Cells, Field, keep
-from .oil import TWO_POINT, LowShear, Thinning, low_shear_viscosity
+from .oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
 from .piezoviscosity import TABLE as LAW_TABLE
 from .piezoviscosity import PressureLaw, pressure_law
 from .roughness import fill_factor_table
-from .step import Fixed, Last, Linear, Memory
+from .step import Last, Linear, Memory
 from .summary import Halves
 from .surroundings import Surroundings
 from .variables import CONDITION_VARIABLES, OIL_VARIABLES, film_variables
@@ -48,12 +45,10 @@ INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
 _, numbers_from = packed(Numbers)
 _, chosen_from = packed(Chosen)
 FILM_FRACTION, _ = range(1, 3)
-GREENWOOD_TRIPP_1970, _ = range(1, 3)
 _, OWN = range(1, 3)
 _, PATIR_CHENG_1978 = range(1, 3)
 EDGES, _, BORE_AND_RING = range(1, 4)
-JFO, REYNOLDS, GUMBEL, FULL_FILM = cavitation.CAVITATION.values()
-_pressure_scale = compiled(pressure_scale)
+MODELS = tuple(cavitation.CAVITATION.values())
 
 # ---- the block
 
@@ -193,12 +188,7 @@ def domain_of(block: Block):
 @compiled
 def model_of(block: Block):
     """`cavitation.Cavitation`."""
-    number = int(chosen_from(block.chosen).cavitation_model) - 1
-    if number == 1:
-        return REYNOLDS
-    if number == 2:
-        return GUMBEL
-    return JFO if number == 0 else FULL_FILM
+    return MODELS[int(chosen_from(block.chosen).cavitation_model) - 1]
 
 
 @compiled
@@ -206,66 +196,23 @@ def fixed_of(block: Block, bores: float):
     """`step.Fixed`, with one bore, or with none: for a tangent."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
-    domain = domain_of(block)
-    cells = domain.cells
-    n_c, n_a = block.mask.shape
-    area = np.zeros((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            if not domain.open_cells[i, j]:
-                area[i, j] = cells.dx * cells.dy
-    contact = ContactConstants(
-        x.roughness_rms,
-        _pressure_scale(x.asperity_product, x.asperity_slope, x.contact_modulus),
-        np.pi**2 * x.asperity_product**2,
-        x.boundary_friction_coefficient,
-        x.boundary_shear_strength,
-        block.tables[0 if chosen.contact_law == GREENWOOD_TRIPP_1970 else 1],
-    )
-    surfaces = parts.Surfaces(
-        area,
-        contact,
-        Halves(block.share, block.sine),
-        coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
-        x.cavitation_pressure,
-        x.friction_rounding_velocity,
-        chosen.cavity_shear == FILM_FRACTION,
-    )
-    supply = oil_layer.Supply(
-        bores > 0.0 and chosen.oil_supply != EDGES,
-        chosen.oil_supply == BORE_AND_RING,
-        x.initial_oil_layer,
-        x.stroke,
-        x.chamfer_capacity,
-        x.largest_oil_layer,
-    )
-    return Fixed(
-        domain,
-        surfaces,
-        laws_of(block),
-        block.bearing,
-        step.SHARE_OF_A_BEARING if block.bearing else step.SHARE_OF_A_SKIRT,
-        x.bore_radius,
-        oil_layer.bore_of(supply, block.faces, cells, n_a),
-    )
-
-
-@compiled
-def laws_of(block: Block):
-    """`flow_film.FilmLaws`."""
-    x = numbers_from(block.numbers)
-    chosen = chosen_from(block.chosen)
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
         factors = block.factors
-    thinning = Thinning(
-        int(chosen.shear_thinning_law) - 1,
-        x.high_shear_ratio,
-        x.shear_thinning_exponent,
-        x.critical_shear_rate_a,
-        x.critical_shear_rate_b,
+    choices = step.Choices(
+        block.bearing,
+        chosen.cavity_shear == FILM_FRACTION,
+        bores > 0.0 and chosen.oil_supply != EDGES,
+        chosen.oil_supply == BORE_AND_RING,
     )
-    return FilmLaws(x.minimum_flow_film, x.roughness_rms, factors, thinning)
+    tables = step.Tables(
+        block.tables[int(chosen.contact_law) - 1],
+        Halves(block.share, block.sine),
+        factors,
+        block.faces,
+    )
+    thinning = thinning_law(int(chosen.shear_thinning_law) - 1, x)
+    return step.fixed_of(x, domain_of(block), choices, tables, thinning)
 
 
 @compiled
@@ -361,19 +308,8 @@ def surroundings_of(block: Block):
 @compiled
 def low_shear_of(block: Block):
     """`oil.LowShear`."""
-    x = numbers_from(block.numbers)
-    return LowShear(
-        int(chosen_from(block.chosen).viscosity_law) - 1,
-        x.viscosity,
-        x.vogel_viscosity,
-        x.vogel_b,
-        x.vogel_c,
-        x.walther_a,
-        x.walther_m,
-        x.density,
-        x.viscosity_40,
-        x.viscosity_100,
-    )
+    number = int(chosen_from(block.chosen).viscosity_law) - 1
+    return low_shear_law(number, numbers_from(block.numbers))
 
 
 @compiled

@@ -79,6 +79,23 @@ class LowShear(NamedTuple):
 
 
 @compilable
+def low_shear_law(kind: int, x: Any) -> LowShear:
+    """Return the law of viscosity of a number in `VISCOSITY_LAWS`, by numbers `x` with names."""
+    return LowShear(
+        kind,
+        x.viscosity,
+        x.vogel_viscosity,
+        x.vogel_b,
+        x.vogel_c,
+        x.walther_a,
+        x.walther_m,
+        x.density,
+        x.viscosity_40,
+        x.viscosity_100,
+    )
+
+
+@compilable
 def low_shear_viscosity(law: LowShear, temperature: Any) -> Any:
     """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
     if law.kind == VOGEL_1921:
@@ -145,6 +162,18 @@ class Thinning(NamedTuple):
     exponent: float
     a: float
     b: float
+
+
+@compilable
+def thinning_law(kind: int, x: Any) -> Thinning:
+    """Return the law of a number in `SHEAR_THINNING_LAWS`, by numbers `x` with names."""
+    return Thinning(
+        kind,
+        x.high_shear_ratio,
+        x.shear_thinning_exponent,
+        x.critical_shear_rate_a,
+        x.critical_shear_rate_b,
+    )
 
 
 @compilable
@@ -286,19 +315,12 @@ class Oil:
     @property
     def thinning(self) -> Thinning:
         """The law of shear thinning."""
-        return Thinning(
-            SHEAR_THINNING_LAWS.index(self.shear_thinning_law),
-            self.high_shear_ratio,
-            self.shear_thinning_exponent,
-            self.critical_shear_rate_a,
-            self.critical_shear_rate_b,
-        )
+        return thinning_law(SHEAR_THINNING_LAWS.index(self.shear_thinning_law), self)
 
     def low_shear_viscosity(self, temperature: Array) -> Array:
         """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
         kind = VISCOSITY_LAWS.index(self.viscosity_law)
-        law = LowShear(kind, *(getattr(self, name) for name in LowShear._fields[1:]))
-        return low_shear_viscosity(law, temperature)
+        return low_shear_viscosity(low_shear_law(kind, self), temperature)
 
     def pressure_law(self, low_shear_viscosity: Array) -> PressureLaw:
         """The pressure law of an oil whose mu_0 is given [Pa s]."""

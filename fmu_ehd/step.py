@@ -6,7 +6,7 @@ derivatives are `linearise`, once, and `changes`, for any directions. What diffe
 and a bearing, and with oil on the bore, is said here.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from . import (
     reynolds,
 )
 from . import step_parts as parts
+from .asperity import contact_constants
 from .circumferential import Changes, Turning, TurningSlopes
 from .coated_film import CoatedFilm, Layer, Pressed
 from .coating import Softness
@@ -33,10 +34,12 @@ from .films import COUETTE, STORED, FilmSlopes, Quantities
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .friction import ForceSlopes, ShearInputs
 from .grid import LOWER, UPPER, Array, Edges, Entrainment, Field, Flags, Stencil, sum_of_products
+from .oil import Thinning
 from .oil_layer import Bore, OilLayer, Passed
 from .piezoviscosity import NONE, TruePressure, raised, true_pressure
 from .reynolds import Filling
 from .sparse import LinearSolver
+from .summary import Halves
 from .surroundings import Surroundings
 from .transport import Lift
 
@@ -63,6 +66,81 @@ class Fixed(NamedTuple):
     share: float
     radius: float
     bore: Bore
+
+
+class Choices(NamedTuple):
+    """What a film is, beside its numbers.
+
+    bearing : whether it is a bearing's; shears_by_fraction : whether cavities shear by their film
+    fraction; follows_oil, has_ring : oil on the bore, and from a ring.
+    """
+
+    bearing: bool
+    shears_by_fraction: bool
+    follows_oil: bool
+    has_ring: bool
+
+
+class Tables(NamedTuple):
+    """What a film is given as arrays.
+
+    contact : of `asperity.contact_table`; halves : summary.Halves; factors : of
+    `roughness.fill_factor_table`, of shape (0, 0) without flow factors; faces : of
+    `oil_layer.Bore`.
+    """
+
+    contact: Array
+    halves: Halves
+    factors: Array
+    faces: Array
+
+
+@compilable
+def fixed_of(x: Any, domain: Domain, choices: Choices, tables: Tables, thinning: Thinning) -> Fixed:
+    """Return what stays of a film.
+
+    Parameters
+    ----------
+    x : parameters.Parameters or native_step.Numbers
+        Numbers by name.
+    domain : film_step.Domain
+    choices : Choices
+    tables : Tables
+    thinning : oil.Thinning
+    """
+    cells = domain.cells
+    n_c, n_a = domain.open_cells.shape
+    area = np.zeros((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            if not domain.open_cells[i, j]:
+                area[i, j] = cells.dx * cells.dy
+    surfaces = parts.Surfaces(
+        area,
+        contact_constants(x, tables.contact),
+        tables.halves,
+        coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
+        x.cavitation_pressure,
+        x.friction_rounding_velocity,
+        choices.shears_by_fraction,
+    )
+    supply = oil_layer.Supply(
+        choices.follows_oil,
+        choices.has_ring,
+        x.initial_oil_layer,
+        x.stroke,
+        x.chamfer_capacity,
+        x.largest_oil_layer,
+    )
+    return Fixed(
+        domain,
+        surfaces,
+        FilmLaws(x.minimum_flow_film, x.roughness_rms, tables.factors, thinning),
+        choices.bearing,
+        SHARE_OF_A_BEARING if choices.bearing else SHARE_OF_A_SKIRT,
+        x.bore_radius,
+        oil_layer.bore_of(supply, tables.faces, cells, n_a),
+    )
 
 
 class Memory(NamedTuple):

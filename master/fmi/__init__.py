@@ -14,5 +14,7 @@ quantities    units, at the edge alone
 errors        bad input, discard, fault
 checks        computed figures beside what they should be
 compiled      how kernels are compiled; callees: those in the code of others; kernel_cache: kept
+block         what machine code keeps between calls: trees of named tuples in rows of numbers
+noted         faults that kernels note by number, and their sentences
 cache         where the user's cache lies
 """
