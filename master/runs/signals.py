@@ -15,9 +15,12 @@ GRACE = 0.7
 """Time after which a command ends if it does not react to a signal [s]."""
 EXIT_CODE = 1
 """Exit code of a stopped command."""
-_command = SimpleNamespace(runs=False, follows=False, forward=lambda count: None)
+_command = SimpleNamespace(
+    runs=False, follows=False, forward=lambda count: None, clean=lambda: None
+)
 """Whether this process is a command, which may end at once, or a user's own Python; whether it is a
-process of a command that forwards signals; and what forwards signals to such processes.
+process of a command that forwards signals; what forwards signals to such processes; and what is
+called before the command ends.
 """
 
 
@@ -68,13 +71,15 @@ def listening(clean: Callable[[], object] = lambda: None):
     def react(number: int, count: int) -> None:
         _command.forward(count)
         if _command.runs and not heard.stepped:
-            with suppress(OSError):
-                clean()
             _exit(number)
         _stop(number, count)
 
-    with _watched(note, react):
-        yield heard
+    _command.clean = clean
+    try:
+        with _watched(note, react):
+            yield heard
+    finally:
+        _command.clean = lambda: None
 
 
 def follow_command() -> None:
@@ -122,7 +127,9 @@ def _stop(number: int, count: int) -> None:
 
 
 def _exit(number: int) -> None:
-    """Print the signal that stopped the command, and end the process."""
+    """Clean up, print the signal that stopped the command, and end the process."""
+    with suppress(OSError):
+        _command.clean()
     _print(f"stopped: by {signal.Signals(number).name}")
     os._exit(EXIT_CODE)
 
