@@ -18,7 +18,7 @@ import numpy as np
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy
 from piston_cosim.fmu_mfbd.reduction.store import SHIPPED
 from piston_cosim.master.api.cases import open_case
-from piston_cosim.master.case.schema import case_names
+from piston_cosim.master.case.reading import case_names
 from piston_cosim.master.fmi.tree import import_part
 
 

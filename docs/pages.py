@@ -37,6 +37,7 @@ PICTURED = r"index\.md|gallery\.md|theory/index\.md|cases/.*|notebooks/.*"
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
 OPTION_CLASSES = {
     "The case file": "master.case.schema",
+    "Pictures and axes of a case": "master.case.shown",
     "Build options of the lubrication FMU": "fmu_ehd.build",
     "Build options of the body FMU": "fmu_mfbd.options",
 }

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from ..case.schema import find_case, read_tree
+from ..case.reading import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
 from .cases import Case, Changes

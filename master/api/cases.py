@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..case import changes as changes_of
-from ..case import schema
+from ..case.checked import check_case
 from ..case.contract import swap_all
+from ..case.reading import find_case, read_tree
 from ..case.system import open_system
 from ..fmi.errors import BadInput, unknown
 from ..fmi.notebook import html_table
@@ -76,7 +77,7 @@ class Case:
     own: Mapping[str, Callable[[], Participant]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        schema.check_case(self.tree, self.path)
+        check_case(self.tree, self.path)
 
     @property
     def title(self) -> str:
@@ -163,7 +164,7 @@ class Case:
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
         tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
-        checked = schema.check_case(tree, self.path)
+        checked = check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
         summary = run_system(system, checked, tree, output, watch, say=log.info, log=log.info)
@@ -242,8 +243,8 @@ def open_case(case: str | Path, changes: Changes | None = None, variant: str | N
     Traceback (most recent call last):
     piston_cosim.master.fmi.errors.BadInput: coupling.max_iterations: expected ...
     """
-    path = schema.find_case(str(case))
-    opened = Case(schema.read_tree(path), path)
+    path = find_case(str(case))
+    opened = Case(read_tree(path), path)
     if variant is not None:
         opened = opened.variant(variant)
     return opened.changed(changes) if changes else opened

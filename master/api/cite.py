@@ -6,8 +6,8 @@ from importlib.metadata import metadata
 from pathlib import Path
 from typing import Any
 
+from ..case.checked import check_case
 from ..case.keys import declared_variables
-from ..case.schema import check_case
 from ..fmi.quantities import to_si
 from ..fmi.tree import ROOT
 from ..results.file import Results

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 from fmpy import read_model_description
 
+from ..case.checked import check_case
 from ..case.export import experiment_ahead
 from ..case.given import build_options
-from ..case.schema import check_case
 from ..fmi import builder, builder_native
 from ..fmi.errors import BadInput, Discard, unknown
 from ..participants import open as opening

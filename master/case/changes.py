@@ -10,8 +10,10 @@ from typing import Any
 
 from ..fmi.errors import BadInput, near
 from ..fmi.option_classes import ANY, EACH
+from .ahead import faults_ahead
+from .checked import check_case
 from .keys import case_keys
-from .schema import Case, check_case
+from .schema import Case
 
 Tree = dict[str, Any]
 ELSEWHERE = ("variants", "studies", "observers", "pictures", "axes")
@@ -38,8 +40,6 @@ def changed(tree: Tree, changes: Iterable[tuple[str, Any]], folder: Path) -> Tre
 
 def _other_faults(tree: Tree, folder: Path) -> list[str]:
     """Return the faults of a case that holds the changes that can be made."""
-    from .system import faults_ahead  # knows the schema
-
     try:
         return faults_ahead(check_case(tree, folder / "case.toml"), folder)
     except BadInput as error:

@@ -11,10 +11,13 @@ from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short
 from ..fmi.tree import import_part
+from .ahead import declared_participants, faults_ahead, parameters_ahead
+from .checked import check_case
 from .contract import contract, interface
 from .keys import declared_variables
-from .schema import Case, check_case, find_case, read_tree
-from .system import declared_participants, faults_ahead, open_system, parameters_ahead
+from .reading import find_case, read_tree
+from .schema import Case
+from .system import open_system
 
 if TYPE_CHECKING:
     from ..coupling.loops import Loop

@@ -13,7 +13,7 @@ from ...models import MODELS
 from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, names_of, unknown
 from ..participants.open import open_fmu
-from .schema import reduced
+from .tables import reduced
 
 CONTRACT = MODELS / "lubrication_contract.toml"
 

@@ -23,8 +23,9 @@ from ..fmi.builder_native import cannot_build, pack_native_fmu, part_of, slave_i
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
+from .ahead import run_ahead
 from .given import build_options
-from .system import open_system, run_ahead
+from .system import open_system
 
 COUPLED = "master.coupling.coupled"
 """The part of the master that goes inside, with all that it imports."""

@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 from ..case.changes import value_at
+from ..case.checked import check_case
 from ..case.contract import players
-from ..case.schema import case_names, check_case, find_case, read_tree
+from ..case.reading import case_names, find_case, read_tree
 from ..fmi.errors import BadInput, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working

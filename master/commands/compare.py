@@ -37,7 +37,8 @@ def command(
     output
         Folder for results; default: results/CASE_models.
     """
-    from ..case.schema import check_case, find_case, read_tree
+    from ..case.checked import check_case
+    from ..case.reading import find_case, read_tree
     from ..results.file import Results
     from ..results.rivals import draw_rivals, exchange, measures, rivals_of, rows_of
     from ..runs.console import watching

@@ -7,7 +7,7 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from ..case.keys import case_keys, chosen_keys, json_schema, library_oils, matching_oils
-from ..case.schema import find_case, read_tree
+from ..case.reading import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import Key
 from .common import console, wide_console

@@ -4,7 +4,7 @@ import tomllib
 
 from rich.table import Table
 
-from ..case.schema import case_names, find_case
+from ..case.reading import case_names, find_case
 from .common import console
 
 

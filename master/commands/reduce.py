@@ -3,7 +3,7 @@
 from rich.table import Table
 
 from ..api.bodies import reduced
-from ..case.schema import find_case, read_tree
+from ..case.reading import find_case, read_tree
 from ..runs.working import working
 from .common import Changes, OutputFolder, console, default_folder, parse_changes, say
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..case.schema import check_case
+from ..case.checked import check_case
 from ..case.system import open_system
 from ..engine.answer import answer
 from ..engine.truncation import state_truncation

@@ -9,8 +9,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..case.checked import check_case
 from ..case.contract import swap_all
-from ..case.schema import check_case, find_case
+from ..case.reading import find_case
 from ..case.system import open_system
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from ..case.schema import find_case
+from ..case.reading import find_case
 from ..results.pictures import draw
 from ..runs import studies
 from ..runs import sweep as sweeps

@@ -3,7 +3,8 @@
 import sys
 from pathlib import Path
 
-from ..case.schema import check_case, find_case, read_tree
+from ..case.checked import check_case
+from ..case.reading import find_case, read_tree
 from ..engine.headlines import directions
 from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..case.schema import reduced
+from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import contract, players
-from ..case.schema import Case, reduced
+from ..case.schema import Case
+from ..case.tables import reduced
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import crank_angle

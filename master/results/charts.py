@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..case.schema import Axes
+from ..case.shown import Axes
 from .coordinates import crank_angle_port
 from .judgement import loop_curve, loop_work
 from .packing import Columns, packed_frames

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..case.schema import NEUTRAL, Case
+from ..case.schema import Case
+from ..case.shown import NEUTRAL
 from ..coupling.wiring import port_of
 
 CRANK_ANGLE = "crank_angle"

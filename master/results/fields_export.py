@@ -9,7 +9,7 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
-from ..case.schema import NEUTRAL
+from ..case.shown import NEUTRAL
 from ..fmi.errors import BadInput, unknown
 from .instants import crank_angle
 

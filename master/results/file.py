@@ -250,7 +250,7 @@ class Results:
 
     @cached_property
     def _checked(self) -> Any:
-        from ..case.schema import check_case
+        from ..case.checked import check_case
 
         return check_case(self.case, self.path)
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import players
-from ..case.schema import reduced
+from ..case.tables import reduced
 from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import is_angle, short, to_si
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..case.schema import reduced
+from ..case.tables import reduced
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry, to_si

@@ -13,7 +13,8 @@ from matplotlib import rc_context
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..case.schema import ENVELOPE, reduced
+from ..case.shown import ENVELOPE
+from ..case.tables import reduced
 from ..fmi.errors import BadInput
 from ..fmi.quantities import one_micro, pint_unit, registry, to_si
 from .coordinates import CRANK_ANGLE

@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from ..case.schema import Case, Picture
+from ..case.schema import Case
+from ..case.shown import Picture
 from ..fmi.errors import BadInput, names_of, unknown
 from ..fmi.notebook import html_table
 from .coordinates import crank_angle_port

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..case.schema import reduced
+from ..case.tables import reduced
 from ..coupling.wiring import port_of
 
 

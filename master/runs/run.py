@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import contract, players
-from ..case.schema import reduced
+from ..case.tables import reduced
 from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..case.schema import check_case, read_tree
+from ..case.checked import check_case
+from ..case.reading import read_tree
 from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
 from ..results.figures import PALETTE, save, subplots

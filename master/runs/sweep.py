@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ..case.changes import whole_key
+from ..case.checked import check_case
 from ..case.given import build_options
-from ..case.schema import check_case, read_tree
+from ..case.reading import read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput, Stopped
 from ..fmi.quantities import one_micro, registry
@@ -141,7 +142,7 @@ def _check_values(path, changes, axes):
     """Raise BadInput with the faults of single values that show before a run: those of a list, and
     both ends of longer ones.
     """
-    from ..case.system import faults_ahead  # slow to import
+    from ..case.ahead import faults_ahead  # slow to import
 
     faults = []
     for axis in axes:

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..case.schema import check_case
+from ..case.checked import check_case
 from ..case.system import open_system
 from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput, Stopped

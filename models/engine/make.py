@@ -6,8 +6,9 @@ python make.py FOLDER [KEY=VALUE ...]
 import sys
 from pathlib import Path
 
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.ssp import export_ssp
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.common import parse_change

@@ -32,7 +32,7 @@ from piston_cosim.fmu_mfbd.reduction.bases import Elastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings
 from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 
 PATH = find_case("yielding_bosses")
 FILM = "left_film"

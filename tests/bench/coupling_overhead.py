@@ -18,7 +18,8 @@ import numpy as np
 
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.fmu_mfbd.slave import Mfbd
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import start

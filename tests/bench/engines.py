@@ -15,7 +15,7 @@ from pathlib import Path
 from time import process_time
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run

@@ -20,8 +20,9 @@ import numpy as np
 from timing import shortest
 
 from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu

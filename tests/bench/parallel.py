@@ -28,7 +28,7 @@ from pathlib import Path
 from time import perf_counter
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start

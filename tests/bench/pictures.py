@@ -10,7 +10,7 @@ from contextlib import chdir
 from pathlib import Path
 from time import perf_counter
 
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.commands.app import main
 
 FORMATS = ("png", "svg", "pdf")

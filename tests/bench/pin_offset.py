@@ -29,7 +29,7 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 
 PATH = find_case("fired_motorcycle")
 BOSS, REST = 13e-3, 20e-3  # up to here all moves, from here on nothing [m]

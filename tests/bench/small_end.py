@@ -31,7 +31,7 @@ from piston_cosim.fmu_mfbd.reduction.small_end import (
     reduce_small_end,
     small_end_body,
 )
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 
 PATH = find_case("yielding_bosses").parent / "small_end.msh.xz"
 STEEL = (206e9, 0.3, 7850.0)

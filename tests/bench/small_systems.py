@@ -27,7 +27,7 @@ from fmpy.fmi2 import FMU2Slave
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 import piston_cosim as pc
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start

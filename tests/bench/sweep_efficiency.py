@@ -15,7 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.runs.sweep import (
     all_points,
     build_all,

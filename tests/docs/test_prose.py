@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from piston_cosim.master.case.keys import case_keys, part_function
-from piston_cosim.master.case.schema import Case, case_names, find_case, read_tree
+from piston_cosim.master.case.reading import case_names, find_case, read_tree
+from piston_cosim.master.case.schema import Case
 from piston_cosim.master.commands.app import app
 from piston_cosim.master.fmi.slave import FieldSlave
 

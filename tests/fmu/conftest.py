@@ -52,7 +52,8 @@ def native(package, options, folder, **more):
 
 def rigid_bodies(grid):
     """Build table of the numerical example's bodies, rigid, and its folder."""
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.checked import check_case
+    from piston_cosim.master.case.reading import find_case, read_tree
 
     path = find_case("numerical_example")
     build = check_case(read_tree(path), path).participants["bodies"].build | {"grid": grid}
@@ -72,8 +73,9 @@ def native_engine():
     """Builds the numerical example, rigid, as one FMU without Python, on a grid."""
 
     def make(grid, changes=(), version="2.0", platforms=("linux64",)):
+        from piston_cosim.master.case.checked import check_case
         from piston_cosim.master.case.export import export_fmu
-        from piston_cosim.master.case.schema import check_case, find_case, read_tree
+        from piston_cosim.master.case.reading import find_case, read_tree
 
         if platforms and not compiler():
             pytest.skip("no C compiler, or not Linux on x86-64")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 
 PATH = find_case("data_sheet")
 SKIRT = 82.8e-3

@@ -16,7 +16,8 @@ import zipfile
 from collections import Counter
 from pathlib import Path
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
 

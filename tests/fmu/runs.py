@@ -1,6 +1,7 @@
 """Runs of cases in the process of the tests."""
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run

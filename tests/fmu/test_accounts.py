@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.app import app
 from piston_cosim.master.coupling.stepping import Counters

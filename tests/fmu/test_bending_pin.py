@@ -7,7 +7,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import declared_variables
 from piston_cosim.master.case.check import check
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 
 from .test_floating_pin import PINS, computed, small
 

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start

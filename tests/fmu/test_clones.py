@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.fmi.errors import BadInput

@@ -7,7 +7,8 @@ import shutil
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods import Newton, NotConverged, compiled_newton, method_of

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import too_old

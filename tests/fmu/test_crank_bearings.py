@@ -10,9 +10,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from piston_cosim.master.case.check import check
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import interface
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 from .runs import run_tree

@@ -15,8 +15,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 import piston_cosim as pc
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import experiment_ahead, export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.fmu.info import command as info
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.requirements import PACKAGES

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.builder import import_part
 
 from .runs import run_tree

@@ -18,9 +18,10 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
 )
 from piston_cosim.master.case.check import check
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu, interface, swap_all
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.rivals import rivals_of

@@ -12,8 +12,9 @@ from fmpy import fmi3
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import swap
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler

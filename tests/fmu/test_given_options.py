@@ -7,8 +7,9 @@ import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.given import build_options
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 PATH = find_case("fired_motorcycle")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.impacts import impacts
 
 from .runs import run_tree

@@ -11,7 +11,8 @@ from fmpy import fmi2
 from fmpy.validation import validate_fmu
 from numpy.polynomial import Polynomial
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput

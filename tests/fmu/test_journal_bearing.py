@@ -4,7 +4,8 @@ import importlib.util
 
 import numpy as np
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run

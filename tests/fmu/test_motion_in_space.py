@@ -9,8 +9,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from piston_cosim.master.case.check import check
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.builder import build_fmu
 
 from .runs import run_tree

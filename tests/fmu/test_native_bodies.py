@@ -15,8 +15,9 @@ import pytest
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.native import OPTIONS
 from piston_cosim.master.api.fmus import build_fmu as build_of_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import swap
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of

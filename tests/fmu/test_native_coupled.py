@@ -10,8 +10,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from piston_cosim.master.case import export
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.open import open_fmu

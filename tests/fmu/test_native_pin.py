@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.ahead import declared_participants, parameters_ahead
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import swap
 from piston_cosim.master.case.export import export_fmu
-from piston_cosim.master.case.schema import check_case, read_tree
-from piston_cosim.master.case.system import declared_participants, parameters_ahead
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant

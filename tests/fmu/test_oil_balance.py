@@ -2,7 +2,7 @@
 
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.oil_balance import oil_balance
 
 from .runs import run_tree

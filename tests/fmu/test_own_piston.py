@@ -11,7 +11,8 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.engine.headlines import friction_pressure
 from piston_cosim.master.results.file import Results
 

@@ -14,8 +14,9 @@ from scipy.spatial import cKDTree
 
 from piston_cosim.fmu_mfbd.offline import recover
 from piston_cosim.master.api.bodies import build_table
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import envelope_kinds, players
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands import sweep
 from piston_cosim.master.commands.common import body_skins, page_of

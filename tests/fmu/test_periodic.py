@@ -7,7 +7,8 @@ import pytest
 
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.headlines import measures
 from piston_cosim.master.participants.local import LocalParticipant
 from piston_cosim.master.runs.extrapolation import Extrapolation

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results

@@ -10,7 +10,8 @@ from shutil import which
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start

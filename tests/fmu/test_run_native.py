@@ -6,9 +6,11 @@ import h5py
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.ahead import faults_ahead
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.machine_code import of_machine_code
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
-from piston_cosim.master.case.system import faults_ahead, open_system
+from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi import builder_native
 from piston_cosim.master.fmi.builder_native import library_name, this_platform
 from piston_cosim.master.fmi.compiler import compiler

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.check import check
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu, interface
 from piston_cosim.master.case.given import build_options
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines

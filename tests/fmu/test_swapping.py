@@ -13,8 +13,9 @@ from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
 import piston_cosim as pc
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu, swap
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.app import main
 from piston_cosim.master.fmi.builder import build_fmu_of_file

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.sweep import all_points, build_all, local_executor, parse_axis, sweep
 

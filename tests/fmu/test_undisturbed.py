@@ -14,7 +14,8 @@ import fmpy
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import unpack
 from piston_cosim.master.participants.open import open_fmu

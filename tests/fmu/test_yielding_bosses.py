@@ -7,7 +7,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.master.case.check import check
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 
 from .runs import run_tree

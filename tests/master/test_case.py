@@ -4,8 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.given import masks
-from piston_cosim.master.case.schema import check_case, read_tree, times
+from piston_cosim.master.case.reading import read_tree
+from piston_cosim.master.case.times import times
 from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import to_si

@@ -5,7 +5,7 @@ engines.
 import pytest
 
 from piston_cosim.master.case.check import check
-from piston_cosim.master.case.schema import case_names
+from piston_cosim.master.case.reading import case_names
 from piston_cosim.master.commands.check import command
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -36,7 +36,7 @@ def test_all_faults_at_once():
 
 
 def test_a_default_of_another_engine_is_told(tmp_path):
-    from piston_cosim.master.case.schema import find_case
+    from piston_cosim.master.case.reading import find_case
 
     text = find_case("data_sheet").read_text().replace('bore_radius = "55 mm"\n', "")
     (tmp_path / "case.toml").write_text(text.replace("gas_pressure.csv", "g.csv"))

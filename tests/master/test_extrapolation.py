@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.fmi.state_bytes import join, slow_members, split, with_members
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted

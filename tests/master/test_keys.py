@@ -8,10 +8,12 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
+from piston_cosim.master.case.ahead import faults_ahead
 from piston_cosim.master.case.changes import place, whole_key
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
-from piston_cosim.master.case.schema import case_names, check_case, find_case, read_tree
-from piston_cosim.master.case.system import faults_ahead, open_system
+from piston_cosim.master.case.reading import case_names, find_case, read_tree
+from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.keys import command
 from piston_cosim.master.fmi.errors import BadInput
 

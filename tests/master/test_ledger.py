@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.coupling.ledger import LIMIT, EnergyCreated, Ledger, ledger
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.coupling.work import Exchange

@@ -3,7 +3,7 @@
 import pytest
 from PIL import Image
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results import movie
 from piston_cosim.master.results.movie import PER_SECOND, write_movie

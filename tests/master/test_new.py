@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
 from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
 from piston_cosim.master.engine.piston_mesh import mesh_of_sizes

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.engine.answer import answer
 from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special

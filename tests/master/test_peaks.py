@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import Axis
+from piston_cosim.master.case.shown import Axis
 from piston_cosim.master.engine.peaks import side_peaks
 
 AXIS = Axis(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import LogNorm, to_rgb
 
-from piston_cosim.master.case.schema import NEUTRAL, Axes, Axis, Picture
+from piston_cosim.master.case.shown import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.figures import subplots
 from piston_cosim.master.results.file import Envelope, RecordedField, Series
 from piston_cosim.master.results.pictures import (

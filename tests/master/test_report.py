@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.engine.answer import Answer
 from piston_cosim.master.engine.verdicts import Verdict
 from piston_cosim.master.results.file import Results

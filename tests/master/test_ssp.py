@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.ssp import SPACE, export_ssp
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.fmu.export import built

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Series
 from piston_cosim.master.runs.studies import (

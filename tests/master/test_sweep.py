@@ -7,7 +7,7 @@ from concurrent.futures import Executor, Future
 
 import pytest
 
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.recorder import CannotWrite
 from piston_cosim.master.runs.sweep import (

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.headlines import directions
 from piston_cosim.master.results import sweep_pictures
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page

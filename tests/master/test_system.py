@@ -7,7 +7,8 @@ import pytest
 
 from piston_cosim.master.case.contract import starting_order
 from piston_cosim.master.case.schema import WireTable
-from piston_cosim.master.case.system import _parameters, _wire
+from piston_cosim.master.case.values import given_values
+from piston_cosim.master.case.wires import wire_of
 from piston_cosim.master.fmi.errors import BadInput
 
 SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
@@ -60,7 +61,7 @@ def participants():
 )
 def test_wiring_faults(participants, target, words):
     faults = []
-    _wire(
+    wire_of(
         WireTable(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults
     )
     assert len(faults) == 1
@@ -72,7 +73,7 @@ def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
         wire = WireTable(
             **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value}
         )
-        return _wire(wire, participants, SEQUENTIAL, []).tolerance
+        return wire_of(wire, participants, SEQUENTIAL, []).tolerance
 
     assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
     assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
@@ -80,7 +81,7 @@ def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
     wire = WireTable(
         **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"}
     )
-    _wire(wire, participants, SEQUENTIAL, faults)
+    wire_of(wire, participants, SEQUENTIAL, faults)
     assert "tolerance" in faults[0]
 
 
@@ -100,19 +101,19 @@ def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
 )
 def test_wires_along_the_order_are_measured_only_if_asked(participants, coupling, tolerance):
     ends = {"from": "body.film_thickness", "to": "film.film_thickness"}
-    assert _wire(WireTable(**ends), participants, coupling, []).tolerance == pytest.approx(
+    assert wire_of(WireTable(**ends), participants, coupling, []).tolerance == pytest.approx(
         tolerance, rel=1e-14
     )
-    assert _wire(
+    assert wire_of(
         WireTable(**ends, tolerance="2 nm"), participants, coupling, []
     ).tolerance == pytest.approx(2e-9, rel=1e-14)
-    asked = _wire(WireTable(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
+    asked = wire_of(WireTable(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
     assert (asked.tolerance, asked.residual_relative_tolerance) == (0.0, 1e-3)
 
 
 def test_parameter_faults_name_value_unit_and_range(participants):
     faults = []
-    values = _parameters(
+    values = given_values(
         participants["body"],
         {"speed": "6000 rpm", "sped": "1 rad/s", "film_thickness": "1 m"},
         faults,
@@ -129,7 +130,7 @@ def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
     wire = WireTable(
         **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}
     )
-    _wire(wire, participants, SEQUENTIAL, faults)
+    wire_of(wire, participants, SEQUENTIAL, faults)
     assert "tolerance: expected a positive value, got" in faults[0]
 
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from piston_cosim.master.case.schema import check_case, times
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.times import times
 from piston_cosim.master.fmi.description import BASE_UNITS
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import pint_unit, registry, short, to_si

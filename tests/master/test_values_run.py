@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results

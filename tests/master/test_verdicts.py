@@ -6,7 +6,8 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.schema import check_case, find_case, read_tree
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.answer import answer
 from piston_cosim.master.engine.headlines import (
     contact_share,

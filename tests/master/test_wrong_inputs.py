@@ -16,7 +16,7 @@ import h5py
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.commands.app import main
 
 LONGEST = 5.0

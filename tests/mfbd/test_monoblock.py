@@ -36,7 +36,7 @@ from piston_cosim.fmu_mfbd.reduction.monoblock import (
     reduce_monoblock,
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
 
 MESH = find_case("flexible_twin").parent / "block.msh.xz"

@@ -133,7 +133,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
     import meshio
 
     from piston_cosim.fmu_mfbd.build import reduced_bodies
-    from piston_cosim.master.case.schema import find_case, read_tree
+    from piston_cosim.master.case.reading import find_case, read_tree
 
     folder, options = coarse
     (folder / "case.toml").touch()
@@ -165,7 +165,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
 def test_rigid_bodies_are_named_and_left_alone(cache, tmp_path):
     """A data sheet has neither mesh nor modes: a sentence each, and nothing is written."""
     from piston_cosim.master.api.bodies import build_table
-    from piston_cosim.master.case.schema import find_case, read_tree
+    from piston_cosim.master.case.reading import find_case, read_tree
 
     path = find_case("data_sheet")
     said = []

@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from ...api.fmus import compile_code
+from ...case.checked import check_case
 from ...case.export import experiment_ahead, export_fmu
 from ...case.given import build_options
-from ...case.schema import check_case, find_case, read_tree
+from ...case.reading import find_case, read_tree
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu

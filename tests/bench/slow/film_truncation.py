@@ -38,7 +38,7 @@ from piston_cosim.fmu_mfbd.reduction.truncation import (
     static_modes,
     truncation,
 )
-from piston_cosim.master.case.schema import find_case, read_tree
+from piston_cosim.master.case.reading import find_case, read_tree
 
 RUN = "results/numerical_example/flexible.h5"
 BASES = {

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from piston_cosim.master.case.schema import find_case
+from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.quantities import to_si
 
 from .checks import Check

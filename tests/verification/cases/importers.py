@@ -455,8 +455,9 @@ def engine(changes, versions, say, folder):
     step : float
         Of the case [s].
     """
+    from piston_cosim.master.case.checked import check_case
     from piston_cosim.master.case.export import export_fmu
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.reading import find_case, read_tree
 
     path = find_case("numerical_example")
     case = check_case(read_tree(path, changes), path)
@@ -477,8 +478,9 @@ def native_engine(changes, versions, say):
     -------
     dict of str to Path
     """
+    from piston_cosim.master.case.checked import check_case
     from piston_cosim.master.case.export import export_fmu
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.reading import find_case, read_tree
     from piston_cosim.master.fmi.builder_native import too_old
     from piston_cosim.master.fmi.compiler import compiler
 
@@ -510,7 +512,8 @@ def shipped_run(changes, say, file):
     ndarray, shape (steps + 1, 1 + outputs)
         Time [s] and the watched outputs.
     """
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.checked import check_case
+    from piston_cosim.master.case.reading import find_case, read_tree
     from piston_cosim.master.case.system import open_system
     from piston_cosim.master.results.file import Results
     from piston_cosim.master.runs.run import run
@@ -550,7 +553,8 @@ def in_whole_ticks(changes, step, tick):
     step : float
         Their length [s].
     """
-    from piston_cosim.master.case.schema import check_case, find_case, read_tree
+    from piston_cosim.master.case.checked import check_case
+    from piston_cosim.master.case.reading import find_case, read_tree
 
     path = find_case("numerical_example")
     time = check_case(read_tree(path, changes), path).time

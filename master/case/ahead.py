@@ -1,0 +1,193 @@
+"""Faults of a case that show before anything is built."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..coupling.wiring import Wire, port_of
+from ..fmi.errors import BadInput, file_fault
+from ..fmi.fields import NO_NUMBERS
+from .keys import declared_variables
+from .machine_code import of_machine_code
+from .schema import reduced
+from .times import record_interval, start_time, times
+from .values import given_values
+from .wires import check_sources, field_of, wire_of
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A participant before its FMU is built, by what its part declares."""
+
+    name: str
+    path: Path
+    fields: dict[str, Any]
+    declares_units: bool = True
+
+
+def faults_ahead(case, folder):
+    """Every fault of a case that shows before anything is built: build options, parameters, wires,
+    recorded and drawn names of participants whose parts declare their variables; time.
+
+    Parameters
+    ----------
+    case : Case
+    folder : Path
+        Of the case.
+
+    Returns
+    -------
+    list of str
+    """
+    faults: list[str] = []
+    declared = declared_participants(case, folder, faults)
+    parameters = parameters_ahead(case, declared, faults)
+    check_sources(case.wires, faults)
+    for table in case.wires:
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
+            wire_of(table, declared, case.coupling, faults)
+    for name, table in case.participants.items():
+        if not table.host and (fault := missing_file(table, folder)):
+            faults.append(f"participants.{name}.{fault}")
+    faults += of_machine_code(case, folder, parameters)[1]
+    if declared.keys() == case.participants.keys():
+        check_ports(case, declared, faults)
+        check_time(case, parameters, faults)
+    return faults
+
+
+def run_ahead(case, folder):
+    """Clock of the run and its wires of real numbers, as far as they show before anything is built:
+    (None, wires) where a participant that turns angles into times is no part that declares its
+    variables.
+    """
+    unheard = []
+    declared = declared_participants(case, folder, unheard)
+    parameters = parameters_ahead(case, declared, unheard)
+    joined = [
+        wire_of(table, declared, case.coupling, unheard)
+        for table in case.wires
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys()
+    ]
+    wires = [wire for wire in joined if isinstance(wire, Wire)]
+    turning = case.time.angular_speed
+    if turning and port_of(turning)[0] not in declared:
+        return None, wires
+    clock, _ = check_time(case, parameters, unheard)
+    return clock, wires
+
+
+def declared_participants(case, folder, faults):
+    """Participants whose parts declare their variables, by name; faults of their build options
+    are appended.
+    """
+    declared = {}
+    for name, table in case.participants.items():
+        try:
+            variables = declared_variables(table, folder)
+        except BadInput as error:
+            faults += [f"participants.{name}.{line}" for line in error.faults]
+            continue
+        if variables is not None:
+            fields = {one.name: _as_fmu(one) for one in variables}
+            declared[name] = Declared(name, Path(table.package), fields)
+    return declared
+
+
+def parameters_ahead(case, declared, faults):
+    """What the case gives declared participants, in SI, by their names; faults are appended."""
+    return {
+        name: given_values(participant, case.participants[name].parameters, faults)
+        for name, participant in declared.items()
+    }
+
+
+def _as_fmu(variable):
+    """A declared variable as an FMU has it: the choices of an enumeration by their numbers."""
+    numbers: Any = {text: k for k, text in enumerate(variable.choices, 1)}
+    return replace(variable, choices=numbers)
+
+
+def native_participants(case, folder):
+    """Names of the participants that are built as machine code."""
+    unheard = []
+    declared = declared_participants(case, folder, unheard)
+    return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
+
+
+def check_time(case, parameters, faults):
+    """Clock and beginning of the run [s]; None and 0 with a fault."""
+    if case.time.angular_speed:
+        owner, name = port_of(case.time.angular_speed)
+        given = case.participants[owner].parameters
+        if name in given and name not in parameters[owner]:
+            return None, 0.0  # its value is a fault, told already
+    try:
+        speed = angular_speed(case, parameters)
+        record_interval(case, speed)
+        return times(case, speed), start_time(case, speed)
+    except BadInput as error:
+        faults += error.faults
+        return None, 0.0
+
+
+def angular_speed(case, parameters):
+    """Start value [rad/s] of the input that turns angles into times; None if the case is in
+    times.
+    """
+    if case.time.angular_speed is None:
+        return None
+    owner, name = port_of(case.time.angular_speed)
+    if name not in parameters[owner]:
+        raise BadInput(
+            f"time.angular_speed: expected a parameter with a value, got "
+            f"{case.time.angular_speed!r}; set it in participants.{owner}.parameters"
+        )
+    return parameters[owner][name]
+
+
+def missing_file(table, folder):
+    """Return what is wrong with the path of a participant's FMU or table; "" if nothing is."""
+    key = "fmu" if table.fmu else "table"
+    name = getattr(table, key)
+    try:
+        if not name or (folder / name).is_file():
+            return ""
+        (folder / name).open().close()
+    except (OSError, ValueError) as error:
+        return f"{key}: {file_fault(name[:80], error)}"
+    return f"{key}: expected a file, got {name!r}"
+
+
+def check_ports(case, participants, faults):
+    outputs = ("output", "input", "parameter", "local")
+    for port in case.record.fields:
+        field = field_of(port, outputs, participants, "record.fields", faults)
+        if field is not None and field.type in NO_NUMBERS:
+            faults.append(f"record.fields: expected numbers, got {port} of type {field.type}")
+    for where, port in _curves(case):
+        field = field_of(port, ("output",), participants, where, faults)
+        if field is not None and (field.shape or field.type in NO_NUMBERS):
+            shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
+            faults.append(f"{where}: expected a scalar number, got {port}, {shape}")
+    for picture in case.pictures:
+        for port in picture.fields:
+            field_of(port, ("output",), participants, f"pictures.{picture.file}", faults)
+
+
+def _curves(case):
+    """(where, port) of every scalar output that summaries, pictures and reports are made of."""
+    for table in ("summary", "monitor"):
+        for name, text in getattr(case, table).items():
+            yield f"{table}.{name}", reduced(text).port
+    for text in case.window:
+        yield f"window.{text}", reduced(text).port
+    for picture in case.pictures:
+        for port in picture.outputs:
+            yield f"pictures.{picture.file}", port
+    for name, loop in case.report.loops.items():
+        for port in (loop.x, *loop.y):
+            yield f"report.loops.{name}", port
+    for name, study in case.studies.items():
+        for port in filter(None, (study.x, *study.curves)):
+            yield f"studies.{name}", port

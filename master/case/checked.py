@@ -1,0 +1,80 @@
+"""A case from its TOML tree, every fault of the tree in one message."""
+
+from copy import deepcopy
+from itertools import takewhile
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ..fmi.errors import BadInput
+from ..fmi.option_classes import is_key, sentences
+from .ahead import faults_ahead
+from .schema import Case
+
+
+def check_case(tree, path):
+    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the
+    file.
+    """
+    try:
+        return Case.model_validate(tree)
+    except ValidationError as error:
+        faults = sentences(error, Case)
+        deeper = _faults_below(tree, error, Path(path).parent)
+    raise BadInput([*faults, *(one for one in deeper if _key(one) not in map(_key, faults))])
+
+
+def _key(fault: str) -> str:
+    """Return the key of a fault."""
+    return fault.partition(": ")[0]
+
+
+MOST_ROUNDS = 4
+"""Rounds of leaving entries out of a case, for faults that show only without others."""
+
+
+def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
+    """Return the faults of a case that its first faults hide.
+
+    The entries with a fault are left out of a copy of the case. The copy then has the next checks:
+    those between keys, then those of build options, parameters and wires.
+    """
+    tree = deepcopy(tree)
+    faults: list[str] = []
+    for _ in range(MOST_ROUNDS):
+        found = sorted(error.errors(), key=lambda one: str(one["loc"]), reverse=True)
+        if not all(_leave_out(tree, list(takewhile(is_key, one["loc"])), one) for one in found):
+            return faults
+        try:
+            case = Case.model_validate(tree)
+        except ValidationError as next_error:
+            error = next_error
+            # an entry that is left out is no fault of the case
+            faults += [one for one in sentences(error, Case) if "got nothing" not in one]
+        else:
+            return [*faults, *faults_ahead(case, folder)]
+    return faults
+
+
+def _leave_out(tree, place: list[str | int], fault) -> bool:
+    """Remove the value of a fault from a case's tree, of an incomplete entry of a list the entry.
+    A number that lacks its unit becomes a string. Returns whether the rest makes sense without it.
+    """
+    if fault["type"] == "missing":
+        place = place[:-1] if len(place) > 1 and isinstance(place[-2], int) else []
+    if not place:
+        return False
+    *parents, last = place
+    node = tree
+    try:
+        for part in parents:
+            node = node[part]
+        if isinstance(node[last], (dict, list)) and not isinstance(last, int):
+            return False
+        if fault["type"] == "string_type":
+            node[last] = str(node[last])
+        else:
+            del node[last]
+    except (LookupError, TypeError):
+        return False
+    return True

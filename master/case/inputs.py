@@ -1,0 +1,108 @@
+"""Inputs inside a macro step, and what FMUs must be able to do for a case."""
+
+from dataclasses import replace
+
+from ..coupling.wiring import port_of
+from ..participants.interpolated import InterpolatedParticipant, slope_of
+from ..participants.one_way import OneWayParticipant
+
+
+def interpolating(case, participants, reals, faults):
+    """The participants, those with interpolated inputs wrapped; faults of those that cannot are
+    appended. `reals` holds the inputs of wires of real numbers.
+    """
+    kinds = {}
+    for wire in case.wires:
+        (owner, name), (target, inlet) = port_of(wire.source), port_of(wire.target)
+        kind = wire.interpolation or case.coupling.inputs
+        if kind == "held" or (target, inlet) not in reals:
+            continue
+        kinds.setdefault(target, {})[inlet] = kind
+        where = f"wire {wire.source} -> {wire.target}, interpolation"
+        if case.participants[target].clones:
+            faults.append(
+                f"{where}: expected held inputs for a participant with clones, got {kind!r}"
+            )
+        if kind != "mean" and not participants[target].can_interpolate:
+            faults.append(
+                f"{where}: expected an FMU with canInterpolateInputs, got "
+                f"{participants[target].path.name}; write mean or held"
+            )
+        if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
+            faults.append(
+                f"{where}: expected an output declared as derivative of {name}, got none in "
+                f"{participants[owner].path.name}; write linear"
+            )
+    if faults:
+        return participants
+    return {
+        name: InterpolatedParticipant(p, kinds[name]) if name in kinds else p
+        for name, p in participants.items()
+    }
+
+
+def _slope_output(participant, name):
+    """Name of the output that is the time derivative of output `name`, or None."""
+    return next(
+        (
+            f.name
+            for f in participant.fields.values()
+            if f.derivative_of == name and f.causality == "output"
+        ),
+        None,
+    )
+
+
+def slopes(case, participants, wires, step):
+    """Wires that carry the slopes of cubic inputs; they may be off by a tolerance of the
+    value in a macro step [s].
+    """
+    cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
+    found = []
+    for c in wires:
+        (owner, name), (target, inlet) = c.source, c.target
+        if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
+            found.append(
+                replace(
+                    c,
+                    source=(owner, _slope_output(participants[owner], name)),
+                    target=(target, slope_of(inlet)),
+                    unit=f"{c.unit}/s",
+                    nominal=c.nominal / step,
+                    tolerance=c.tolerance / step,
+                    largest_decrease=None,
+                    local_error=None,
+                )
+            )
+    return found
+
+
+def able(case, participants, faults):
+    """The participants, those that cannot go back wrapped; a fault where the length of all steps
+    follows from a local error.
+    """
+    unable = [name for name, participant in participants.items() if not participant.can_redo]
+    if any(wire.local_error is not None for wire in case.wires):
+        faults += [
+            f"participants.{name}: expected an FMU that saves its state with local_error, got "
+            f"{participants[name].path.name}; remove local_error"
+            for name in unable
+        ]
+        return participants
+    return {name: OneWayParticipant(p) if name in unable else p for name, p in participants.items()}
+
+
+def check_fixed(case, participants, faults):
+    """Where steps are as long as the local error says, an FMU of one step length cannot follow."""
+    if any(wire.local_error is not None for wire in case.wires):
+        faults += [
+            f"participants.{name}: expected an FMU with variable steps with local_error, got "
+            f"{participant.path.name}; remove local_error"
+            for name, participant in participants.items()
+            if _is_fixed(participant)
+        ]
+
+
+def _is_fixed(participant):
+    """Whether a participant takes steps of one length alone."""
+    return getattr(getattr(participant, "described", participant), "fixed", False)

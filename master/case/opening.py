@@ -1,0 +1,84 @@
+"""Participants of a case: FMUs that are built or opened, tables and plugins."""
+
+from functools import partial
+
+from ..fmi.errors import BadInput
+from ..fmi.quantities import duration
+from ..participants.clones import ClonedParticipant
+from ..participants.isolated import IsolatedParticipant
+from ..participants.open import open_fmu
+from ..participants.plugins import made
+from ..participants.remote import RemoteParticipant
+from ..participants.table import TableParticipant
+from .ahead import missing_file
+from .values import value_of
+
+
+def open_participant(name, case, build, folder, progress, native):
+    table = case.participants[name]
+    if table.plugin:
+        return made("participants", table.plugin, name, table.build, folder)
+    if table.table:
+        return TableParticipant(name, folder / table.table, table.interpolation or "linear")
+    path = _path_of_fmu(table, build, folder, progress, native)
+    elements = case.elements_of(name)
+    how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    open_with = partial(open_fmu, name, path, **how)
+    opened = open_with()
+    if sizes := _sizes(opened, table.parameters):
+        opened = open_with(sizes)
+    timeout = duration("timeout", table.timeout)
+    if table.host:
+        return RemoteParticipant(opened, timeout, table.host)
+    if not table.isolated:
+        return opened
+    apart = IsolatedParticipant(opened, timeout)
+    if not table.clones:
+        return apart
+    if not (apart.can_redo and apart.can_serialise):
+        raise BadInput(f"clones: expected an FMU that saves its state, got {path.name}")
+    return ClonedParticipant(
+        apart, [IsolatedParticipant(opened, timeout) for _ in range(table.clones)]
+    )
+
+
+def _own_step(table):
+    """Step [s] that a participant takes inside a macro step, or None."""
+    return None if table.step is None else duration("step", table.step)
+
+
+def _sizes(participant, given):
+    """Values of the structural parameters that the case gives."""
+    faults, sizes = [], {}
+    for name, text in given.items():
+        field = participant.fields.get(name)
+        if field is not None and field.causality == "structuralParameter":
+            try:
+                sizes[name] = value_of(field, text)
+            except ValueError as error:
+                faults.append(f"parameters.{name}: {error}")
+    if faults:
+        raise BadInput(faults)
+    return sizes
+
+
+def _path_of_fmu(table, build, folder, progress, native):
+    """Return the path of a participant's FMU, built where the case asks for it."""
+    if table.package or table.file:
+        return _built(table, build, folder, progress, native)
+    if fault := missing_file(table, folder):
+        raise BadInput(fault)
+    return folder / table.fmu
+
+
+def _built(table, build, folder, progress, native):
+    """Build the FMU of a package or of a file; what builds is slow to import."""
+    from ..fmi.builder import build_fmu, build_fmu_of_file
+    from ..fmi.builder_native import build_native_fmu, this_platform
+
+    if table.package and native:
+        here = [name for name in [this_platform()] if name]
+        return build_native_fmu(table.package, build, folder, progress, platforms=here)
+    if table.package:
+        return build_fmu(table.package, build, folder, progress)
+    return build_fmu_of_file(str(folder / table.file), build, progress)

@@ -1,0 +1,56 @@
+"""Case files: find one, read its TOML tree."""
+
+import re
+import tomllib
+from pathlib import Path
+
+from ...models import MODELS
+from ..fmi.errors import BadInput, file_fault, near
+from .changes import changed
+
+
+def case_names():
+    """Names of the cases that come with the tool: folders of `models` with a case.toml."""
+    return sorted(p.name for p in MODELS.iterdir() if (p / "case.toml").is_file())
+
+
+def find_case(name):
+    """Path of a case file, by its path, its folder, or the name of a case that comes with the
+    tool.
+    """
+    for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
+        if candidate.is_file():
+            return candidate.resolve()
+    known = case_names()
+    question = near(Path(name).name, known) or "; `piston-cosim list` lists the cases"
+    raise BadInput(
+        f"case: expected a file, a folder with case.toml or the name of a case, "
+        f"got {name!r}{question}"
+    )
+
+
+def read_tree(path, changes=()):
+    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and
+    value) made in it.
+
+    Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
+    """
+    try:
+        if Path(path).suffix == ".ssp":
+            from .ssp import read_ssp  # slow to import
+
+            tree = read_ssp(path)
+        else:
+            tree = tomllib.loads(Path(path).read_text())
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(f"{path}: {toml_fault(error)}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(file_fault(path, error)) from None
+    return changed(tree, changes, Path(path).parent)
+
+
+def toml_fault(error: tomllib.TOMLDecodeError) -> str:
+    """Return what is wrong with a text that is no TOML, and where."""
+    line = re.search(r"line (\d+)", str(error))
+    place = f"line {line[1]}" if line else "its last line"
+    return f"expected TOML, got invalid syntax in {place}; write KEY = VALUE, texts in quotes"

@@ -1,0 +1,56 @@
+"""What all tables of a case file share: names of ports and files, no unknown keys."""
+
+import re
+from typing import Annotated, NamedTuple
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+)
+
+from ..fmi.option_classes import with_meanings
+
+Port = Annotated[str, Field(pattern=r"^\w+\.[\s\S]*$")]
+"""A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
+brackets and all.
+"""
+
+
+def _file_name(text: str) -> str:
+    if text in ("", ".", "..") or re.search(r"[/\\\x00-\x1f]", text):
+        raise ValueError(f"expected a file name without / and \\, got {text!r}")
+    return text
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+"""Name of a file in the output folder, without directories."""
+
+
+REDUCTIONS = ("min", "max", "mean", "last")
+TAKEN = ("coupling", "envelopes", "fields", "time")
+"""Groups of a results file that are no participants."""
+
+
+class Reduced(NamedTuple):
+    """What "min|max|mean|last participant.variable" says."""
+
+    kind: str
+    port: str
+
+
+def reduced(text: str) -> Reduced:
+    """Kind and port of a summary entry."""
+    kind, _, port = text.strip().partition(" ")
+    return Reduced(kind, port.strip())
+
+
+class Table(BaseModel):
+    """A table of a case file; unknown keys are errors. What a key means stands below it, and in
+    `piston-cosim keys`.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", populate_by_name=True, allow_inf_nan=False, json_schema_extra=with_meanings
+    )

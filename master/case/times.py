@@ -1,0 +1,99 @@
+"""Times of a run: its start, its stop and its macro step, from times or crank angles."""
+
+from math import floor
+from typing import NamedTuple
+
+from ..fmi.errors import BadInput
+from ..fmi.quantities import registry, to_si
+from .schema import Case, Time
+
+
+def record_interval(case: Case, speed: float | None) -> float:
+    """From one record of the fields to the next [s], 0 where macro steps are counted; `speed` as in
+    `times`.
+    """
+    every = case.record.every
+    try:
+        return 0.0 if isinstance(every, int) else _seconds(every, speed)
+    except ValueError as error:
+        raise BadInput(f"record.every: {error}") from None
+
+
+class Clock(NamedTuple):
+    """Stop time at the latest, macro step, smallest macro step, period (0: unknown) and stop time
+    at the earliest [s].
+    """
+
+    stop: float
+    step: float
+    smallest_step: float
+    period: float
+    earliest: float
+
+
+def times(case: Case, speed: float | None) -> Clock:
+    """Times of the run; `speed` [rad/s] turns angles into times."""
+    faults: list[str] = []
+    values: dict[str, float] = {}
+    given = {key: getattr(case.time, key) for key in ("stop", "step", "smallest_step")}
+    given["period"] = case.period
+    for key, text in given.items():
+        if text is None:
+            continue
+        try:
+            values[key] = _seconds(text, speed)
+            if not values[key] > 0:
+                faults.append(f"time.{key}: expected a positive value, got {text!r}")
+        except ValueError as error:
+            faults.append(f"time.{key}: {error}")
+    if faults:
+        raise BadInput(faults)
+    begin, step, period = start_time(case, speed), values["step"], values.get("period", 0.0)
+    if case.time.until_periodic and not period:
+        raise BadInput("time.period: expected a time with time.until_periodic, got nothing")
+    if fault := period and _whole_fault("time.period", case.period, None, period / step, case.time):
+        if case.time.period or case.time.until_periodic:
+            raise BadInput(fault)
+        period = 0.0  # a derived one that macro steps do not come by
+    stop = values.get("stop", begin + case.time.most_periods * period)
+    steps = (stop - begin) / step
+    if fault := _whole_fault("time.stop", case.time.stop, case.time.start, steps, case.time):
+        raise BadInput(fault)
+    earliest = begin + case.time.least_periods * period if case.time.until_periodic else stop
+    smallest = values.get("smallest_step", step / 64)
+    return Clock(stop, step, smallest, period, min(stop, earliest))
+
+
+def start_time(case: Case, speed: float | None) -> float:
+    """Where the run starts [s]; `speed` as in `times`."""
+    try:
+        return 0.0 if case.time.start is None else _seconds(case.time.start, speed)
+    except ValueError as error:
+        raise BadInput(f"time.start: {error}") from None
+
+
+def _seconds(text: str, speed: float | None) -> float:
+    """A time, or an angle at a speed [rad/s], in seconds."""
+    if speed is None:
+        return to_si(text, "s")
+    if not speed:
+        raise ValueError("expected an angular speed above 0 with crank angles, got 0 rad/s")
+    return to_si(text, "rad") / speed
+
+
+def _whole_fault(key: str, text: str | None, start: str | None, steps: float, time: Time) -> str:
+    """Return what is wrong with a time of so many macro steps after `start`; they may be off a
+    whole number by what rounding does to two units.
+    """
+    whole = round(steps)
+    if whole >= 1 and abs(steps - whole) <= 1e-9 * whole:
+        return ""
+    if steps < 1:
+        return f"{key}: expected at least one step of {time.step}, got {text!r}"
+    step = registry().Quantity(time.step)
+    begin = registry().Quantity(start) if start else 0 * step
+    nearest = [f"{begin + count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
+    return (
+        f"{key}: expected a multiple of time.step = {time.step}, got {text!r}; "
+        f"the nearest are {nearest[0]} and {nearest[1]}"
+    )

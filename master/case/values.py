@@ -1,0 +1,85 @@
+"""Values of parameters: texts with units to numbers of an FMU, every fault with its key."""
+
+from math import inf
+
+import numpy as np
+
+from ..fmi.errors import unknown
+from ..fmi.quantities import to_si
+from .keys import SETTABLE
+
+
+def given_values(participant, given, faults):
+    """Parameters and input start values in SI; faults are appended."""
+    values = {}
+    for name, text in given.items():
+        where = f"participants.{participant.name}.parameters.{name}"
+        field = participant.fields.get(name)
+        if field is None or field.causality not in SETTABLE:
+            settable = [f.name for f in participant.fields.values() if f.causality in SETTABLE]
+            faults.append(f"{where}: {unknown('parameter or input', name, settable)}")
+            continue
+        try:
+            values[name] = _array(field, text) if isinstance(text, list) else value_of(field, text)
+        except ValueError as error:
+            faults.append(f"{where}: {error}")
+    return values
+
+
+def _array(field, rows):
+    """An array of values, each as `value_of` says."""
+    array = np.array(rows, dtype=object)
+    if array.shape != field.shape:
+        raise ValueError(f"expected shape {field.shape}, got {array.shape}")
+    return np.array([value_of(field, text) for text in array.ravel()]).reshape(field.shape)
+
+
+def value_of(field, text):
+    """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
+    if field.type == "Clock":
+        raise ValueError(f"expected no value for a clock, got {text!r}")
+    if field.type == "String":
+        return str(text)
+    if field.type == "Binary":
+        try:
+            return bytes.fromhex(str(text))
+        except ValueError:
+            raise ValueError(f"expected hexadecimal digits, got {text!r}") from None
+    if field.type == "Boolean":
+        if not isinstance(text, bool):
+            raise ValueError(f"expected true or false, got {text!r}")
+        return text
+    if field.type == "Enumeration" and isinstance(text, str):
+        if text not in field.choices:
+            raise ValueError(unknown("choice", text, field.choices))
+        return field.choices[text]
+    is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
+    value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is no float
+    fits = getattr(field, "whole_numbers", None) or (-inf, inf)
+    low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
+    high = fits[1] if field.maximum is None else min(fits[1], field.maximum)
+    if not low <= value <= high:
+        unit = "" if field.unit == "1" else f" {field.unit}"
+        ends = " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (low, high))
+        raise ValueError(f"expected {ends}{unit}, got {text}")
+    if field.type in ("Integer", "Enumeration") and value != int(value):
+        raise ValueError(f"expected a whole number, got {text}")
+    return value if field.type == "Real" else int(value)
+
+
+def quantity_of(text, field):
+    """A value in the FMU's unit: by what the FMU declares of a unit of its own, else by the unit's
+    name.
+    """
+    definition = definition_of(field)
+    if definition is None or (definition.factor == 1.0 and definition.offset == 0.0):
+        return to_si(text, field.unit)
+    try:
+        return definition.from_base(to_si(text, definition.base))
+    except ValueError as error:
+        raise ValueError(f"{error}; the unit of the FMU is {field.unit}") from None
+
+
+def definition_of(field):
+    """What an FMU declares of a field's unit; a participant that is none declares nothing."""
+    return getattr(field, "definition", None)

@@ -1,0 +1,236 @@
+"""Wires of a case, ready for use: ends, types, shapes, units and tolerances."""
+
+from dataclasses import replace
+from math import inf
+
+from ..coupling.wiring import HeldWire, Wire, is_unknown, port_of
+from ..fmi.errors import unknown
+from ..fmi.fields import base_of
+from ..fmi.quantities import is_known, pint_unit, registry, to_si
+from ..participants.converted import Conversion, ConvertedParticipant
+from .values import definition_of, quantity_of
+
+TOLERANCE = 1e-6
+"""Of an unknown wire without a criterion of its own, in nominal values."""
+
+
+def field_of(port, causalities, participants, where, faults):
+    owner, name = port_of(port)
+    field = participants[owner].fields.get(name)
+    known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
+    if field is None or field.causality not in causalities:
+        kind = "variable" if len(causalities) > 1 else causalities[0]
+        hint = "`piston-cosim fmu info` lists the variables"
+        faults.append(f"{where}: {unknown(kind, port, (f'{owner}.{n}' for n in known), hint)}")
+        return None
+    return field
+
+
+def type_of(port, participants):
+    """Type of a port; None of one that there is not."""
+    owner, name = port_of(port)
+    field = participants[owner].fields.get(name)
+    return None if field is None else field.type
+
+
+def is_clock(port, participants):
+    return type_of(port, participants) == "Clock"
+
+
+def is_real(table, participants):
+    """Whether both ends of a wire are there and real."""
+    return {type_of(port, participants) for port in (table.source, table.target)} == {"Real"}
+
+
+def check_sources(tables, faults):
+    """One input has one source."""
+    sources: dict[str, list[str]] = {}
+    for table in tables:
+        sources.setdefault(table.target, []).append(table.source)
+    faults += [
+        f"wire to {target}: expected one source, got {' and '.join(several)}"
+        for target, several in sources.items()
+        if len(several) > 1
+    ]
+
+
+def check_elements(tables, participants, faults):
+    """Append a fault for each element of an input array that is wired next to its array."""
+    targets = {table.target for table in tables}
+    for target in sorted(targets):
+        owner, name = port_of(target)
+        whole = participants[owner].fields.get(base_of(name))
+        if base_of(target) in targets - {target} and whole is not None and whole.shape:
+            faults.append(
+                f"wire to {target}: expected a wire to the array or to its elements, got both"
+            )
+
+
+OF_NUMBERS = (
+    "tolerance",
+    "relative_tolerance",
+    "residual_relative_tolerance",
+    "largest_decrease",
+    "local_error",
+    "conjugate",
+)
+"""What a wire's table may say of real numbers alone."""
+
+
+def wire_of(table, participants, coupling, faults):
+    """The wire of a case's table, ready for use; None and a fault where an end is missing."""
+    where = f"wire {table.source} -> {table.target}"
+    source = field_of(table.source, ("output",), participants, where, faults)
+    target = field_of(table.target, ("input",), participants, where, faults)
+    if source is None or target is None:
+        return None
+    if source.type != target.type:
+        faults.append(f"{where}: expected equal types, got {source.type} and {target.type}")
+        return None
+    if source.shape != target.shape:
+        faults.append(
+            f"{where}: expected equal shapes, got {source.shape} and {target.shape}; "
+            "build both FMUs with the same grid"
+        )
+    if source.type == "Clock" and _clock_kind(table.target, participants) != "triggered":
+        faults.append(f"{where}: expected a triggered clock, got one with an interval of its own")
+    if source.type != "Real" or getattr(target, "clocked", False):
+        return _held_wire(table, source, target, where, faults)
+    named = source
+    conversion = None
+    try:
+        named, conversion = common_unit(table, participants)
+    except ValueError as error:
+        got = f"{source.unit} and {target.unit}"
+        faults.append(f"{where}: expected units of one kind, got {got}{error}")
+    nominal = _nominal(source, target, conversion)
+    tolerance = _amount(table.tolerance, "tolerance", nominal, named, where, faults)
+    local_error = _amount(table.local_error, "local_error", nominal, named, where, faults)
+    wire = Wire(
+        source=port_of(table.source),
+        target=port_of(table.target),
+        shape=target.shape,
+        unit=named.unit,
+        nominal=nominal,
+        tolerance=0.0 if tolerance is None else tolerance,
+        largest_decrease=table.largest_decrease,
+        relative_tolerance=table.relative_tolerance,
+        residual_relative_tolerance=table.residual_relative_tolerance,
+        local_error=local_error,
+    )
+    if table.tolerance is not None or table.relative_tolerance or table.residual_relative_tolerance:
+        return wire
+    unknown = is_unknown(wire, coupling.order, coupling.parallel)
+    return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)
+
+
+def _clock_kind(port, participants):
+    """What kind of clock an input is."""
+    owner, name = port_of(port)
+    participant = participants[owner]
+    return getattr(participant, "described", participant).clocks[name].kind
+
+
+def _held_wire(table, source, target, where, faults):
+    """A wire of integers, booleans, enumerations, texts, bytes or clocks, or to a clocked input."""
+    said = [key for key in OF_NUMBERS if getattr(table, key)]
+    said += ["interpolation"] if table.interpolation not in (None, "held") else []
+    if said:
+        faults.append(
+            f"{where}: expected a wire of real numbers for {', '.join(said)}, got type "
+            f"{source.type}{' to a clocked input' if getattr(target, 'clocked', False) else ''}"
+        )
+    return HeldWire(port_of(table.source), port_of(table.target))
+
+
+def common_unit(table, participants):
+    """The end whose unit the wire has, and the `Conversion` to its target or None. That is its
+    source; but an FMU that names no unit at all is taken to have the other's.
+    """
+    ports = [port_of(table.source), port_of(table.target)]
+    ends = [participants[owner].fields[name] for owner, name in ports]
+    declared = [end for end, (owner, _) in zip(ends, ports) if participants[owner].declares_units]
+    if len(declared) < 2:
+        return (declared[0] if declared else ends[0]), None
+    conversion = _conversion(*ends)
+    return ends[0], None if conversion == (1.0, 0.0) else conversion
+
+
+def conversions_of(tables, participants):
+    """Input -> `Conversion`, of the wires whose ends differ in unit."""
+    units = {port_of(table.target): common_unit(table, participants)[1] for table in tables}
+    return {port: conversion for port, conversion in units.items() if conversion is not None}
+
+
+def _conversion(source, target):
+    """From a field's unit to another's, by what both FMUs declare of their units, else by the
+    units' names; ValueError where it cannot be.
+    """
+    first = definition_of(source)
+    second = definition_of(target)
+    if first is not None and second is not None:
+        if first.exponents != second.exponents:
+            raise ValueError(f"; in base units {first.base} and {second.base}")
+        return Conversion(
+            first.factor / second.factor, (first.offset - second.offset) / second.factor
+        )
+    if source.unit == target.unit:
+        return Conversion(1.0, 0.0)
+    if "1" in (source.unit, target.unit):
+        raise ValueError("")
+    if not (is_known(source.unit) and is_known(target.unit)):
+        raise ValueError("; neither FMU says how to convert")
+    unit = registry().Unit(pint_unit(source.unit))
+    wanted = registry().Unit(pint_unit(target.unit))
+    if not unit.is_compatible_with(wanted):
+        raise ValueError("")
+    zero, one = (registry().Quantity(value, unit).to(wanted).magnitude for value in (0.0, 1.0))
+    return Conversion(float(one - zero), float(zero))
+
+
+def _nominal(source, target, conversion):
+    """Nominal value of a wire in its source's unit, that of its target if it has one."""
+    if target.nominal and conversion is not None:
+        return target.nominal / abs(conversion.gain)
+    return target.nominal or source.nominal or 1.0
+
+
+def in_units_of_wires(parameters, conversions):
+    """Start values of converted inputs are given in the FMU's unit and set in the wire's."""
+    for (owner, name), conversion in conversions.items():
+        if name in parameters[owner]:
+            parameters[owner][name] = conversion.back(parameters[owner][name])
+
+
+def converting(participants, conversions):
+    """The participants, those with inputs in another unit than their wires' wrapped."""
+    by_owner: dict[str, dict[str, Conversion]] = {}
+    for (owner, name), conversion in conversions.items():
+        by_owner.setdefault(owner, {})[name] = conversion
+    return {
+        name: ConvertedParticipant(p, by_owner[name]) if name in by_owner else p
+        for name, p in participants.items()
+    }
+
+
+def _amount(given, key, nominal, named, where, faults):
+    """A positive entry of a wire in its unit, that of its source: a number multiplies the nominal
+    value; None if it is not given, or with a fault.
+    """
+    if given is None:
+        return None
+    try:
+        amount = given * nominal if isinstance(given, float) else _difference(given, named)
+    except ValueError as error:
+        faults.append(f"{where}, {key}: {error}")
+        return None
+    if not amount > 0:
+        faults.append(f"{where}, {key}: expected a positive value, got {given}")
+    return amount
+
+
+def _difference(given, named):
+    """A difference of values in a field's unit: an offset of the unit has no part in it."""
+    if definition_of(named) is None:
+        return to_si(given, named.unit)
+    return quantity_of(given, replace(named, definition=replace(named.definition, offset=0.0)))
