@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..fmi.tree import import_part
-from ..results.file import add_to_summary
+from ..results.recorded import add_to_summary
 
 TRUNCATIONS = "fmu_mfbd.truncations"
 """Module with `truncations(options, folder, results, progress)`, called by name."""

@@ -9,7 +9,7 @@ from ..case.schema import Case
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from .coordinates import INSTANT, crank_angle_port, dimensions, distinct, names_taken
-from .file import Results
+from .recorded import Recorded
 
 
 def _library(name: str) -> Any:
@@ -22,7 +22,7 @@ def _library(name: str) -> Any:
         ) from None
 
 
-def to_xarray(results: Results, case: Case) -> Any:
+def to_xarray(results: Recorded, case: Case) -> Any:
     """See `Results.to_xarray`."""
     xarray = _library("xarray")
     angle = crank_angle_port(case)
@@ -54,7 +54,7 @@ def to_xarray(results: Results, case: Case) -> Any:
     return xarray.Dataset(variables, coordinates, {"title": results.title})
 
 
-def to_dataframe(results: Results) -> Any:
+def to_dataframe(results: Recorded) -> Any:
     """See `Results.to_dataframe`."""
     pandas = _library("pandas")
     series = {port: results.series(port) for port in results.ports}

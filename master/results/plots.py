@@ -12,7 +12,7 @@ from .pictures import DRAWN
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .file import Results
+    from .recorded import Recorded
 
 
 class Plots:
@@ -30,7 +30,7 @@ class Plots:
     'displacement [mm]'
     """
 
-    def __init__(self, results: "Results", case: Case):
+    def __init__(self, results: "Recorded", case: Case):
         self._results, self._case = results, case
 
     def __repr__(self) -> str:
@@ -40,7 +40,7 @@ class Plots:
         pictures = {p.file: p.title for p in self._case.pictures}
         return html_table(repr(self)[1:-1], pictures)
 
-    def __call__(self, beside: "dict[str, Results] | None" = None) -> "dict[str, Figure]":
+    def __call__(self, beside: "dict[str, Recorded] | None" = None) -> "dict[str, Figure]":
         """Every picture that the case describes: its file's name -> figure."""
         return {p.file: self._drawn(p, beside) for p in self._case.pictures}
 
@@ -49,7 +49,7 @@ class Plots:
         *ports: str,
         x: str | None = None,
         units: dict[str, str] | None = None,
-        beside: "dict[str, Results] | None" = None,
+        beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
         """Scalar outputs over `x`, a panel each.
 
@@ -71,7 +71,7 @@ class Plots:
         *ports: str,
         time: str,
         units: dict[str, str] | None = None,
-        beside: "dict[str, Results] | None" = None,
+        beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
         """Recorded fields at the instant nearest to `time` ("18 ms"), developed, a row each."""
         self._known(ports, self._results.recorded)
@@ -85,7 +85,7 @@ class Plots:
         height: float = 0.5,
         angles: tuple[str, str] = ("0 deg", "360 deg"),
         units: dict[str, str] | None = None,
-        beside: "dict[str, Results] | None" = None,
+        beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
         """Recorded fields at `time` along their first index, at a share `height` of the second."""
         self._known(ports, self._results.recorded)
@@ -104,7 +104,7 @@ class Plots:
         if not ports:
             raise BadInput(f"plot: expected {names_of(known)}, got nothing")
 
-    def _drawn(self, picture: Picture, beside: "dict[str, Results] | None") -> "Figure":
+    def _drawn(self, picture: Picture, beside: "dict[str, Recorded] | None") -> "Figure":
         runs = {self._results.path.stem: self._results, **(beside or {})}
         figure = DRAWN[picture.kind](self._case, picture, runs)
         if picture.title:

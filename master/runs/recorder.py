@@ -39,7 +39,7 @@ from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput, Stopped
 from ..fmi.fields import NO_NUMBERS
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
-from ..results.file import dataset_path, open_unfinished
+from ..results.recorded import dataset_path, open_unfinished
 
 ROOM = 2**18
 """Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""

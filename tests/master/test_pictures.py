@@ -9,7 +9,6 @@ from matplotlib.colors import LogNorm, to_rgb
 
 from piston_cosim.master.case.shown import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.figures import subplots
-from piston_cosim.master.results.file import Envelope, RecordedField, Series
 from piston_cosim.master.results.pictures import (
     PALETTE,
     PALETTE_DARK,
@@ -23,6 +22,7 @@ from piston_cosim.master.results.pictures import (
     left_out,
     unit_shown,
 )
+from piston_cosim.master.results.recorded import Envelope, RecordedField, Series
 
 
 def test_a_map_of_an_envelope_says_of_which_steps_it_is():

@@ -18,9 +18,9 @@ from piston_cosim.master.engine.sections import (
     wear_depth,
 )
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.file import Envelope, Series
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.pictures import handy_unit, names_of
+from piston_cosim.master.results.recorded import Envelope, Series
 
 BODIES = {"bodies": {"role": "bodies"}, "ehd": {"role": "lubrication"}}
 

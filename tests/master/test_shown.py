@@ -8,7 +8,7 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.offline import BodyReport
 from piston_cosim.master.fmi.notebook import html_table
-from piston_cosim.master.results.file import RecordedField
+from piston_cosim.master.results.recorded import RecordedField
 
 LONGEST = 120
 PLACE = r"\bat 0x[0-9a-f]+"

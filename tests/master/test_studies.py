@@ -8,7 +8,7 @@ import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Series
+from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs.studies import (
     Cost,
     StudyRow,

@@ -7,8 +7,8 @@ import pytest
 
 from piston_cosim.master.engine.stands import side_by_side, stands
 from piston_cosim.master.engine.surfaces import films_of, rod_turn
-from piston_cosim.master.results.file import Series
 from piston_cosim.master.results.pictures import entry_in_words
+from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.results.solids import Solid, Stand
 
 INSTANTS = np.array([0.0, 1.0])

@@ -23,7 +23,7 @@ from piston_cosim.master.results.compare import (
     against_measured,
     score,
 )
-from piston_cosim.master.results.file import Results, Series
+from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.instants import instant
 from piston_cosim.master.results.judgement import (
     Window,
@@ -31,6 +31,7 @@ from piston_cosim.master.results.judgement import (
     loop_work,
     windows,
 )
+from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
 from piston_cosim.tests.verification.cases import rows
 from piston_cosim.tests.verification.cases.checks import Check

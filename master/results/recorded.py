@@ -1,0 +1,352 @@
+"""A results file, read; `runs.recorder` says how it is laid out."""
+
+import json
+from copy import copy
+from functools import cached_property
+from math import floor
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+import h5py
+import numpy as np
+
+from ..case.checked import check_case
+from ..case.contract import envelope_kinds
+from ..fmi.notebook import html_table
+from .coordinates import crank_angle_port
+
+
+class Series(NamedTuple):
+    """A scalar output over the macro steps, shape (rows,), in its SI unit."""
+
+    values: np.ndarray
+    unit: str
+    description: str
+
+    def __repr__(self) -> str:
+        return f"<Series {self.description}: {_span(self.values, self.unit)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table("Series", {self.description: _span(self.values, self.unit)})
+
+
+class RecordedField(NamedTuple):
+    """A field at the instant `time` [s], in its SI unit."""
+
+    values: np.ndarray
+    time: float
+    unit: str
+    description: str
+
+    def __repr__(self) -> str:
+        return f"<RecordedField {self.description}: {_span(self.values, self.unit)}>"
+
+    def _repr_html_(self) -> str:
+        rows = {self.description: _span(self.values, self.unit), "time": f"{self.time:g} s"}
+        return html_table("RecordedField", rows)
+
+
+class Envelope(NamedTuple):
+    """Extreme value of every cell of a field over the last period, in its SI unit.
+
+    kind : "min" or "max"; every_step : whether all accepted macro steps count, or recorded instants
+    alone.
+    """
+
+    values: np.ndarray
+    kind: str
+    unit: str
+    description: str
+    every_step: bool
+
+
+def _span(values: np.ndarray, unit: str) -> str:
+    """Return the shape and the range of values with their unit."""
+    if not values.size:
+        return "no values"
+    shape = " x ".join(map(str, values.shape))
+    return f"{shape} values from {values.min():.4g} to {values.max():.4g} {unit}".rstrip()
+
+
+class Later:
+    """Rows of an h5py.Dataset from `first` on, read when it is sliced."""
+
+    def __init__(self, dataset: Any, first: int):
+        self._dataset, self._first = dataset, first
+        self.attrs, self.dtype = dataset.attrs, dataset.dtype
+        self.shape = (dataset.shape[0] - first, *dataset.shape[1:])
+        self.ndim = dataset.ndim
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> np.ndarray:
+        rows, *others = key if isinstance(key, tuple) else (key,)
+        if isinstance(rows, slice):
+            begin, end, step = rows.indices(len(self))
+            rows = slice(begin + self._first, end + self._first, step)
+        else:
+            rows = np.arange(len(self))[rows] + self._first
+        return self._dataset[(rows, *others)]
+
+
+NEAR = 1e-6
+"""Share of a period that a row may be off its beginning by round-off."""
+SLASH = "\u2215"
+"""Replaces / in the names of datasets, where HDF5 would take / for a group."""
+NAMELESS = {"": "\u2205", ".": "\u2024"}
+"""Names of variables that HDF5 does not allow, and the names of their datasets."""
+
+
+def dataset_path(port: str) -> str:
+    """Where a results file holds "participant.name", or "time"."""
+    owner, dot, name = port.partition(".")
+    return f"{owner}/{NAMELESS.get(name, name.replace('/', SLASH))}" if dot else owner
+
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+END = slice(28, 36)
+"""First bytes of an HDF5 file, and those that say how long it was when they were written."""
+
+
+def open_unfinished(path: Path) -> Any:
+    """A results file that is being written, or was when its run was killed, opened for reading.
+
+    HDF5 reads what a file that was cut has lost again and again, and never gives up: OSError if it
+    is shorter than it says itself.
+    """
+    with open(path, "rb") as file:
+        head = file.read(END.stop)
+    size, least = path.stat().st_size, int.from_bytes(head[END], "little")
+    if head.startswith(SIGNATURE) and size < least:
+        raise OSError(f"{size} bytes are left of at least {least}")
+    return h5py.File(path, "r", libver="latest", swmr=True)
+
+
+def _port(path: str) -> str:
+    owner, slash, name = path.partition("/")
+    names = {written: allowed for allowed, written in NAMELESS.items()}
+    return f"{owner}.{names.get(name, name.replace(SLASH, '/'))}" if slash else owner
+
+
+class Recorded:
+    """What a run has recorded, as arrays in SI with their units; see `file.Results`."""
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+        self.file: Any = (
+            open_unfinished(self.path)
+            if self.path.suffix == ".partial"
+            else h5py.File(self.path, "r", libver="latest")
+        )
+        written = json.loads(self.file.attrs.get("period", "{}"))
+        self.period: float = written.get("length", 0.0)
+        self._turning: list[str] = written.get("turning", [])
+        self._times: np.ndarray = self.file["time"][:]
+        self._since = 0
+        self._ahead = 0
+        if shown := written.get("shown"):
+            self._show(shown)
+            passed = (self._times[self._since] - self._times[0]) / self.period
+            self._ahead = self._row(self._times[0] + floor(passed + NEAR) * self.period)
+
+    def _row(self, time: float) -> int:
+        """First row at or after a time of the file [s], to round-off."""
+        return int(np.searchsorted(self._times, time - NEAR * self.period))
+
+    def _show(self, periods: int):
+        """Show so many periods up to the end, or the whole run if it is shorter than one."""
+        begin, *_, end = self._times
+        held = floor((end - begin) / self.period + NEAR)
+        self._since = self._row(end - min(periods, held) * self.period) if held else 0
+
+    @property
+    def last(self) -> Self:
+        """The last period alone, on the times that are shown; the whole of a run without one."""
+        if not self.period or len(self._times) < 2:
+            return self
+        view = copy(self)
+        view._show(1)
+        return view
+
+    @property
+    def whole(self) -> Self:
+        """The run from its start, as the file holds it."""
+        view = copy(self)
+        view._since = view._ahead = 0
+        return view
+
+    @property
+    def time(self) -> np.ndarray:
+        """End of every macro step shown, the start first, shape (rows,) [s]."""
+        return self._times[self._since :] - self._shift
+
+    @property
+    def _shift(self) -> float:
+        return float(self._times[self._ahead] - self._times[0]) if self._ahead else 0.0
+
+    @property
+    def title(self) -> str:
+        """Title of the case."""
+        return self.file.attrs["title"]
+
+    @property
+    def case(self) -> dict[str, Any]:
+        """Resolved TOML tree of the run."""
+        return json.loads(self.file.attrs["case"])
+
+    @property
+    def summary(self) -> dict[str, Any] | None:
+        """Summary of a finished run, None of one that is not."""
+        return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
+
+    def series(self, port: str) -> Series:
+        """A scalar output over the macro steps: (values, unit, description)."""
+        dataset = self.file[dataset_path(port)]
+        values = dataset[self._since :]
+        if port in self._turning and self._ahead:
+            values = values - (dataset[self._ahead] - dataset[0])
+        return Series(values, dataset.attrs["unit"], dataset.attrs["description"])
+
+    @property
+    def crank_angle(self) -> np.ndarray | None:
+        """Crank angle at `time`, shape (rows,) [rad]; None of a case without one."""
+        port = crank_angle_port(self._checked)
+        return self.series(port).values if port in self.ports else None
+
+    @cached_property
+    def _checked(self) -> Any:
+        return check_case(self.case, self.path)
+
+    @cached_property
+    def ports(self) -> list[str]:
+        """All scalar outputs, "participant.name", and "coupling.name"."""
+        names: list[str] = []
+
+        def note(name, item):
+            if isinstance(item, h5py.Dataset):
+                names.append(_port(name))
+
+        self.file.visititems(note)
+        groups = ("fields.", "envelopes.")
+        return [name for name in names if name != "time" and not name.startswith(groups)]
+
+    def structured(self) -> np.ndarray:
+        """All scalar outputs as FMPy hands out results.
+
+        Returns
+        -------
+        ndarray, shape (rows,)
+            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and
+            `plot_result` take it.
+        """
+        columns = [("time", float), *((port, float) for port in self.ports)]
+        table = np.empty(len(self.time), columns)
+        table["time"] = self.time
+        for port in self.ports:
+            table[port] = self.series(port).values
+        return table
+
+    @property
+    def instants(self) -> np.ndarray:
+        """Instants of the recorded fields [s]."""
+        return self.file["fields/time"][self._first_instant :] - self._shift
+
+    @property
+    def _first_instant(self) -> int:
+        """Number of the first recorded instant that is shown."""
+        if not self._since:
+            return 0
+        since = self._times[self._since] - NEAR * self.period
+        return int(np.searchsorted(self.file["fields/time"][:], since))
+
+    @property
+    def recorded(self) -> list[str]:
+        """All recorded fields, "participant.name"."""
+        groups = {
+            owner: group
+            for owner, group in self.file["fields"].items()
+            if isinstance(group, h5py.Group)
+        }
+        return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
+
+    def there(self, port: str) -> np.ndarray | None:
+        """Which cells the field has, bool of its shape: False in a cut-out, where what the file
+        holds means nothing; None where it has all, or the file does not say.
+        """
+        masks = json.loads(self.file.attrs.get("masks", "{}"))
+        owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
+        mask = next((masks[name] for name in owners if name in masks), None)
+        path = dataset_path(port)
+        shapes = [
+            self.file[f"{group}/{path}"].shape
+            for group in ("fields", "envelopes")
+            if f"{group}/{path}" in self.file
+        ]
+        if mask is None or not any(shape[-2:] == np.shape(mask) for shape in shapes):
+            return None
+        return np.array(mask, dtype=bool)
+
+    def dataset(self, port: str) -> Any:
+        """Recorded field at all instants shown, of shape (instants, *shape): sliced like an
+        h5py.Dataset, read when it is sliced.
+        """
+        dataset = self.file["fields/" + dataset_path(port)]
+        return Later(dataset, self._first_instant) if self._since else dataset
+
+    def field(self, port: str, time: float) -> RecordedField:
+        """Recorded field nearest to `time` [s]."""
+        dataset = self.dataset(port)
+        instants = self.instants
+        k = int(np.argmin(np.abs(instants - time)))
+        unit = dataset.attrs["unit"]
+        return RecordedField(dataset[k], float(instants[k]), unit, dataset.attrs["description"])
+
+    def envelope(self, port: str) -> Envelope | None:
+        """Extreme value of every cell of a field over the last period; None if the file has none.
+
+        A file without stored envelopes, such as one of an unfinished run, gives those of its
+        recorded instants.
+        """
+        if (path := f"envelopes/{dataset_path(port)}") in self.file:
+            dataset = self.file[path]
+            attributes = (dataset.attrs[name] for name in ("kind", "unit", "description"))
+            return Envelope(dataset[()], *attributes, every_step=True)
+        kind = envelope_kinds(self.case).get(port)
+        if kind is None or port not in self.recorded:
+            return None
+        field = self.last.dataset(port)
+        attributes = (field.attrs[name] for name in ("unit", "description"))
+        values = {"min": np.min, "max": np.max}[kind](field[:], axis=0)
+        return Envelope(values, kind, *attributes, every_step=False)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.path.name}: {self.title}, {len(self.time)} rows>"
+
+    def _repr_html_(self) -> str:
+        summary = self.summary
+        rows = {
+            "rows": len(self.time),
+            "time": f"{self.time[0]:g} s to {self.time[-1]:g} s",
+            "scalars": len(self.ports),
+            "fields": ", ".join(self.recorded) if "fields" in self.file else "",
+            "state": f"finished, {summary['steps']} steps" if summary else "not finished",
+        }
+        return html_table(f"{type(self).__name__} {self.path.name}: {self.title}", rows)
+
+    def close(self) -> None:
+        """Close the file."""
+        self.file.close()
+
+
+def add_to_summary(path: Path, entries: dict[str, Any]) -> None:
+    """Add entries to the summary of a finished run."""
+    with h5py.File(path, "a", libver="latest") as file:
+        summary = json.loads(str(file.attrs["summary"])) | entries
+        file.attrs["summary"] = json.dumps(summary)
