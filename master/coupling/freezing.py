@@ -4,7 +4,7 @@ equal bytes.
 
 from ..participants.plain import NotPlain, pack, unpack
 from .methods.explicit import Growth
-from .methods.krylov import RecycledGmres
+from .methods.krylov import Pairs, RecycledGmres
 from .methods.quasi_newton import Memory
 from .methods.secants import (
     Ageing,
@@ -30,6 +30,7 @@ REMEMBERED = (
     MultiVector,
     MultiVectorMemory,
     Pair,
+    Pairs,
     RecycledGmres,
     Rings,
     StepControl,

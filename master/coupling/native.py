@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.block import FIRST_STATE, STATES, part
+from ..fmi.block import FIRST_STATE, STATES, keep, part
 from ..fmi.compiled import compiled
 from ..fmi.native_parts import CALL, Entry, NativePart, size
 from ..fmi.noted import refuse
@@ -64,7 +64,6 @@ from .native_block import (
     count,
     exposed_of,
     given,
-    keep,
     row_of,
     wire_of,
 )

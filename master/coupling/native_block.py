@@ -250,13 +250,6 @@ def exposed_of(memory, k):
 
 
 @compiled
-def keep(to: np.ndarray, what: np.ndarray):
-    """Copy, in a loop."""
-    for k in range(len(to)):
-        to[k] = what[k]
-
-
-@compiled
 def clear(to):
     """Set all to zero, in a loop."""
     for k in range(len(to)):

@@ -7,7 +7,7 @@ a row is copied when it is first overwritten, all else when the step begins.
 
 import numpy as np
 
-from ..fmi.block import FIRST_STATE, PARTS_FROM, part
+from ..fmi.block import FIRST_STATE, PARTS_FROM, keep, part
 from ..fmi.compiled import compiled
 from .native_block import (
     BEFORE,
@@ -23,7 +23,6 @@ from .native_block import (
     UNKNOWNS,
     clear,
     count,
-    keep,
 )
 
 

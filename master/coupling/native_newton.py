@@ -2,12 +2,15 @@
 the equations stand, on participants that are entries and a block of memory.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..fmi.block import part
+from ..fmi.block import keep, part
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from . import native_calls
+from .methods.krylov import Goal, Pairs, learn, length, minimise
 from .native_block import (
     ACCURACY,
     COLUMNS,
@@ -32,7 +35,6 @@ from .native_block import (
     MEMORY,
     MUST_BE_FINITE,
     NO_MEMORY,
-    NOISE,
     NOMINAL,
     NOT_FINITE,
     NOWHERE,
@@ -68,23 +70,11 @@ from .native_block import (
     WORST,
     clear,
     count,
-    keep,
     row_of,
     wire_of,
 )
 from .native_calls import ADVANCE, TANGENT
 from .native_journal import overwrite
-from .native_krylov import (
-    Arnoldi,
-    in_use,
-    is_within,
-    learn,
-    least_squares,
-    orthogonalise,
-    precondition,
-    project,
-    size_of,
-)
 
 USED, OUTPUTS, RESIDUAL = range(3)
 """Of an evaluation: what inputs were set to, what outputs are, how far the iterate is off."""
@@ -445,108 +435,64 @@ def allowed(memory: np.ndarray, limits: np.ndarray):
                 limits[at + k] = wire[TOLERANCE] / wire[NOMINAL]
 
 
+class Update(NamedTuple):
+    """Products of a Newton update: those of all wires, by direction; change : room for another."""
+
+    memory: np.ndarray
+    products: np.ndarray
+    change: np.ndarray
+
+
 @compiled
-def minimised(
-    memory: np.ndarray,
-    right: np.ndarray,
-    limits: np.ndarray,
-    enough: float,
-    x: np.ndarray,
-    change: np.ndarray,
-):
-    """GMRES as `RecycledGmres.solve` with the goal of elements `limits` and size `enough`: the
-    solution into `x`, the change of all wires along it into `change`; whether all participants
-    answered.
-    """
-    n = len(right)
-    seed = np.zeros(len(change))
-    size = size_of(right)
-    if size <= enough or is_within(right, limits):
-        keep(x, right)
-        scattered(memory, x, seed)
-        return derivative(memory, seed, change)
-    whole_limit = size_of(limits)
-    kept = count(memory, KEPT)
-    images = part(memory, IMAGES).reshape((kept, n))
-    differences = part(memory, DIFFERENCES).reshape((kept, n))
-    gram = part(memory, GRAM).reshape((kept, kept))
-    oldest = part(memory, OLDEST)
-    rows, factor = in_use(gram, part(memory, CONSTANTS)[NOISE], int(oldest[0]))
-    most = count(memory, SPACE)
-    basis = np.empty((most + 1, n))
-    directions = np.empty((most, n))
-    products = np.empty((most, n))
-    wholes = np.empty((most, len(change)))
-    hessenberg = np.zeros((most, most + 1))
-    projected = np.zeros((most + 1, kept))
-    null = np.zeros(most + 1)
-    new = np.empty(n)
-    for k in range(n):
-        basis[0, k] = right[k] / size
-    null[0] = 1.0
-    found = 0
-    while found < most:
-        direction = directions[found]
-        aimed = projected[found]
-        precondition(basis[found], images, differences, rows, factor, aimed, direction)
-        scattered(memory, direction, seed)
-        whole = wholes[found]
-        if not derivative(memory, seed, whole):
-            return False
-        gathered(memory, whole, new)
-        product = products[found]
-        for k in range(n):
-            product[k] = direction[k] - new[k]
-        keep(new, product)
-        column = hessenberg[found]
-        orthogonalise(new, basis[: found + 1], column)
-        found += 1
-        if column[found] == 0.0:
-            break
-        for k in range(n):
-            basis[found, k] = new[k] / column[found]
-        null[found] = -(column[:found] @ null[:found]) / column[found]  # Eq. (Q9)
-        known = size_of(null[: found + 1])
-        if size <= enough * known:
-            break
-        if size <= whole_limit * known:
-            keep(new, null[: found + 1] @ basis[: found + 1])
-            for k in range(n):
-                new[k] *= size / known**2  # Eq. (Q9)
-            if is_within(new, limits):
-                break
-    weights = least_squares(hessenberg, size, found)
-    keep(x, weights @ directions[:found])
-    keep(change, weights @ wholes[:found])
-    if hessenberg[found - 1, found] != 0.0:
-        project(basis[found], images, rows, projected[found])
-    overwrite(memory, found)
-    arnoldi = Arnoldi(hessenberg, projected)
-    learn(directions[:found], products[:found], arnoldi, images, differences, gram, oldest)
+def product(update: Update, k: int, direction: np.ndarray, out: np.ndarray):
+    """The k-th product of I - J into `out`; whether all participants answered."""
+    scattered(update.memory, direction, update.change)
+    if not derivative(update.memory, update.change, update.products[k]):
+        return False
+    gathered(update.memory, update.products[k], out)
+    keep(out, direction - out)
     return True
+
+
+@compiled
+def pairs_of(memory: np.ndarray):
+    """What GMRES remembers."""
+    kept = count(memory, KEPT)
+    shape = (kept, count(memory, UNKNOWNS))
+    return Pairs(
+        part(memory, IMAGES).reshape(shape),
+        part(memory, DIFFERENCES).reshape(shape),
+        part(memory, GRAM).reshape((kept, kept)),
+        part(memory, OLDEST),
+    )
 
 
 @compiled
 def update(memory: np.ndarray, outcome: np.ndarray, change: np.ndarray):
     """Newton update of the whole vector into `change`; whether all participants answered."""
-    used = outcome[USED]
-    y = outcome[OUTPUTS]
     n = count(memory, UNKNOWNS)
-    apart = np.empty(len(used))
-    for k in range(len(used)):
-        apart[k] = y[k] - used[k]
     right = np.empty(n)
-    gathered(memory, apart, right)
+    gathered(memory, outcome[OUTPUTS] - outcome[USED], right)
     constants = part(memory, CONSTANTS)
     limits = np.empty(n)
     allowed(memory, limits)
-    for k in range(n):
-        limits[k] *= constants[ACCURACY]
-    enough = constants[FORCING] * size_of(right)
-    solution = np.empty(n)
-    if not minimised(memory, right, limits, enough, solution, change):  # Eq. (Q1)
+    goal = Goal(constants[ACCURACY] * limits, constants[FORCING] * length(right))
+    pairs = pairs_of(memory)
+    most = count(memory, SPACE)
+    asked = Update(memory, np.empty((max(most, 1), len(change))), np.zeros(len(change)))
+    solved = minimise(product, asked, right, goal, pairs, most)  # Eq. (Q1)
+    if not solved.is_answered:
         return False
-    scattered(memory, solution, change)
+    products = len(solved.weights)
+    overwrite(memory, products)
+    learn(pairs, solved.space, products)
+    if products > 0:
+        keep(change, solved.weights @ asked.products[:products])
+    elif not product(asked, 0, right, solved.x.copy()):
+        return False
+    else:
+        keep(change, asked.products[0])
+    scattered(memory, solved.x, change)
     return True
 
 

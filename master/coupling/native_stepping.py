@@ -4,7 +4,7 @@ and `coupled`.
 
 import numpy as np
 
-from ..fmi.block import part
+from ..fmi.block import keep, part
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from .native_block import (
@@ -28,7 +28,6 @@ from .native_block import (
     TOO_LONG,
     clear,
     count,
-    keep,
 )
 from .native_journal import overwrite
 from .native_newton import converge, moved, restore, save

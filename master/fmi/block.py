@@ -6,12 +6,13 @@ declared, an array behind its lengths, so that one that is not there takes a len
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from math import prod
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .compiled import compiled
+from .compiled import compilable, compiled, standing_for
 
 
 def leaves(kind: Any, path: str = "tree") -> Iterator[tuple[str, Any]]:
@@ -79,16 +80,39 @@ def memory_of(
     return np.concatenate([head, *given.values()])
 
 
-@compiled
+@compilable
 def part(memory: np.ndarray, k: int) -> np.ndarray:
     """Return the k-th part."""
     return memory[int(memory[PARTS_FROM + k]) : int(memory[PARTS_FROM + k + 1])]
 
 
+def parts(kind: Any) -> Any:
+    """Return a kernel that gives the parts of a memory by their names, the fields of a named tuple
+    in their order.
+    """
+    ends = (f"int(memory[{PARTS_FROM + k}])" for k in range(len(kind._fields) + 1))
+    text = ", ".join(f"memory[{begin} : {end}]" for begin, end in pairwise(ends))
+    scope = {"kind": kind}
+    exec(f"def get(memory):\n    return kind({text})", scope)
+    return compilable(scope["get"])
+
+
 # ---- rows
 
 
-@compiled
+@compilable
+def _keep(to, what):
+    for k in range(len(to)):
+        to[k] = what[k]
+
+
+@standing_for(_keep)
+def keep(to: np.ndarray, what: np.ndarray):
+    """Copy an array of one axis; in kernels by a loop, which never calls Python."""
+    to[:] = what
+
+
+@compilable
 def write(row, at, array):
     """Write an array into a row from a place on, behind its lengths; return the place behind it."""
     for length in array.shape:
@@ -100,14 +124,14 @@ def write(row, at, array):
     return at + len(flat)
 
 
-@compiled
+@compilable
 def read_1(row, at):
     """Return the array of one axis at a place of a row, and the place behind it."""
     end = at + 1 + int(row[at])
     return row[at + 1 : end], end
 
 
-@compiled
+@compilable
 def read_2(row, at):
     """Return the array of two axes at a place of a row, and the place behind it."""
     n, m = int(row[at]), int(row[at + 1])
@@ -115,7 +139,7 @@ def read_2(row, at):
     return row[at + 2 : end].reshape((n, m)), end
 
 
-@compiled
+@compilable
 def read_3(row, at):
     """Return the array of three axes at a place of a row, and the place behind it."""
     q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2])
@@ -123,7 +147,7 @@ def read_3(row, at):
     return row[at + 3 : end].reshape((q, n, m)), end
 
 
-@compiled
+@compilable
 def read_4(row, at):
     """Return the array of four axes at a place of a row, and the place behind it."""
     p, q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2]), int(row[at + 3])

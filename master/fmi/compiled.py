@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 KERNELS: list["Kernel"] = []
-"""All of this process."""
+"""All of this process that Python calls."""
 
 
 def compiled(kernel=None, **options):
@@ -34,8 +34,7 @@ def compilable(function):
     """A function that runs as written where Python calls it, and is compiled within kernels that
     call it: what a model says between its kernels, and a native FMU in them.
     """
-    KERNELS.append(WithinKernels(function, {}))
-    return KERNELS[-1]
+    return WithinKernels(function, {})
 
 
 def standing_for(kernel):
@@ -143,9 +142,9 @@ class StandIn:
 
 
 def first_start() -> str:
-    """What takes long at a start, for whoever waits; empty where kernels are kept already."""
+    """What takes long at a start, for whoever waits; empty without kernels, or if they are kept."""
     stores = (folder for one in KERNELS if (folder := one.store))
-    if any(next(folder.glob("*.nbi"), None) for folder in stores):
+    if not KERNELS or any(next(folder.glob("*.nbi"), None) for folder in stores):
         return ""
     can_keep = any(one.store for one in KERNELS)
     kept = "kept for the starts to come" if can_keep else "again at each start: nothing can be kept"

@@ -272,9 +272,10 @@ def test_products_of_remembered_pairs():
         found = gmres.solve(matrix.__matmul__, right, within(*np.full(100, 1e-9)))
         assert found.products > 20
         assert np.abs(right - matrix @ found.x).max() <= 1e-9
-        np.testing.assert_allclose(gmres.gram, gmres.images @ gmres.images.T, atol=1e-13)
+        images, _, gram, _ = gmres.pairs
+        np.testing.assert_allclose(gram, images @ images.T, atol=1e-13)
         matrix += 0.01 * rng.standard_normal((100, 100))
-    assert np.diag(gmres.gram) == pytest.approx(np.ones(80), abs=1e-13)
+    assert np.diag(gram) == pytest.approx(np.ones(80), abs=1e-13)
 
 
 def turned(k):
@@ -291,9 +292,9 @@ def products_of_turned(solves):
     for k in range(solves):
         right = np.zeros(90)
         right[:4] = rng.standard_normal(4)
-        x, weights = gmres.solve(turned(k).__matmul__, right, within(*np.full(90, 0.03)))
-        assert np.abs(right - turned(k) @ x).max() <= 0.03
-        found.append(len(weights))
+        solved = gmres.solve(turned(k).__matmul__, right, within(*np.full(90, 0.03)))
+        assert np.abs(right - turned(k) @ solved.x).max() <= 0.03
+        found.append(solved.products)
     return np.array(found), gmres
 
 
@@ -302,14 +303,13 @@ def test_no_more_pairs_are_used_than_their_directions_need(monkeypatch):
     solves ago against that of now, and cost a third more products.
     """
     few, gmres = products_of_turned(60)
-    rows, _ = gmres._in_use()
-    assert len(rows) == 10 == np.count_nonzero(gmres.gram.any(axis=0))
-    newest = gmres.images[rows]
-    expected = newest @ newest.T
-    np.testing.assert_allclose(gmres.gram[np.ix_(rows, rows)], expected, atol=1e-13)
+    images, _, gram, oldest = gmres.pairs
+    rows = (int(oldest[0]) - 1 - np.arange(10)) % 80
+    assert len(krylov.pairs_in_use(gmres.pairs)) == 10 == np.count_nonzero(gram.any(axis=0))
+    np.testing.assert_allclose(gram[np.ix_(rows, rows)], images[rows] @ images[rows].T, atol=1e-13)
     monkeypatch.setattr(krylov, "PER_DIRECTION", 100.0)
     many, gmres = products_of_turned(60)
-    assert len(gmres._in_use()[0]) == 80
+    assert len(krylov.pairs_in_use(gmres.pairs)) == 80
     assert few[30:].sum() < 0.8 * many[30:].sum()  # 78 and 107
 
 

@@ -40,7 +40,7 @@ from ..native_block import (
     in_order,
 )
 from ..wiring import System
-from .krylov import KEPT, NOISE, RecycledGmres
+from .krylov import KEPT, NOISE, Pairs, RecycledGmres
 from .newton import Newton
 from .solution import MacroStep, Method, Solution, Tried
 
@@ -209,10 +209,12 @@ class Iteration:
         self.numbers = np.zeros(4)
         self._run = library.call(self.x, self.block, self.numbers)
         pairs = (self.kept, self.unknowns)
-        self.images = self._part(IMAGES).reshape(pairs)
-        self.differences = self._part(DIFFERENCES).reshape(pairs)
-        self.gram = self._part(GRAM).reshape(self.kept, self.kept)
-        self.oldest = self._part(OLDEST)
+        self.pairs = Pairs(
+            self._part(IMAGES).reshape(pairs),
+            self._part(DIFFERENCES).reshape(pairs),
+            self._part(GRAM).reshape(self.kept, self.kept),
+            self._part(OLDEST),
+        )
         self.trail = self._part(TRAIL)
 
     @property
@@ -226,7 +228,7 @@ class Iteration:
         return min(KEPT, self.unknowns)
 
     def _part(self, which: int) -> np.ndarray:
-        return part.py_func(self.block, which)
+        return part(self.block, which)
 
     # ---- the block of memory
 
@@ -341,12 +343,10 @@ class Iteration:
     def solve(self, macro_step: MacroStep, guess: np.ndarray, memory: Any) -> Solution | None:
         """As `Newton.solve`; None where it is not found, and what is remembered is as before."""
         self._adopt(memory)
-        self.oldest[0] = memory.oldest
         self.x[:] = guess
         self.numbers[:2] = macro_step.step, macro_step.time
         self.begin(macro_step)
         self._run()
-        memory.oldest = int(self.oldest[0])
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()
             raise fault
@@ -367,13 +367,10 @@ class Iteration:
 
     def _adopt(self, memory: RecycledGmres) -> None:
         """Let a memory lie in the block, where the machine code has it."""
-        if memory.images is self.images:
-            return
-        knows_something = memory.images.size > 0
-        for name in ("images", "differences", "gram"):
-            own = getattr(self, name)
-            own[...] = getattr(memory, name) if knows_something else 0.0
-            setattr(memory, name, own)
+        if memory.pairs is not self.pairs:
+            for own, known in zip(self.pairs, memory.pairs_of(self.unknowns)):
+                own[...] = known
+            memory.pairs = self.pairs
 
 
 class ByPointers(Iteration):

@@ -1,11 +1,14 @@
-"""GMRES that remembers: products of the last solves precondition the next one."""
+"""GMRES that remembers: products of the last solves precondition the next one. Python runs it as
+written, and it is the machine code of native coupled FMUs.
+"""
 
 from collections.abc import Callable
-from functools import cache
-from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+
+from ...fmi.block import keep
+from ...fmi.compiled import compilable
 
 KEPT = 80
 """Pairs kept from one solve to the next. The numerical example with 60 modes a body, 200 steps from
@@ -26,38 +29,59 @@ and `fired_motorcycle` (40; 120 deg) with all of `KEPT`: 504, 331 and 3076; with
 more 416, 277 and 3001; with these 416, 272 and 2824. With 60 modes a body (70) all are in use.
 """
 
-
-SMALL = 16
-"""Unknowns up to which numpy factorises: such systems need no scipy, which is slow to import."""
-
-
-Product = Callable[[np.ndarray], np.ndarray]
-"""v -> A v."""
+Array = np.ndarray
+Square = Annotated[Array, "pairs, pairs"]
+Rows = Annotated[Array, "pairs, unknowns"]
 
 
-class Goal:
-    """How small a residual r is to be: |r| <= `size`, or each |r_i| <= `elements`_i.
+class Goal(NamedTuple):
+    """How small a residual r is to be: |r| <= `size`, or each |r_i| <= `elements`_i."""
 
-    `whole` is the 2-norm above which an element must be too large.
+    elements: Array
+    size: float = 0.0
+
+
+class Pairs(NamedTuple):
+    """Directions and their products from earlier solves.
+
+    images, differences : Z and V - Z by rows, as many as are kept at most, 0 where nothing is known
+    yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z of those
+    in use, 0 elsewhere. oldest : the row that is overwritten next; those in use end before it.
     """
 
-    def __init__(self, elements: np.ndarray, size: float = 0.0):
-        self.elements = elements
-        self.size = size
-        self.whole = float(np.linalg.norm(elements))
+    images: Rows
+    differences: Rows
+    gram: Square
+    oldest: Annotated[Array, "1"]
 
-    def is_reached(self, residual: np.ndarray) -> bool:
-        """Whether no element is larger than it may be."""
-        return bool((np.abs(residual) <= self.elements).all())
+
+class Space(NamedTuple):
+    """Directions of a solve by rows, their products, and what is known of these without another
+    look at them.
+
+    Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ki basis_i
+
+    hessenberg : ndarray, shape (>= count, >= count + 1), H, the basis orthonormal;
+    projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
+    """
+
+    directions: Array
+    products: Array
+    hessenberg: Array
+    projected: Array
 
 
 class Solved(NamedTuple):
     """A solution: x = sum of weights times the directions of which products were asked for, in that
     order; without a product the right-hand side, which is within the goal.
+
+    is_answered : whether every product was there.
     """
 
-    x: np.ndarray
-    weights: np.ndarray
+    x: Array
+    weights: Array
+    space: Space
+    is_answered: bool
 
     @property
     def products(self) -> int:
@@ -65,17 +89,232 @@ class Solved(NamedTuple):
         return len(self.weights)
 
 
-class Arnoldi(NamedTuple):
-    """What is known of the products of a solve without another look at them.
+@compilable
+def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int):
+    """Solution of A x = right as near as `goal` says, or the best in a space of `most` products.
 
-    Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ik basis_i
+    The least residual r_k in the space of k products needs no solve: the Hessenberg matrix has
+    one vector g with g' H = 0, of which every product gives another element.
 
-    hessenberg : ndarray, shape (>= count + 1, >= count), H, the basis orthonormal;
-    projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
+    Eq. (Q9):  r_k = |right| / |g|^2 sum_i g_i basis_i,   |r_k| = |right| / |g|,
+               g_0 = 1,   g_k+1 = -sum_i H_ki g_i / H_k,k+1
+
+    Parameters
+    ----------
+    product : callable(system, k, v, out)
+        Writes the k-th product A v; whether there is one.
+    system : object
+        Of `product`.
+    right : ndarray, shape (n,)
+    goal : Goal
+    pairs : Pairs
+    most : int
+
+    Returns
+    -------
+    Solved
     """
+    n = len(right)
+    size = length(right)
+    if size <= goal.size or is_within(right, goal.elements):
+        return Solved(right.copy(), np.zeros(0), space_of(0, n, len(pairs.gram)), True)
+    limit = length(goal.elements)
+    inverse = pairs_in_use(pairs)
+    space = space_of(most, n, len(pairs.gram))
+    basis = np.empty((most + 1, n))
+    null = np.zeros(most + 1)
+    keep(basis[0], right / size)
+    null[0] = 1.0
+    count = 0
+    while count < most:
+        direction = space.directions[count]
+        precondition(pairs, inverse, basis[count], space.projected[count], direction)
+        if not product(system, count, direction, space.products[count]):
+            return Solved(right, np.zeros(0), space, False)
+        column = space.hessenberg[count]
+        rest = orthogonal(space.products[count], basis[: count + 1], column)
+        count += 1
+        if column[count] == 0.0:
+            break
+        keep(basis[count], rest / column[count])
+        null[count] = -(column[:count] @ null[:count]) / column[count]  # Eq. (Q9)
+        known = null[: count + 1]
+        if size <= goal.size * length(known):
+            break
+        # no element is larger than it may be only where the whole is not
+        if size <= limit * length(known):
+            residual = (known @ basis[: count + 1]) * (size / (known @ known))  # Eq. (Q9)
+            if is_within(residual, goal.elements):
+                break
+    weights = least_squares(space.hessenberg, size, count)
+    if space.hessenberg[count - 1, count] != 0.0:
+        project(pairs, len(inverse), basis[count], space.projected[count])
+    return Solved(weights @ space.directions[:count], weights, space, True)
 
-    hessenberg: np.ndarray
-    projected: np.ndarray
+
+@compilable
+def space_of(most: int, n: int, pairs: int):
+    """Room for so many products of vectors of n elements."""
+    return Space(
+        np.empty((most, n)),
+        np.empty((most, n)),
+        np.zeros((most, most + 1)),
+        np.zeros((most + 1, pairs)),
+    )
+
+
+@compilable
+def length(vector: Array):
+    """2-norm."""
+    return np.sqrt(vector @ vector)
+
+
+@compilable
+def is_within(vector: Array, limits: Array):
+    """Whether no element is larger than it may be."""
+    return (np.abs(vector) <= limits).all()
+
+
+@compilable
+def pairs_in_use(pairs: Pairs):
+    """F of (Z' Z + n I)^-1 = F' F for the pairs in use, a row for each, the newest first; columns
+    are rows of `pairs`. What is older than Eq. (Q11) allows is put out of use.
+    """
+    gram = pairs.gram
+    kept = len(gram)
+    oldest = int(pairs.oldest[0])
+    inverse = np.zeros((kept, kept))
+    directions = 0.0
+    known = 0
+    for i in range(kept):
+        row = (oldest - 1 - i) % kept
+        if gram[row, row] == 0.0:
+            break
+        # Cholesky's factor row by row, and its inverse with it
+        share = inverse[:i] @ gram[row]
+        pivot = np.sqrt(gram[row, row] + NOISE - share @ share)
+        keep(inverse[i], (share @ inverse[:i]) / -pivot)
+        inverse[i, row] = 1.0 / pivot
+        directions += 1.0 - NOISE * (inverse[i] @ inverse[i])
+        known += 1
+    used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
+    nothing = np.zeros(kept)
+    for i in range(used, known):
+        row = (oldest - 1 - i) % kept
+        keep(gram[row], nothing)
+        keep(gram[:, row], nothing)
+    return inverse[:used]
+
+
+@compilable
+def project(pairs: Pairs, used: int, r: Array, projected: Array):
+    """Z' r of the pairs in use into `projected`, shape (pairs,)."""
+    oldest = int(pairs.oldest[0])
+    first = oldest - used  # they go round the end where it is below 0
+    before, end = max(first, 0), len(projected)
+    if oldest > before:
+        keep(projected[before:oldest], pairs.images[before:oldest] @ r)
+    if first < 0:
+        keep(projected[first + end :], pairs.images[first + end :] @ r)
+
+
+@compilable
+def precondition(pairs: Pairs, inverse: Array, r: Array, projected: Array, out: Array):
+    """P r into `out`, Eq. (Q7), and Z' r into `projected`, shape (pairs,)."""
+    used = len(inverse)
+    keep(out, r)
+    if used == 0:
+        return
+    project(pairs, used, r, projected)
+    shares = (inverse @ projected) @ inverse
+    rest = projected - (pairs.gram @ shares + NOISE * shares)  # what round-off has left
+    shares = shares + (inverse @ rest) @ inverse
+    oldest = int(pairs.oldest[0])
+    first = oldest - used
+    before, end = max(first, 0), len(shares)
+    if oldest > before:
+        keep(out, out + shares[before:oldest] @ pairs.differences[before:oldest])  # Eq. (Q7)
+    if first < 0:
+        keep(out, out + shares[first + end :] @ pairs.differences[first + end :])
+
+
+@compilable
+def orthogonal(vector: Array, basis: Array, column: Array):
+    """What is left of a vector without its shares in an orthonormal basis, shape (m, n).
+
+    The shares are added to `column`, shape (>= m + 1,), what is left of the length behind them.
+    """
+    m = len(basis)
+    for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
+        shares = basis @ vector
+        keep(column[:m], column[:m] + shares)
+        vector = vector - shares @ basis
+    column[m] = length(vector)
+    return vector
+
+
+@compilable
+def least_squares(hessenberg: Array, size: float, count: int):
+    """Weights of `count` directions by which |size e_0 - H' w| is least; shape (>= count,
+    >= count + 1). A direction that adds nothing has the weight 0.
+    """
+    triangle = hessenberg[:count, : count + 1].copy()
+    right = np.zeros(count + 1)
+    right[0] = size
+    for k in range(count):
+        hypotenuse = np.hypot(triangle[k, k], triangle[k, k + 1])
+        if hypotenuse == 0.0:
+            continue
+        cosine, sine = triangle[k, k] / hypotenuse, triangle[k, k + 1] / hypotenuse
+        upper, lower = triangle[k:, k].copy(), triangle[k:, k + 1].copy()
+        keep(triangle[k:, k], cosine * upper + sine * lower)
+        keep(triangle[k:, k + 1], cosine * lower - sine * upper)
+        right[k + 1] = -sine * right[k]
+        right[k] *= cosine
+    weights = np.zeros(count)
+    for k in range(count - 1, -1, -1):
+        if triangle[k, k] != 0.0:
+            weights[k] = right[k] / triangle[k, k]
+            keep(right[:k], right[:k] - weights[k] * triangle[k, :k])
+    return weights
+
+
+@compilable
+def learn(pairs: Pairs, space: Space, count: int):
+    """Put the pairs of a solve in the place of the oldest. Their inner products need no look at
+    them: what is remembered knows its own with the basis, and by Eq. (Q10) products are sums of it.
+    """
+    kept = len(pairs.gram)
+    sizes = np.empty(count)
+    full = 0
+    for k in range(count):
+        sizes[k] = length(space.products[k])
+        full += sizes[k] != 0.0
+    rows = np.full(count, -1)
+    row = int(pairs.oldest[0])
+    for k in range(count):
+        if sizes[k] == 0.0:
+            continue
+        full -= 1
+        if full >= kept:
+            continue  # more than fit
+        keep(pairs.images[row], space.products[k] / sizes[k])
+        keep(pairs.differences[row], space.directions[k] / sizes[k] - pairs.images[row])
+        keep(space.projected[: count + 1, row], space.hessenberg[k, : count + 1] / sizes[k])
+        rows[k] = row
+        row = (row + 1) % kept
+    for k in range(count):
+        if rows[k] >= 0:
+            share = space.hessenberg[k, : count + 1] / sizes[k]
+            keep(pairs.gram[rows[k]], share @ space.projected[: count + 1])  # Eq. (Q10)
+            keep(pairs.gram[:, rows[k]], pairs.gram[rows[k]])
+    pairs.oldest[0] = row
+
+
+def answered(product: Callable[[Array], Array], k: int, v: Array, out: Array) -> bool:
+    """Write a product of a function."""
+    out[:] = product(v)
+    return True
 
 
 class RecycledGmres:
@@ -98,177 +337,23 @@ class RecycledGmres:
     ----------
     largest_space : int
         Products a solve.
-
-    Attributes
-    ----------
-    images, differences : ndarray, shape (pairs, n)
-        Z and V - Z by rows, as many as are kept at most, 0 where nothing is known yet. In single
-        precision round-off would grow to what two solves differ by.
-    gram : ndarray, shape (pairs, pairs)
-        Z' Z of those in use, 0 elsewhere.
-    oldest : int
-        The row that is overwritten next; those in use end before it.
     """
 
     def __init__(self, largest_space: int):
         self.largest_space = largest_space
-        self.images = self.differences = np.zeros((0, 0))
-        self.gram = np.zeros((0, 0))
-        self.oldest = 0
+        self.pairs: Pairs | None = None
 
-    def solve(self, product: Product, right: np.ndarray, goal: Goal) -> Solved:
-        """Solution of A x = right as near as `goal` says, or the best in the largest space.
+    def pairs_of(self, unknowns: int) -> Pairs:
+        """What is remembered; of a first solve, nothing."""
+        if self.pairs is None:
+            kept = min(KEPT, unknowns)
+            images, differences = np.zeros((2, kept, unknowns))
+            self.pairs = Pairs(images, differences, np.zeros((kept, kept)), np.zeros(1))
+        return self.pairs
 
-        The least residual r_k in the space of k products needs no solve: the Hessenberg matrix has
-        one vector g with g' H = 0, of which every product gives another element.
-
-        Eq. (Q9):  r_k = |right| / |g|^2 sum_i g_i basis_i,   |r_k| = |right| / |g|,
-                   g_0 = 1,   g_k+1 = -sum_i H_ik g_i / H_k+1,k
-
-        Parameters
-        ----------
-        product : callable
-            v -> A v.
-        right : ndarray, shape (n,)
-        goal : Goal
-
-        Returns
-        -------
-        Solved
-        """
-        size = float(np.linalg.norm(right))
-        if size <= goal.size or goal.is_reached(right):
-            return Solved(right.copy(), np.zeros(0))
-        if not self.images.size:
-            kept = min(KEPT, right.size)
-            self.images, self.differences = np.zeros((2, kept, right.size))
-            self.gram = np.zeros((kept, kept))
-        rows, factor = self._in_use()
-        solved = _by_numpy if right.size <= SMALL else _by_lapack()[1]
-        blocks = blocks_of(rows, len(self.images))
-        most = self.largest_space
-        basis = np.empty((most + 1, right.size))
-        directions, images = np.empty((2, most, right.size))
-        arnoldi = Arnoldi(np.zeros((most + 1, most)), np.zeros((most + 1, len(self.images))))
-        hessenberg, projected = arnoldi
-        shares = np.zeros(len(self.images))
-        null = np.zeros(most + 1)
-        basis[0], null[0], count = right / size, 1.0, 0
-        while count < most:
-            column = hessenberg[:, count]
-            directions[count] = basis[count]
-            if blocks:
-                self._project(basis[count], blocks, projected[count])
-                shares[rows] = solved(factor, projected[count, rows])
-                for block in blocks:
-                    directions[count] += shares[block] @ self.differences[block]  # Eq. (Q7)
-            images[count] = product(directions[count])
-            new = orthogonal(images[count], basis[: count + 1], column)
-            count += 1
-            if column[count] == 0.0:
-                break
-            basis[count] = new / column[count]
-            null[count] = -(column[:count] @ null[:count]) / column[count]  # Eq. (Q9)
-            known = null[: count + 1]
-            if size <= goal.size * np.linalg.norm(known):
-                break
-            # no element is larger than it may be only where the whole is not
-            if size <= goal.whole * np.linalg.norm(known):
-                residual = (size / (known @ known) * known) @ basis[: count + 1]  # Eq. (Q9)
-                if goal.is_reached(residual):
-                    break
-        target = np.zeros(count + 1)
-        target[0] = size
-        weights = np.linalg.lstsq(hessenberg[: count + 1, :count], target, rcond=None)[0]
-        if column[count] != 0.0:
-            self._project(basis[count], blocks, projected[count])
-        self._learn(directions[:count], images[:count], arnoldi)
-        return Solved(weights @ directions[:count], weights)
-
-    def _in_use(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of the pairs in use, the newest first, and the lower factor of Z' Z + n I in that
-        order; what is older than Eq. (Q11) allows is out of use.
-        """
-        known = int(np.count_nonzero(np.diag(self.gram)))
-        rows = (self.oldest - 1 - np.arange(known)) % len(self.images)
-        if not known:
-            return rows, np.zeros((0, 0))
-        ordered = self.gram[rows].T[rows]  # it is symmetric
-        small = self.images.shape[1] <= SMALL
-        factorise = _factorise_by_numpy if small else _by_lapack()[0]
-        factor, inverse = factorise(ordered + NOISE * np.eye(known))
-        directions = known - NOISE * np.sum(inverse**2)
-        used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
-        if used < known:
-            self.gram[rows[used:]] = self.gram[:, rows[used:]] = 0.0
-            rows, factor = rows[:used], np.asfortranarray(factor[:used, :used])
-        return rows, factor
-
-    def _project(self, vector: np.ndarray, blocks: list[slice], out: np.ndarray) -> None:
-        """Z' vector of the pairs in use into `out`, shape (pairs,)."""
-        for block in blocks:
-            out[block] = self.images[block] @ vector
-
-    def _learn(self, directions: np.ndarray, images: np.ndarray, arnoldi: Arnoldi) -> None:
-        """Put pairs in the place of the oldest. Their inner products need no look at them: what is
-        remembered knows its own with the basis, and by Eq. (Q10) images are sums of that.
-        """
-        count = len(images)
-        sizes = np.linalg.norm(images, axis=1)
-        newest = np.flatnonzero(sizes)[-len(self.images) :]
-        scales = sizes[newest]
-        z = images[newest] / scales[:, None]
-        places = (self.oldest + np.arange(len(newest))) % len(self.images)
-        self.images[places] = z
-        self.differences[places] = directions[newest] / scales[:, None] - z
-        shares = arnoldi.hessenberg[: count + 1, newest].T / scales[:, None]
-        self.gram[places] = shares @ arnoldi.projected[: count + 1]  # Eq. (Q10)
-        self.gram[np.ix_(places, places)] = shares @ shares.T  # Eq. (Q10)
-        self.gram[:, places] = self.gram[places].T
-        self.oldest = int(self.oldest + len(newest)) % len(self.images)
-
-
-@cache
-def _by_lapack() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return functions for a lower Cholesky factor with its inverse, and for a solution with it."""
-    lapack: Any = import_module("scipy.linalg.lapack")  # slow to import
-
-    def factorise(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        factor, _ = lapack.dpotrf(matrix, lower=1)
-        return factor, lapack.dtrtri(factor, lower=1)[0]
-
-    return factorise, lambda factor, right: lapack.dpotrs(factor, right, lower=1)[0]
-
-
-def _factorise_by_numpy(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a lower Cholesky factor and its inverse."""
-    factor = np.linalg.cholesky(matrix)
-    return factor, np.linalg.inv(factor)
-
-
-def _by_numpy(factor: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the solution of a system by its lower Cholesky factor."""
-    return np.linalg.solve(factor.T, np.linalg.solve(factor, right))
-
-
-def blocks_of(rows: np.ndarray, pairs: int) -> list[slice]:
-    """The one or two blocks of rows that go down by one, or from 0 to the last."""
-    if len(rows) in (0, pairs):
-        return [slice(len(rows))] if len(rows) else []
-    last, first = int(rows[0]), int(rows[-1])
-    if first <= last:
-        return [slice(first, last + 1)]
-    return [slice(last + 1), slice(first, None)]
-
-
-def orthogonal(vector: np.ndarray, basis: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """What is left of a vector without its shares in an orthonormal basis, shape (m, n).
-
-    The shares are added to `column`, shape (>= m + 1,), what is left of the length behind them.
-    """
-    for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
-        shares = basis @ vector
-        column[: len(basis)] += shares
-        vector = vector - shares @ basis
-    column[len(basis)] = np.linalg.norm(vector)
-    return vector
+    def solve(self, product: Callable[[Array], Array], right: Array, goal: Goal) -> Solved:
+        """Solution of A x = right, see `minimise`; product: v -> A v."""
+        pairs = self.pairs_of(right.size)
+        solved: Any = minimise(answered, product, right, goal, pairs, self.largest_space)
+        learn(pairs, solved.space, solved.products)
+        return solved

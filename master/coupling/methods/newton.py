@@ -113,7 +113,7 @@ class Newton:
             self.accuracy * allowed[unknowns] / scale,
             self.forcing * float(np.linalg.norm(right)),
         )
-        solution, weights = memory.solve(directional, right, goal)  # Eq. (Q1)
+        solution, weights, *_ = memory.solve(directional, right, goal)  # Eq. (Q1)
         if len(weights):
             change = weights @ np.array(changes)
         else:

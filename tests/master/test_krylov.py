@@ -1,0 +1,157 @@
+"""The parts of GMRES compared with numpy's linear algebra."""
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.coupling.methods import krylov
+from piston_cosim.master.coupling.methods.krylov import NOISE, Goal, Pairs, Space
+
+
+def of_products(rng, products, images):
+    """Eq. (Q10) of any products: a basis begun with any vector, the k-th within k + 2 of it."""
+    count, n = products.shape
+    basis, triangle = np.linalg.qr(np.vstack([rng.standard_normal(n), products]).T)
+    hessenberg = np.zeros((count, count + 1))
+    hessenberg[:, : len(triangle)] = triangle[:, 1:].T
+    projected = np.zeros((count + 1, len(images)))
+    projected[: basis.shape[1]] = (images @ basis).T
+    return hessenberg, projected
+
+
+def remembered(rng, kept, n, filled):
+    """Pairs that have been learned one by one, more than are kept if need be."""
+    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), np.zeros(1))
+    for _ in range(filled):
+        direction, product = rng.standard_normal((2, 1, n))
+        known = of_products(rng, product, pairs.images)
+        krylov.learn(pairs, Space(direction, product, *known), 1)
+    return pairs
+
+
+def preconditioned(pairs, used):
+    """Rows of the pairs in use, P r and r."""
+    rows = (int(pairs.oldest[0]) - 1 - np.arange(used)) % len(pairs.gram)
+    r = np.random.default_rng(6).standard_normal(pairs.images.shape[1])
+    inverse = krylov.pairs_in_use(pairs)
+    assert len(inverse) == used
+    found, projected = np.empty(len(r)), np.zeros(len(pairs.gram))
+    krylov.precondition(pairs, inverse, r, projected, found)
+    np.testing.assert_allclose(projected[rows], pairs.images[rows] @ r, rtol=1e-12)
+    assert not np.delete(projected, rows).any()
+    z, d = pairs.images[rows], pairs.differences[rows]
+    whole = z @ z.T + NOISE * np.eye(used)
+    np.testing.assert_allclose(
+        (inverse.T @ inverse)[np.ix_(rows, rows)], np.linalg.inv(whole), rtol=1e-8
+    )
+    expected = r + np.linalg.solve(whole, z @ r) @ d  # Eq. (Q7)
+    assert np.abs(found - r).max() > 0.1  # it does something
+    # a matrix of condition 1e6 factorised in one, solved with in the other
+    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8)
+    return rows
+
+
+@pytest.mark.parametrize("filled", [4, 9, 13])
+def test_preconditioner(filled):
+    """Eq. (Q7), with fewer pairs than fit, with more than there are directions, of which only the
+    noise makes a regular matrix, and with pairs that go round the end.
+    """
+    pairs = remembered(np.random.default_rng(1), 9, 6, filled)
+    preconditioned(pairs, min(filled, 9))  # 6 directions would allow 11
+
+
+@pytest.mark.parametrize("known", [3, 10, 17])
+def test_no_more_pairs_than_their_directions_need(known):
+    """Eq. (Q11) in a plane: 1.3 x 2 + 4 = 6.6 pairs, the seven newest; nothing of what is older is
+    looked at, and as few are known in the next solve.
+    """
+    rng = np.random.default_rng(5)
+    kept, n, used = 12, 40, min(known, 7)
+    plane = np.linalg.qr(rng.standard_normal((n, 2)))[0].T
+    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), np.array([float(known % kept)]))
+    for k in range(known):
+        pairs.images[k % kept] = np.array([np.cos(k), np.sin(k)]) @ plane
+        pairs.differences[k % kept] = rng.standard_normal(n)
+    pairs.gram[:] = pairs.images @ pairs.images.T
+    assert len(krylov.pairs_in_use(pairs)) == used
+    for which in pairs[:2]:
+        which[np.diag(pairs.gram) == 0.0] = np.nan
+    rows = preconditioned(pairs, used)
+    np.testing.assert_allclose(np.diag(pairs.gram)[rows], 1.0, rtol=1e-14)
+    assert not np.delete(pairs.gram, rows, axis=0).any()
+    assert not np.delete(pairs.gram, rows, axis=1).any()
+
+
+def test_every_element_is_looked_at():
+    limits = np.array([1.0, 0.5, np.inf])
+    assert krylov.is_within(np.array([-1.0, 0.5, 1e9]), limits)
+    for beyond in ([-1.1, 0.0, 0.0], [0.0, 0.51, 0.0], [0.0, np.nan, 0.0]):
+        assert not krylov.is_within(np.array(beyond), limits)
+
+
+def test_orthogonal_part():
+    rng = np.random.default_rng(2)
+    basis = np.linalg.qr(rng.standard_normal((8, 3)))[0].T
+    rest = 1e-6 * rng.standard_normal(8)
+    column = np.zeros(5)
+    found = krylov.orthogonal(10.0 * basis[1] + rest, basis, column)
+    assert np.abs(basis @ found).max() < 1e-20  # of 1e-6: the second pass
+    expected = rest - basis.T @ (basis @ rest)
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+    np.testing.assert_allclose(column[:3], [0.0, 10.0, 0.0] + basis @ rest, atol=1e-14)
+    assert column[3] == pytest.approx(np.linalg.norm(expected), rel=1e-8) and column[4] == 0.0
+
+
+def test_least_squares():
+    """By hand: |1 - 3 w|^2 + |4 w|^2 is least at w = 3/25; then beside numpy's."""
+    assert krylov.least_squares(np.array([[3.0, 4.0]]), 1.0, 1) == pytest.approx(3 / 25)
+    rng = np.random.default_rng(3)
+    whole = np.triu(rng.standard_normal((6, 5)), -1)
+    target = np.array([2.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+    expected = np.linalg.lstsq(whole, target, rcond=None)[0]
+    found = krylov.least_squares(np.ascontiguousarray(whole.T), 2.5, 5)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    whole[:, 3] = 0.0  # a direction that adds nothing
+    found = krylov.least_squares(np.ascontiguousarray(whole[:5, :4].T), 2.5, 4)
+    expected = np.linalg.lstsq(whole[:4, :3], target[:4], rcond=None)[0]
+    np.testing.assert_allclose(found, [*expected, 0.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
+def test_what_is_kept(filled, count):
+    """Fewer pairs than fit, as many as make it begin again, more than fit at once; one of them is
+    nothing and is left out.
+    """
+    rng = np.random.default_rng(4)
+    kept, n = 7, 5
+    pairs = remembered(rng, kept, n, filled)
+    directions, products = rng.standard_normal((2, count, n))
+    products[1] = 0.0
+    expected = [[row.copy() for row in which] for which in pairs[:2]]
+    place = filled
+    newest = [k for k in range(count) if k != 1][-kept:]
+    for k in newest:
+        size = np.linalg.norm(products[k])
+        expected[0][place % kept] = products[k] / size
+        expected[1][place % kept] = (directions[k] - products[k]) / size
+        place += 1
+    known = of_products(rng, products, pairs.images)
+    krylov.learn(pairs, Space(directions, products, *known), count)
+    for found, rows in zip(pairs[:2], expected):
+        np.testing.assert_allclose(found, rows, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(pairs.gram, pairs.images @ pairs.images.T, atol=1e-14)
+    assert pairs.oldest[0] == place % kept
+
+
+def test_a_product_that_is_refused_ends_the_solve():
+    rng = np.random.default_rng(7)
+    matrix = np.eye(12) + 0.2 * rng.standard_normal((12, 12))
+
+    def stretched(system, k, v, out):
+        out[:] = system @ v
+        return k < 4
+
+    pairs = remembered(rng, 9, 12, 0)
+    for most, is_answered in ((4, True), (5, False)):
+        goal = Goal(np.full(12, 1e-9), 1e-9)
+        solved = krylov.minimise(stretched, matrix, rng.standard_normal(12), goal, pairs, most)
+        assert (solved.is_answered, solved.products) == (is_answered, 4 * is_answered)
