@@ -19,10 +19,6 @@ def interpolating(case, participants, reals, faults):
             continue
         kinds.setdefault(target, {})[inlet] = kind
         where = f"wire {wire.source} -> {wire.target}, interpolation"
-        if case.participants[target].clones:
-            faults.append(
-                f"{where}: expected held inputs for a participant with clones, got {kind!r}"
-            )
         if kind != "mean" and not participants[target].can_interpolate:
             faults.append(
                 f"{where}: expected an FMU with canInterpolateInputs, got "

@@ -4,7 +4,6 @@ from functools import partial
 
 from ..fmi.errors import BadInput
 from ..fmi.quantities import duration
-from ..participants.clones import ClonedParticipant
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import made
@@ -32,14 +31,7 @@ def open_participant(name, case, build, folder, progress, native):
         return RemoteParticipant(opened, timeout, table.host)
     if not table.isolated:
         return opened
-    apart = IsolatedParticipant(opened, timeout)
-    if not table.clones:
-        return apart
-    if not (apart.can_redo and apart.can_serialise):
-        raise BadInput(f"clones: expected an FMU that saves its state, got {path.name}")
-    return ClonedParticipant(
-        apart, [IsolatedParticipant(opened, timeout) for _ in range(table.clones)]
-    )
+    return IsolatedParticipant(opened, timeout)
 
 
 def _own_step(table):

@@ -116,10 +116,6 @@ class ParticipantTable(Table):
     """Scheduler of a Dask cluster, tls://NAME:PORT. The FMU runs on one of its workers."""
     timeout: str = "120 s"
     """Response timeout of an isolated or remote FMU."""
-    clones: int = Field(0, ge=0, le=256)
-    """Number of copies of an isolated FMU, each in a separate process. The copies evaluate Newton's
-    finite differences in parallel. Useful up to one copy per input element.
-    """
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -132,8 +128,6 @@ class ParticipantTable(Table):
                 raise ValueError(f"{key}: expected an FMU for this key, got {origins[0]}")
         if self.host and self.isolated:
             raise ValueError("host: expected isolated = false with a host, got true")
-        if self.clones and not self.isolated:
-            raise ValueError("clones: expected isolated = true with clones, got false")
         if self.interpolation and not self.table:
             raise ValueError(
                 f"interpolation: expected a table for this key, got {origins[0]}; "
@@ -213,17 +207,13 @@ class Coupling(Table):
     """Maximum number of iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
     """Factor of constant relaxation, and first factor of the other methods."""
-    mixing: float = Field(1.0, gt=0, le=1)
-    """Relaxation factor for the part of the residual that the secants do not represent."""
     probing: bool = False
     """Use Newton with finite differences in a macro step without secants, or if the secants fail.
     """
     windows: int = Field(3, ge=0)
     """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
-    filter: Literal["QR1", "QR2", "QR3"] = "QR2"
-    """Filter that drops secants of iqn_ils."""
     filter_limit: float = Field(1e-2, gt=0, lt=1)
-    """Relative size below which the filter drops a secant."""
+    """Relative size of what is new in a secant below which it is dropped."""
     largest_krylov_space: int = Field(120, ge=1)
     """Maximum number of derivative products per Newton update."""
     differences: bool = False

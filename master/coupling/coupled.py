@@ -36,10 +36,8 @@ class Coupling:
     predictor: int
     max_iterations: int
     relaxation: float
-    mixing: float
     probing: bool
     windows: int
-    filter: str
     filter_limit: float
     largest_krylov_space: int
     differences: bool

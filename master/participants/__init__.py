@@ -7,7 +7,6 @@ pointers      as compiled code calls them
 local         a slave of this process, without FMI
 clocks        an FMI 3.0 FMU whose clocks tick (P7, P8)
 isolated      in a process of its own
-clones        difference probes on copies of one (P9)
 remote        on a worker of a Dask cluster
 interpolated  inputs that move inside a step
 substeps      a step of its own, several to a macro step

@@ -4,8 +4,7 @@ other beside that of the same steps at once, same bits.
 Jacobi order: all read what the others said before. Participants that wait, which needs no core, say
 what the schedule is worth on a machine with a core for each; participants that compute say it for
 this machine, and mean something only where as many cores are idle. Branches: two chains of two that
-meet nowhere, in sequential order, where each pair of the same depth steps at once. Clones: the
-difference probes of Newton, one after the other on one clone, at the same time on three.
+meet nowhere, in sequential order, where each pair of the same depth steps at once.
 
 A schedule for more cores than there are is played through: what the master does for each
 participant of a macro step, one after the other, is measured on participants whose step takes no
@@ -33,7 +32,6 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import closing, start
 from piston_cosim.master.coupling.stepping import Stepper
-from tests.fmu import vectors
 from tests.fmu.c_fmus import compile_model
 from tests.fmu.counter import SOURCE, make
 
@@ -135,37 +133,10 @@ def schedule(count, cores):
         )
 
 
-def probes():
-    """Print what clones are worth to Newton."""
-    folder = Path(tempfile.mkdtemp())
-    vectors.make(folder, wait=STEP_TAKES // 3)
-    spent, found = [], []
-    for clones in (1, 3):
-        more = f"isolated = true\nclones = {clones}"
-        text = vectors.CASE.format(stop=STEPS / 10, more=more)
-        case = check_case(tomllib.loads(text), "")
-        system = open_system(case, folder, lambda _: None)
-        with closing(system.participants.values()):
-            start(system)
-            stepper = Stepper(system, method_of(case.coupling), 6, order=0)
-            begin = perf_counter()
-            for k in range(STEPS):
-                stepper.advance(k / 10, 0.1)
-            spent.append(perf_counter() - begin)
-            found.append(system.participants["bent"].get("x").tobytes())
-    assert found[0] == found[1], "not the same bits"
-    print(
-        f"Newton, a participant with three inputs: {1e3 * spent[0] / STEPS:.1f} ms a step with one "
-        f"clone, {1e3 * spent[1] / STEPS:.1f} with three: {spent[0] / spent[1]:.2f} times faster",
-        flush=True,
-    )
-
-
 def main():
     gain("waiting", "WAIT", 2)
     gain("waiting", "WAIT", 4, BRANCHES)
     gain("waiting", "WAIT", 8)
-    probes()
     schedule(8, 16)
     gain("computing", "BURN", 2)
 

@@ -30,7 +30,6 @@ def matrix():
     "way, tolerance",
     [
         (LeastSquares(limit=1e-9), 1e-9),
-        (LeastSquares(limit=1e-9, rule="QR1"), 1e-9),
         (MultiVector(limit=1e-9), 1e-9),
         (Ageing(noise=1e-12), 1e-6),
     ],

@@ -125,7 +125,6 @@ SET = [
     "coupling.predictor=7",
     "coupling.step_control=mine",
     "participants.ehd.isolated=1.5",
-    "participants.ehd.clones=3",
     "participants.ehd.fmu=film.fmu",
     "participants.ehd.timeout=0 s",
     "participants.ehd.role=[1]",

@@ -53,13 +53,9 @@ class CouplingOptions(Protocol):
     @property
     def relaxation(self) -> float: ...
     @property
-    def mixing(self) -> float: ...
-    @property
     def probing(self) -> bool: ...
     @property
     def windows(self) -> int: ...
-    @property
-    def filter(self) -> str: ...
     @property
     def filter_limit(self) -> float: ...
 
@@ -77,14 +73,13 @@ def method_of(coupling: CouplingOptions) -> Method:
     if coupling.method in ("aitken", "constant"):
         return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
     secants = {
-        "iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit, coupling.filter),
+        "iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit),
         "iqn_imvj": MultiVector(coupling.windows, coupling.filter_limit),
         "iqn_ageing": Ageing(),
     }
     return QuasiNewton(
         secants[coupling.method],
         coupling.relaxation,
-        coupling.mixing,
         coupling.max_iterations,
         coupling.probing,
     )

@@ -3,19 +3,15 @@
 import numpy as np
 
 
-def filtered(
-    columns: list[np.ndarray], limit: float, rule: str
-) -> tuple[list[int], np.ndarray, np.ndarray]:
+def filtered(columns: list[np.ndarray], limit: float) -> tuple[list[int], np.ndarray, np.ndarray]:
     """QR decomposition of the columns worth keeping, the first ones preferred.
 
     Parameters
     ----------
     columns : list of ndarray, shape (n,)
     limit : float
-    rule : {"QR1", "QR2", "QR3"}
-        QR1 compares what is new in a column with the norm of R so far, QR2 with the column itself.
-        preCICE's QR3 takes QR2's decomposition only where QR1's test fails; a column that passes
-        QR1 passes QR2, so both keep the same columns.
+        A column is dropped if what is new in it is smaller than this share of it, which is QR2 of
+        preCICE. Its QR3 keeps the same columns.
 
     Returns
     -------
@@ -37,12 +33,7 @@ def filtered(
             triangle[:m, m] += share
             new = new - share @ rows[:m]
         size = np.linalg.norm(new)
-        reference = (
-            np.linalg.norm(column)
-            if rule != "QR1"
-            else np.hypot(np.linalg.norm(triangle[: m + 1, : m + 1]), size)
-        )
-        if size > limit * reference:
+        if size > limit * np.linalg.norm(column):
             triangle[m, m] = size
             rows[m] = new / size
             chosen.append(k)

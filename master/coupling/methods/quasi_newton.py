@@ -18,11 +18,8 @@ from .solution import NotConverged, Solution, Tried, check_finite, step_length
 class QuasiNewton:
     """Quasi-Newton iteration on the feedback wires, participants one after the other.
 
-    Eq. (Q8):  x_{k+1} = x_k + X c + m (r_k + V c),   r_k = G(x_k) - x_k,
+    Eq. (Q8):  x_{k+1} = x_k + X c + (r_k + V c),   r_k = G(x_k) - x_k,
                c from the secants (see `secants`)
-
-    With the mixing factor m = 1 this is IQN, with m < 1 Anderson's mixing: what the secants do not
-    explain is relaxed instead of taken whole, which matters where many directions amplify.
 
     Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro
     step that finds no secants, or that they lead astray, is taken by Newton on differences:
@@ -34,8 +31,6 @@ class QuasiNewton:
         LeastSquares, MultiVector or Ageing.
     relaxation : float
         Factor of the first update, while there are no secants.
-    mixing : float
-        m.
     max_iterations : int
         Evaluations a macro step.
     probing : bool
@@ -46,7 +41,6 @@ class QuasiNewton:
 
     secants: Secants = LeastSquares()
     relaxation: float = 0.1
-    mixing: float = 1.0
     max_iterations: int = 50
     probing: bool = False
     astray: float = 5.0
@@ -104,7 +98,7 @@ class QuasiNewton:
     ) -> np.ndarray:
         """x_{k+1} - x_k."""
         change = np.zeros(interface.size)
-        factor = self.relaxation if secants.empty else self.mixing
+        factor = self.relaxation if secants.empty else 1.0
         known, rest = secants.update(r, interface.feedback_wires)
         change[interface.feedback] = known + factor * rest  # Eq. (Q8)
         change *= interface.nominal

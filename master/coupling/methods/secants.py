@@ -70,8 +70,6 @@ class LeastSquares:
         Accepted macro steps whose pairs are used again.
     limit : float
         Of the filter.
-    rule : {"QR1", "QR2", "QR3"}
-        See `filtering.filtered`.
 
     References
     ----------
@@ -81,7 +79,6 @@ class LeastSquares:
 
     windows: int = 3
     limit: float = 1e-2
-    rule: str = "QR2"
 
     def memory(self) -> "LeastSquaresMemory":
         return LeastSquaresMemory(self)
@@ -120,7 +117,7 @@ class LeastSquaresMemory:
         weight = 1.0 / np.sqrt(shares)
         columns = self.now + [pair for window in self.past for pair in window]
         chosen, q, triangle = filtered(
-            [weight * pair.residual_change for pair in columns], self.way.limit, self.way.rule
+            [weight * pair.residual_change for pair in columns], self.way.limit
         )
         change = np.zeros_like(r)
         rest = r.copy()
@@ -154,7 +151,7 @@ class MultiVector:
 
     B is never formed: its steps act one after the other, newest first, each on what the newer ones
     left of r. Steps older than `windows` are forgotten. Of a step's pairs, dependent ones are
-    dropped (QR2, see `LeastSquares`) by `limit`.
+    dropped as in `LeastSquares` by `limit`.
 
     References
     ----------
@@ -200,7 +197,7 @@ class MultiVectorMemory:
 
     def _decomposed(self) -> list[Decomposed]:
         columns = [pair.residual_change for pair in self.now]
-        chosen, q, triangle = filtered(columns, self.way.limit, "QR2")
+        chosen, q, triangle = filtered(columns, self.way.limit)
         if not chosen:
             return []
         return [Decomposed(q, triangle, np.array([self.now[k].change for k in chosen]).T)]
