@@ -1,5 +1,6 @@
-"""Answers of functions that follow from texts and numbers alone, kept from one process to the next,
-for functions whose library takes longer to import than they take to answer.
+"""Cached results of functions whose library takes longer to import than they take to run.
+
+The results depend on the arguments alone, which are texts and numbers.
 """
 
 import atexit
@@ -15,15 +16,16 @@ from typing import Any, TypeVar, cast
 from .cache import cache_folder, write_whole
 
 MOST = 5000
-"""Answers in a file; one that has more begins anew."""
+"""Maximum number of results in a file. A file with more of them is replaced."""
 PLAIN = (str, int, float)
 Asked = TypeVar("Asked", bound=Callable[..., Any])
 
 
 def kept_answers(library: str) -> Callable[[Asked], Asked]:
-    """Decorator of a function that asks a library. Its answers are kept in the user's cache where
-    the disk allows it, until the library is another or the file that the function stands in; what
-    it raises is not kept. Arguments, by position, and answers are texts, numbers or bool.
+    """Return a decorator that caches the results of a function in the user's cache.
+
+    The cache is valid until `library` or the source file of the function changes. Exceptions are
+    not cached. Arguments are positional. Arguments and results are texts, numbers or bool.
     """
 
     def decorate(function: Asked) -> Asked:
@@ -44,9 +46,7 @@ def kept_answers(library: str) -> Callable[[Asked], Asked]:
 
 @cache
 def _answers(library, source):
-    """Answers of functions in one file, a dictionary by question that is written at the end of the
-    process.
-    """
+    """Return the results of the functions in one file, by question; saved when the process ends."""
     of = find_spec(library)
     stamp = Path(of.origin).stat() if of and of.origin else None
     of_library = f"{of and of.origin} {stamp and stamp.st_mtime_ns}".encode()
@@ -63,7 +63,7 @@ def _read(name):
 
 
 def _write(name, known, before):
-    """Beside what other processes have added meanwhile."""
+    """Save the results, merged with those that other processes have saved meanwhile."""
     if len(known) == before:
         return
     together = _read(name) | known

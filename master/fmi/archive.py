@@ -1,6 +1,4 @@
-"""Archives from elsewhere (FMU, SSP): looked at before they are unpacked, and what was unpacked
-looked at before it is used.
-"""
+"""Checks of archives (FMU, SSP) before they are unpacked, and of their unpacked files."""
 
 import os
 import tempfile
@@ -11,16 +9,16 @@ from pathlib import Path
 from .errors import BadInput
 
 LARGEST_RATIO = 200
-"""Unpacked size over packed size that an archive may have; text comes to 30."""
+"""Largest allowed ratio of unpacked to packed size. Text reaches about 30."""
 ALWAYS = 2**26
-"""Bytes that any archive may come to, whatever its ratio."""
+"""Unpacked size that is allowed at any ratio [bytes]."""
 MOST_MEMBERS = 100_000
 
 
 def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
-    """Look at what the archive's directory says; BadInput where it is no archive of this kind.
+    """Check the directory of an archive before it is unpacked; raise `BadInput` with its fault.
 
-    The directory binds: a member that holds more than it says is not read beyond that.
+    Reading a member stops at the size that the directory states.
     """
     members = archive.infolist()
     unpacked = sum(member.file_size for member in members)
@@ -39,9 +37,7 @@ def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
 
 
 def heal(path: Path, folder: Path) -> list[str]:
-    """Write anew every file of an unpacked archive that is missing or not what it was; their
-    names.
-    """
+    """Restore the files of an unpacked archive that are missing or changed; return their names."""
     healed = []
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
@@ -59,7 +55,7 @@ def heal(path: Path, folder: Path) -> list[str]:
 
 
 def _is_whole(target: Path, member: zipfile.ZipInfo) -> bool:
-    """Whether a file has the size and the check sum that the archive says."""
+    """Return whether a file has the size and the checksum of the archive's member."""
     try:
         if target.stat().st_size != member.file_size:
             return False

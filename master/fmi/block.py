@@ -1,8 +1,8 @@
-"""Trees of named tuples in rows of float64 numbers: what code without Python keeps between calls.
+"""Trees of named tuples in rows of float64 numbers: the memory of code without Python.
 
-The annotations of a tree say what it holds: numbers, further named tuples, and arrays with their
-shapes, `Annotated[NDArray, "n_c, n_a + 1"]`. A row holds the leaves in the order in which they are
-declared, an array behind its lengths, so that one that is not there takes a length of 0.
+The annotations of a tree state its content: numbers, further named tuples, and arrays with their
+shapes, `Annotated[NDArray, "n_c, n_a + 1"]`. A row holds the leaves in the order of declaration.
+The lengths of an array precede its values, so an absent array takes one length of 0.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,18 +25,18 @@ def leaves(kind: Any, path: str = "tree") -> Iterator[tuple[str, Any]]:
 
 
 def shape_of(hint: Any) -> list[str]:
-    """Return the lengths that an annotation gives an array, none for a number."""
+    """Return the lengths in an array's annotation; empty for a number."""
     return get_args(hint)[1].split(", ") if get_origin(hint) is Annotated else []
 
 
 def element_of(hint: Any) -> Any:
-    """Return the type of the elements that an annotation gives an array."""
+    """Return the element type in an array's annotation."""
     of_array = get_args(get_args(hint)[0])
     return get_args(of_array[1])[0] if of_array else np.float64
 
 
 def room(kind: Any, **lengths: int) -> int:
-    """Return the length of the longest row of a tree, by the lengths that its annotations name."""
+    """Return the length of the longest row of a tree, for the lengths in its annotations."""
     shapes = [shape_of(hint) for _, hint in leaves(kind)]
     return sum(len(shape) + prod(eval(one, {}, lengths) for one in shape) for shape in shapes)
 
@@ -48,12 +48,11 @@ def row_of(tree: Any) -> np.ndarray:
     return np.array([*np.shape(tree), *np.ravel(tree)], dtype=float)
 
 
-# ---- the memory of a participant: a head, then parts
+# ---- memory of a participant: a head, then parts
 
 FIRST_STATE, STATES, PARTS_FROM = 1, 2, 4
-"""The head: what the entry `size` tells (length of all, place and length of the state, place of the
-faults), then places where parts begin.
-"""
+"""The head: total length, position and length of the state, position of the faults (the result
+of the entry `size`), then the positions of the parts."""
 
 
 def memory_of(
@@ -61,16 +60,16 @@ def memory_of(
     lengths: Mapping[str, int],
     state: tuple[str, ...] = ("state",),
 ) -> np.ndarray:
-    """Return what a memory begins with: the head and the parts that are given.
+    """Return the first part of a memory: the head and the given parts.
 
     Parameters
     ----------
     given : mapping
         Parts by name, in order.
     lengths : mapping
-        Of the parts behind them, of which one is called faults.
+        Lengths of the parts after them. One of them is named faults.
     state : tuple of str
-        Parts that are the state, one behind the other.
+        Consecutive parts that form the state.
     """
     sizes = {name: part.size for name, part in given.items()} | dict(lengths)
     begins = np.cumsum([PARTS_FROM + len(sizes) + 1, *sizes.values()])
@@ -82,7 +81,6 @@ def memory_of(
 
 @compilable
 def part(memory: np.ndarray, k: int) -> np.ndarray:
-    """Return the k-th part."""
     return memory[int(memory[PARTS_FROM + k]) : int(memory[PARTS_FROM + k + 1])]
 
 
@@ -114,7 +112,7 @@ def keep(to: np.ndarray, what: np.ndarray):
 
 @compilable
 def write(row, at, array):
-    """Write an array into a row from a place on, behind its lengths; return the place behind it."""
+    """Write an array and its lengths into a row at a position; return the position after it."""
     for length in array.shape:
         row[at] = length
         at += 1
@@ -126,14 +124,14 @@ def write(row, at, array):
 
 @compilable
 def read_1(row, at):
-    """Return the array of one axis at a place of a row, and the place behind it."""
+    """Return the array of one axis at a position of a row, and the position after it."""
     end = at + 1 + int(row[at])
     return row[at + 1 : end], end
 
 
 @compilable
 def read_2(row, at):
-    """Return the array of two axes at a place of a row, and the place behind it."""
+    """Return the array of two axes at a position of a row, and the position after it."""
     n, m = int(row[at]), int(row[at + 1])
     end = at + 2 + n * m
     return row[at + 2 : end].reshape((n, m)), end
@@ -141,7 +139,7 @@ def read_2(row, at):
 
 @compilable
 def read_3(row, at):
-    """Return the array of three axes at a place of a row, and the place behind it."""
+    """Return the array of three axes at a position of a row, and the position after it."""
     q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2])
     end = at + 3 + q * n * m
     return row[at + 3 : end].reshape((q, n, m)), end
@@ -149,7 +147,7 @@ def read_3(row, at):
 
 @compilable
 def read_4(row, at):
-    """Return the array of four axes at a place of a row, and the place behind it."""
+    """Return the array of four axes at a position of a row, and the position after it."""
     p, q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2]), int(row[at + 3])
     end = at + 4 + p * q * n * m
     return row[at + 4 : end].reshape((p, q, n, m)), end
@@ -159,10 +157,10 @@ READERS = {f"read_{axes}": one for axes, one in enumerate((read_1, read_2, read_
 
 
 def flatten(kind: Any) -> tuple[Any, Any]:
-    """Return kernels that write a tree into a row and return its length, (row, tree), and that read
-    it, (row).
+    """Return kernels that write a tree into a row and read it back.
 
-    Arrays that are read are views of the row; those of flags are copies.
+    The first kernel, (row, tree), returns the length that it wrote. The second one is (row). Arrays
+    that are read are views of the row. Arrays of flags are copies.
 
     Parameters
     ----------
@@ -191,7 +189,7 @@ def flatten(kind: Any) -> tuple[Any, Any]:
 
 
 def _built(kind, path, scope):
-    """Return the text that makes a tree of its leaves."""
+    """Return the expression that makes a tree from its leaves."""
     scope[kind.__name__] = kind
     members = (
         _built(hint, f"{path}_{name}", scope) if hasattr(hint, "_fields") else f"{path}_{name}"

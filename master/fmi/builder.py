@@ -1,10 +1,8 @@
-"""Build an FMU from a participant package: its code under a content-made name, its data, its model
-description.
+"""Build an FMU from a participant package: code, data and model description.
 
-Two FMUs in one process share modules of equal name, so the embedded tree is a package named after
-the hash of its code, and reaches itself by relative imports only. FMUs of the same code share it,
-and what is compiled of it; an FMU with participants inside carries the codes of theirs beside its
-own.
+Two FMUs in one process share modules of equal name. The embedded package is therefore named
+after the hash of its code, and it uses relative imports only. FMUs of the same code share it and
+its compiled kernels. An FMU with participants inside also contains their codes.
 """
 
 import hashlib
@@ -34,7 +32,7 @@ EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
 OF_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
-"""Modules of pythonfmu that a running slave needs; the package's builder is none of them."""
+"""Modules of pythonfmu that a running slave needs; its builder is not among them."""
 
 PYTHONFMU = '''"""The part of pythonfmu, under its own licence, that a running slave needs."""
 
@@ -44,15 +42,14 @@ from .enums import Fmi2Causality, Fmi2Initial, Fmi2Variability
 from .fmi2slave import Fmi2Slave
 from .variables import Boolean, Integer, Real, String
 '''
-"""Its `__init__.py` inside an FMU: all names but the builder's, for FMUs of others in one process
-share it.
-"""
+"""`__init__.py` of pythonfmu inside an FMU. FMUs of other tools in the same process share it, so
+it has all names except those of the builder."""
 
 PACKING = ("builder.py", "compiler.py", "description.py", "description3.py", "documentation.py")
-"""What else has a say in an FMU's content."""
+"""Further files that determine the content of an FMU."""
 
 TOKEN = "resources/token.txt"
-"""Where the front finds the identifier that an importer has to give, that of the description."""
+"""File from which the front reads the identifier that the importer must pass."""
 
 ENTRY = '''"""Entry script of the FMU; its code is the first of these packages."""
 
@@ -66,15 +63,12 @@ from pathlib import Path
 
 CODES = {codes}
 
-# pythonfmu's library drops one reference too many to this module's dictionary each time it runs
-# this text
+# pythonfmu's library drops one reference too many to this module's dictionary at each run
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
 def folder_of(code):
-    """A folder that stays where it is, with the code in it, so that what numba compiles is kept for
-    the next time.
-    """
+    """Return a permanent folder with the code, so that numba's cache of it remains valid."""
     here = Path(__file__).parent
     named = os.environ.get("PISTON_COSIM_CACHE")
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
@@ -107,7 +101,7 @@ Fmi2Slave = sys.modules[f"{{CODES[0]}}.master.fmi.tree"].slave_class("{slave}")
 
 
 class Entry(Fmi2Slave):
-    """The class pythonfmu looks for by the text of this line."""
+    """Class that pythonfmu finds by the text of this line."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -115,10 +109,10 @@ class Entry(Fmi2Slave):
 
 
 class Code(NamedTuple):
-    """A slave's code as an FMU carries it.
+    """Code of a slave inside an FMU.
 
-    name : the package's, made of its content; slave : "module:class" in it; files : path in it ->
-    bytes.
+    name : package name, the hash of its content; slave : "module:class" in the package; files :
+    content by path in the package.
     """
 
     name: str
@@ -127,24 +121,28 @@ class Code(NamedTuple):
 
 
 def slave_of(package):
-    """Where a participant package has its slave: fmu_ehd -> fmu_ehd.slave:Ehd, a room of a part
-    likewise: fmu_mfbd.monoblock -> fmu_mfbd.monoblock.slave:Monoblock.
+    """Return the slave of a participant package as "module:class".
+
+    fmu_ehd -> fmu_ehd.slave:Ehd, fmu_mfbd.monoblock -> fmu_mfbd.monoblock.slave:Monoblock.
     """
     *_, last = package.split(".")
     return f"{package}.slave:{last.removeprefix('fmu_').capitalize()}"
 
 
 def code_of(package):
-    """What a participant package's slave needs: of a part of this project the slave's module with
-    all that it imports, of one from elsewhere the whole package.
+    """Return the code that the slave of a participant package needs.
+
+    For a part of this project it is the slave's module and all its imports, for others the package.
     """
     own = import_part(package).__name__.startswith(f"{ROOT}.")
     return code_with(slave_of(package), f"{package}.slave" if own else package)
 
 
 def code_with(slave, part):
-    """What the slave "module:class" needs that is in `part`, a package or a module by its place in
-    the project ("master.coupling.coupled"); what it needs of `master.fmi` comes by itself.
+    """Return the code that the slave "module:class" needs.
+
+    `part` is a package, or a module by its path in the project ("master.coupling.coupled"). The
+    required modules of `master.fmi` are added automatically.
     """
     paths = {}
     for name in (*(f"master.fmi.{module}" for module in EMBEDDED), part):
@@ -157,7 +155,7 @@ def code_with(slave, part):
 def build_fmu(
     package, options, folder, progress=lambda text: None, version="2.0", *, experiment=None
 ):
-    """FMU of a participant package, from the cache if the same was built before.
+    """Return the FMU of a participant package, from the cache if it was built before.
 
     Parameters
     ----------
@@ -165,20 +163,20 @@ def build_fmu(
         Part of the project or importable package, with `build.prepare(options, folder, progress)`
         and a class in `slave` named after it (fmu_ehd: Ehd).
     options : dict
-        Build options as the case file gives them (texts with units).
+        Build options as in the case file (texts with units).
     folder : Path
-        Folder that relative paths in the options start from.
+        Folder of relative paths in the options.
     progress : callable
-        Told a line of text before long work.
+        Called with a message before long work.
     version : {"2.0", "3.0"}
-        Of the standard; 3.0 needs a C compiler.
+        Version of FMI. 3.0 needs a C compiler.
     experiment : Experiment, optional
-        What the description says of a run, in place of the slave's own.
+        Default experiment in the description. Default: that of the slave.
 
     Returns
     -------
     Path
-        The FMU in the user's cache; its name holds the hash of its content.
+        The FMU in the user's cache. Its name contains the hash of its content.
 
     Raises
     ------
@@ -198,19 +196,19 @@ def build_fmu(
 
 
 def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"):
-    """FMU of a slave written in a single file, from the cache if the same was packed before.
+    """Return the FMU of a single-file model class, from the cache if it was built before.
 
     Parameters
     ----------
     origin : str
         "path/to/file.py:Class".
     options : dict
-        Becomes build.json, what `variables(options)` is given.
+        Content of build.json, the argument of `variables(options)`.
 
     Raises
     ------
     BadInput
-        If there is no such file or class in it.
+        If the file or the class does not exist.
     """
     file, _, slave = origin.rpartition(":")
     path = Path(file)
@@ -233,22 +231,22 @@ def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"
 def pack_fmu(
     name, code, options, files, progress, version="2.0", *, participants=(), experiment=None
 ):
-    """FMU of a slave, from the cache if the same was packed before.
+    """Return the FMU of a slave, from the cache if it was packed before.
 
     Parameters
     ----------
     name : str
-        Begins the file's name.
+        First part of the file name.
     code : Code
     options : dict
-        Becomes build.json.
+        Content of build.json.
     files : dict of str to bytes
         Further resources.
     participants : iterable of Code
-        Those of slaves that this one has inside: the same packages as in FMUs of their own, so
-        what is compiled of them serves both.
+        Codes of the slaves inside this one. They are the same packages as in their separate FMUs,
+        so both share compiled kernels.
     experiment : Experiment, optional
-        What the description says of a run, in place of the slave's own.
+        Default experiment in the description. Default: that of the slave.
     """
     if version == "3.0" and not compiler():
         raise BadInput("fmi: expected a C compiler, cc or $CC, for FMI 3.0, got none")
@@ -281,14 +279,15 @@ def pack_fmu(
 
 
 def _remember_python():
-    """Tell the fronts of this machine, in the user's cache, which Python has what an FMU needs."""
+    """Save the path of this Python in the user's cache, for the fronts on this machine."""
     with suppress(OSError):
         (cache_folder("") / "python.txt").write_text(sys.executable)
 
 
 def _files(name):
-    """Path in the tree -> file: all of a package, or a module with all that it imports of the
-    project; and the packages they lie in.
+    """Return the files of a package, or of a module and its imports in the project, by path.
+
+    The `__init__.py` of the packages around them are included.
     """
     part = import_part(name)
     home = Path(getfile(part))
@@ -309,7 +308,7 @@ def _files(name):
 
 
 def _pythonfmu():
-    """Return the folder of pythonfmu, which takes a tenth of a start to import."""
+    """Return the folder of pythonfmu, without the import that takes a tenth of a start."""
     found = find_spec("pythonfmu")
     assert found is not None and found.origin is not None, "pythonfmu is not installed"
     return Path(found.origin).parent
@@ -323,9 +322,7 @@ def _digest(contents):
 
 
 def _pack(contents, entry, fmu, version, experiment):
-    """Lay the resources out in a scratch folder, let the slave describe itself, and move the FMU
-    into place in one go.
-    """
+    """Lay out the resources in a scratch folder, describe the slave, and write the FMU."""
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
             path = Path(scratch) / name
@@ -339,7 +336,7 @@ def _pack(contents, entry, fmu, version, experiment):
 
 
 def write_archive(members, fmu):
-    """Write an FMU of `members`, path to bytes, and move it into place in one go."""
+    """Write an FMU from `members` (path to bytes), and rename it when it is complete."""
     partial = fmu.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(members):
@@ -350,7 +347,7 @@ def write_archive(members, fmu):
 
 
 def _binaries(slave, version):
-    """Return the front, or without a compiler pythonfmu's libraries, which run in Python hosts."""
+    """Return the front, or if there is no compiler, the libraries of pythonfmu for Python hosts."""
     if version == "3.0":
         return {f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0")}
     if compiler():
@@ -362,16 +359,16 @@ def _binaries(slave, version):
 
 
 def texts_of(slave, version, any_host, platforms=()):
-    """Description, token, picture and documentation of an FMU, path to bytes.
+    """Return description, token, icon and documentation of an FMU, path to bytes.
 
     Parameters
     ----------
     slave : FieldSlave
     version : {"2.0", "3.0"}
     any_host : bool
-        Whether hosts need not be Python.
+        Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
-        Those of an FMU that needs no Python at all.
+        Platforms of an FMU that needs no Python.
     """
     pages = documentation(slave, any_host, platforms)
     if version == "3.0":
@@ -396,7 +393,7 @@ def _xml(root):
 
 
 def _instance(entry, resources):
-    """An instance of the packed slave, its modules gone from this process afterwards."""
+    """Return an instance of the packed slave, and remove its modules from this process."""
     before = set(sys.modules)
     sys.path.insert(0, resources)
     try:

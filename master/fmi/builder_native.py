@@ -1,9 +1,9 @@
-"""Build an FMU that needs no Python: one library a platform, made of the participant's entries and
-the C front, beside the model description and a file that says what the slave is like.
+"""Build an FMU that needs no Python: one library for each platform.
 
-The library knows no grid: every FMU of a participant has the same one. A release brings those of
-all platforms (`.ci/release`); where there is none of the same content, what it is made of is kept
-by the content of the kernels, and linked anew, which takes a second.
+The library consists of the participant's entries and the C front. The FMU also contains the
+model description and a file that describes the slave. The library does not depend on the grid,
+so all FMUs of a participant have the same one. A release contains the libraries of all platforms
+(`.ci/release`). If the library is missing, it is linked in a second from cached object files.
 """
 
 import fcntl
@@ -41,22 +41,24 @@ from .tree import ROOT, code_digest, import_part, reached, slave_class
 from .variables import Variable
 
 MARK = b"PCNATIV2"
-"""What resources/slave.bin begins with; the last figure is the version, as in front/native.c."""
+"""First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
 
 OWN_NAME = Path(__file__).name
 
 REPORT = 4.0
 """Time between two messages about another process that compiles [s]."""
 
-WORD = 8  # bytes that are summed up at once
+WORD = 8  # bytes that are summed at once
 
 CAUSALITIES = ("parameter", "input", "constant", "output")
 TYPES = ("Real", "Integer", "String", "Enumeration")
 
 
 class Platform(NamedTuple):
-    """How a library is linked: C compilers that may be there, one of which will do; options; its
-    ending; the folder it lies in, in FMI 2 and 3.
+    """Platform of a native FMU, and the command that links its library.
+
+    compilers : alternative commands of C compilers, the preferred one first; ending : suffix of the
+    library; folders : folder of the library in an FMU, by version of FMI.
     """
 
     compilers: tuple[tuple[str, ...], ...]
@@ -66,21 +68,23 @@ class Platform(NamedTuple):
 
 
 def _zig(target, *options):
-    """The compiler that has the headers and libraries of all platforms with it (pip install
-    ziglang).
+    """Return the command of zig, which contains the headers and libraries of all platforms.
+
+    It is installed with `pip install ziglang`.
     """
     return ("zig", "cc", "-target", target, *options)
 
 
 def _zig_for_linux(processor):
-    """zig without its run-time library, whose sin, cos and memcpy would replace the system's, and
-    with the oldest glibc.
+    """Return the command of zig with the oldest glibc and without its run-time library.
+
+    The sin, cos and memcpy of that library would replace those of the system.
     """
     return _zig(f"{processor}-linux-gnu.{'.'.join(map(str, OLDEST_GLIBC))}", "-rtlib=none")
 
 
 OLDEST_GLIBC = (2, 17)
-"""Version of glibc that release libraries are linked against: that of RHEL 7."""
+"""Oldest version of glibc that release libraries support: that of RHEL 7."""
 
 COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
 ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack", "-Wl,-S")
@@ -120,27 +124,27 @@ PLATFORMS = {
         {"2.0": "aarch64-darwin", "3.0": "aarch64-darwin"},
     ),
 }
-"""By the names of `native_code.TARGETS`."""
+"""Platforms by name, as in `native_code.TARGETS`."""
 
 AHEAD = Path(__file__).parent / "libraries"
-"""Where a release has libraries made ahead, `library_name` each."""
+"""Folder of prebuilt libraries, named by `library_name`."""
 
 SOURCES = ("native.c", "runtime.c", "common.c")
 OF_COUPLED = "parts.c"
-"""Besides, where entries of participants are called from those of a coupled slave."""
+"""Additional source of a coupled slave, whose entries call those of its participants."""
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 NEW_PASSES = (0, 44)
-"""Of llvmlite, from which on there is `create_pass_builder`, what native_code optimises by."""
+"""First version of llvmlite with `create_pass_builder`, which native_code uses."""
 ITERATION = "run"
-"""In the place of a version: the library by which `run` iterates (`iteration_library`)."""
+"""Version of the library that iterates in `run` (`iteration_library`)."""
 ITERATING = "master.coupling"
-"""The package whose entries it has."""
+"""Package with the entries of that library."""
 OF_ITERATION = ("runtime.c", "fmi_parts.c")
 
 
 def this_platform() -> str | None:
-    """Of this machine, None where no native FMU runs on it."""
+    """Return the name of this machine's platform; None if native FMUs do not support it."""
     machines = {
         ("Linux", "x86_64"): "linux64",
         ("Linux", "aarch64"): "aarch64-linux",
@@ -152,7 +156,7 @@ def this_platform() -> str | None:
 
 
 def is_made_ahead(package: str) -> bool:
-    """Whether a release has brought the library of a package for this machine."""
+    """Return whether there is a prebuilt library of a package for this machine."""
     platform = this_platform()
     if platform is None or not AHEAD.exists():
         return False
@@ -164,7 +168,7 @@ def is_made_ahead(package: str) -> bool:
 
 
 def compiler_of(platform: str) -> tuple[str, ...] | None:
-    """Command of the C compiler for a platform, None where there is none."""
+    """Return the command of the C compiler for a platform, None if there is none."""
     for command in PLATFORMS[platform].compilers:
         if found := shutil.which(command[0]):
             return (found, *command[1:])
@@ -183,8 +187,7 @@ def build_native_fmu(
     experiment: Any = None,
     platforms: Sequence[str] = ("linux64",),
 ) -> Path:
-    """FMU of a participant package that needs no Python, from the cache if the same was built
-    before.
+    """Return the FMU of a participant package that needs no Python, from the cache if possible.
 
     Parameters
     ----------
@@ -200,8 +203,8 @@ def build_native_fmu(
     Raises
     ------
     BadInput
-        With every fault of the options, what the library does not cover among them, and every
-        platform for which there is no C compiler.
+        With every fault of the options, including options that the library does not cover, and
+        every platform without a C compiler.
     """
     part, resolved, files = check_native(package, options, folder, progress, platforms)
     made_of = {
@@ -222,8 +225,10 @@ def build_native_fmu(
 
 
 class Inside(NamedTuple):
-    """A slave about to become machine code: an instance in Python, which knows its table and where
-    variables lie; what its package says of itself; what its memory begins with.
+    """Slave from which a native FMU is made.
+
+    slave : instance in Python, with the variables and their positions; given : first part of the
+    slave's memory.
     """
 
     slave: FieldSlave
@@ -241,19 +246,19 @@ def pack_native_fmu(
     package: str,
     participants: Sequence[str],
 ) -> Path:
-    """FMU of a coupled slave as machine code, from the cache if the same was packed before.
+    """Return the native FMU of a coupled slave, from the cache if it was packed before.
 
     Parameters
     ----------
     name : str
-        Begins the file's name.
+        First part of the file name.
     inside : Inside
     progress, version, platforms
         As for `build_native_fmu`.
     package : str
-        Whose entries the slave has.
+        Package with the entries of the slave.
     participants : sequence of str
-        Packages whose entries those call.
+        Packages whose entries they call.
     """
     made = libraries((package, *participants), platforms, version, progress)
     members = _members(inside, made, version)
@@ -264,7 +269,7 @@ def pack_native_fmu(
 
 
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
-    """Content of an FMU by path; `made`: libraries by platform."""
+    """Return the content of an FMU by path; `made` are libraries by platform."""
     slave = inside.slave
     members = texts_of(slave, version, any_host=True, platforms=list(made))
     for platform, library in made.items():
@@ -276,7 +281,7 @@ def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[st
 
 
 def _place_of(name: str, made_of: Mapping[str, bytes]) -> Path:
-    """An FMU in the cache, by what it is made of."""
+    """Return the path in the cache of an FMU with this content."""
     digest = sha256()
     for member in sorted(made_of):
         digest.update(member.encode() + b"\0" + sha256(made_of[member]).digest())
@@ -295,8 +300,9 @@ def check_native(
     progress: Callable[[str], object],
     platforms: Sequence[str],
 ) -> tuple[NativePart, dict[str, Any], list[Path]]:
-    """What a package says of itself, its checked build options and the files they name. What is
-    known to be uncovered before is refused before anything is computed for them.
+    """Return the native part of a package, its checked build options and the files that they name.
+
+    Options that are known to be unsupported are rejected before any computation.
 
     Raises
     ------
@@ -313,9 +319,7 @@ def check_native(
 
 
 def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]:
-    """Why there can be no native FMU of these packages (as for `libraries`) for these platforms on
-    this machine.
-    """
+    """Return the reasons why this machine cannot build a native FMU of these packages."""
     if strange := [name for name in platforms if name not in PLATFORMS]:
         return [f"platform: {unknown('platform', name, PLATFORMS)}" for name in strange]
     made = [
@@ -327,7 +331,7 @@ def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]
 
 
 def part_of(package: str) -> NativePart:
-    """What a package says of itself in its module `native`."""
+    """Return the `PART` of a package's module `native`; raise `BadInput` if there is none."""
     import_part(package)
     try:
         return import_part(f"{package}.native").PART
@@ -348,7 +352,7 @@ def _missing_compilers(platforms):
 
 
 def too_old() -> list[str]:
-    """A sentence where the numba at hand cannot make machine code for others."""
+    """Return a fault if the installed numba is too old for machine code of other platforms."""
     if tuple(map(int, version_of("llvmlite").split(".")[:2])) >= NEW_PASSES:
         return []
     return [
@@ -360,7 +364,7 @@ def too_old() -> list[str]:
 def slave_inside(
     package: str, part: NativePart, options: Mapping[str, Any], files: Sequence[Path]
 ) -> Inside:
-    """The slave of a package with checked build options and the files they name."""
+    """Return the slave of a package with checked build options and the files that they name."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
         for file in files:
@@ -380,12 +384,12 @@ def libraries(
     version: str,
     progress: Callable[[str], object] = lambda text: None,
 ) -> dict[str, bytes]:
-    """Platform -> library: the one made ahead, else made here.
+    """Return the library of each platform: the prebuilt one, or one that is built here.
 
     Parameters
     ----------
     packages : sequence of str
-        Whose entries a slave has; behind it, of a coupled one, those whose entries it calls.
+        The package of the slave, then those of the participants inside it.
     platforms, version, progress
         As for `build_native_fmu`.
     """
@@ -401,7 +405,7 @@ def libraries(
 
 
 def library_name(packages: Sequence[str], platform: str, version: str) -> str:
-    """Name of a library made ahead, by the content of all that is compiled for it."""
+    """Return the name of a prebuilt library, which contains the hash of its sources."""
     ends = PLATFORMS[platform]
     digest = sha256(repr((COMMON, ends.options, native_code.TARGETS[platform])).encode())
     for one in packages:
@@ -413,21 +417,22 @@ def library_name(packages: Sequence[str], platform: str, version: str) -> str:
 
 
 def _sources_in_c(version, is_coupled):
-    """Files of `HOME` that a library is made of."""
+    """Return the files in `HOME` of which a library is made."""
     if version == ITERATION:
         return OF_ITERATION
     return (*SOURCES, FRONTS[version], *([OF_COUPLED] if is_coupled else ()))
 
 
 def iteration_library() -> Path | None:
-    """The library by which `run` iterates on FMUs of this process (front/fmi_parts.c): the one made
-    ahead, or linked here, which takes a second, of the object file of native coupled FMUs if that
-    is kept. None where it would have to be compiled first, or there is no C compiler.
+    """Return the library that iterates in `run` on FMUs of this process (front/fmi_parts.c).
+
+    It is the prebuilt one, or it is linked in a second from the cached object file of native
+    coupled FMUs. Returns None if that file is not cached or there is no C compiler.
 
     Raises
     ------
     RuntimeError
-        With the compiler's words.
+        With the message of the compiler.
     """
     platform = this_platform()
     if platform is None:
@@ -445,8 +450,9 @@ def iteration_library() -> Path | None:
 
 
 def compile_ahead(packages: Sequence[str], progress: Callable[[str], object]) -> None:
-    """Compile the packages and what `iteration_library` needs side by side, where no library exists
-    and this machine can compile.
+    """Compile the packages and the `iteration_library` in parallel, if this machine can.
+
+    Packages with a prebuilt library are skipped.
     """
     platform = this_platform()
     needed = [one for one in dict.fromkeys(packages) if not is_made_ahead(one)]
@@ -457,20 +463,21 @@ def compile_ahead(packages: Sequence[str], progress: Callable[[str], object]) ->
 
 
 def compiled_packages(packages, platforms, progress):
-    """Return the `object_files` of each package; packages are compiled side by side."""
+    """Return the `object_files` of each package, compiled in parallel."""
     with ThreadPoolExecutor(jobs()) as pool:
         files = pool.map(lambda one: object_files(one, platforms, progress), packages)
         return dict(zip(packages, files))
 
 
 def _object_file(package, platform):
-    """Where the object file of a package's entries is kept."""
+    """Return the path in the cache of the object file of a package's entries."""
     return cache_folder("native") / f"{package}-{platform}-{_digest_of_code(package)}.o"
 
 
 def object_files(package, platforms, progress=lambda text: None):
-    """Name of a platform to object file of the entries, from the cache where it was made before, or
-    is being made by another process.
+    """Return the object file of the entries for each platform, from the cache if possible.
+
+    If another process compiles them, wait for it.
     """
     folder = cache_folder("native")
     code = _digest_of_code(package)
@@ -483,7 +490,7 @@ def object_files(package, platforms, progress=lambda text: None):
 
 @contextmanager
 def sole_compiler(path: Path, package: str, progress: Callable[[str], object]):
-    """Hold the lock at `path`; while another process holds it, report that process and wait."""
+    """Hold the lock at `path`. While another process holds it, report that process and wait."""
     with open(path, "a+") as lock:
         begin = time.monotonic()
         due = begin
@@ -510,7 +517,7 @@ def _locked(lock: IO[str]) -> bool:
 
 
 def _compile(package, kept, module, progress):
-    """Make the object files that are not there."""
+    """Compile the missing object files."""
     missing = [name for name, path in kept.items() if not path.exists()]
     if not missing:
         return
@@ -520,22 +527,23 @@ def _compile(package, kept, module, progress):
 
 
 def _digest_of_code(package):
-    """Of all that machine code is made of: kernels and what translates them."""
+    """Return the digest of the kernels and of the versions that translate them."""
     versions = "".join(map(version_of, ("numba", "llvmlite"))).encode()
     return sha256(versions + _sources(package)).hexdigest()[:16]
 
 
 @cache
 def _sources(package):
-    """Digests of the code of all files that a package's machine code is made of."""
+    """Return the digests of all source files of a package's machine code."""
     files = reached(_file_of(f"{package}.native"))
     files |= {Path(native_code.__file__).resolve()}
     return b"".join(code_digest(path.read_bytes()).encode() for path in sorted(files))
 
 
 def _file_of(module):
-    """File of a module of this tree, else of an installed one; it is not run, for numba, which it
-    imports, takes half a second.
+    """Return the file of a module of this tree, or of an installed one, without importing it.
+
+    The import of numba would take half a second.
     """
     for name in (f"{ROOT}.{module}", module):
         with suppress(ModuleNotFoundError):
@@ -545,8 +553,9 @@ def _file_of(module):
 
 
 def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
-    """Options of a C compiler by which the front calls the entries of a package, and those of a
-    coupled slave the entries of others.
+    """Return the compiler options that connect the front to the entries of a package.
+
+    They also connect the entries of a coupled slave to those of its participants.
     """
     own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
     inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
@@ -554,13 +563,14 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
 
 
 def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
-    """The library of a platform from object files by package: that of the slave's own entries, then
-    those of participants inside it.
+    """Return the library of a platform, linked from object files by package.
+
+    The package of the slave's entries is first, then those of the participants inside it.
 
     Raises
     ------
     RuntimeError
-        With the compiler's words.
+        With the message of the compiler.
     """
     package, *participants = codes
     with tempfile.TemporaryDirectory() as scratch:
@@ -594,12 +604,14 @@ def newer_symbols(library: bytes) -> list[str]:
     return [f"GLIBC_{'.'.join(map(str, v))}" for v in sorted(versions) if v > OLDEST_GLIBC]
 
 
-# ---- the file that says what the slave is like
+# ---- the file that describes the slave
 
 
 def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
-    """Content of resources/slave.bin: where variables lie, their ranges, what is covered of them,
-    start values, what the slave's memory begins with, sentences. front/native.c reads it.
+    """Return the content of resources/slave.bin, which front/native.c reads.
+
+    It contains positions, ranges and start values of the variables, the choices that are
+    covered, the first part of the slave's memory, and sentences.
     """
     given = np.asarray(given, dtype="<f8")
     blocks = [
@@ -638,7 +650,7 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
 
 
 def _sums(content):
-    """Of all words, and of their sums so far, as `sums_of` in front/native.c."""
+    """Return the sum of all words and of their running sums, as `sums_of` in front/native.c."""
     words = np.frombuffer(content, dtype="<u8")
     weights = np.arange(len(words), 0, -1, dtype=np.uint64)
     sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
@@ -646,7 +658,7 @@ def _sums(content):
 
 
 def _row(slave, v: Variable, covered):
-    """Type, place, size, causality, extents, number of choices and which are covered."""
+    """Return type, position, size, causality, extents, number of choices, covered choices."""
     extents = (*v.shape, 0, 0, 0)[:3]
     known = covered.get(v.name, v.choices)
     mask = sum(1 << k for k, name in enumerate(v.choices) if name in known)
@@ -662,7 +674,7 @@ def _row(slave, v: Variable, covered):
 
 
 def _ranges(v: Variable, covered):
-    """Allowed range, and that which is covered."""
+    """Return the allowed range and the covered range."""
     low = -np.inf if v.minimum is None else v.minimum
     high = np.inf if v.maximum is None else v.maximum
     only = None if v.choices else covered.get(v.name)

@@ -1,11 +1,11 @@
-"""Where the user's cache lies, and how a file gets there."""
+"""The user's cache folder, and atomic writing of files."""
 
 import os
 from pathlib import Path
 
 
 def cache_folder(kind):
-    """Folder of the user's cache for `kind` ("fmus", "unpacked", "bodies"), made if missing.
+    """Return the folder of the user's cache for `kind` ("fmus", "unpacked"); create it if missing.
 
     The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
     """
@@ -17,14 +17,12 @@ def cache_folder(kind):
 
 
 def write_whole(path, content):
-    """Write a file so that no other process ever sees a part of it.
-
-    path : Path; content : bytes.
+    """Write bytes to a file. Other processes never see it incomplete.
 
     Raises
     ------
     OSError
-        Where the disk does not allow it.
+        If the disk does not allow it.
     """
     partial = path.with_name(f"{path.name}.{os.getpid()}.part")
     partial.write_bytes(content)

@@ -1,9 +1,9 @@
-"""Kernels in the code of other kernels: lowered once, optimised and translated where they end up.
+"""Kernels inside other kernels, lowered once and optimised with their caller.
 
-numba makes every kernel ready to run by itself, and most run only within a few that Python calls:
-half of a first start was spent on machine code that nobody asked for. A callee stays in LLVM's
-language; the entry into which it is linked is optimised and translated as a whole. The bits are
-the same either way, for nothing is reordered or fused.
+By default numba makes every kernel callable from Python, although most kernels run only inside
+others. That takes half of a first start. Here, a callee stays LLVM code, and the entry that
+links it is optimised and translated as a whole. Nothing is reordered or fused, so results are
+the same to the bit.
 """
 
 from typing import Any
@@ -14,23 +14,23 @@ from numba.core.caching import CompileResultCacheImpl
 from numba.core.compiler import Compiler, CompileResult
 
 LLVM: Any = vars(codegen)["ll"]
-"""llvmlite, as numba has it."""
+"""llvmlite, as numba imports it."""
 
 
 class CalleeLibrary(codegen.JITCodeLibrary):
-    """Code to be linked into that of others."""
+    """Code that is linked into other kernels."""
 
     def _optimize_final_module(self):
-        """Whoever links it does that."""
+        """Do nothing; the caller optimises it."""
 
     def _finalize_final_module(self):
-        """Nothing is translated."""
+        """Finish without translation to machine code."""
         self._finalize_dynamic_globals()
         self._finalized = True
 
 
 class CalleeCompiler(Compiler):
-    """numba's compiler of a kernel for others."""
+    """numba's compiler of a kernel that other kernels call."""
 
     def compile_extra(self, func):
         context = self.state.targetctx
@@ -44,7 +44,7 @@ class CalleeCompiler(Compiler):
 
 
 class EntryCompiler(Compiler):
-    """numba's compiler of a kernel for Python: what its callees raise is found once it is ready."""
+    """numba's compiler of a kernel that Python calls; it registers the environments of callees."""
 
     def compile_extra(self, func):
         made = super().compile_extra(func)
@@ -54,10 +54,10 @@ class EntryCompiler(Compiler):
 
 
 class CalleeKept(CompileResultCacheImpl):
-    """What is kept of a callee on disk."""
+    """Cached form of a callee on disk."""
 
     def reduce(self, cres: Any) -> tuple:
-        """All that a caller links and asks for."""
+        """Return all that a caller links."""
         library = cres.library
         code = library._get_module_for_linking().as_bitcode()
         cres.fndesc.typemap = cres.fndesc.calltypes = None  # large, and need not be pickled
@@ -66,7 +66,7 @@ class CalleeKept(CompileResultCacheImpl):
         return library.name, code, *named
 
     def rebuild(self, target_context, payload):
-        """The callee of another process."""
+        """Return the callee that another process has saved."""
         name, code, fndesc, environment, signature, reload_init, environments = payload
         for again in reload_init:
             again()
@@ -91,6 +91,6 @@ class CalleeKept(CompileResultCacheImpl):
 
 
 def _name_of(fndesc, environment):
-    """What numba knows a kernel by: a function of Python's, here one that has no code."""
+    """Return the name that numba uses for a kernel: a Python function without code."""
     module, name = fndesc.lookup_module(), fndesc.qualname
     return _dynfunc.make_function(module, name.split(".")[-1], "", 0, environment, ())

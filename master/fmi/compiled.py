@@ -1,14 +1,13 @@
-"""How kernels are compiled, in every part.
+"""Compilation of kernels in all parts.
 
-Division by zero gives inf as in numpy (a film that is not finite is refused where it is solved);
-results are kept on disk. No fast mathematics: sums in the order written and no fused multiply-add
-give the same bits in every process, whether a kernel has just been compiled or comes from disk, and
-in whatever kernel it is inlined. Measured, it costs nothing here.
+Division by zero gives inf as in numpy (a film that is not finite is rejected by its solver). No
+fast mathematics: sums run in the written order and no multiply-add is fused. Results are therefore
+the same to the bit in every process, for cached and for fresh kernels, and inside any kernel.
 
-numba looks at a kernel's own file to tell whether what it kept is still true. A kernel also holds
-what it calls, so here it is the kernel's file and all files of the project that it imports,
-directly or not. A kept kernel that cannot be read is made again; where nothing can be kept, kernels
-are compiled anew in each process. numba itself (half a second) is imported by the first call.
+numba validates its cache by the kernel's own file. A kernel also contains its callees, so this
+cache uses that file and all files of the project that it imports. Unreadable kernels are
+recompiled. If nothing can be cached, each process compiles its kernels. numba (half a second) is
+imported by the first call.
 """
 
 from contextlib import suppress
@@ -17,13 +16,11 @@ from pathlib import Path
 from typing import Any
 
 KERNELS: list["Kernel"] = []
-"""All of this process that Python calls."""
+"""Kernels of this process that Python calls."""
 
 
 def compiled(kernel=None, **options):
-    """Compile a kernel: `@compiled`, or `@compiled(inline="always")` with options of
-    `numba.njit`.
-    """
+    """Compile a kernel: `@compiled`, or with options of `numba.njit`."""
     if kernel is None:
         return partial(compiled, **options)
     KERNELS.append(Kernel(kernel, options))
@@ -31,22 +28,25 @@ def compiled(kernel=None, **options):
 
 
 def compilable(function):
-    """A function that runs as written where Python calls it, and is compiled within kernels that
-    call it: what a model says between its kernels, and a native FMU in them.
+    """Return a function that Python runs as written, and that is compiled inside kernels.
+
+    Models use it for code between their kernels, which native FMUs compile.
     """
     return WithinKernels(function, {})
 
 
 def standing_for(kernel):
-    """A function that Python runs as written, and in whose place kernels call `kernel`: of the same
-    arguments, some of which are objects in Python.
+    """Return a decorator of a Python function that `kernel` replaces inside kernels.
+
+    Both have the same arguments, some of which are objects in Python.
     """
     return partial(StandIn, kernel=kernel)
 
 
 def packed(kind: Any, *others: str):
-    """Kernels that keep the numbers of a named tuple in an array, (array, tuple), and that make it
-    of them again, (array, *others); `others` are its fields that are no numbers.
+    """Return kernels that store the numbers of a named tuple in an array and restore it.
+
+    They are (array, tuple) and (array, *others). `others` are the fields that are not numbers.
     """
     names = [name for name in kind._fields if name not in others]
     given = "".join(f", {name}" for name in others)
@@ -58,13 +58,13 @@ def packed(kind: Any, *others: str):
 
 
 class Kernel:
-    """A function that is compiled at its first call.
+    """Function that is compiled at its first call.
 
     py_func : the function as written; targetoptions : options of `numba.njit`.
     """
 
     keeps = True
-    """Whether kernels of this process are kept on disk."""
+    """Whether kernels of this process are cached on disk."""
 
     def __init__(self, function, options):
         update_wrapper(self, function)
@@ -76,14 +76,14 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """What numba makes of it for calls from Python."""
+        """numba's dispatcher for calls from Python."""
         from .callees import EntryCompiler
 
         return self._made(self._kept, pipeline_class=EntryCompiler)
 
     @cached_property
     def callee(self) -> Any:
-        """What numba makes of it for the code of other kernels, in which it stands for this."""
+        """numba's dispatcher for calls from other kernels."""
         from .callees import CalleeCompiler
 
         alone = dict.fromkeys(("no_cpython_wrapper", "no_cfunc_wrapper"), True)
@@ -102,7 +102,7 @@ class Kernel:
         return self._kept_as("KernelCache")
 
     def _kept_as(self, kind):
-        """What is kept of it on disk; None where there is nowhere to keep it."""
+        """Return the cache on disk, None if there is none."""
         from . import kernel_cache
 
         with suppress(RuntimeError):
@@ -110,7 +110,7 @@ class Kernel:
 
     @property
     def store(self) -> Path | None:
-        """The folder where it is kept."""
+        """Folder of the cached kernel."""
         return Path(self._kept.cache_path) if self._kept else None
 
     @property
@@ -119,14 +119,14 @@ class Kernel:
 
 
 class WithinKernels(Kernel):
-    """A function that is compiled in the code of kernels alone."""
+    """Function that is compiled inside kernels only."""
 
     def __call__(self, *arguments, **named):
         return self.py_func(*arguments, **named)
 
 
 class StandIn:
-    """A function of Python's, to kernels another."""
+    """Function that kernels replace by another one."""
 
     def __init__(self, function, kernel: Kernel):
         update_wrapper(self, function)
@@ -142,7 +142,7 @@ class StandIn:
 
 
 def first_start() -> str:
-    """What takes long at a start, for whoever waits; empty without kernels, or if they are kept."""
+    """Return the message of a first start, empty if there are no kernels or all are cached."""
     stores = (folder for one in KERNELS if (folder := one.store))
     if not KERNELS or any(next(folder.glob("*.nbi"), None) for folder in stores):
         return ""

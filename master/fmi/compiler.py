@@ -1,6 +1,4 @@
-"""The C front of an FMU: compiled where a C compiler is at hand, so that hosts need not be
-Python.
-"""
+"""The C front of an FMU. If a C compiler exists, hosts need not be Python."""
 
 import os
 import platform
@@ -24,8 +22,9 @@ FLAGS = (
 
 
 def compiler():
-    """Path of the C compiler ($CC, else cc), or None where there is none or this is not Linux on
-    x86-64.
+    """Return the path of the C compiler ($CC, else cc), or None.
+
+    Platforms other than Linux on x86-64 have none.
     """
     if not sys.platform.startswith("linux") or platform.machine() != "x86_64":
         return None
@@ -33,19 +32,20 @@ def compiler():
 
 
 def front_sources(version):
-    """File name -> bytes of all that the front for FMI `version` is made of; they are part of an
-    FMU's identity.
+    """Return the sources of the front for FMI `version`, file name to bytes.
+
+    They contribute to the identity of an FMU.
     """
     return {name: (HOME / name).read_bytes() for name in ("front.h", *SOURCES[version])}
 
 
 def compile_front(version):
-    """The shared library as bytes.
+    """Return the shared library as bytes.
 
     Raises
     ------
     RuntimeError
-        With the compiler's words.
+        With the message of the compiler.
     """
     with tempfile.TemporaryDirectory() as scratch:
         library = Path(scratch) / "front.so"

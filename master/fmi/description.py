@@ -1,6 +1,4 @@
-"""modelDescription.xml of FMI 2.0, complete: units, ranges, nominals, structure, and what pythonfmu
-leaves out.
-"""
+"""modelDescription.xml of FMI 2.0 with units, ranges, nominals and structure."""
 
 import hashlib
 from importlib.metadata import version
@@ -16,7 +14,7 @@ AUTHOR = "the piston-cosim developers"
 COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
 LICENCE = "BSD-3-Clause"
 DATE = "2026-11-22T00:00:00Z"
-"""Of the version: what is built of the same content is the same file whenever it is built."""
+"""Fixed date of the version, so that the same content gives the same file."""
 
 BASE_UNITS = {
     "m": {"m": 1},
@@ -53,24 +51,21 @@ BASE_UNITS = {
     "Pa/m": {"kg": 1, "m": -2, "s": -2},
     "m/Pa": {"kg": -1, "m": 2, "s": 2},
 }
-"""Exponents of the SI base units for every unit a table may use ("1" is declared by leaving the
-unit out).
-"""
+"""Exponents of the SI base units, for every unit of the variable tables. Variables without a
+unit have "1"."""
 
 
 def model_description(slave, any_host, platforms=()):
-    """XML element tree for `slave` (a FieldSlave): the whole model description, GUID made from its
-    content.
+    """Return the XML tree of a slave's model description. The GUID is the hash of its content.
 
     Parameters
     ----------
     slave : FieldSlave
     any_host : bool
-        True if the FMU carries the C front, so that hosts need not be Python and the standard
-        directional derivative is answered; else its library is pythonfmu's, which runs in Python
-        hosts alone.
+        True if the FMU contains the C front. Then it runs in hosts that are not Python and has the
+        standard directional derivative. Otherwise pythonfmu's library runs in Python hosts only.
     platforms : sequence of str
-        Those of an FMU that needs no Python at all.
+        Platforms of an FMU that needs no Python.
     """
     root = Element(
         "fmiModelDescription",
@@ -101,7 +96,7 @@ def model_description(slave, any_host, platforms=()):
 
 
 def head(slave):
-    """Attributes of the root, equal in FMI 2 and 3."""
+    """Return the attributes of the root, equal in FMI 2 and 3."""
     return {
         "modelName": slave.name,
         "description": slave.description,
@@ -119,12 +114,12 @@ NO_DEPENDENCIES = {"dependencies": ""}
 
 
 def content_guid(root):
-    """The same description has the same identifier in every build."""
+    """Return the hash of a description, so that the same content has the same identifier."""
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
 
 
 def common_parts(root, slave):
-    """Units, log categories and default experiment, equal in FMI 2 and 3."""
+    """Add units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     _types(root, slave.table)
     categories = SubElement(root, "LogCategories")
@@ -145,7 +140,7 @@ def _units(parent, table):
 
 
 def _types(root, table):
-    """A type of its own for every choice."""
+    """Add a type for every choice."""
     chosen = [v for v in table if v.choices]
     if not chosen:
         return
@@ -166,7 +161,7 @@ def _type_name(v):
 
 
 def needs(any_host, platforms):
-    """Attributes that say what an FMU needs of its host."""
+    """Return the attributes that describe what an FMU needs of its host."""
     if platforms:
         return {"hosts": f"any on {', '.join(platforms)}"}
     return {
@@ -177,8 +172,9 @@ def needs(any_host, platforms):
 
 
 def _vendor_annotations(parent, slave, any_host, platforms):
-    """What the FMU needs of its host; without the front also the first reserved reference of each
-    seed and product.
+    """Add the requirements on the host.
+
+    If there is no front, also add the first reserved reference of each seed and product.
     """
     tool = SubElement(parent, "Tool", {"name": VENDOR})
     node = SubElement(tool, "Needs", needs(any_host, platforms))
@@ -216,7 +212,7 @@ def _variables(parent, slave):
 
 
 def causality_attributes(v):
-    """Description, causality, variability and initial."""
+    """Return description, causality, variability and initial."""
     kind = {
         "parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
         "input": {
@@ -234,7 +230,7 @@ def causality_attributes(v):
 
 
 def type_attributes(v):
-    """Start, unit, nominal and range."""
+    """Return start, unit, nominal and range."""
     attributes = {}
     if v.causality != "output":
         attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.number(v.start))
@@ -251,9 +247,12 @@ def type_attributes(v):
 
 
 def _structure(parent, table):
-    """Outputs depend on nothing: none follows an input without a step. Initial unknowns depend on
-    all that is set, which leaving dependencies out says; importers that draw every pair of two
-    fields would take minutes, so with fields in the table they are not told.
+    """Add outputs and initial unknowns.
+
+    Outputs depend on nothing, because none follows an input without a step. Initial unknowns
+    depend on everything that is set, which the standard expresses by leaving the dependencies
+    out. If the table has fields, they are declared empty, because some importers would draw
+    every pair of two fields for minutes.
     """
     index = 1
     outputs = []

@@ -1,6 +1,4 @@
-"""modelDescription.xml of FMI 3.0: arrays whole, a variable's place in the table as its value
-reference, terminals.
-"""
+"""modelDescription.xml of FMI 3.0: whole arrays, value references by table row, terminals."""
 
 from xml.etree.ElementTree import Element, SubElement
 
@@ -19,8 +17,10 @@ TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration
 
 
 def model_description_3(slave, platforms=()):
-    """XML element tree for `slave` (a FieldSlave), its instantiation token made from its
-    content; `platforms` of an FMU that needs no Python at all.
+    """Return the XML tree of a slave's model description for FMI 3.0.
+
+    The instantiation token is the hash of its content. `platforms` are those of an FMU that
+    needs no Python.
     """
     root = Element(
         "fmiModelDescription",
@@ -44,7 +44,7 @@ def model_description_3(slave, platforms=()):
     outputs = [str(k) for k, v in enumerate(slave.table) if v.causality == "output"]
     for k in outputs:  # none follows an input without a step
         SubElement(structure, "Output", {"valueReference": k} | NO_DEPENDENCIES)
-    for k in outputs:  # of all that is set
+    for k in outputs:  # they depend on everything that is set
         SubElement(structure, "InitialUnknown", {"valueReference": k})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
     SubElement(annotation, "Needs", needs(True, platforms))
@@ -79,9 +79,7 @@ def _variables(parent, table):
 
 
 def terminals(slave):
-    """terminalsAndIcons.xml: what crosses the interface, by the names both sides share; the icon
-    fills the block.
-    """
+    """Return terminalsAndIcons.xml: the fields of the interface as one terminal, and the icon."""
     root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     picture = SubElement(root, "GraphicalRepresentation")
     block = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}

@@ -1,6 +1,4 @@
-"""The documentation that an FMU carries: one HTML page of what it is, what it needs and its
-interface, and the licences of the code inside.
-"""
+"""Documentation inside an FMU: a page with requirements and interface, and licences."""
 
 from html import escape
 from importlib.metadata import files
@@ -56,15 +54,15 @@ TITLES = {
 
 
 def documentation(slave, any_host, platforms=()):
-    """Path in the FMU -> bytes: page and licences.
+    """Return page and licences, path in the FMU to bytes.
 
     Parameters
     ----------
     slave : FieldSlave
     any_host : bool
-        Whether hosts need not be Python.
+        Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
-        Those of an FMU that needs no Python at all.
+        Platforms of an FMU that needs no Python.
     """
     needs = (
         OF_ITSELF.format(platforms=", ".join(platforms))
@@ -92,7 +90,7 @@ def documentation(slave, any_host, platforms=()):
 
 
 def _of_pythonfmu():
-    """The licence of the packager, a part of which is inside."""
+    """Return the licence of pythonfmu, a part of which is inside the FMU."""
     for file in files("pythonfmu") or ():
         if file.name.startswith("LICEN"):
             return {"pythonfmu.txt": file.read_text()}
@@ -100,7 +98,7 @@ def _of_pythonfmu():
 
 
 def _table(table, causality):
-    """HTML table of the variables of a causality; empty without any."""
+    """Return the HTML table of the variables of a causality, empty if there are none."""
     rows = [_row(v) for v in table if v.causality == causality]
     if not rows:
         return ""

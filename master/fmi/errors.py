@@ -1,6 +1,4 @@
-"""How a user hears of trouble: bad input (all faults at once), a step that cannot be taken, a run
-that stops, a bug in a participant.
-"""
+"""Errors of the user and of participants: bad input, discarded steps, stopped runs, faults."""
 
 import os
 import tomllib
@@ -10,7 +8,7 @@ from pathlib import Path
 
 
 class BadInput(ValueError):
-    """Input that cannot be used. It carries every fault, so that the user can correct all at once.
+    """Input that cannot be used, with every fault, so that the user can correct all at once.
 
     Parameters
     ----------
@@ -24,7 +22,7 @@ class BadInput(ValueError):
 
 
 MOST_NAMES = 7
-"""Names that a sentence lists; of more it lists the first ones."""
+"""Maximum number of names in a sentence."""
 
 
 def names_of(known: Iterable[str]) -> str:
@@ -43,8 +41,9 @@ def near(name: str, known: Iterable[str]) -> str:
 
 
 def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> str:
-    """Return "expected one of a, b, got unknown KIND 'name'; did you mean 'a'?"; `hint` replaces
-    the question if no known name is similar.
+    """Return "expected one of a, b, got unknown KIND 'name'; did you mean 'a'?".
+
+    If no known name is similar, `hint` replaces the question.
     """
     known = list(known)
     question = near(str(name), known) or (f"; {hint}" if hint else "")
@@ -77,14 +76,16 @@ FILE_FAULTS: dict[type[Exception], str] = {
 
 
 class Discard(RuntimeError):
-    """A step that physics or numerics refuse: the FMU answers fmi2Discard, its state is untouched,
-    the master retries.
+    """Step that physics or numerics reject.
+
+    The FMU returns fmi2Discard, its state does not change, and the master retries.
     """
 
 
 class Ticked(Discard):
-    """A clock ticks inside a step, at `time` [s]: it is to be taken to there, so that others hear
-    of it.
+    """Clock that ticks inside a step, at `time` [s].
+
+    The step must be repeated up to there, so that other participants receive the tick.
     """
 
     def __init__(self, name, time):
@@ -96,26 +97,22 @@ class Ticked(Discard):
 
 
 class Finished(RuntimeError):
-    """A participant asks for the end of the simulation inside a step: what was accepted before
-    stands.
-    """
+    """Participant that ends the simulation inside a step. Accepted steps remain valid."""
 
 
 class Stopped(RuntimeError):
-    """A run that came to an end before its own: what was accepted stands, notes say how to go on.
+    """Run that stopped before its end. Accepted steps remain valid; notes explain how to resume.
 
     Attributes
     ----------
     headline : str
-        Of all runs that stop so; "" where what the error says is headline enough.
+        Headline of all such errors. If empty, the message of the error is the headline.
     """
 
     headline = ""
 
 
 class ParticipantFault(Stopped):
-    """A bug inside a participant: its traceback, as it logged it; or its process has hung or
-    ended.
-    """
+    """Fault inside a participant, with its logged traceback, or a process that hung or ended."""
 
     headline = "an FMU reports a fault of its own"

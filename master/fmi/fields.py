@@ -1,6 +1,4 @@
-"""Fields of an FMU as the importing side sees them: scalars `name[i,j]` of a model description
-gathered into arrays.
-"""
+"""Fields of an imported FMU: scalars `name[i,j]` gathered into arrays."""
 
 import re
 from dataclasses import dataclass, field, replace
@@ -21,20 +19,20 @@ TYPES_3 = {
     "Binary": "Binary",
     "Clock": "Clock",
 }
-"""FMI 3 types by their FMI 2 names, where those have one."""
+"""FMI 2 types of FMI 3 types. Binary and Clock have no FMI 2 type."""
 VENDOR = "piston-cosim"
-"""Name of the VendorAnnotations tool entry that lists the reserved references of derivatives."""
+"""Tool name of the VendorAnnotations with the reserved references of derivatives."""
 NO_NUMBERS = ("String", "Binary", "Clock")
 """Types that cannot be recorded as numbers."""
 
 
 @dataclass(frozen=True)
 class UnitDefinition:
-    """A unit as an FMU declares it, on the base units of the SI.
+    """Unit as an FMU declares it, in SI base units.
 
     Eq. (P4):  (value in base units) = factor (value in the unit) + offset
 
-    exponents : base unit -> exponent, as pairs, zeros left out.
+    exponents : pairs of base unit and exponent, without zeros.
     """
 
     exponents: tuple[tuple[str, int], ...]
@@ -43,28 +41,28 @@ class UnitDefinition:
 
     @property
     def base(self) -> str:
-        """The base unit as FMI writes it ("kg.m-1.s-2", "1")."""
+        """Base unit as FMI writes it ("kg.m-1.s-2", "1")."""
         return ".".join(f"{unit}{power}" for unit, power in self.exponents) or "1"
 
     def to_base(self, value: float) -> float:
-        """A value in the unit, in base units."""
+        """Convert a value from the unit to base units."""
         return self.factor * value + self.offset  # Eq. (P4)
 
     def from_base(self, value: float) -> float:
-        """A value in base units, in the unit."""
+        """Convert a value from base units to the unit."""
         return (value - self.offset) / self.factor
 
 
 @dataclass(frozen=True)
 class Field:
-    """An array (or scalar, shape ()) variable of an FMU.
+    """Array (or scalar, shape ()) variable of an FMU.
 
-    `references` lists the value references: in FMI 2 of all elements in C order of `shape`, in FMI
-    3 the array's one. `unit`, `nominal`, `minimum`, `maximum`, `start` are those of the first
-    element ("1" and None where the FMU says nothing), `derivative_of` names the field whose time
-    derivative this one is, `definition` is what the FMU says of its unit, `choices` are the items
-    of an enumeration: name -> value; `native` is the type's name in FMI 3, where that says more;
-    `clocked` tells that it changes at ticks of a clock alone.
+    `references` are the value references. FMI 2 has one for each element in C order of `shape`,
+    FMI 3 has one for the array. `unit`, `nominal`, `minimum`, `maximum` and `start` are those of
+    the first element ("1" and None if the FMU declares none). `derivative_of` names the field
+    whose time derivative this is. `definition` is the declared unit. `choices` are the items of
+    an enumeration, name to value. `native` is the FMI 3 type. `clocked` means that the value
+    changes only at clock ticks.
     """
 
     name: str
@@ -90,7 +88,7 @@ class Field:
 
     @property
     def whole_numbers(self) -> tuple[int, int] | None:
-        """Least and largest whole number that fits its type; None of one that is no integer."""
+        """Smallest and largest integer of its type; None for other types."""
         if self.type not in ("Integer", "Enumeration"):
             return None
         kind = {None: "Int32", "Enumeration": "Int64"}.get(self.native, self.native)
@@ -100,7 +98,7 @@ class Field:
 
     @property
     def is_double(self):
-        """Whether it is made of the numbers of 64 bits that move by pointer."""
+        """True if its values are 64-bit floats, which are passed by pointer."""
         return self.type == "Real" and self.native != "Float32"
 
 
@@ -160,7 +158,7 @@ def base_of(name: str) -> str:
 
 
 def _definition(base):
-    """What FMPy says of a unit's base; None where the FMU says nothing."""
+    """Return the unit definition of an FMPy base unit; None if there is none."""
     if base is None:
         return None
     exponents = {name: int(getattr(base, name)) for name in BASES}
@@ -191,14 +189,14 @@ def _shape(indices, variables):
 
 
 def _array(variable, units, sizes, events):
-    """Field of an FMI 3 variable; events: clocks, too, are used."""
+    """Return the field of an FMI 3 variable; `events` enables clocks."""
     shape = tuple(_extent(variable.name, dimension, sizes) for dimension in variable.dimensions)
     field = _described(variable.name, shape, [variable], TYPES_3[variable.type], units)
     return replace(field, native=variable.type, clocked=events and bool(variable.clocks))
 
 
 def _extent(name, dimension, sizes):
-    """Length of an array along one dimension: a number, or that of a structural parameter."""
+    """Return the length of a dimension: a number, or the value of a structural parameter."""
     start = dimension.start
     if start is None and dimension.variable is not None:
         start = sizes.get(dimension.variable.name, dimension.variable.start)
@@ -242,7 +240,7 @@ def _described(name, shape, variables, kind, units):
 
 
 def _choices(variable):
-    """Items of an enumeration: name -> value; nothing where the FMU has no type for it."""
+    """Return the items of an enumeration, name to value; empty if the FMU declares no type."""
     items = variable.declaredType.items if variable.declaredType else ()
     return {item.name: int(item.value) for item in items or ()}
 

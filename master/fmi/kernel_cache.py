@@ -34,7 +34,7 @@ class KernelCache(FunctionCache):
 
     @cached_property
     def _cache_file(self):
-        """Made when a kernel is first called: the stamp reads many files."""
+        """Index of the cached kernels, opened at the first call because its stamp is slow."""
         return IndexDataCacheFile(
             self._cache_path,
             self._impl.filename_base + self.ending,
@@ -87,7 +87,7 @@ class KernelCache(FunctionCache):
 
 
 class CalleeCache(KernelCache):
-    """The same for kernels in the code of others."""
+    """numba's cache of kernels that other kernels contain."""
 
     _impl_class = CalleeKept
     ending = ".callee"
@@ -95,7 +95,7 @@ class CalleeCache(KernelCache):
 
 @cache
 def stamp(file: str) -> str:
-    """Digest of a source file and of all files of the project that it imports, directly or not."""
+    """Return the digest of a source file and of all project files that it reaches by imports."""
     digest = sha256()
     for path in sorted(reached(Path(file).resolve())):
         digest.update(path.read_bytes())

@@ -1,9 +1,9 @@
-"""Machine code of a participant's entries, for any processor that LLVM knows.
+"""Machine code of a participant's entries for any processor that LLVM supports.
 
-numba turns each entry and all kernels that it calls into one module of LLVM's language, without
-optimising it, so that it holds nothing of this machine; LLVM then optimises and translates it for
-the target. What numba hands out for calls from Python is left away. No fast mathematics, as in
-`compiled`. It runs in a process of its own, for numba is told once and for all what to do.
+numba turns each entry and its callees into one unoptimised LLVM module without anything specific
+to this machine. LLVM then optimises and translates it for the target. The wrappers for calls
+from Python are left out. There is no fast mathematics, as in `compiled`. It runs in a separate
+process, because numba is configured only once.
 """
 
 import gc
@@ -25,7 +25,7 @@ from .tree import ROOT, import_part
 
 
 class Target(NamedTuple):
-    """What machine code is made for: LLVM's name of the platform, and of the oldest processor."""
+    """Target of machine code: LLVM's name of the platform and of the oldest supported processor."""
 
     triple: str
     processor: str
@@ -38,15 +38,15 @@ TARGETS = {
     "darwin64": Target("x86_64-apple-macosx11.0.0", "x86-64"),
     "aarch64-darwin": Target("arm64-apple-macosx11.0.0", "generic"),
 }
-"""Names of platforms."""
+"""Targets by name of the platform."""
 
 RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
-"""What makes numba's code one for all processors."""
+"""Settings for which numba's code is the same for all processors."""
 
 OPTIMISATION = 3  # LLVM's level
-AT_FIRST = 1  # before references are counted: enough that those of one kernel stand side by side
+AT_FIRST = 1  # before references are counted: enough to bring those of one kernel together
 
-REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # places of the lengths that an entry is given
+REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # positions of an entry's lengths
 
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
@@ -56,8 +56,8 @@ OPEN = {
         *("ceil", "erf", "exp", "expm1", "floor", "hypot", "log10", "log1p", "pow", "sqrt", "tanh")
     },
 }
-"""All that machine code may ask of its surroundings, by what it is for: front/runtime.c, libc and
-libm. Whatever else numba would call is Python's."""
+"""All symbols that machine code may use, by purpose: front/runtime.c, libc and libm. All others
+would need Python."""
 
 PRODUCTS = {
     "declare i32 @numba_xxdot(i8, i8, i64, ptr, ptr, ptr)": """
@@ -76,8 +76,8 @@ define internal i32 @numba_xxgemv(i8 %kind, i8 %turned, i64 %m, i64 %n, ptr %alp
 declare void @native_times(i8, i64, i64, ptr, i64, ptr, ptr)
 """,
 }
-"""Products of vectors and of a matrix with one, which numba leaves to BLAS and, where that fails,
-to Python: those of front/runtime.c never fail, and LLVM sees that here."""
+"""Dot and matrix-vector products. numba uses BLAS, and Python if that fails. Those of
+front/runtime.c never fail, and LLVM sees that here."""
 
 
 COUNTERS = ("NRT_incref", "NRT_decref")
@@ -110,15 +110,14 @@ done:
 }
 declare void @NRT_MemInfo_call_dtor(ptr)
 """
-"""How references to a block of memory are counted, `Counted` of front/runtime.c. numba counts for
-several threads at once and forbids that it be inlined; a block of an instance's pool is known to
-the one thread that is in a call of it."""
+"""Reference counting of a block of memory, `Counted` of front/runtime.c. numba counts atomically
+and forbids inlining. Here only one thread uses the blocks of an instance."""
 
 WIDE = "+avx2"
-"""What the processor of the second version of `TWICE` has: vectors of four numbers."""
+"""Processor feature of the second version of `TWICE`: vectors of four numbers."""
 TWICE = ("invert_in_place", "substitute", "read", "read_both")
-"""Kernels that a library for x86-64 holds twice: loops where most of the time goes. Both have the
-same bits, for no multiplication is fused with an addition."""
+"""Kernels with two versions in a library for x86-64: the most expensive loops. Both give the
+same bits, because no multiplication is fused with an addition."""
 
 
 REPORT = 3.0
@@ -133,7 +132,7 @@ def object_files(
     kept: Path,
     progress: Callable[[str], object] = lambda text: None,
 ) -> dict[str, bytes]:
-    """Object file of a participant's entries for each of `TARGETS` asked for.
+    """Return the object file of a participant's entries for each of the platforms.
 
     Parameters
     ----------
@@ -142,15 +141,15 @@ def object_files(
     platforms : list of str
         Keys of `TARGETS`.
     kept : Path
-        The module that they are made of, compressed; made where it is not there. It is what takes
-        minutes, and the same for all targets.
+        Cached LLVM module, compressed; created if missing. It takes minutes and is the same for
+        all targets.
     progress : callable, optional
         Called with a message every `REPORT` s.
 
     Raises
     ------
     RuntimeError
-        With the words of numba or LLVM.
+        With the message of numba or LLVM.
     """
     with tempfile.TemporaryDirectory() as scratch:
         command = [sys.executable, "-m", __name__, package, str(kept), scratch, *platforms]
@@ -172,7 +171,7 @@ def object_files(
 
 
 def module_text(package: str, part: Any) -> str:
-    """All entries of a package's `NativePart` in LLVM's language, everything else internal."""
+    """Return the LLVM module of a package's entries; all other symbols are internal."""
     import numba
     from llvmlite import binding
     from numba import types
@@ -184,7 +183,7 @@ def module_text(package: str, part: Any) -> str:
     from .compiled import Kernel
 
     carray = numba.__dict__["carray"]
-    Kernel.keeps = False  # what others compile is for this machine
+    Kernel.keeps = False  # the cached kernels of other runs are for this machine only
     numbers = types.CPointer(types.float64)
     counts = types.CPointer(types.int64)
     flags: Any = compiler.Flags()
@@ -237,8 +236,9 @@ def module_text(package: str, part: Any) -> str:
 
 
 def in_two_versions(text: str) -> str:
-    """A module in which each kernel of `TWICE` is there for any x86-64 and for `WIDE`; which one is
-    called, the variable `native_wide` of front/runtime.c says.
+    """Return a module with two versions of each kernel of `TWICE`: any x86-64, and `WIDE`.
+
+    The variable `native_wide` of front/runtime.c chooses between them.
     """
     found = re.compile(
         rf"^define internal i32 @(?P<name>\S*\d(?:{'|'.join(TWICE)})B\S*?)\((?P<given>.*)\)"
@@ -250,7 +250,7 @@ def in_two_versions(text: str) -> str:
 
 
 def _twice(found: re.Match[str]) -> str:
-    """Both versions of a function, and under its name one that chooses."""
+    """Return both versions of a function, and a function of its name that chooses."""
     name, given, rest, body = found.group("name", "given", "rest", "body")
     names = {one: _renamed(name, one) for one in ("narrow", "wide")}
     types = [one.split()[0] for one in given.split(", ")]
@@ -276,12 +276,12 @@ def _twice(found: re.Match[str]) -> str:
 
 
 def _renamed(name: str, one: str) -> str:
-    """A name of LLVM's, perhaps in quotes, with an ending."""
+    """Append an ending to an LLVM name, which may be quoted."""
     return f'{name[:-1]}.{one}"' if name.endswith('"') else f"{name}.{one}"
 
 
 def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) -> bytes:
-    """Object file of a module, which may call what it `asks` for besides `OPEN`."""
+    """Return the object file of a module, which may use `asks` and the symbols of `OPEN`."""
     from llvmlite import binding
 
     machine = _machine(target)
@@ -290,7 +290,7 @@ def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) ->
     module = _parsed(in_two_versions(text) if x86 else text, target)
     _optimise(module, machine, AT_FIRST)
     pruning = binding.create_new_module_pass_manager()
-    pruning.add_refprune_pass()  # what is counted up and down again within a kernel
+    pruning.add_refprune_pass()  # removes pairs of increment and decrement within a kernel
     pruning.run(module, binding.create_pass_builder(machine, _level(AT_FIRST)))
     if any(f.name in COUNTERS for f in module.functions):
         module.link_in(_parsed(COUNTING, target))
@@ -305,7 +305,7 @@ def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) ->
 
 
 def without_counting(text: str) -> str:
-    """A module in which the functions that count references are only declared."""
+    """Return a module that only declares the functions that count references."""
     for name in COUNTERS:
         whole = rf"^define internal void @{name}\(.*\{{\n(?:.*\n)*?\}}$"
         text = re.sub(whole, f"declare void @{name}(ptr)", text, flags=re.MULTILINE)
@@ -313,7 +313,7 @@ def without_counting(text: str) -> str:
 
 
 def _parsed(text, target):
-    """A module for a target."""
+    """Return the parsed module for a target."""
     from llvmlite import binding
 
     module = binding.parse_assembly(text)
@@ -323,14 +323,14 @@ def _parsed(text, target):
 
 
 def _level(level):
-    """LLVM's options for a level."""
+    """Return LLVM's options for an optimisation level."""
     from llvmlite import binding
 
     return binding.create_pipeline_tuning_options(speed_level=level)
 
 
 def _optimise(module, machine, level):
-    """Run LLVM's passes of a level."""
+    """Run LLVM's passes of an optimisation level."""
     from llvmlite import binding
 
     builder = binding.create_pass_builder(machine, _level(level))
@@ -338,7 +338,7 @@ def _optimise(module, machine, level):
 
 
 def open_symbols(module: Any) -> set[str]:
-    """Names of functions that a module calls and has not, but for LLVM's own."""
+    """Return the names of functions that a module uses but does not define, without LLVM's own."""
     named = {f.name for f in module.functions if f.is_declaration}
     return {name for name in named if not name.startswith("llvm.")}
 
@@ -355,11 +355,11 @@ def _machine(target: Target):
 
 
 def main(package: str, kept: str, folder: str, *platforms: str) -> None:
-    """Write the object files into a folder; the module that they are made of is kept."""
+    """Write the object files into a folder, and save the LLVM module at `kept`."""
     threading.Thread(target=_follow, daemon=True).start()
     phase = [f"compiling {package}"]
     threading.Thread(target=_report, args=(phase,), daemon=True).start()
-    gc.disable()  # numba makes millions of small objects, and the process ends with them
+    gc.disable()  # numba creates millions of small objects, which live until the process ends
     part = import_part(f"{package}.native").PART
     if os.path.exists(kept):
         text = gzip.decompress(Path(kept).read_bytes()).decode()
@@ -372,13 +372,13 @@ def main(package: str, kept: str, folder: str, *platforms: str) -> None:
 
 
 def _follow() -> None:
-    """End this process when the other side of its input has ended."""
+    """End this process when its parent process has ended."""
     sys.stdin.read()
     os._exit(1)
 
 
 def _report(phase: list[str]) -> None:
-    """Print the phase, its time and the share of compiled kernels every `REPORT` s."""
+    """Print phase, time and share of compiled kernels every `REPORT` s."""
     from numba.core import event
 
     begin = time.monotonic()

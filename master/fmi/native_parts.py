@@ -1,6 +1,4 @@
-"""What a participant package says of itself to become an FMU that needs no Python: the value
-`PART` of its module `native`.
-"""
+"""Native part of a participant package: the value `PART` of its module `native`."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,47 +9,60 @@ from .compiled import compiled
 from .variables import Variable
 
 CALL = "native_part"
-"""Runs an entry of a participant inside a coupled slave, front/parts.c."""
+"""Function that runs an entry of a participant inside a coupled slave, front/parts.c."""
 
 
 class Entry(NamedTuple):
-    """A kernel of four arrays, (real, integer, memory, numbers), and no result: real and integer
-    variables of the slave, its own memory and a few numbers of the call.
+    """Kernel of four arrays without result, (real, integer, memory, numbers).
+
+    They are real and integer variables of the slave, its memory, and a few numbers of the call.
     """
 
     kernel: Any  # compiled.Kernel
 
     def name(self, package: str) -> str:
-        """Of the function in the library, where entries of several packages may meet."""
+        """Return the name of the function in the library, which may contain several packages."""
         return symbol(package, self.kernel.py_func.__name__)
 
 
 @compiled
 def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """The entry `size` of a memory that begins with what is asked for: lengths of the whole, where
-    its state begins and how long that is, where faults are; into `numbers`.
+    """Write the head of a memory into `numbers`: the entry `size`.
+
+    They are total length, position and length of the state, and position of the faults.
     """
     for k in range(len(numbers)):
         numbers[k] = memory[k]
 
 
 def symbol(package: str, name: str) -> str:
-    """Of an entry of a package in object files."""
+    """Return the symbol of a package's entry in object files."""
     return f"{package.replace('.', '_')}_{name}"
 
 
 class NativePart(NamedTuple):
     """The compiled side of a slave.
 
-    entries : size, start, advance and tangent, `front/native.h`;
-    given : what the memory of a slave begins with, ndarray of float64, for the slave;
-    uncovered : sentences on build options that the library does not cover;
-    covered : name of a parameter to the choices, or to the one value, that the library covers;
-    faults : sentences by their number;
-    refusal : what stands before the sentence of a refused step;
-    uncovered_ahead : as `uncovered`, of build options as a case gives them;
-    uncovered_values : the same of parameters, all of them, in SI and choices by their numbers;
-    asks : functions that the entries call besides those of `native_code.OPEN`.
+    Attributes
+    ----------
+    entries : tuple of Entry
+        size, start, advance and tangent, `front/native.h`.
+    given : callable
+        Returns the first part of a slave's memory, ndarray of float64.
+    uncovered : callable
+        Yields faults of checked build options that the library does not cover.
+    covered : mapping
+        Covered choices, or the only covered value, by name of the parameter.
+    faults : tuple of str
+        Sentences by number.
+    refusal : str
+        First part of the message of a discarded step.
+    uncovered_ahead : callable
+        As `uncovered`, for build options as in a case.
+    uncovered_values : callable
+        As `uncovered`, for all parameters in SI, choices by number.
+    asks : frozenset of str
+        Functions that the entries call in addition to those of `native_code.OPEN`.
     """
 
     entries: tuple[Entry, ...]
@@ -68,14 +79,14 @@ class NativePart(NamedTuple):
 def uncovered_values(
     part: NativePart, variables: Sequence[Variable], given: Mapping[str, Any]
 ) -> Iterator[str]:
-    """Sentences on parameters of a participant that are valid, but not covered by its machine code.
+    """Yield a sentence for each valid parameter value that the machine code does not cover.
 
     Parameters
     ----------
     part : NativePart
     variables : sequence of Variable
     given : mapping
-        Values in SI, choices by their numbers; the others are at their start values.
+        Values in SI, choices by number. Default: start values.
     """
     values = {v.name: v.number(v.start) for v in variables} | dict(given)
     for v in variables:

@@ -1,6 +1,6 @@
-"""Faults that kernels note: by the number of a sentence, two places and three numbers.
+"""Faults that kernels note: the number of a sentence, two positions and three numbers.
 
-The sentences are made outside: `{i}` and `{j}` in them are the places, `{a}` to `{c}` the numbers.
+Python makes the sentences. `{i}` and `{j}` are the positions, `{a}` to `{c}` the numbers.
 """
 
 from collections.abc import Sequence
@@ -12,17 +12,16 @@ from .compiled import compiled
 MOST_FAULTS = 24
 OF_A_FAULT = 6
 ROOM = 1 + MOST_FAULTS * OF_A_FAULT
-"""How many, then number of the sentence, i, j, a, b and c of each."""
+"""Length of a list of faults: their count, then number of the sentence, i, j, a, b, c for each."""
 
 
 def none_yet() -> np.ndarray:
-    """Return room for faults."""
+    """Return an empty list of faults."""
     return np.zeros(ROOM)
 
 
 @compiled
 def refuse(faults: np.ndarray, number: float, i: float, j: float, a: float, b: float, c: float):
-    """Note a fault."""
     count = int(faults[0])
     if count < MOST_FAULTS:
         first = 1 + OF_A_FAULT * count
@@ -37,7 +36,7 @@ def refuse(faults: np.ndarray, number: float, i: float, j: float, a: float, b: f
 
 @compiled
 def take_over(faults: np.ndarray, others: np.ndarray, first: float):
-    """Note faults of another list, whose sentences begin with the number `first` of this one."""
+    """Append the faults of another list, whose sentences begin at number `first` of this one."""
     for k in range(int(others[0])):
         count = int(faults[0])
         if count < MOST_FAULTS:
@@ -49,20 +48,21 @@ def take_over(faults: np.ndarray, others: np.ndarray, first: float):
 
 @compiled
 def remark(faults: np.ndarray, number: float):
-    """Note a warning, a sentence without numbers, in the place of the first fault: below 0, and no
-    fault is counted.
+    """Note a warning: a sentence without numbers.
+
+    It is stored as a negative number at the first fault, and the count of faults stays 0.
     """
     if faults[0] == 0.0:
         faults[1] = -1.0 - number
 
 
 def remark_of(faults: np.ndarray, sentences: Sequence[str]) -> str:
-    """Return the sentence of the warning that is noted, empty without one."""
+    """Return the sentence of the noted warning, empty if there is none."""
     return sentences[int(-1.0 - faults[1])] if faults[1] < 0.0 else ""
 
 
 def sentences_of(faults: np.ndarray, sentences: Sequence[str]) -> list[str]:
-    """Return the sentence of each fault that is noted."""
+    """Return the sentences of all noted faults."""
     noted = faults[1:].reshape(MOST_FAULTS, OF_A_FAULT)[: int(faults[0])].tolist()
     return [
         sentences[int(number)].format(i=f"{i:g}", j=f"{j:g}", a=f"{a:g}", b=f"{b:g}", c=f"{c:g}")

@@ -1,9 +1,8 @@
-"""Option classes, looked at from outside: every key with its unit, default, range and meaning, and
-the known key nearest to one that is none.
+"""Description of option classes: every key with its unit, default, range and meaning.
 
-What is read is the JSON schema that pydantic makes of a class, so that a class of another part is
-looked at without being known. A bound of a quantity with a unit stands there as `ge`, `gt`, `le`,
-`lt`, in SI; a description is the text below the key in its class, read when a schema is asked for.
+The source is the JSON schema that pydantic makes of a class, so the class may belong to any
+part. Bounds of a quantity with a unit are `ge`, `gt`, `le`, `lt`, in SI. The description of a
+key is the text below it in its class, which is read when a schema is requested.
 """
 
 import ast
@@ -23,17 +22,17 @@ Schema = Mapping[str, Any]
 LOW = {"minimum": "", "ge": "", "exclusiveMinimum": "above ", "gt": "above "}
 HIGH = {"maximum": "", "le": "", "exclusiveMaximum": "below ", "lt": "below "}
 ANY = "NAME"
-"""Stands in a dotted key for a name that the user gives, ..."""
+"""Placeholder in a dotted key for a name that the user chooses."""
 EACH = "N"
-"""... and for an entry of a list, counted from 0."""
+"""Placeholder in a dotted key for the index of a list entry, from 0."""
 
 
 @dataclass(frozen=True)
 class Key:
-    """One key.
+    """One key of an option class.
 
-    path : dotted; default : as it would be written, empty where there is none or the key is
-    required; allowed : choices or range; meaning : one sentence.
+    path : dotted; default : as written, empty if there is none or the key is required; allowed :
+    choices or range; meaning : one sentence.
     """
 
     path: str
@@ -45,14 +44,15 @@ class Key:
 
     @property
     def name(self) -> str:
-        """Its last part."""
+        """Last part of the path."""
         return self.path.rpartition(".")[-1]
 
 
 def with_meanings(schema: dict[str, Any], kind: type[BaseModel]) -> None:
-    """Give each key in the schema of a class the text below it, in place: a class's
-    `json_schema_extra`. pydantic's `use_attribute_docstrings` reads the source of every class when
-    it is made, a tenth of a start, for what `keys` alone asks for.
+    """Add the text below each key of a class to its schema, in place: for `json_schema_extra`.
+
+    pydantic's `use_attribute_docstrings` would read the source of every class at import. That
+    takes a tenth of a start, and only `keys` needs it.
     """
     for one in reversed(kind.__mro__[: kind.__mro__.index(BaseModel)]):
         for name, meaning in _texts_below(one):
@@ -61,7 +61,7 @@ def with_meanings(schema: dict[str, Any], kind: type[BaseModel]) -> None:
 
 
 def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
-    """Each annotated name of a class that has a text below it, and the text."""
+    """Yield each annotated name of a class that has a text below it, and the text."""
     (found,) = ast.parse(dedent(inspect.getsource(kind))).body
     assert isinstance(found, ast.ClassDef)
     for one, below in pairwise(found.body):
@@ -80,7 +80,7 @@ def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:
 
 
 OPTION = re.compile(r"(str|bool|int|float|(list|dict|tuple|constrained|function)[\[-].*)")
-"""Part of a place that names one of several types, not a key."""
+"""Part of a pydantic location that names one of several types, not a key."""
 
 
 EXPECTED = re.compile(r"(.*?: expected )(.*)(, got .*)")
@@ -92,12 +92,12 @@ def where_of(fault: Any) -> str:
 
 
 def is_key(part: str | int) -> bool:
-    """Return whether a part of a pydantic place is a key, not a type."""
+    """Return whether a part of a pydantic location is a key, not a type."""
     return isinstance(part, int) or not OPTION.fullmatch(part)
 
 
 def _of_choice(fault: Any) -> bool:
-    """Return whether a fault is about one of several types that a value may have."""
+    """Return whether a fault is about a value that may have several types."""
     return not all(map(is_key, fault["loc"]))
 
 
@@ -111,7 +111,7 @@ def _either(sentences: list[str]) -> str:
 
 
 def _sentences(fault: Any, kind: type[BaseModel]) -> list[str]:
-    """Return one pydantic fault as sentences; those of a validator may begin with a key."""
+    """Return a pydantic fault as sentences; those of a validator may begin with a key."""
     where = where_of(fault)
     if fault["type"] == "value_error":
         return [
@@ -122,7 +122,7 @@ def _sentences(fault: Any, kind: type[BaseModel]) -> list[str]:
 
 
 def _sentence(fault: Any, where: str, kind: type[BaseModel]) -> str:
-    """Return one fault that pydantic itself finds as a sentence."""
+    """Return the sentence of a fault that pydantic itself reports."""
     context = fault.get("ctx", {})
     if fault["type"] == "extra_forbidden":
         *parents, last = fault["loc"]
@@ -139,7 +139,7 @@ def _sentence(fault: Any, where: str, kind: type[BaseModel]) -> str:
 
 
 def _shown(value: Any) -> str:
-    """Return a value as a sentence shows it."""
+    """Return a value as it appears in a sentence."""
     if isinstance(value, Mapping):
         return "a table"
     if isinstance(value, (list, tuple)):
@@ -172,12 +172,13 @@ WANTED = {
     "too_long": "a list of at most {max_length} entries",
     "string_pattern_mismatch": 'a name such as "participant.variable"',
 }
-"""Expected value of a fault, by pydantic's name of it."""
+"""Expected value by pydantic's name of the fault."""
 
 
 def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Schema]:
-    """Tables at a place; of a choice between several all of them. Parts that name the chosen one
-    are passed over.
+    """Return the tables at a location; for a choice between several tables all of them.
+
+    Parts of the location that name a type are skipped.
     """
     found = []
     for option in options(schema, node):
@@ -191,7 +192,7 @@ def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Sc
 
 
 def _child(node: Schema, part: str | int) -> Schema | None:
-    """What a table or list has at one of its keys; None without it."""
+    """Return the child of a table or list at one of its keys; None if there is none."""
     if isinstance(part, int):
         return node.get("items")
     own = node.get("properties", {}).get(part)
@@ -200,7 +201,7 @@ def _child(node: Schema, part: str | int) -> Schema | None:
 
 
 def options(schema: Schema, node: Schema) -> list[Schema]:
-    """What a value may be: references followed, a choice taken apart, `null` left out."""
+    """Return the possible schemas of a value, with references resolved and without `null`."""
     if "$ref" in node:
         target = schema["$defs"][node["$ref"].rpartition("/")[-1]]
         return options(schema, target)
@@ -210,7 +211,7 @@ def options(schema: Schema, node: Schema) -> list[Schema]:
 
 
 def keys(schema: Schema, before: str = "") -> list[Key]:
-    """Every key of a class, nested ones after the table that holds them, each once."""
+    """Return every key of a class once; keys of a nested table follow that table."""
     return list({key.path: key for key in _keys(schema, schema, before)}.values())
 
 
@@ -231,7 +232,7 @@ def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
 
 
 def _inside(schema: Schema, node: Schema, path: str) -> Iterator[Key]:
-    """Keys of the tables inside a value."""
+    """Yield the keys of the tables inside a value."""
     if "properties" in node:
         yield from _keys(schema, node, f"{path}.")
     for inner, part in ((node.get("additionalProperties"), ANY), (node.get("items"), EACH)):
@@ -241,14 +242,14 @@ def _inside(schema: Schema, node: Schema, path: str) -> Iterator[Key]:
 
 
 def _unit(node: Schema) -> str:
-    """Unit of a quantity, or of those in a list of a fixed length; "" without one."""
+    """Return the unit of a quantity or of a list of fixed length; "" if there is none."""
     first = next(iter(node.get("prefixItems", ())), {})
     unit = node.get("unit", first.get("unit", ""))
     return "" if unit == "1" else unit
 
 
 def _default(node: Schema) -> str:
-    """The default as text; empty for none, and for an empty table or list."""
+    """Return the default as text; empty if there is none, or for an empty table or list."""
     value = node.get("default")
     if value is None or value == [] or isinstance(value, dict):
         return ""
@@ -258,7 +259,7 @@ def _default(node: Schema) -> str:
 
 
 def _allowed(node: Schema) -> str:
-    """Choices or range of a value; otherwise what it is."""
+    """Return the choices or the range of a value; otherwise its type."""
     if "enum" in node:
         return ", ".join(map(str, node["enum"]))
     if "const" in node:

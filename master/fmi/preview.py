@@ -1,6 +1,4 @@
-"""What a part says of a participant before its FMU is built: figures, faults, remarks, a
-picture.
-"""
+"""Preview of a participant before its FMU is built: figures, faults, remarks, a picture."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,8 +7,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure: name as in `keys` where there is one, value in its SI unit, and in words where it
-    comes from; `group` is its line on the screen.
+    """One figure of a preview.
+
+    group : line of the output; name : as in `keys` if it is a key; value : in its SI unit; note
+    : its source.
     """
 
     group: str
@@ -22,10 +22,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Preview:
-    """What a part knows of a participant beforehand.
+    """Figures and faults of a participant before a run.
 
-    faults : what a run would be refused for, or would be wrong by; remarks : what is worth a look;
-    draw : writes a picture of the geometry, where there is one to draw.
+    faults : reasons to reject a run or to distrust it; remarks : points to check; draw : writes
+    a picture of the geometry, None if there is none.
     """
 
     figures: list[Figure] = field(default_factory=list)
@@ -34,5 +34,5 @@ class Preview:
     draw: Callable[[Path], None] | None = None
 
     def figure(self, name: str) -> Figure | None:
-        """The figure of a name."""
+        """Return the figure of a name, None if there is none."""
         return next((one for one in self.figures if one.name == name), None)

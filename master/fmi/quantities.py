@@ -1,6 +1,4 @@
-"""Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models. SI inside, units at
-the edge alone.
-"""
+"""Quantities with units in user files: "25 um" -> 2.5e-5, for pydantic models."""
 
 import re
 from contextlib import suppress
@@ -20,14 +18,15 @@ from .errors import BadInput
 
 @cache
 def registry():
-    """The pint registry, made on first use, knowing rpm and deg as engine people write them. pint
-    keeps its definitions as read in the user's cache: 0.03 s, and 0.4 s where there is none. What
-    is kept and cannot be read is thrown away.
+    """Return the pint registry with rpm and deg.
+
+    pint caches its parsed definitions in the user's cache, which takes 0.03 s instead of 0.4 s.
+    An unreadable cache is deleted.
     """
     import pint
 
     made = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
-    with suppress(OSError, RuntimeError):  # there is nowhere to keep it
+    with suppress(OSError, RuntimeError):  # there is no place for a cache
         kept = cache_folder("units")
         try:
             return made(cache_folder=kept)
@@ -37,7 +36,7 @@ def registry():
 
 
 def pint_unit(unit):
-    """A unit as pint writes it, from FMI's way: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
+    """Convert a unit from FMI to pint: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
     return (
         "dimensionless"
         if unit == "1"
@@ -46,15 +45,15 @@ def pint_unit(unit):
 
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
-"""Units of time by their size [s]."""
+"""Units of time [s]."""
 SI = ("m", "kg", "N", "Pa", "J", "W", "K", "A", "V")
 WRITTEN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z]+)\s*")
 
 
 def _without_pint(value, unit):
-    """Return the SI value of a number or a plain text such as "1 ms", None of any other.
+    """Return the SI value of a number or of a plain text such as "1 ms"; None for all others.
 
-    pint gives the same bits, and takes 0.3 s to import.
+    pint gives the same bits but takes 0.3 s to import.
     """
     if unit == "1" and type(value) in (int, float):
         return float(value)
@@ -77,11 +76,11 @@ def to_si(value, unit):
 
 
 EXAMPLES = {"m": "1 mm", "rad": "10 deg", "rad/s": "3000 rpm", "K": "90 degC", "1": "0.5"}
-"""A quantity as users write it, by its SI unit; default: "1 UNIT"."""
+"""Example of a quantity by its SI unit; default: "1 UNIT"."""
 
 
 def _not_a_quantity(value, unit):
-    """Return the error of a value that is no finite quantity of the unit."""
+    """Return the error for a value that is not a finite quantity of the unit."""
     wanted = "a number" if unit == "1" else f"a quantity in {unit}"
     example = EXAMPLES.get(unit, f"1 {pint_unit(unit)}".replace("**", "^"))
     return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
@@ -94,14 +93,14 @@ def _by_pint(value, unit):
     Parameters
     ----------
     value : str or float
-        "25 um"; a bare number is taken only where `unit` is dimensionless.
+        "25 um". A bare number is valid only if `unit` is dimensionless.
     unit : str
-        The SI unit it must have, as FMI or pint write it ("Pa.s", "1").
+        Required SI unit, as FMI or pint write it ("Pa.s", "1").
 
     Raises
     ------
     ValueError
-        If the text is no quantity, or of another dimension; the sentence names value and unit.
+        If the text is not a quantity, or has another dimension. It contains value and unit.
     """
     if not is_known(unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
@@ -121,8 +120,9 @@ def _by_pint(value, unit):
 
 @kept_answers("pint")
 def from_si(value: float, si: str, unit: str) -> float:
-    """A value in the SI unit `si` in another unit, as pint writes it; ValueError where there is no
-    such unit, or of another dimension.
+    """Convert a value from the SI unit `si` to another unit, as pint writes it.
+
+    Raises `ValueError` if the unit is unknown or has another dimension.
     """
     import pint
 
@@ -134,7 +134,7 @@ def from_si(value: float, si: str, unit: str) -> float:
 
 @kept_answers("pint")
 def worth(unit: str, other: str) -> str:
-    """What the product of two units is, as FMI writes them: "energy", "power", or its own unit."""
+    """Return the kind of the product of two FMI units: "energy", "power", or its unit."""
     product = registry()(pint_unit(unit)) * registry()(pint_unit(other))
     for kind in ("energy", "power"):
         if product.check(f"[{kind}]"):
@@ -143,7 +143,7 @@ def worth(unit: str, other: str) -> str:
 
 
 def duration(name, text):
-    """A positive time that a user gave for `name`, in seconds; BadInput if it is none."""
+    """Return a positive time in seconds; raise `BadInput` with `name` if it is not."""
     try:
         seconds = to_si(text, "s")
     except ValueError as error:
@@ -154,7 +154,7 @@ def duration(name, text):
 
 
 def is_angle(text: str) -> bool:
-    """Whether a text is an angle; a pure number is none."""
+    """Return whether a text is an angle with a unit."""
     return _without_pint(text, "s") is None and _is_angle(text)
 
 
@@ -169,7 +169,7 @@ def _is_angle(text: str) -> bool:
 
 @kept_answers("pint")
 def is_known(unit: str) -> bool:
-    """Whether a unit can be read; FMI leaves FMUs free to name theirs as they like."""
+    """Return whether pint knows a unit; FMUs may use any name."""
     try:
         registry().Unit(pint_unit(unit))
     except Exception:
@@ -179,8 +179,9 @@ def is_known(unit: str) -> bool:
 
 @dataclass(frozen=True)
 class in_unit:
-    """Reads a pydantic field of floats from text with a unit, into SI `unit`; its JSON schema says
-    the unit, and that of it a text is wanted.
+    """Annotation of a pydantic float that is read from text with a unit into SI `unit`.
+
+    Its JSON schema contains the unit and the type string.
     """
 
     unit: str
@@ -200,12 +201,12 @@ class in_unit:
 
 
 def Quantity(unit):
-    """Pydantic field type: float in SI `unit`, read from text with a unit."""
+    """Return the pydantic field type of a float in SI `unit`, read from text with a unit."""
     return Annotated[float, in_unit(unit)]
 
 
 def short(value, unit, digits=3):
-    """A value with a unit of handy size: 5.2e-6 m -> "5.2 um"."""
+    """Return a value as text with a prefixed unit: 5.2e-6 m -> "5.2 um"."""
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "rad":
@@ -217,5 +218,5 @@ def short(value, unit, digits=3):
 
 
 def one_micro(text):
-    """What pint has written, with the micro sign for the Greek letter that newer versions take."""
+    """Replace the Greek letter mu, which newer versions of pint write, by the micro sign."""
     return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")

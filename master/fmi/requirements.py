@@ -1,8 +1,6 @@
-"""What an FMU needs of the Python it runs in. Standard library alone: this is asked before anything
-else is imported.
+"""Requirements of an FMU on its Python, with the standard library only, before other imports.
 
-Run as a script it answers the C front: "library PATH<tab>EXECUTABLE", or a sentence saying what is
-missing.
+As a script it reports to the C front: "library PATH<tab>EXECUTABLE", or the missing requirement.
 """
 
 import importlib.util
@@ -14,7 +12,7 @@ PACKAGES = ("numpy", "scipy", "numba")
 
 
 def missing():
-    """Sentence saying what this Python lacks and how to mend it; empty if nothing."""
+    """Return a sentence with the missing requirement and its remedy; empty if there is none."""
     if sys.version_info < (3, 11):
         return "Python 3.11 or newer is needed, this is %d.%d" % sys.version_info[:2]
     absent = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
@@ -28,9 +26,7 @@ def missing():
 
 
 def library():
-    """Path of this Python's shared library, or None (an interpreter built without one cannot be
-    embedded).
-    """
+    """Return the path of this Python's shared library, or None if it was built without one."""
     name = sysconfig.get_config_var("INSTSONAME") or ""
     folders = (sysconfig.get_config_var("LIBDIR") or "", os.path.join(sys.base_prefix, "lib"))
     libraries = [os.path.join(folder, name) for folder in folders]

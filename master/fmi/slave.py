@@ -1,25 +1,23 @@
-"""The slave every FMU of this project is made of: one variable table, whole-object state, fields
-moved as slices.
+"""Base class of every FMU: one variable table, one state object, fields moved as slices.
 
-The C front, or pythonfmu where there is none, calls the methods of `FieldSlave`; a participant
-derives from it and writes three: `start`, `advance` and `directional_derivative`. What is stored
-where:
+The C front, or pythonfmu if there is none, calls the methods of `FieldSlave`. A participant derives
+from it and defines three: `start`, `advance` and `directional_derivative`. Storage:
 
-- `real`: one array [variables of type Real | courses | seeds | products]; each declared array is a
-  view of it. Seeds and products are the reserved
-  references of the directional derivative. A course is what fmi2SetRealInputDerivatives said of an
-  input, its first three derivatives at the beginning of the step to come.
-- `integer`, `string`: likewise for the other types; a choice is its number. The front reads and
-  writes `real` and `integer` in place: they are allocated once and stay where they are. A value
-  reference counts through all three one after the other, so that none stands for two variables:
-  one that is taken for another type is refused.
-- `state`: the participant's own frozen dataclass or named tuple. The FMU state is (real variables,
-  texts and choices, state); Integer outputs count work done, which no rollback undoes, so they are
+- `real`: one array [variables of type Real | courses | seeds | products]. Each declared array is a
+  view of it. Seeds and products are the reserved references of the directional derivative. A course
+  is the content of fmi2SetRealInputDerivatives: the first three derivatives of an input at the
+  beginning of the next step.
+- `integer`, `string`: the same for the other types. A choice is stored by number. The front reads
+  and writes `real` and `integer` in place, so they are allocated once and never move. Value
+  references run through all three arrays without overlap. A reference of the wrong type is
+  rejected.
+- `state`: the participant's frozen dataclass or named tuple. The FMU state is (real variables,
+  texts and choices, state). Integer outputs count work, which a rollback does not undo, so they are
   not part of it.
 
-Nothing here may raise into pythonfmu's C layer: an exception that crosses it corrupts the host
-later. A step that cannot be taken is logged, leaves the state as it was, and sets `status` to
-discard (a bug: to error).
+No method may raise into pythonfmu's C layer, because an exception that crosses it corrupts the
+host later. A failed step is logged, does not change the state, and sets `status` to discard. A
+bug sets it to error.
 """
 
 import json
@@ -37,23 +35,24 @@ from .errors import BadInput, Discard
 from .state_bytes import join, split
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
-"""Kinds of reserved storage: an input's derivatives over a step, a directional derivative's seed
-and product.
-"""
+"""Kinds of reserved storage: derivatives of an input over a step, seed and product of a
+directional derivative."""
 
 
 LARGEST = sys.float_info.max
 
 
 def reserved(kind: str, name: str) -> str:
-    """Key of the reserved storage of a variable."""
+    """Return the key of the reserved storage of a variable."""
     return f"{kind}:{name}"
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """What an importer does unless told otherwise: stop and communication step [s], and where
-    results are iterated the error of what is exchanged over its nominal value [-].
+    """Default experiment of an importer.
+
+    stop, step : stop time and communication step [s]; tolerance : of an iteration, error of the
+    exchanged values over their nominals [-].
     """
 
     stop: float
@@ -62,7 +61,7 @@ class Experiment:
 
 
 class FieldSlave(Fmi2Slave):
-    """Base of every slave; see the module text for what lies where.
+    """Base class of every slave; the module docstring describes its storage.
 
     A participant defines
 
@@ -70,14 +69,13 @@ class FieldSlave(Fmi2Slave):
     - `state_type`: the frozen dataclass or named tuple (of arrays, floats and named tuples) that
       `start` and `advance` return;
     - `variables(options)`: its table, a list of `Variable`;
-    - `start(values) -> (state, outputs)`: at the end of initialisation; raises BadInput with every
-      fault;
-    - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises Discard if it
-      cannot;
-    - `slow_state`: members of the state, `field` or `field.name`, that a run may extrapolate from
-      cycle to cycle, see `state_bytes`; optional.
-    - `interpolates_inputs`: True if `advance` asks `course` for its inputs instead of reading
-      `values`;
+    - `start(values) -> (state, outputs)`: called at the end of initialisation; raises `BadInput`
+      with every fault;
+    - `advance(state, values, time, step) -> (state, outputs)`: one step [s]; raises `Discard` if it
+      fails;
+    - `slow_state`: optional members of the state, `field` or `field.name`, that a run may
+      extrapolate from cycle to cycle, see `state_bytes`;
+    - `interpolates_inputs`: True if `advance` reads its inputs from `course` instead of `values`;
     - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`:
       optional.
     """
@@ -105,26 +103,26 @@ class FieldSlave(Fmi2Slave):
         self.inputs = [v for v in self.table if v.causality == "input" and v.type != "String"]
         self._lay_out()
 
-    # the participant's part
+    # methods of the participant
 
     @staticmethod
     def variables(options):
-        """Variable table for the build `options`."""
+        """Return the variable table for the build `options`."""
         raise NotImplementedError
 
     def start(self, values):
-        """State and outputs at the start time for the parameters and inputs in `values`."""
+        """Return state and outputs at the start time, for the parameters and inputs in `values`."""
         raise NotImplementedError
 
     def advance(self, state, values, time, step):
-        """State and outputs at time + step [s]; inputs in `values` hold end-of-step values."""
+        """Return state and outputs at time + step [s]; inputs in `values` are those at its end."""
         raise NotImplementedError
 
     def course(self, name):
-        """An input over the step being taken, as the importer described it.
+        """Return an input over the current step, as the importer described it.
 
         Eq. (Y1):  u(t + s) = u + u' s + u'' s^2/2 + u''' s^3/6,
-                   held (all derivatives 0) if nothing was said of it
+                   constant (all derivatives 0) if the importer set none
 
         Returns
         -------
@@ -135,15 +133,16 @@ class FieldSlave(Fmi2Slave):
         return np.concatenate([self.views[name][None], self.views[reserved(COURSE, name)]])
 
     def directional_derivative(self, seeds):
-        """Change of `derivative_outputs` at the end of the last step for a change `seeds` of its
-        inputs.
+        """Return the change of `derivative_outputs` at the end of the last step.
+
+        `seeds` is the change of its inputs.
         """
         raise NotImplementedError
 
     # storage
 
     def _lay_out(self):
-        """Allocate storage, give every variable its view, and copy the start values in."""
+        """Allocate storage, give every variable its view, and set the start values."""
         self.views = {}
         self.references = {}
         real = [v for v in self.table if v.type == "Real"]
@@ -207,9 +206,7 @@ class FieldSlave(Fmi2Slave):
             offset += size
 
     def _values(self):
-        """Parameters and inputs as the participant sees them: floats, ints, texts, arrays
-        (copies).
-        """
+        """Return copies of all parameters and inputs: floats, ints, texts, arrays."""
         strings = dict(zip(self.read_texts, self.string))
         numbers = {
             name: view.copy() if view.ndim else view.item()
@@ -222,11 +219,12 @@ class FieldSlave(Fmi2Slave):
         for name, value in outputs.items():
             self.views[name][...] = value
 
-    # what the C front calls besides
+    # methods that only the C front calls
 
     def layout(self):
-        """Where the numbers lie, for the front (front.h): addresses, lengths, courses, seeds,
-        products, all variables.
+        """Return the memory layout for the front (front.h).
+
+        It contains addresses, lengths, courses, seeds, products and all variables.
         """
         real = self.real.ctypes.data
         integer = self.integer.ctypes.data
@@ -258,9 +256,7 @@ class FieldSlave(Fmi2Slave):
         return np.concatenate(parts).astype(np.int64).tobytes()
 
     def verdict(self):
-        """Status of the call just made and what it logged, (status, category, text) each; both are
-        forgotten here.
-        """
+        """Return status and messages (status, category, text) of the last call; clear both."""
         status = int(self.status)
         self.status = Fmi2Status.ok
         messages = [(int(m.status), m.category or "logAll", m.msg) for m in self.log_queue]
@@ -268,9 +264,7 @@ class FieldSlave(Fmi2Slave):
         return status, messages
 
     def update_products(self):
-        """Fill the product storage for what the seed storage holds; NaN and an error if that
-        fails.
-        """
+        """Compute the products for the stored seeds; set NaN and an error if that fails."""
         try:
             seeds = {name: view.copy() for name, view in self.seeds.items()}
             for name, value in self.directional_derivative(seeds).items():
@@ -280,12 +274,10 @@ class FieldSlave(Fmi2Slave):
             self.real[self.first_product :] = np.nan
         self.products_due = False
 
-    # what both call
+    # methods that both call
 
     def enter_initialization_mode(self):
-        """From here to `exit_initialization_mode` outputs follow what is set. Says where code is
-        compiled next.
-        """
+        """Let outputs follow inputs until `exit_initialization_mode`; log a compilation."""
         kernels: Any = sys.modules.get(f"{__package__}.compiled")
         if kernels and (said := kernels.first_start()):
             self.log(said, Fmi2Status.warning)
@@ -293,9 +285,9 @@ class FieldSlave(Fmi2Slave):
         self.shown = None
 
     def show_start(self):
-        """In Initialization Mode, before outputs are read: publish those that follow from the
-        parameters and inputs set so far. Where these are refused the outputs stay as they are; the
-        end of the initialisation says why.
+        """Publish the outputs that follow from parameters and inputs in Initialization Mode.
+
+        If these are rejected, the outputs do not change. The end of the initialisation reports why.
         """
         if not self.initialising or self.shown == self._given():
             return
@@ -308,23 +300,22 @@ class FieldSlave(Fmi2Slave):
             return
 
     def exit_initialization_mode(self):
-        """Check every parameter range, start the participant; a fault is logged and every later
-        step discarded.
+        """Check all parameter ranges and start the participant.
+
+        A fault is logged, and every later step is discarded.
         """
         self.initialising = False
         self.state = self._checked_start()
 
     def _given(self):
-        """All that a start depends on, comparable."""
+        """Return all values that a start depends on, comparable."""
         return (
             *(self.views[v.name].tobytes() for v in self.table if v.name in self.given),
             tuple(self.string),
         )
 
     def _checked_start(self):
-        """State at the start with its outputs published; None, the fault noted, where parameters
-        are refused.
-        """
+        """Return the start state and publish its outputs; None if parameters are rejected."""
         self.started_with = self._parameters()
         try:
             if faults := self._range_faults():
@@ -339,13 +330,14 @@ class FieldSlave(Fmi2Slave):
         return None
 
     def _parameters(self):
-        """What `start` depends on, comparable: a state that carries other parameters needs a new
-        start.
+        """Return the parameters that `start` depends on, comparable.
+
+        A saved state with other parameters needs a new start.
         """
         return self.real[self.parameter_elements].tobytes(), self._settings()
 
     def _settings(self):
-        """All texts, then the numbers of all choices."""
+        """Return all texts, then the numbers of all choices."""
         return (*self.string, *(self.views[v.name].item() for v in self.enumerations))
 
     def _refuse(self, text):
@@ -357,8 +349,9 @@ class FieldSlave(Fmi2Slave):
         self.log(text, status)
 
     def _range_faults(self):
-        """Sentences on all parameters and inputs that are not finite or out of range (the first
-        element of each).
+        """Return a sentence for each parameter and input that is out of range or not finite.
+
+        Only the first such element of an array is reported.
         """
         faults = []
         for v in self.table:
@@ -368,12 +361,12 @@ class FieldSlave(Fmi2Slave):
         return faults
 
     def _number_faults(self, v):
-        """A sentence where an element of a number is not finite or out of range."""
+        """Return a sentence if an element of a number is out of range or not finite."""
         low = -LARGEST if v.minimum is None else max(v.minimum, -LARGEST)
         high = LARGEST if v.maximum is None else min(v.maximum, LARGEST)
         view = self.views[v.name]
         smallest, largest = (view.min(), view.max()) if view.ndim else [view.item()] * 2
-        if low <= smallest and largest <= high:  # both are NaN where an element is
+        if low <= smallest and largest <= high:  # both are NaN if an element is
             return []
         values = view.ravel()
         k = int(np.argmin((values >= low) & (values <= high)))
@@ -383,7 +376,7 @@ class FieldSlave(Fmi2Slave):
         return [f"{element_names(v)[k]}: expected a finite value, got {values[k]}{unit}"]
 
     def _choice_faults(self, v):
-        """A sentence where a choice has a number that none of them has."""
+        """Return a sentence if the number of a choice is invalid."""
         number = self.views[v.name].item()
         if 1 <= number <= len(v.choices):
             return []
@@ -391,9 +384,7 @@ class FieldSlave(Fmi2Slave):
         return [f"{v.name}: expected {known}, got {number}"]
 
     def do_step(self, current_time, step_size):
-        """One step; False (fmi2Discard) with a log line where it cannot be taken, the state
-        untouched.
-        """
+        """Take a step; if it fails, log why, keep the state, return False (fmi2Discard)."""
         try:
             self._check_step(step_size)
             self.state, outputs = self.advance(self.state, self._values(), current_time, step_size)
@@ -404,7 +395,7 @@ class FieldSlave(Fmi2Slave):
         except Exception:
             self._fail(traceback.format_exc(), Fmi2Status.error)
         finally:
-            for name in self.courses:  # they were those of this step alone
+            for name in self.courses:  # they are valid for this step only
                 self.views[reserved(COURSE, name)][...] = 0.0
         return False
 
@@ -452,7 +443,7 @@ class FieldSlave(Fmi2Slave):
 
     @staticmethod
     def _places(references, first):
-        """Places in the storage of a type whose value references begin at `first`."""
+        """Return the positions in the storage of a type whose value references begin at `first`."""
         places = [reference - first for reference in references]
         if min(places, default=0) < 0:
             raise IndexError(f"no variable of this type has value reference {min(references)}")
@@ -492,7 +483,7 @@ class FieldSlave(Fmi2Slave):
 
 
 def _members(state, path=""):
-    """Return arrays of a state by name, those of a tuple in it as `field.name`."""
+    """Return the arrays of a state by name, nested ones as `field.name`."""
     members = {}
     for name, value in _named(state):
         if isinstance(value, tuple):
@@ -510,7 +501,7 @@ def _named(state):
 
 
 def _assembled(kind, members, path=""):
-    """Return the state of those `_members`."""
+    """Return the state with these `_members`."""
     values = {
         name: _assembled(hint, members, f"{path}{name}.")
         if hasattr(hint, "_fields")
@@ -521,7 +512,7 @@ def _assembled(kind, members, path=""):
 
 
 def element_names(variable):
-    """FMI names of a variable's scalars: `name`, or `name[i,j]`, 1-based, last index fastest."""
+    """Return the FMI names of a variable's scalars: `name`, or `name[i,j]`, 1-based, C order."""
     if not variable.shape:
         return [variable.name]
     return [

@@ -1,13 +1,13 @@
-"""A slave's state as bytes: a head that names its arrays, and the arrays.
+"""State of a slave as bytes: a head that names its arrays, and the arrays.
 
 Layout
     8 bytes     length of the head, little endian
-    head        JSON: `arrays`, name, dtype and shape of each; what the slave puts in besides
-    arrays      one behind the other, in the order of the head
+    head        JSON: `arrays`, name, dtype and shape of each; further entries of the slave
+    arrays      consecutive, in the order of the head
 
-Among what a slave puts in is `slow`: names of members that change little from one cycle of a
-repeated run to the next, and that may be set to other values at the end of a cycle: the state is
-one that the slave can go on from. Where all their values are at least 0 they have to stay so.
+The slave's entry `slow` names members that change little between cycles of a repeated run. They
+may be set to other values at the end of a cycle, where the state is one from which the slave can
+continue. Members whose values are all at least 0 must stay so.
 """
 
 import json
@@ -20,7 +20,7 @@ LENGTH = 8
 
 
 def join(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Bytes of arrays by their names, and of a head that is plain JSON."""
+    """Return the bytes of arrays by name and of a head in plain JSON."""
     listed = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     text = json.dumps({**head, "arrays": listed}).encode()
     parts = [np.ascontiguousarray(array).tobytes() for array in arrays.values()]
@@ -28,7 +28,7 @@ def join(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def split(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Head and arrays of the bytes that `join` made; ValueError if they are others."""
+    """Return head and arrays of bytes that `join` made; raise `ValueError` for others."""
     end = LENGTH + int.from_bytes(data[:LENGTH], "little")
     head = json.loads(data[LENGTH:end])
     if not isinstance(head, dict) or "arrays" not in head:
@@ -42,7 +42,7 @@ def split(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 
 def slow_members(data: bytes) -> dict[str, np.ndarray]:
-    """Slow members of a serialised state; none in what is not a slave's of this project."""
+    """Return the slow members of a serialised state; empty for slaves of other projects."""
     try:
         head, arrays = split(data)
     except ValueError:
@@ -51,6 +51,6 @@ def slow_members(data: bytes) -> dict[str, np.ndarray]:
 
 
 def with_members(data: bytes, members: Mapping[str, np.ndarray]) -> bytes:
-    """The state with some members set to other values of the same shape."""
+    """Return the state with some members set to other values of the same shape."""
     head, arrays = split(data)
     return join(head, {**arrays, **members})

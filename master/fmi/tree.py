@@ -1,6 +1,4 @@
-"""The project's own tree of packages: the installed one, or the copy that an FMU carries under a
-name made of its content.
-"""
+"""The project's tree of packages: the installed one, or the copy inside an FMU."""
 
 import ast
 import io
@@ -19,26 +17,25 @@ from .cache import cache_folder, write_whole
 
 INSTALLED = "piston_cosim"
 ROOT = __name__.removesuffix(".master.fmi.tree")
-"""Name of the package that this tree is: INSTALLED, or an FMU's own."""
+"""Package name of this tree: INSTALLED, or that of an FMU."""
 
 FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
-"""What a slave written outside the project imports."""
+"""Modules that a slave outside the project imports."""
 
 _OWN_SOURCE = Path(__file__).read_bytes()
 
 
 def import_part(name: str) -> ModuleType:
-    """Module `name` of this tree ("fmu_ehd.build"), else the installed one of that name (a
-    participant from elsewhere).
-    """
+    """Return module `name` of this tree ("fmu_ehd.build"), else the installed module."""
     spec = find_spec(f"{ROOT}.{name.partition('.')[0]}")
     own = spec is not None and spec.origin is not None  # a folder without code is not a part
     return import_module(f"{ROOT}.{name}" if own else name)
 
 
 def slave_class(path: str) -> type:
-    """The class at "module:class" of this tree; `import piston_cosim...` in its module reaches this
-    tree too.
+    """Return the class at "module:class" of this tree.
+
+    `import piston_cosim...` in its module refers to this tree too.
     """
     module, _, name = path.partition(":")
     with _under_the_installed_name():
@@ -47,7 +44,7 @@ def slave_class(path: str) -> type:
 
 @contextmanager
 def _under_the_installed_name():
-    """Inside an FMU, this tree under the name of the installed one, which is hidden meanwhile."""
+    """Inside an FMU, give this tree the name of the installed one, which is hidden meanwhile."""
     if ROOT == INSTALLED:
         yield
         return
@@ -65,17 +62,17 @@ def _under_the_installed_name():
 
 
 def _names(package):
-    """Loaded modules of a package, itself included."""
+    """Return the loaded modules of a package, including itself."""
     return [name for name in sys.modules if name == package or name.startswith(package + ".")]
 
 
 def _taken_out(package):
-    """The same, no longer among the loaded modules: name -> module."""
+    """Remove a package from the loaded modules; return them, name to module."""
     return {name: sys.modules.pop(name) for name in _names(package)}
 
 
 def reached(file):
-    """The file and those that its relative imports lead to, directly or not, as a set."""
+    """Return the set of the file and all files that its relative imports reach."""
     reached = set()
     waiting = [file]
     while waiting:
@@ -88,7 +85,7 @@ def reached(file):
 
 @cache
 def _imported(file):
-    """Files that a file's relative imports name."""
+    """Return the files that a file's relative imports name."""
     found = []
     for level, module, names in _relative_imports(file.read_bytes()):
         package = file.parents[level - 1].joinpath(*module.split("."))
@@ -101,9 +98,7 @@ def _imported(file):
 
 
 def _kept(find):
-    """A function of a source whose results are kept where the disk allows it: to parse all that a
-    part is made of takes a fifth of a start.
-    """
+    """Cache the results of a function of a source, because parsing takes a fifth of a start."""
 
     def known(source):
         kept = None
@@ -122,7 +117,7 @@ def _kept(find):
 
 @_kept
 def _relative_imports(source):
-    """Level, module and names of each relative import of a source."""
+    """Return level, module and names of each relative import of a source."""
     return [
         [node.level, node.module or "", [alias.name for alias in node.names]]
         for node in _statements(ast.parse(source))
@@ -132,7 +127,7 @@ def _relative_imports(source):
 
 @_kept
 def code_digest(source):
-    """Digest of the code of a source: comments, docstrings and empty lines do not change it."""
+    """Return the digest of a source's code, without comments, docstrings and empty lines."""
     text = source.decode()
     lines = text.split("\n")
     for token in tokenize.tokenize(io.BytesIO(source).readline):
@@ -151,7 +146,7 @@ def code_digest(source):
 
 
 def _statements(node):
-    """All statements below a node of a syntax tree; expressions hold none and are passed by."""
+    """Yield all statements below a node of a syntax tree."""
     for name in ("body", "handlers", "orelse", "finalbody", "cases"):
         for inner in getattr(node, name, ()):
             yield inner

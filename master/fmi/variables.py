@@ -1,5 +1,6 @@
-"""The variable table: each variable of an FMU declared once, for XML, range checks, result files
-and axis labels.
+"""The variable table: each variable of an FMU is declared once, for all its uses.
+
+They are XML, range checks, result files and axis labels.
 """
 
 from dataclasses import dataclass
@@ -13,23 +14,23 @@ from .errors import unknown
 class Variable:
     """One variable of an FMU, scalar or array.
 
-    In FMI 2 an array of shape (n, m) becomes n*m scalars `name[i,j]`, 1-based, j running fastest,
-    with consecutive value references.
+    In FMI 2 an array of shape (n, m) becomes n*m scalars `name[i,j]` with consecutive value
+    references. They are 1-based, and j runs fastest.
 
     Parameters
     ----------
     name : str
-        Name of the field's vocabulary, as in the interface contract.
+        Standard term of the field, as in the interface contract.
     unit : str
         SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1"
         for none.
     causality : {"parameter", "input", "output", "constant"}
-        Parameters are read once, when initialisation ends; a constant is a property of the built
+        Parameters are read once, when initialisation ends. A constant is a property of the built
         FMU (grid sizes).
     description : str
         One sentence.
     start : float, int or str
-        Start value (every element of an array). Its type makes the FMI type: float Real, int
+        Start value (every element of an array). Its type determines the FMI type: float Real, int
         Integer, str String, or with `choices` Enumeration.
     nominal : float, optional
         Typical magnitude [unit], used to scale residuals.
@@ -40,7 +41,7 @@ class Variable:
     derivative_of : str, optional
         Name of the variable whose time derivative this one is.
     choices : tuple of str
-        What a text may be; an importer sees their numbers, from 1 on.
+        Allowed texts. Importers see their numbers, which begin at 1.
     """
 
     name: str
@@ -68,7 +69,7 @@ class Variable:
         return {float: "Real", int: "Integer", str: "String"}[type(self.start)]
 
     def fault(self, value: Any) -> str | None:
-        """Sentence saying why `value` [unit] is not allowed, or None."""
+        """Return a sentence why `value` [unit] is not allowed, or None."""
         if self.type == "String":
             return None
         if self.choices:
@@ -82,12 +83,12 @@ class Variable:
         return f"{self.name}: expected {low:g} to {high:g}{unit}, got {value:g}{unit}"
 
     def number(self, value: Any) -> Any:
-        """What is stored of a value: of a choice its number."""
+        """Return the stored form of a value: for a choice, its number."""
         return self.choices.index(value) + 1 if self.choices else value
 
 
 def constant(name: str, value: int | float, description: str) -> Variable:
-    """A property of the built FMU (grid size, contract version)."""
+    """Return a property of the built FMU (grid size, contract version)."""
     return Variable(name, "1", "constant", description, value, minimum=value, maximum=value)
 
 
@@ -99,7 +100,7 @@ def parameter(
     minimum: float | None = None,
     maximum: float | None = None,
 ) -> Variable:
-    """A parameter with its allowed range."""
+    """Return a parameter with its allowed range."""
     return Variable(name, unit, "parameter", description, start, minimum=minimum, maximum=maximum)
 
 
@@ -111,7 +112,7 @@ def input_variable(
     nominal: float | None = None,
     shape: tuple[int, ...] = (),
 ) -> Variable:
-    """An input; with a shape, one of every element."""
+    """Return an input; with a shape, `start` and `nominal` hold for every element."""
     return Variable(name, unit, "input", description, start, nominal=nominal, shape=shape)
 
 
@@ -125,7 +126,7 @@ def output_variable(
     start: float | int = 0.0,
     derivative_of: str | None = None,
 ) -> Variable:
-    """An output; with a shape, one of every element."""
+    """Return an output; with a shape, `start` and `nominal` hold for every element."""
     return Variable(
         name,
         unit,
