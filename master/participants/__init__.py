@@ -1,18 +1,18 @@
 """One FMU under the master: fields, steps, saved states, derivatives.
 
-participant   what the master asks of each
+participant   protocol of participants
 open          an FMU of either version
 fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
-pointers      as compiled code calls them
-local         a slave of this process, without FMI
-clocks        an FMI 3.0 FMU whose clocks tick (P7, P8)
-isolated      in a process of its own
+pointers      calls from compiled code
+local         a slave in this process, without FMI
+clocks        an FMI 3.0 FMU with clocks (P7, P8)
+isolated      in a separate process
 remote        on a worker of a Dask cluster
-interpolated  inputs that move inside a step
-substeps      a step of its own, several to a macro step
+interpolated  inputs that vary during a step
+substeps      several steps within a macro step
 table         a CSV file of signals
 printf        log messages with their arguments
-plugins       what other installed packages bring
-derivatives   by differences; trial of what an FMU offers (P1)
-rollback      trial of saving and restoring
+plugins       entry points of other installed packages
+derivatives   by differences; check of the FMU's own (P1)
+rollback      check of saving and restoring
 """

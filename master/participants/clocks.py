@@ -1,6 +1,4 @@
-"""An FMI 3.0 FMU with clocks: those that the master ticks by their intervals, those that others
-trigger, and those by which it says that something happened.
-"""
+"""FMI 3.0 FMUs with clocks: timed by their intervals, triggered by others, or outputs."""
 
 import ctypes
 from contextlib import suppress
@@ -18,14 +16,14 @@ from .fmi3 import LARGEST_ITERATION, Fmu3Participant
 from .plain import pack, unpack
 
 PERIODIC = ("constant", "fixed", "tunable")
-"""Kinds of input clocks whose interval stays; tunable ones too, as no parameter changes in a run.
-"""
+"""Kinds of input clocks with a constant interval. Tunable ones are included because no parameter
+changes during a run."""
 KINDS = (*PERIODIC, "changing", "countdown", "triggered")
 
 
 @dataclass(frozen=True)
 class Clock:
-    """A clock as the model description has it: interval and shift [s], None where it is asked for.
+    """Clock of a model description: interval and shift [s], None if the FMU must be asked.
 
     kind : one of KINDS.
     """
@@ -40,11 +38,11 @@ class Clock:
 
 @dataclass
 class Clockwork:
-    """What an FMU's clocks stand at, beside the FMU's own state.
+    """State of an FMU's clocks, in addition to the FMU's own state.
 
     due    : input clock -> (base [s], interval [s], ticks since the base), see Eq. (P7)
-    ticked : output clocks that have ticked and that nobody has asked for
-    values : clocked variables: inputs as they will be set, outputs as they were at the last tick
+    ticked : output clocks that have ticked and have not been read since
+    values : clocked variables: inputs for the next tick, outputs of the last tick
     """
 
     due: dict[str, tuple[float, float, int]] = field(default_factory=dict)
@@ -55,7 +53,7 @@ class Clockwork:
         return Clockwork(dict(self.due), list(self.ticked), dict(self.values))
 
     def instant(self, name: str) -> float:
-        """When an input clock ticks next [s].
+        """Return the time of the next tick of an input clock [s].
 
         Eq. (P7):  t = base + ticks x interval
         """
@@ -64,11 +62,11 @@ class Clockwork:
 
 
 class ClockedFmu3(Fmu3Participant):
-    """An FMI 3.0 FMU used with Event Mode and clocks.
+    """FMI 3.0 FMU in Event Mode, with clocks.
 
-    `set(clock, True)` ticks a triggered input clock now; `get(clock)` says of an output clock
-    whether it has ticked, once for each tick, as fmi3GetClock does. Clocked inputs keep what they
-    are set to until a clock of theirs ticks; clocked outputs are what they were at the last tick.
+    `set(clock, True)` ticks a triggered input clock. `get(clock)` returns whether an output clock
+    has ticked, once for each tick, as fmi3GetClock does. Clocked inputs take effect when one of
+    their clocks ticks. Clocked outputs have the values of the last tick.
 
     Raises
     ------
@@ -104,13 +102,13 @@ class ClockedFmu3(Fmu3Participant):
         return [clock for clock in self.clocks.values() if clock.causality == "input"]
 
     def enter(self, parameters, start_time, stop_time):
-        """See `FmuParticipant.enter`."""
         self._work, self._now, self._running = Clockwork(), start_time, False
         super().enter(parameters, start_time, stop_time)
 
     def leave(self):
-        """See `FmuParticipant.leave`; until a clock of theirs ticks clocked outputs are what the
-        FMU says here, nothing where it does not.
+        """Leave Initialization Mode, see `FmuParticipant.leave`.
+
+        Before their first tick, clocked outputs have the values that the FMU returns here, or zero.
         """
         for name in self._clocks_of:
             field = self.fields[name]
@@ -122,15 +120,15 @@ class ClockedFmu3(Fmu3Participant):
         super().leave()
 
     def stop_at(self, clocks):
-        """A step in which one of these output clocks ticks is refused by `Ticked`."""
+        """Raise `Ticked` in every step in which one of these output clocks ticks."""
         self._stops = frozenset(clocks)
 
     def next_tick(self):
-        """When an input clock ticks next by its interval [s]; infinite if none will."""
+        """Return the time of the next tick of the timed input clocks [s], or infinity."""
         return min(map(self._work.instant, self._work.due), default=inf)
 
     def tick(self, time, step):
-        """Tick the input clocks that are due at `time`, to a share of the step to come [s]."""
+        """Tick the input clocks that are due at `time`, within a tolerance of the next step [s]."""
         for _ in range(LARGEST_ITERATION):
             due = [c for c in self._work.due if self._work.instant(c) <= time + WHOLE * step]
             if not due:
@@ -150,7 +148,7 @@ class ClockedFmu3(Fmu3Participant):
             super().set(name, value)
 
     def get(self, name):
-        """Value of a field; of an output clock whether it has ticked since it was last asked."""
+        """Return a field; for an output clock, whether it has ticked since the last call."""
         if name in self.clocks:
             ticked = name in self._work.ticked
             if ticked:
@@ -159,7 +157,7 @@ class ClockedFmu3(Fmu3Participant):
         return self._work.values[name] if name in self._work.values else super().get(name)
 
     def get_many(self, names):
-        """Values of several scalars: dict of name to number."""
+        """Return the values of several scalars by name."""
         kept = {n: self._work.values[n] for n in names if n in self._work.values}
         asked = super().get_many([name for name in names if name not in kept])
         return {name: kept[name] if name in kept else asked[name] for name in names}
@@ -168,9 +166,7 @@ class ClockedFmu3(Fmu3Participant):
         return super()._are_double(names) and not any(name in self._clocks_of for name in names)
 
     def _event(self, active):
-        """An event at which some input clocks tick; ParticipantFault with the FMU's words if it
-        fails.
-        """
+        """Tick input clocks in an event; raise `ParticipantFault` if it fails."""
         try:
             self._tick(active)
         except FMICallException as failure:
@@ -193,7 +189,7 @@ class ClockedFmu3(Fmu3Participant):
         self._fmu.enterStepMode()
 
     def _settle_events(self, active=()):
-        """As of `Fmu3Participant`, with what clocks and clocked outputs say before each update."""
+        """Update discrete states as `Fmu3Participant`; first read clocks and clocked outputs."""
         if not self._running:
             self._begin()
         for _ in range(LARGEST_ITERATION):
@@ -207,7 +203,7 @@ class ClockedFmu3(Fmu3Participant):
         raise Discard(f"{self.name}: an event without end")
 
     def _hear(self, active):
-        """Note the output clocks that tick, and the outputs of all clocks that do."""
+        """Save the output clocks that tick, and the outputs of all clocks that tick."""
         ticking = set(active)
         if self._announced:
             answers = self._fmu.getClock([clock.reference for clock in self._announced])
@@ -219,7 +215,7 @@ class ClockedFmu3(Fmu3Participant):
                 self._work.values[name] = super().get(name)
 
     def _begin(self):
-        """When the clocks tick first, after their shift; a countdown says it like ever after."""
+        """Compute the first tick of each clock from its shift; countdowns announce it at events."""
         self._running = True
         for clock in self._timed:
             shift = self._shift(clock)
@@ -235,8 +231,9 @@ class ClockedFmu3(Fmu3Participant):
                 self._work.due[clock.name] = self._now, shift, 1
 
     def _ask_intervals(self):
-        """When the clocks that say it at events tick next: a countdown whenever it says so, the
-        others once they have ticked.
+        """Update the next ticks that clocks announce at events.
+
+        Countdown clocks may announce them at any event, changing clocks after they have ticked.
         """
         for clock in self._timed:
             ticked = clock.kind == "changing" and clock.name not in self._work.due
@@ -247,9 +244,7 @@ class ClockedFmu3(Fmu3Participant):
                     self._work.due[clock.name] = self._now, interval, 1
 
     def _interval(self, clock):
-        """Interval [s] of a clock and how sure it is, by the FMU's word where the description has
-        none.
-        """
+        """Return interval [s] and qualifier of a clock; ask the FMU if the description has none."""
         if clock.interval is not None and clock.kind in PERIODIC:
             return clock.interval, fmi3.fmi3IntervalUnchanged
         reference = (fmi3.fmi3ValueReference * 1)(clock.reference)
@@ -259,7 +254,7 @@ class ClockedFmu3(Fmu3Participant):
         return interval[0], qualifier[0]
 
     def _shift(self, clock):
-        """Shift [s] of a clock's first tick."""
+        """Return the shift of a clock's first tick [s]."""
         if clock.shift is not None or clock.kind == "changing":
             return clock.shift or 0.0
         if clock.kind == "constant":
@@ -273,7 +268,7 @@ class ClockedFmu3(Fmu3Participant):
         self._now = time + step
 
     def _meet(self, reached, end, step):
-        """An event inside a step: `Ticked` where the others are to hear of it at once."""
+        """Handle an event inside a step; raise `Ticked` if others must receive it now."""
         self._now = reached
         finished = super()._meet(reached, end, step)
         inside = end - step + WHOLE * step < reached < end - WHOLE * step
@@ -282,7 +277,7 @@ class ClockedFmu3(Fmu3Participant):
         return finished
 
     def save(self):
-        """A handle on the FMU's state and what its clocks stand at."""
+        """Return a handle of the FMU's state and the state of its clocks."""
         return super().save(), self._work.copy(), self._now
 
     def _set_state(self, saved):
@@ -294,18 +289,18 @@ class ClockedFmu3(Fmu3Participant):
         super().free(saved[0])
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         handle, work, now = saved
         return pack((super().serialise(handle), work, now), (Clockwork,))
 
     def deserialise(self, data):
-        """A handle on the state that `serialise` made into bytes."""
+        """Return a handle of the state in bytes of `serialise`."""
         state, work, now = unpack(data, (Clockwork,))
         return super().deserialise(state), work, now
 
 
 def _clock(node):
-    """A clock of its element in the model description; ValueError if it is none."""
+    """Return the clock of an XML element; raise `ValueError` if it is invalid."""
     kind = node.get("intervalVariability")
     if kind not in KINDS:
         raise ValueError(f"expected intervalVariability {', '.join(KINDS)}, got {kind!r}")
@@ -320,7 +315,7 @@ def _clock(node):
 
 
 def _seconds(node, what):
-    """Interval or shift of a clock [s], of its decimal or its counter; None without either.
+    """Return interval or shift of a clock [s], from its decimal or counter; else None.
 
     Eq. (P8):  t = counter / resolution
     """

@@ -1,4 +1,4 @@
-"""Inputs in another unit than the wire's: set in the wire's, given to the FMU in its own."""
+"""Inputs with another unit than their wire."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from .participant import FieldByField
 
 
 class Conversion(NamedTuple):
-    """From the wire's unit to the input's.
+    """Conversion from the wire's unit to the input's.
 
     Eq. (P5):  (value in the input's unit) = gain (value in the wire's unit) + offset
     """
@@ -20,12 +20,12 @@ class Conversion(NamedTuple):
         return self.gain * np.asarray(value) + self.offset  # Eq. (P5)
 
     def back(self, value):
-        """A value in the input's unit, in the wire's."""
+        """Convert a value from the input's unit to the wire's."""
         return (value - self.offset) / self.gain
 
 
 class ConvertedParticipant(FieldByField):
-    """A participant some of whose inputs are fed in another unit; everything else is its own.
+    """Participant with inputs that are set in the wire's unit.
 
     Parameters
     ----------
@@ -41,12 +41,12 @@ class ConvertedParticipant(FieldByField):
         return getattr(self.participant, name)
 
     def start(self, parameters, start_time, stop_time):
-        """See `FmuParticipant.start`; converted inputs begin in the wire's unit too."""
+        """Start, see `FmuParticipant.start`; converted inputs have the wire's unit."""
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
     def enter(self, parameters, start_time, stop_time):
-        """First half of `start`."""
+        """Run the first half of `start`."""
         values = {name: self._given(name, value) for name, value in parameters.items()}
         self.participant.enter(values, start_time, stop_time)
 
@@ -55,7 +55,7 @@ class ConvertedParticipant(FieldByField):
         return value if conversion is None else conversion(value)
 
     def set(self, name, value):
-        """Set a field; a converted input in the wire's unit."""
+        """Set a field; converted inputs have the wire's unit."""
         self.participant.set(name, self._given(name, value))
 
     def set_course(self, name, course):
@@ -66,13 +66,13 @@ class ConvertedParticipant(FieldByField):
         self.participant.set_course(name, course)
 
     def get(self, name):
-        """Value of a field; of a converted input in the wire's unit."""
+        """Return the value of a field; converted inputs have the wire's unit."""
         value = self.participant.get(name)
         conversion = self.conversions.get(name)
         return value if conversion is None else conversion.back(value)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step by inputs in the wires' units."""
+        """Return the directional derivative of the last step; inputs have the wires' units."""
         changes = {
             name: change * self.conversions[name].gain if name in self.conversions else change
             for name, change in seeds.items()

@@ -1,10 +1,9 @@
-"""Directional derivatives that are not the FMU's word alone: differences of steps, and the trial of
-what an FMU offers.
+"""Directional derivatives by differences of steps, and the check of an FMU's own.
 
 Interface Newton needs the derivative of the step map: the change of the outputs at the end of a
-step for a change of what the inputs are held at over it. The standard's directional derivative is
-another thing, the partial derivative at a communication point, which is zero for an output that is
-a state. FMUs answer one or the other by the same call, so that a trial has to tell.
+step for a change of the inputs during it. The directional derivative of the standard is the
+partial derivative at a communication point. It is zero for an output that is a state. FMUs
+return one or the other by the same call, so a check compares it with a step.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,31 +18,25 @@ Fields = dict[str, np.ndarray]
 """Values or changes by field."""
 
 DIFFERENCE = 1e-5
-"""Change of inputs for difference quotients, in nominals: far above round-off, far below what bends
-the step map.
-"""
+"""Relative change of inputs for difference quotients, in nominals: above round-off, and small
+compared with the nonlinearity of the step map."""
 TRIED = (DIFFERENCE, 1e-2)
-"""Changes tried in turn until one agrees: an FMU that solves to a loose tolerance answers small
-ones by noise.
-"""
+"""Changes to try until one agrees. If an FMU solves to a loose tolerance, its response to small
+changes is noise."""
 MOVED = (0.0, -1e-2, 1e-2)
-"""Shifts of the inputs, in nominals, about which changes are tried in turn until one agrees: a
-start is often at a kink (a film at rest without pressure, a gap just closed), where slopes differ
-from side to side and no derivative is right.
-"""
+"""Shifts of the inputs, in nominals, to try until one agrees. A start is often at a kink (a film
+at rest without pressure, a gap that has just closed), where no derivative is right."""
 AGREES = 0.1
-"""Of the difference: with a derivative that is off by this much Newton's residual still falls to a
-tenth in every iteration, which is cheaper than taking differences. The standard's derivative of a
-state is off by 1.
-"""
+"""Tolerance relative to the difference. With this error, Newton's residual still falls to a
+tenth in every iteration, which is cheaper than differences. The standard's derivative of a state
+has an error of 1."""
 ROUND_OFF = 1e-12
-"""Of an output's largest value: less than ten times this in a change says nothing."""
+"""Round-off relative to an output's largest value. Changes below ten times this are ignored."""
 INSTANTS = 2
-"""Steps from which the trial is made: the first may be one without response."""
+"""Number of steps to check, because the first one may have no response."""
 GROUPS = 2
-"""Groups of inputs that are changed one after the other, so that an input with a strong influence
-does not hide the others.
-"""
+"""Number of groups of inputs that are changed separately, so that a strong input does not hide
+others."""
 
 DIFFERENT = "it differs from that of a step"
 SILENT = "the outputs of the first steps do not respond to the inputs"
@@ -57,8 +50,9 @@ def difference(
     products: Iterable[str],
     share: float = DIFFERENCE,
 ) -> Fields:
-    """Directional derivative from the last step taken once more with changed inputs; the
-    participant is left as it was.
+    """Return the directional derivative by repeating the last step with changed inputs.
+
+    The state of the participant is restored.
 
     Eq. (P1):  J v = (y(x + e v) - y(x)) / e,   e = share / max|v / scale|,
                scale: nominal, else max|x|, else 1
@@ -67,14 +61,14 @@ def difference(
     ----------
     participant : Participant
     begin : saved state
-        Where the last step began.
+        Beginning of the last step.
     last_step : (float, float)
         Its time and size [s].
     seeds : dict of str to ndarray
-        Change of every input that was set since `begin`; zero where it is to stay.
+        Change of every input that was set since `begin`, zero for constant inputs.
     products : iterable of str
     share : float
-        Largest change of an input, in its scale; negative to go the other way.
+        Largest change of an input, in its scale. A negative value changes the direction.
 
     Returns
     -------
@@ -103,7 +97,7 @@ def difference(
 
 
 def put_back(participant: Participant, saved: Any, inputs: Mapping[str, Any]) -> None:
-    """Restore a state and set its inputs: what was set counts, and never what an FMU answers."""
+    """Restore a state and set its inputs, because FMUs may not return the inputs that were set."""
     participant.restore(saved)
     for name, value in inputs.items():
         participant.set(name, value)
@@ -112,7 +106,7 @@ def put_back(participant: Participant, saved: Any, inputs: Mapping[str, Any]) ->
 def scales(
     participant: Participant, values: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, float]:
-    """Nominal of each field, else its largest value, else 1."""
+    """Return the nominal of each field, else its largest value, else 1."""
     return {
         name: participant.fields[name].nominal or float(np.max(np.abs(values[name]))) or 1.0
         for name in names
@@ -120,7 +114,7 @@ def scales(
 
 
 class Differenced:
-    """A participant whose derivative is taken by differences of its steps, whatever it offers."""
+    """Participant with derivatives by differences of its steps, even if it offers others."""
 
     has_derivatives = False
 
@@ -133,23 +127,21 @@ class Differenced:
         return getattr(self.participant, name)
 
     def restore(self, saved: Any) -> None:
-        """Go back to a saved state; the next step counts from it."""
+        """Restore a saved state, where the next step begins."""
         self._begin = saved
         self.participant.restore(saved)
 
     def step(self, time: float, step: float) -> None:
-        """One step [s]."""
+        """Take a step [s]."""
         self._last_step = time, step
         self.participant.step(time, step)
 
     def begin_step(self, time: float, step: float) -> None:
-        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
         self._last_step = time, step
         apart: Any = self.participant
         apart.begin_step(time, step)
 
     def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
-        """Directional derivative of the last step, see `difference`."""
         return difference(self.participant, self._begin, self._last_step, seeds, products)
 
 
@@ -162,20 +154,20 @@ def objection(
 ) -> str:
     """Return why a participant's derivative does not match that of a step; empty if it does.
 
-    Its products are compared with differences of a step, output by output. The participant is left
-    as it was; three steps are taken where the first comparison of both groups of inputs agrees,
-    nine where none does, at most thirty where nothing responds.
+    The products are compared with differences of a step for each output. The state of the
+    participant is restored. If the first comparison agrees, this takes three steps. It takes at
+    most thirty if no output responds.
 
     Parameters
     ----------
     participant : Participant
-        Started, and one that `has_derivatives`.
+        Started, and with `has_derivatives`.
     inputs, outputs : sequence of str
         Fields on wires, at least one of each.
     step : float
         Macro step [s].
     begin : float
-        Where the participant stands [s].
+        Current time of the participant [s].
 
     Returns
     -------
@@ -189,13 +181,13 @@ def objection(
                 try:
                     verdict = _tried(participant, (begin + k * step, step), inputs, outputs, moved)
                 except Discard:
-                    continue  # the step is refused for these inputs
+                    continue  # the FMU discards the step for these inputs
                 if verdict:
                     return ""
                 disagreed = disagreed or verdict is False
             if disagreed:
                 return DIFFERENT
-            participant.step(begin + k * step, step)  # from here nothing responds
+            participant.step(begin + k * step, step)  # nothing has responded so far
         return SILENT
     except Discard as refusal:
         return f"the FMU rejected a trial step: {refusal}"
@@ -213,8 +205,9 @@ def _tried(
     outputs: Sequence[str],
     moved: float,
 ) -> bool | None:
-    """Whether the derivatives of this step agree with differences, its inputs moved by a share of
-    their scale; None if no output responds. The participant is left as it was.
+    """Return whether the derivatives of a step agree with differences; None without response.
+
+    `moved` shifts the inputs as a share of their scale. The state of the participant is restored.
     """
     begin = participant.save()
     start = {name: participant.get(name) for name in inputs}
@@ -244,7 +237,7 @@ def _tried(
 
 
 def _pattern(participant: Participant, name: str) -> np.ndarray:
-    """A change of a field, of one sign so that effects add, uneven so that no symmetry hides it."""
+    """Return a change of a field: of one sign, so that effects add up, and uneven."""
     shape = participant.fields[name].shape
     size = int(np.prod(shape))
     return np.linspace(1.0, 0.5, size).reshape(shape)
@@ -258,7 +251,7 @@ def _agrees_at_any_size(
     product: Mapping[str, np.ndarray],
     outputs: Sequence[str],
 ) -> bool | None:
-    """Whether a product agrees with a difference; None if no change is large enough to say."""
+    """Return whether a product agrees with a difference; None if all changes are too small."""
     said_no = False
     values = {name: participant.get(name) for name in outputs}
     for share in TRIED:
@@ -278,9 +271,7 @@ def _agrees_at_any_size(
 
 
 def _agrees(predicted: Fields, change: Fields, values: Mapping[str, Any]) -> bool | None:
-    """Whether a predicted change agrees with the true one in every output that shows either; None
-    if none does.
-    """
+    """Return whether a predicted change agrees in every output that changes; None without any."""
     shown = False
     for name, true in change.items():
         noise = ROUND_OFF * float(np.max(np.abs(values[name]))) * np.sqrt(true.size)

@@ -20,14 +20,14 @@ _started: WeakSet[Any] = WeakSet()
 
 
 def guard_exit(participant: Any) -> None:
-    """Watch a participant whose FMU is about to be loaded into this process."""
+    """Guard a participant whose FMU will be loaded into this process."""
     _started.add(participant)
     _register()
 
 
 @cache
 def _register():
-    """Register the handler, once a process; only glibc and macOS let Python withdraw it."""
+    """Register the handler once per process; only glibc and macOS can withdraw it."""
     if sys.platform != "darwin" and "CS_GNU_LIBC_VERSION" not in os.confstr_names:
         return
     libc, key = ctypes.CDLL(None), ctypes.create_string_buffer(1)
@@ -35,7 +35,7 @@ def _register():
     libc.__cxa_atexit(handler, None, key)
 
     def withdraw(keep=(handler, key)):
-        if calling := _calling():  # sys.exit() inside an FMU of Python
+        if calling := _calling():  # sys.exit() inside an FMU written in Python
             _stop([calling])
         _started.clear()
         libc.__cxa_finalize(key)
@@ -44,7 +44,7 @@ def _register():
 
 
 def _stop(started):
-    """Print who called exit(), and end the process; return if Python itself ends."""
+    """Print which participant called exit(), and end the process; return if Python ends."""
     if not started:
         return
     calling = _calling()
@@ -72,5 +72,5 @@ def _calling():
 
 
 def _is_called_by_pointer(one):
-    """Return whether compiled code has begun to call a participant, see `pointers.Pointed`."""
+    """Return whether compiled code has called a participant, see `pointers.Pointed`."""
     return bool(getattr(getattr(one.log, "instance", None), "is_called", 0))

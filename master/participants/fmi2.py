@@ -1,6 +1,4 @@
-"""One FMU under the master: fields by pointer, one step, saved states, directional derivatives, its
-log as text.
-"""
+"""FMI 2.0 FMU under the master: fields by pointer, steps, saved states, derivatives, log."""
 
 import ctypes
 import shutil
@@ -33,22 +31,22 @@ from .printf import Logger, printed
 
 REAL = ctypes.POINTER(ctypes.c_double)
 WHOLE = 1e-9
-"""Of a step: what is left of it counts as nothing."""
+"""Share of a step that counts as zero."""
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
 class FmuParticipant:
-    """An FMI 2.0 co-simulation FMU.
+    """FMI 2.0 co-simulation FMU.
 
     Parameters
     ----------
     name : str
-        Its name in the system.
+        Name in the system.
     path : Path
-        The FMU; unpacked into a folder of the user's cache named by content, so that code compiled
-        for it is kept.
+        The FMU. It is unpacked into a cache folder that is named by content, so that its compiled
+        code remains cached.
     sizes : dict of str to int, optional
         Values of its structural parameters.
     elements : iterable of str, optional
@@ -57,19 +55,19 @@ class FmuParticipant:
     Raises
     ------
     BadInput
-        If the file is no FMU for co-simulation.
+        If the file is not an FMU for co-simulation.
     """
 
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
     event_mode = True
-    _is_kept = True  # what is read of its description
+    _is_kept = True  # whether the description is cached
     _whole_numbers = {
         "Integer": "fmi2GetInteger",
         "Enumeration": "fmi2GetInteger",
         "Boolean": "fmi2GetBoolean",
     }
-    """Functions that read whole numbers of 32 bits, by type."""
+    """Functions that read 32-bit integers, by type."""
 
     def __init__(self, name, path, sizes=None, elements=()):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
@@ -112,7 +110,7 @@ class FmuParticipant:
         return html_table(repr(self)[1:-1], rows)
 
     def _read_description(self):
-        """Description and fields from the file; BadInput if it is no FMU for co-simulation."""
+        """Read description and fields; raise `BadInput` if the file is no co-simulation FMU."""
         one = f"participants.{self.name}: {self.path}"
         try:
             with zipfile.ZipFile(self.path) as archive:
@@ -144,53 +142,51 @@ class FmuParticipant:
 
     @property
     def has_derivatives(self):
-        """Whether the FMU answers the standard directional derivative, or names reserved references
-        for one.
-        """
+        """True if the FMU has the standard derivative, or reserved references for one."""
         return self._standard_derivative or bool(self._derivative)
 
     @property
     def has_standard_derivative(self):
-        """Whether it answers the standard's own."""
+        """True if the FMU has the directional derivative of the standard."""
         return self._standard_derivative
 
     @property
     def can_redo(self):
-        """Whether the FMU can save and restore its state."""
+        """True if the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
 
     @property
     def can_vary_steps(self):
-        """Whether one step may be of another length than the one before."""
+        """True if the steps may differ in length."""
         return bool(self.description.coSimulation.canHandleVariableCommunicationStepSize)
 
     @property
     def can_serialise(self):
-        """Whether its saved states can go into a file."""
+        """True if the FMU can serialise its saved states."""
         return bool(self.description.coSimulation.canSerializeFMUstate)
 
     @property
     def can_interpolate(self) -> bool:
-        """Whether the FMU follows inputs over a step whose derivatives it is told."""
+        """True if the FMU can interpolate inputs from their derivatives."""
         return bool(self.description.coSimulation.canInterpolateInputs)
 
     @property
     def declares_units(self):
-        """Whether the FMU names units at all; one that does not is taken to be in SI."""
+        """True if the FMU declares any unit; otherwise its variables are in SI."""
         return any(field.unit != "1" for field in self.fields.values())
 
     def start(self, parameters, start_time, stop_time):
-        """Instantiate and initialise with `parameters` (name -> value in the FMU's units); start
-        values for the rest.
+        """Instantiate and initialise with `parameters` by name, in the FMU's units.
 
-        Raises BadInput with what the FMU logged if it refuses.
+        The others have their start values. Raises `BadInput` with the FMU's log if it fails.
         """
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
     def enter(self, parameters, start_time, stop_time):
-        """Instantiate, set `parameters` and enter Initialization Mode, as the first half of
-        `start`: outputs there follow the inputs that are set.
+        """Run the first half of `start`, up to Initialization Mode.
+
+        In that mode, outputs follow the inputs that are set.
         """
         guard_exit(self)
         self.started_with = parameters, start_time, stop_time
@@ -206,13 +202,13 @@ class FmuParticipant:
             self._enter(start_time, stop_time)
 
     def leave(self):
-        """Leave Initialization Mode, as the second half of `start`."""
+        """Run the second half of `start`: leave Initialization Mode."""
         with self._refusing():
             self._fmu.exitInitializationMode()
         self._begun = True
 
     def another(self):
-        """Return a second instance that is not started, None where the FMU allows one only."""
+        """Return a second instance that is not started; None if the FMU allows only one."""
         if self.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
             return None
         one = type(self)(f"{self.name}_trial", self.path, self.sizes, self.elements)
@@ -220,14 +216,15 @@ class FmuParticipant:
         return one
 
     def warned(self):
-        """What the FMU logged as warnings while it started, each once: list of texts; to be asked
-        for before the first step.
+        """Return the warnings that the FMU logged at its start, without duplicates.
+
+        Call it before the first step.
         """
         return list(dict.fromkeys(text for status, text in self.log if status == WARNING))
 
     @contextmanager
     def _refusing(self):
-        """What the FMU logs as an error while it starts is raised."""
+        """Raise the errors that the FMU logs at its start."""
         try:
             yield
         except Exception as error:
@@ -237,10 +234,10 @@ class FmuParticipant:
         if refusal := self._refusal():
             raise refusal
 
-    _hint = ""  # what to try where it does not start
+    _hint = ""  # what to try if it does not start
 
     def _slave(self, kind):
-        """FMPy's slave of this FMU."""
+        """Return FMPy's slave of this FMU."""
         return kind(
             guid=self.description.guid,
             unzipDirectory=str(self.folder),
@@ -261,13 +258,13 @@ class FmuParticipant:
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
 
     def _configure(self):
-        """Give the FMU its `sizes`: FMI 2.0 has none."""
+        """Set the `sizes` of the FMU; FMI 2.0 has none."""
 
     def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode()
 
     def _refusal(self):
-        """What the log says against a start: a bug, bad input, or None."""
+        """Return the exception for the errors in the log: a fault, bad input, or None."""
         if any(text.startswith("Traceback") for _, text in self.log):
             return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
         lines = [
@@ -282,7 +279,7 @@ class FmuParticipant:
         self.log.append((status, printed(message, arguments)))
 
     def _vector(self, name):
-        """ctypes references and a NumPy buffer with its pointer for a field, made once."""
+        """Return the block of a field, created once."""
         if name not in self._vectors:
             self._vectors[name] = _block({name: self.fields[name]})
         return self._vectors[name]
@@ -307,7 +304,7 @@ class FmuParticipant:
                 self._written = None
 
     def _check_fit(self, field, values):
-        """ParticipantFault where a whole number does not fit the type: C would cut it short."""
+        """Raise `ParticipantFault` if an integer does not fit its type; C would truncate it."""
         if field.whole_numbers:
             low, high = field.whole_numbers
             for value in values:
@@ -340,7 +337,7 @@ class FmuParticipant:
     def get(self, name):
         """Return the value of a field: array of its shape, or a Python scalar.
 
-        A real input has the value that it was set to: FMUs may answer anything else.
+        A real input has the value that was set, because FMUs may return any other.
         """
         field = self.fields[name]
         values = self._input_values.get(name)
@@ -354,7 +351,7 @@ class FmuParticipant:
         return values.reshape(field.shape).copy() if field.shape else float(values[0])
 
     def _remember(self, block):
-        """Note that the inputs of a block have been set to its values."""
+        """Save the inputs of a block as the values that were set."""
         if block is not self._written:
             self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
             self._written = block
@@ -365,12 +362,12 @@ class FmuParticipant:
         self._written = None
 
     def _listed(self, field):
-        """Values of all elements of a field that is not real."""
+        """Return the values of all elements of a field that is not real."""
         values = self._access()[field.type][0](list(field.references))
         return [value.decode() if isinstance(value, bytes) else value for value in values]
 
     def write(self, names, values):
-        """Set several real fields, one behind the other in `values`."""
+        """Set several real fields from their concatenated values."""
         block = self._pairs.get(("written", names))
         if block is None:
             if not self._are_double(names):
@@ -382,9 +379,7 @@ class FmuParticipant:
         self._remember(block)
 
     def read(self, names):
-        """Several real fields, one behind the other; overwritten by the next reading of the
-        same.
-        """
+        """Return several real fields, concatenated; the next call overwrites the array."""
         block = self._pairs.get(("read", names))
         if block is None:
             if not self._are_double(names):
@@ -394,7 +389,7 @@ class FmuParticipant:
         return block.values
 
     def _are_double(self, names):
-        """Whether one call can move several fields."""
+        """Return whether one call can transfer several fields."""
         return True
 
     def _write(self, block):
@@ -404,9 +399,9 @@ class FmuParticipant:
         self._call("fmi2GetReal", *block.arguments)
 
     def _call(self, function, *arguments):
-        """Call the FMU without FMPy's own layers, which cost more than a small FMU.
+        """Call the FMU without FMPy's layers, which take longer than a small FMU.
 
-        All arguments are objects of ctypes, so that nothing is converted.
+        All arguments are ctypes objects, so nothing is converted.
         """
         functions = self._functions
         status = functions[function](functions.component, *arguments)
@@ -414,7 +409,7 @@ class FmuParticipant:
             raise FMICallException(function, status)
 
     def _access(self) -> dict[str, tuple]:
-        """FMPy's getter and setter of lists, by type."""
+        """Return FMPy's getters and setters of lists, by type."""
         one = self._fmu
         return {
             "Real": (one.getReal, one.setReal),
@@ -425,7 +420,7 @@ class FmuParticipant:
         }
 
     def get_many(self, names):
-        """Values of several scalars, a call for each type: dict of name to number."""
+        """Return the values of several scalars by name, with one call for each type."""
         names = tuple(names)
         if (getters := self._chosen.get(names)) is None:
             getters = self._chosen[names] = self._getters(names)
@@ -448,7 +443,7 @@ class FmuParticipant:
     def _getter(self, kind, names, references):
         """Return a function that returns the values of several scalars.
 
-        kind : type, or the function of the FMU that reads whole numbers.
+        kind : type, or the FMU's function that reads integers.
         """
         if kind in ("Real", "Float64"):
             return lambda: self.read(names).tolist()
@@ -465,12 +460,15 @@ class FmuParticipant:
         return listed
 
     def _kind(self, name):
-        """Type of a field in the FMU's version of the standard."""
+        """Return the type of a field in the FMU's version of the standard."""
         return self.fields[name].native or self.fields[name].type
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the FMU's words if it refuses, ParticipantFault with
-        its traceback on a bug, Finished where it asks for the end.
+        """Take a step [s].
+
+        Raises `Discard` with the FMU's message if it discards the step, and `ParticipantFault`
+        with its traceback if it fails. Raises `Finished` if it ends the simulation inside the
+        step.
         """
         self.log.clear()
         self.ended = ""
@@ -488,17 +486,13 @@ class FmuParticipant:
             raise Discard(f"{self.name}: {text}") from None
 
     def _end(self, reached, end, step):
-        """The FMU asks for the end of the simulation: after this step if it is whole, else Finished
-        is raised.
-        """
+        """End the simulation for the FMU; raise `Finished` if this step is incomplete."""
         self.ended = f"{self.name}: asks for the end at t = {reached:.6g} s"
         if end - reached > WHOLE * step:
             raise Finished(self.ended)
 
     def _reached(self, time):
-        """Last instant [s] for which a discarded step was successful; its beginning where the FMU
-        does not say.
-        """
+        """Return the last successful time of a discarded step [s]; else its beginning."""
         answer = ctypes.c_double(time)
         kind = ctypes.c_int(fmi2.fmi2LastSuccessfulTime)
         with suppress(FMICallException):
@@ -506,7 +500,7 @@ class FmuParticipant:
         return answer.value
 
     def _wants_to_end(self):
-        """Whether the step was discarded because the FMU asks for the end of the simulation."""
+        """Return whether the FMU discarded the step to end the simulation."""
         answer = ctypes.c_int(0)
         with suppress(FMICallException):
             kind = ctypes.c_int(fmi2.fmi2Terminated)
@@ -516,23 +510,23 @@ class FmuParticipant:
     def _do_step(self, time, step):
         """Call the FMU's step.
 
-        noSetFMUStatePriorToCurrentPoint is true: the master restores the state at `time`, never an
-        earlier one. FMUs that are told false may take their last step back.
+        noSetFMUStatePriorToCurrentPoint is true, because the master never restores a state
+        before `time`. If it is false, FMUs may repeat their last step.
         """
         self._call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), TRUE)
 
     def _words(self, failure):
-        """What the FMU logged in the call that failed, or the call's name and status."""
+        """Return the FMU's log of the failed call, or the call's name and status."""
         return "\n".join(text for _, text in self.log) or str(failure)
 
     def save(self):
-        """A handle on the FMU's state; `free` it when it is no longer needed."""
+        """Return a handle of the FMU's state; `free` it after use."""
         state = ctypes.c_void_p()
         self._call("fmi2GetFMUstate", ctypes.byref(state))
         return state
 
     def restore(self, saved):
-        """Go back to a saved state; the next step counts from it."""
+        """Restore a saved state, where the next step begins."""
         self._begin = saved
         self._set_state(saved)
 
@@ -543,28 +537,29 @@ class FmuParticipant:
         self._call("fmi2FreeFMUstate", ctypes.byref(saved))
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return bytes(self._fmu.serializeFMUstate(saved))
 
     def deserialise(self, data):
-        """A handle on the state that `serialise` made into bytes."""
+        """Return a handle of the state in bytes of `serialise`."""
         return self._fmu.deSerializeFMUstate(data)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step: the FMU's own, or for an FMU without one a
-        difference of two steps.
+        """Return the directional derivative of the last step.
+
+        It is the FMU's own, or a difference of two steps if the FMU has none.
 
         Parameters
         ----------
         seeds : dict of str to ndarray
-            Change of input fields; inputs left out are zero.
+            Change of input fields. Omitted inputs do not change.
         products : iterable of str
-            Output fields whose change is wanted.
+            Output fields.
 
         Returns
         -------
         dict of str to ndarray
-            Their change.
+            Change of the output fields.
         """
         if not self._standard_derivative:
             return (
@@ -583,7 +578,7 @@ class FmuParticipant:
         return self._cut(unknown)
 
     def _derive(self, known, unknown):
-        """Fill `unknown` with the standard directional derivative for the seeds in `known`."""
+        """Compute the standard directional derivative in `unknown` for the seeds in `known`."""
         self._fmu.fmi2GetDirectionalDerivative(
             self._fmu.component,
             unknown.references,
@@ -600,25 +595,26 @@ class FmuParticipant:
         return self._fmu.component
 
     def addresses(self, functions):
-        """Of functions of the FMU's library."""
+        """Return the addresses of functions of the FMU's library."""
         found = [ctypes.cast(getattr(self._fmu.dll, name), ctypes.c_void_p) for name in functions]
         return [one.value for one in found]
 
     def references(self, names):
-        """Address and number of the references of several real fields, one behind the other."""
+        """Return address and number of the concatenated references of several real fields."""
         block = self._pair(tuple(names))
         return ctypes.addressof(block.references), block.count
 
     def stepped(self, saved, time, step):
-        """Note that compiled code has set inputs and taken this step [s] from a saved state."""
+        """Update the state after compiled code has taken this step [s] from a saved state."""
         self._forget_inputs()
         self._begin = saved
         self.ended = ""
         self._last_step = (time, step)
 
     def fault(self, function, status):
-        """What is to be raised where compiled code has called a function of the FMU: an error is
-        one wherever it is called. None where it is no error, and the call is to be made here again.
+        """Return the exception for an error of a function that compiled code called.
+
+        Returns None if the status is no error. Then Python must repeat the call.
         """
         if status not in FAILED:
             return None
@@ -629,7 +625,7 @@ class FmuParticipant:
         return ParticipantFault(f"{self.name}: {self._words(failure)}")
 
     def _pair(self, names, use="read"):
-        """References of several fields in one block, made once for each use of it."""
+        """Return the block of several fields, created once for each use."""
         if (use, names) not in self._pairs:
             self._pairs[use, names] = _block({name: self.fields[name] for name in names})
         return self._pairs[use, names]
@@ -641,7 +637,7 @@ class FmuParticipant:
         }
 
     def _reserved_derivative(self, seeds):
-        """The same through the reserved references of an FMU without the standard call."""
+        """Return the derivative through reserved references instead of the standard call."""
         write, read = self._derivative["seed"], self._derivative["product"]
         write.values[:] = 0.0
         for name, value in seeds.items():
@@ -651,7 +647,7 @@ class FmuParticipant:
         return self._cut(read)
 
     def _difference(self, seeds, products):
-        """The same from the last step taken once more."""
+        """Return the derivative by repeating the last step."""
         begin = self._begin
         try:
             return difference(self, begin, self._last_step, seeds, products)
@@ -659,12 +655,12 @@ class FmuParticipant:
             self._begin = begin
 
     def _model_description(self):
-        """Root of the XML, for what FMPy does not read."""
+        """Return the root of the XML, for content that FMPy does not read."""
         with zipfile.ZipFile(self.path) as archive:
             return ElementTree.fromstring(archive.read("modelDescription.xml"))
 
     def _before_the_variables(self):
-        """The same as far as its variables, which are most of it."""
+        """Return the root of the XML, read up to the variables, which are most of it."""
         with (
             zipfile.ZipFile(self.path) as archive,
             archive.open("modelDescription.xml") as file,
@@ -677,7 +673,7 @@ class FmuParticipant:
         return root
 
     def _reserved_references(self, root):
-        """Blocks of all seeds and of all products, from the FMU's vendor annotation."""
+        """Return the blocks of all seeds and all products, from the FMU's vendor annotation."""
         blocks: dict[str, Block] = {}
         for kind in ("seed", "product"):
             nodes = root.findall(
@@ -697,10 +693,11 @@ class FmuParticipant:
         return blocks
 
     def close(self):
-        """Terminate and free the instance, as far as the standard allows it: one that was refused
-        is nothing to free, one that has not started or has failed is not to be terminated.
+        """Terminate and free the instance, as far as the standard allows.
 
-        Raises ParticipantFault with the FMU's words if it cannot be terminated.
+        An instance that was not created needs neither. One that has not started or has failed
+        must not be terminated. Raises `ParticipantFault` with the FMU's message if termination
+        fails.
         """
         fmu, self._fmu = self._fmu, None
         if fmu is None:
@@ -721,8 +718,10 @@ class FmuParticipant:
 
 @dataclass(frozen=True)
 class Block:
-    """Fields moved in one call: C array of their references, their number, values with a pointer,
-    each field's part; arguments of the call.
+    """Fields that one call transfers.
+
+    references : C array of value references; count : their number; pointer : to `values`; parts
+    : slice of each field.
     """
 
     references: ctypes.Array
@@ -738,7 +737,7 @@ class Block:
 
 
 class Functions(dict):
-    """Functions of an FMU's library by name, without declared types; its instance."""
+    """Functions of an FMU's library by name, without declared types, and its instance."""
 
     def __init__(self, fmu):
         super().__init__()
@@ -751,7 +750,7 @@ class Functions(dict):
 
 
 def _block(fields):
-    """Block of several fields (name -> Field)."""
+    """Return the block of several fields (name -> Field)."""
     references = [reference for field in fields.values() for reference in field.references]
     ends = np.cumsum([field.size for field in fields.values()])
     values = np.zeros(int(ends[-1]) if fields else 0)
@@ -769,7 +768,7 @@ def _block(fields):
 
 
 def unpack(path):
-    """Folder with the FMU's content in the user's cache, named by the file's hash."""
+    """Unpack an FMU into a folder of the user's cache, named by its hash; return the folder."""
     digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
     folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
     if folder.exists():

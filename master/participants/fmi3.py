@@ -1,6 +1,4 @@
-"""One FMI 3.0 FMU under the master: as `FmuParticipant`, by the calls of FMI 3 and with arrays
-whole.
-"""
+"""FMI 3.0 FMU under the master: as `FmuParticipant`, with whole arrays."""
 
 import ctypes
 from functools import cached_property
@@ -11,19 +9,19 @@ from ..fmi.errors import Discard
 from .fmi2 import WHOLE, FmuParticipant, Functions
 
 LARGEST_ITERATION = 1000
-"""Calls of fmi3UpdateDiscreteStates at one event."""
+"""Maximum number of calls of fmi3UpdateDiscreteStates in an event."""
 
 
 class Fmu3Participant(FmuParticipant):
-    """An FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
+    """FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
     _whole_numbers = {}
-    _is_kept = False  # arrays are whole, and as large as `sizes` makes them
+    _is_kept = False  # the size of arrays depends on `sizes`
 
     @property
     def can_interpolate(self) -> bool:
-        """Never: FMI 3.0 has no call that tells an FMU the derivatives of its inputs."""
+        """False, because FMI 3.0 has no call that sets derivatives of inputs."""
         return False
 
     def _instantiate(self, start_time, stop_time):
@@ -57,12 +55,12 @@ class Fmu3Participant(FmuParticipant):
         return access | {"Enumeration": access["Int64"]}
 
     def _are_double(self, names):
-        """Whether one call can move several fields: there is one for each type."""
+        """Return whether one call can transfer several fields: all must have type Float64."""
         events = self._discrete if self._has_events else ()
         return all(self.fields[name].is_double and name not in events for name in names)
 
     def _configure(self):
-        """Give the FMU its `sizes`, in Configuration Mode."""
+        """Set the `sizes` of the FMU in Configuration Mode."""
         if not self.sizes:
             return
         self._fmu.enterConfigurationMode()
@@ -71,7 +69,7 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.exitConfigurationMode()
 
     def leave(self):
-        """Leave Initialization Mode; an FMU with an Event Mode is then in it, and leaves it too."""
+        """Leave Initialization Mode, and the Event Mode that follows it in FMUs that have one."""
         super().leave()
         if self._has_events:
             with self._refusing():
@@ -80,7 +78,7 @@ class Fmu3Participant(FmuParticipant):
 
     @cached_property
     def _has_events(self):
-        """Whether the FMU is used with Event Mode."""
+        """True if the FMU is used with Event Mode."""
         return self.event_mode and bool(self.description.coSimulation.hasEventMode)
 
     @property
@@ -90,7 +88,7 @@ class Fmu3Participant(FmuParticipant):
 
     @cached_property
     def _discrete(self):
-        """Inputs that the standard lets change in Event Mode alone."""
+        """Inputs that may change in Event Mode only."""
         return {
             v.name
             for v in self.description.modelVariables
@@ -98,7 +96,7 @@ class Fmu3Participant(FmuParticipant):
         }
 
     def set(self, name, value):
-        """Set a field; a discrete input of an FMU with an Event Mode in that."""
+        """Set a field; discrete inputs are set in Event Mode if the FMU has one."""
         event = self._begun and self._has_events and name in self._discrete
         if event:
             self._fmu.enterEventMode()
@@ -108,9 +106,7 @@ class Fmu3Participant(FmuParticipant):
             self._fmu.enterStepMode()
 
     def _settle_events(self):
-        """In Event Mode, update discrete states until there is nothing left to update; whether the
-        FMU asks for the end.
-        """
+        """Update discrete states in Event Mode until none changes; return whether the FMU ends."""
         for _ in range(LARGEST_ITERATION):
             again, end, *_ = self._fmu.updateDiscreteStates()
             if end or not again:
@@ -118,9 +114,7 @@ class Fmu3Participant(FmuParticipant):
         raise Discard(f"{self.name}: an event without end")
 
     def _do_step(self, time, step):
-        """The call itself, again from where the FMU returned early, through Event Mode where it
-        met an event, until the step is whole.
-        """
+        """Complete a step: resume after early returns, and handle events in Event Mode."""
         end, at = time + step, time
         flags = [ctypes.c_bool() for _ in range(3)]
         reached = ctypes.c_double()
@@ -141,16 +135,13 @@ class Fmu3Participant(FmuParticipant):
             at = reached.value
 
     def _meet(self, reached, end, step):
-        """Event Mode where a step that is to end at `end` has met an event [s]; whether the FMU
-        asks for the end of the simulation.
-        """
+        """Handle an event at time `reached` of a step to `end` [s]; return whether the FMU ends."""
         self._fmu.enterEventMode()
         finished = self._settle_events()
         self._fmu.enterStepMode()
         return finished
 
     def _listed(self, field):
-        """Values of all elements of a field that is not real."""
         return self._access()[field.native][0](list(field.references), field.size)
 
     def _derive(self, known, unknown):
@@ -167,7 +158,7 @@ class Fmu3Participant(FmuParticipant):
         )
 
     def save(self):
-        """A handle on the FMU's state; `free` it when it is no longer needed."""
+        """Return a handle of the FMU's state; `free` it after use."""
         return self._fmu.getFMUState()
 
     def _set_state(self, saved):
@@ -177,9 +168,9 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.freeFMUState(saved)
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return bytes(self._fmu.serializeFMUState(saved))
 
     def deserialise(self, data):
-        """A handle on the state that `serialise` made into bytes."""
+        """Return a handle of the state in bytes of `serialise`."""
         return self._fmu.deserializeFMUState(data)

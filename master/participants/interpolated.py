@@ -1,4 +1,4 @@
-"""Inputs that follow the values at both ends of a macro step: as a polynomial, or as their mean."""
+"""Inputs that vary during a macro step: as a polynomial, or as the mean of both ends."""
 
 from typing import Any
 
@@ -11,12 +11,12 @@ from .plain import pack, unpack
 
 
 def slope_of(name):
-    """Name of the input that takes the end-of-step time derivative of input `name`."""
+    """Return the name of the input that takes the end-of-step time derivative of input `name`."""
     return f"der({name})"
 
 
 def linear(begin, end, step):
-    """Value and first derivative at the beginning of the step.
+    """Return value and first derivative at the beginning of the step.
 
     Eq. (P2):  u(s) = u0 + (u1 - u0) s / H,   0 <= s <= H
     """
@@ -24,8 +24,7 @@ def linear(begin, end, step):
 
 
 def hermite(begin, end, begin_slope, end_slope, step):
-    """Value and three derivatives at the beginning of the step of the cubic with given values and
-    slopes at both ends.
+    """Return value and three derivatives, at the beginning of a step, of the Hermite cubic.
 
     Eq. (P3):  u(s) = u0 + u0' s + (3 d - 2 u0' - u1') s^2/H + (u0' + u1' - 2 d) s^3/H^2,
                d = (u1 - u0)/H
@@ -55,27 +54,26 @@ def hermite(begin, end, begin_slope, end_slope, step):
 
 
 class InterpolatedParticipant(FieldByField):
-    """A participant some of whose inputs follow both ends of a macro step; what is set is their
-    value at its end.
+    """Participant with inputs that vary from their old to their new value during a macro step.
 
-    An input of the kind "mean" is held at the mean of both ends, which needs no capability of the
-    FMU. Its value at the end is set after the step, before outputs are read.
+    Setting such an input sets its value at the end of the step. An input of the kind "mean" is
+    constant at the mean of both ends, which needs no capability of the FMU. After the step, it is
+    set to its end value before outputs are read.
 
     Eq. (P10):  u(s) = (u0 + u1)/2,   0 <= s < H,   u(H) = u1
 
-    Inputs with a cubic get a companion `der(name)`, set like an input: the slope at the end. Values
-    and slopes at the beginning are those that were set when the state was saved from which the step
-    begins.
+    Inputs with a cubic have a companion input `der(name)`: the slope at the end. Values and slopes
+    at the beginning are those of the saved state from which the step starts.
 
     Parameters
     ----------
     participant : Participant
-        One that `can_interpolate` if an input is "linear" or "hermite".
+        With `can_interpolate` if an input is "linear" or "hermite".
     interpolation : dict of str to {"mean", "linear", "hermite"}
         By input.
     """
 
-    has_derivatives = False  # the FMU's own would be by its inputs at the beginning
+    has_derivatives = False  # the FMU's own would be with respect to inputs at the beginning
 
     def __init__(self, participant, interpolation):
         self.participant, self.interpolation = participant, interpolation
@@ -94,14 +92,12 @@ class InterpolatedParticipant(FieldByField):
         return getattr(self.participant, name)
 
     def start(self, parameters, start_time, stop_time):
-        """See `FmuParticipant.start`; interpolated inputs begin with their start values."""
+        """Start, see `FmuParticipant.start`; interpolated inputs begin with their start values."""
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
     def enter(self, parameters, start_time, stop_time):
-        """First half of `start`: in Initialization Mode the participant is told every input as it
-        is set.
-        """
+        """Run the first half of `start`; in Initialization Mode, `set` sets inputs directly."""
         known = self.participant.fields
         self.participant.enter(
             {k: v for k, v in parameters.items() if k in known}, start_time, stop_time
@@ -111,45 +107,43 @@ class InterpolatedParticipant(FieldByField):
             self.now[name] = np.array(self.participant.get(name))
 
     def leave(self):
-        """Second half of `start`."""
+        """Run the second half of `start`."""
         self._initialising = False
         self.participant.leave()
 
     def set(self, name, value):
-        """Set a field; of an interpolated input its value at the end of the step to come."""
+        """Set a field; for an interpolated input, its value at the end of the next step."""
         if name in self.now:
             self.now[name] = np.array(value, dtype=float)
         if name not in self.now or (self._initialising and name in self.participant.fields):
             self.participant.set(name, value)
 
     def get(self, name):
-        """Value of a field; of an interpolated input what was set last."""
+        """Return the value of a field; for an interpolated input, the value that was set last."""
         return self.now[name].copy() if name in self.now else self.participant.get(name)
 
     def step(self, time, step):
-        """One step [s] along the inputs' courses."""
+        """Take a step [s] with interpolated inputs."""
         self._tell_courses(time, step)
         self.participant.step(time, step)
         self._set_ends()
 
     def begin_step(self, time, step):
-        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
         self._tell_courses(time, step)
         self.participant.begin_step(time, step)
 
     def end_step(self):
-        """Wait for the step that has begun; see `IsolatedParticipant.end_step`."""
         self.participant.end_step()
         self._set_ends()
 
     def _set_ends(self):
-        """Set the inputs that were held at their mean to their values at the end."""
+        """Set mean inputs to their values at the end of the step."""
         for name, kind in self.interpolation.items():
             if kind == "mean":
                 self.participant.set(name, self.now[name])
 
     def _tell_courses(self, time, step):
-        """Tell the participant the inputs' courses over the step to come."""
+        """Set the courses of all interpolated inputs for the next step."""
         self._last_step = time, step
         begin = self._begin[1]
         for name, kind in self.interpolation.items():
@@ -164,46 +158,43 @@ class InterpolatedParticipant(FieldByField):
             self.participant.set_course(name, course)
 
     def save(self):
-        """A handle on the state, the ends of the last step among it; the next step begins there."""
+        """Return a handle of the state and the ends of the last step, where the next one begins."""
         self._begin = self.participant.save(), dict(self.now)
         return self._begin
 
     def begin_here(self):
-        """Let the next step begin with the ends of the last one, for one that saves no states."""
+        """Begin the next step with the current inputs, without a saved state."""
         self._begin = None, dict(self.now)
 
     def restore(self, saved):
-        """Go back to a saved state; the next step begins there."""
+        """Restore a saved state, where the next step begins."""
         self._begin, self.now = saved, dict(saved[1])
         self.participant.restore(saved[0])
 
     def free(self, saved):
-        """Forget a saved state."""
         self.participant.free(saved[0])
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return pack((self.participant.serialise(saved[0]), saved[1]))
 
     def deserialise(self, data):
-        """A handle on the state that `serialise` made into bytes."""
+        """Return a handle of the state in bytes of `serialise`."""
         inner, now = unpack(data)
         return self.participant.deserialise(inner), now
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step by its inputs at the end, as a difference of two
-        steps.
-        """
+        """Return the directional derivative with respect to inputs at the end, by differences."""
         begin = self._begin
         try:
-            whole: Any = self  # what is not defined here is the inner participant's
+            whole: Any = self  # undefined attributes are those of the inner participant
             return difference(whole, begin, self._last_step, seeds, products)
         finally:
             self._begin = begin
 
 
 def _slope(field):
-    """Field of the companion input."""
+    """Return the field of the companion input."""
     return Field(
         slope_of(field.name),
         field.shape,

@@ -1,8 +1,7 @@
-"""An FMU in a process of its own: it may hang or crash, and the run ends with a sentence instead of
-with it.
+"""FMU in a separate process: if it hangs or crashes, the run ends with a message.
 
-Fields lie in memory that both processes share; commands go through a pipe, as many as possible in
-one message; an answer that does not come in time ends the FMU's process.
+Both processes share the memory of the fields. Commands go through a pipe, as many as possible in
+one message. A response that exceeds the timeout ends the FMU's process.
 """
 
 import traceback
@@ -16,21 +15,19 @@ from .worker import Worker, shared_file, shared_numbers
 
 
 class IsolatedParticipant:
-    """A participant whose FMU runs in another process; same methods and same bits as the
-    participant it stands for.
+    """Participant whose FMU runs in another process, with the same methods and results.
 
     Parameters
     ----------
     participant : FmuParticipant
-        Not started; what the model description says is read from it, the FMU itself is loaded in
-        the other process.
+        Not started. It provides the model description. The FMU is loaded in the other process.
     timeout : float
-        Longest wait for any one answer [s]; the process is ended then.
+        Response timeout, after which the process is ended [s].
 
     Raises
     ------
     ParticipantFault
-        By every method, after a time-out or when the process has ended by itself.
+        By every method, after a timeout or if the process has ended.
     """
 
     runs_apart = True
@@ -57,7 +54,7 @@ class IsolatedParticipant:
         self._numbers = count(1)
 
     def launch(self):
-        """Start the process, which takes its time; to be called before `start`."""
+        """Start the process. Call it before `start`, because it takes time."""
         memory = shared_file(2 * sum(field.size for field in self.fields.values()))
         described = self.described
         length = getattr(described, "length", None)
@@ -73,28 +70,28 @@ class IsolatedParticipant:
         self.leave()
 
     def another(self):
-        """Return a second instance in a process of its own, not started."""
+        """Return a second instance in a separate process, not started."""
         return type(self)(self.described, self.timeout)
 
     def enter(self, parameters, start_time, stop_time):
-        """First half of `start`; see `FmuParticipant.enter`."""
+        """Run the first half of `start`; see `FmuParticipant.enter`."""
         self.started_with = parameters, start_time, stop_time
         if self._process is None:
             self.launch()
         self._ask("enter", parameters, start_time, stop_time)
 
     def leave(self):
-        """Second half of `start`."""
+        """Run the second half of `start`."""
         self._fresh = set()
         self._ask("leave")
 
     def warned(self):
-        """See `FmuParticipant.warned`."""
+        """Return the warnings of the start, see `FmuParticipant.warned`."""
         return self._ask("warned")
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
-        self._fresh = set()  # an output may follow its input at once
+        self._fresh = set()  # an output may follow its input immediately
         if self.fields[name].type == "Real" and not self.fields[name].clocked:
             self._values[name][...] = value
             self._queue.append(("write", (name,)))
@@ -102,15 +99,13 @@ class IsolatedParticipant:
             self._queue.append(("set", (name, value)))
 
     def set_course(self, name, course):
-        """Set an input and its time derivatives at the beginning of the next step; see
-        `FmuParticipant.set_course`.
-        """
         self._fresh = set()  # an output may follow its input at once
         self._queue.append(("set_course", (name, course)))
 
     def get(self, name):
-        """Value of a field: array of its shape, or a Python scalar. What was read once comes along
-        with every step.
+        """Return the value of a field: array of its shape, or a Python scalar.
+
+        Fields that were read once are transferred after every step.
         """
         if self.fields[name].type != "Real" or self.fields[name].clocked:
             return self._ask("get", name)
@@ -122,66 +117,64 @@ class IsolatedParticipant:
         return value.copy() if value.shape else value.item()
 
     def get_many(self, names):
-        """Values of several scalars: dict of name to float or int."""
+        """Return the values of several scalars by name."""
         return self._ask("get_many", list(names))
 
     def stop_at(self, clocks):
-        """See `ClockedFmu3.stop_at`."""
         self._ask("stop_at", clocks)
 
     def tick(self, time, step):
-        """See `ClockedFmu3.tick`."""
         self._fresh = set()
         self._ask("tick", time, step)
 
     def next_tick(self):
-        """See `ClockedFmu3.next_tick`."""
+        """Return the time of the next tick, see `ClockedFmu3.next_tick`."""
         return self._ask("next_tick")
 
     def step(self, time, step):
-        """One step [s]; raises Discard or ParticipantFault as `FmuParticipant.step` does."""
+        """Take a step [s]; raise `Discard` or `ParticipantFault` as `FmuParticipant.step`."""
         self.begin_step(time, step)
         self.end_step()
 
     def begin_step(self, time, step):
-        """Send the step away; other participants may step until `end_step`."""
+        """Begin a step, so that other participants may step until `end_step`."""
         self._fresh = set()
         self._send("step", time, step)
 
     def end_step(self):
-        """Wait for the end of the step that was begun; raises what `step` raises."""
+        """Wait for the end of the step; raise what `step` raises."""
         self.ended = self._receive()
         self._fresh = set(self._read_ahead)
 
     def save(self):
-        """A number for the FMU's state; `free` it when it is no longer needed."""
+        """Return the number of the FMU's saved state; `free` it after use."""
         return self._numbered("save")
 
     def restore(self, saved):
-        """Go back to a saved state; the next step counts from it."""
+        """Restore a saved state, where the next step begins."""
         self._fresh = set()
         self._queue.append(("restore", (saved,)))
 
     def free(self, saved):
-        """Forget a saved state; nothing to do where the process is gone."""
+        """Free a saved state."""
         self._queue.append(("free", (saved,)))
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return self._ask("serialise", saved)
 
     def deserialise(self, data):
-        """A number for the state that `serialise` made into bytes."""
+        """Return the number of the state in bytes of `serialise`."""
         return self._numbered("deserialise", data)
 
     def _numbered(self, method, *arguments):
-        """Queue what makes a saved state; the number by which it is kept there."""
+        """Queue a command that creates a saved state; return the number of the state."""
         number = next(self._numbers)
         self._queue.append((method, (number, *arguments)))
         return number
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step; see `FmuParticipant.derivative`."""
+        """Return the directional derivative of the last step; see `FmuParticipant.derivative`."""
         for name, value in seeds.items():
             self._changes[name][...] = value
         answered = self._ask("derivative", list(seeds), list(products))
@@ -199,15 +192,13 @@ class IsolatedParticipant:
                 self._process = None
 
     def _ask(self, method, *arguments):
-        """Send everything queued with this command behind it; its answer, or what it raised in the
-        other process.
-        """
+        """Send all queued commands and this one; return its result, or raise its exception."""
         self._send(method, *arguments)
         return self._receive()
 
     def _send(self, method, *arguments):
-        """Send everything queued with this command behind it."""
-        if self._awaited:  # the answer to a step that nobody waited for: the run was broken off
+        """Send all queued commands and this one."""
+        if self._awaited:  # the result of an abandoned step
             with suppress(Discard, ParticipantFault):
                 self._receive()
         queue, self._queue = [*self._queue, (method, arguments)], []
@@ -222,7 +213,7 @@ class IsolatedParticipant:
             raise self._ended() from None
 
     def _receive(self):
-        """Answer to the command that was sent last, or what it raised in the other process."""
+        """Return the result of the last command, or raise its exception."""
         try:
             raised, answer = self._fetch()
         finally:
@@ -232,7 +223,7 @@ class IsolatedParticipant:
         return answer
 
     def _fetch(self):
-        """Whether the other process raised something, and its answer or what it raised."""
+        """Return whether the other process raised an exception, and its result or exception."""
         try:
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
@@ -245,7 +236,7 @@ class IsolatedParticipant:
             raise self._ended() from None
 
     def _ended(self):
-        """Fault of a process that is gone."""
+        """Return the fault of a process that has ended."""
         method, arguments = self._awaited
         self._awaited = None
         self._process.join(self.timeout)
@@ -256,8 +247,9 @@ class IsolatedParticipant:
 
 
 def _views(storage, fields):
-    """Two arrays a field in the shared memory: its value, and the change a derivative is asked for
-    or answers.
+    """Return two views of each field in the shared memory: its value, and its change.
+
+    Changes are the seeds and products of derivatives.
     """
     offset, values, changes = 0, {}, {}
     for name, field in fields.items():
@@ -268,7 +260,7 @@ def _views(storage, fields):
 
 
 class Server:
-    """The other end: runs commands on the real participant."""
+    """Other end of the pipe: runs commands on the real participant."""
 
     def __init__(self, participant, memory):
         self.participant, self.saved, self.read_ahead = participant, {}, set()
@@ -314,7 +306,7 @@ class Server:
 
 
 def _serve(pipe, memory, recipe):
-    """Answer commands until the master is gone or `close` is done."""
+    """Run commands until `close`, or until the master has ended."""
     server = Server(open_fmu(*recipe), shared_numbers(memory))
     with suppress(EOFError, OSError):  # a master that was killed closes or resets the pipe
         while True:
@@ -325,7 +317,7 @@ def _serve(pipe, memory, recipe):
 
 
 def answered(server, queue):
-    """Run commands; whether one raised, and the answer of the last or what was raised."""
+    """Run commands; return whether one raised, and the last result or the exception."""
     answer = False, None
     try:
         for command in queue:

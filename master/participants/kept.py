@@ -1,5 +1,7 @@
-"""What was read of an FMU's model description, kept by the file's content: FMPy makes an object of
-each element of each array, which for a film of 40 x 40 cells takes a third of a second.
+"""Cache of model descriptions, by content of the FMU.
+
+FMPy creates an object for each element of each array. For a film of 40 x 40 cells that takes a
+third of a second.
 """
 
 import pickle
@@ -16,18 +18,14 @@ from ..fmi.cache import cache_folder, write_whole
 
 
 def kept_description(path: Path) -> tuple[Any, dict[str, fields.Field]] | None:
-    """FMPy's model description without its variables, and the fields gathered from these; None of
-    an FMU that is read for the first time, and where what was kept cannot be read.
-    """
+    """Return the cached description without its variables, and their fields; else None."""
     with suppress(Exception):  # whatever a damaged pickle raises
         return pickle.loads(_place(path).read_bytes())
     return None
 
 
 def keep_description(path: Path, description: Any, gathered: dict[str, fields.Field]) -> None:
-    """Take the variables out of a description, and keep it with what was gathered from them where
-    the disk allows it.
-    """
+    """Remove the variables from a description, and cache it with the fields if possible."""
     for name in ("modelVariables", "outputs", "derivatives", "initialUnknowns"):
         getattr(description, name).clear()
     with suppress(OSError):
@@ -35,13 +33,13 @@ def keep_description(path: Path, description: Any, gathered: dict[str, fields.Fi
 
 
 def _place(path):
-    """Where it is kept."""
+    """Return the path of the cached description."""
     digest = sha256(Path(path).read_bytes() + _readers()).hexdigest()[:24]
     return cache_folder("descriptions") / f"{Path(path).stem}-{digest}.pickle"
 
 
 @cache
 def _readers():
-    """What reads descriptions: another one may read something else."""
+    """Return the versions of the code that reads descriptions, on which the cache depends."""
     files = (__file__, str(fields.__file__))
     return b"".join([fmpy.__version__.encode(), *(Path(file).read_bytes() for file in files)])

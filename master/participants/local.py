@@ -1,6 +1,4 @@
-"""A slave as a participant without FMI in between: for the coupled pair inside one FMU, and for
-models in the same Python.
-"""
+"""Slave as a participant without FMI, for models inside one FMU or in this process."""
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
@@ -10,12 +8,12 @@ from ..fmi.slave import COURSE, reserved
 
 
 class LocalParticipant:
-    """Wraps a `FieldSlave` behind the methods of `participant.Participant`.
+    """Participant of a `FieldSlave`, with the methods of `participant.Participant`.
 
     Parameters
     ----------
     name : str
-        Its name in the system.
+        Name in the system.
     slave : FieldSlave
     """
 
@@ -30,22 +28,21 @@ class LocalParticipant:
         )
 
     def start(self, parameters, start_time, stop_time):
-        """Initialise with `parameters` in SI; BadInput with what the slave refuses, each line with
-        this name before it.
-        """
+        """Initialise with `parameters` in SI; raise `BadInput` with the faults of the slave."""
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
     def enter(self, parameters, start_time, stop_time):
-        """Set `parameters` and enter Initialization Mode, as the first half of `start`: outputs
-        there follow the inputs that are set.
+        """Run the first half of `start`, up to Initialization Mode.
+
+        In that mode, outputs follow the inputs that are set.
         """
         for name, value in parameters.items():
             self.set(name, value)
         self.slave.enter_initialization_mode()
 
     def leave(self):
-        """Leave Initialization Mode, as the second half of `start`."""
+        """Run the second half of `start`: leave Initialization Mode."""
         self.slave.exit_initialization_mode()
         if self.slave.fault:
             raise BadInput(
@@ -60,26 +57,25 @@ class LocalParticipant:
             self.slave.views[name][...] = self.fields[name].number(value)
 
     def set_course(self, name, course):
-        """Set an input and its derivatives at the beginning of the next step, shape (order + 1,
-        *shape), value first.
+        """Set an input and its derivatives at the beginning of the next step.
+
+        course : shape (order + 1, *shape), value first.
         """
         self.slave.views[name][...] = course[0]
         self.slave.views[reserved(COURSE, name)][: len(course) - 1] = course[1:]
 
     def get_many(self, names):
-        """Values of several scalars: dict of name to number."""
+        """Return the values of several scalars by name."""
         return {name: self.get(name) for name in names}
 
     def get(self, name):
-        """Array of the field's shape, or a number."""
+        """Return an array of the field's shape, or a number."""
         self.slave.show_start()
         view = self.slave.views[name]
         return view.copy() if self.fields[name].shape else view.item()
 
     def step(self, time, step):
-        """One step [s]; raises Discard with the slave's words, ParticipantFault with its traceback
-        on a bug.
-        """
+        """Take a step [s]; raise `Discard` or `ParticipantFault` with the slave's last message."""
         if self.slave.do_step(time, step):
             return
         status, messages = self.slave.verdict()
@@ -94,20 +90,18 @@ class LocalParticipant:
         self.slave._set_fmu_state(saved)
 
     def free(self, saved):
-        """Nothing to free: a saved state is a Python object."""
+        """Do nothing, because a saved state is a Python object."""
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return self.slave._fmu_state_to_bytes(saved)
 
     def deserialise(self, data):
-        """The state that `serialise` made into bytes."""
+        """Return the state in bytes of `serialise`."""
         return self.slave._fmu_state_from_bytes(data)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step: change of output fields for a change of input
-        fields.
-        """
+        """Return the directional derivative of the last step by field."""
         slave = self.slave
         whole = {
             name: seeds[name] if name in seeds else np.zeros(self.fields[name].shape)
@@ -116,4 +110,4 @@ class LocalParticipant:
         return slave.directional_derivative(whole)
 
     def close(self):
-        """Nothing to free."""
+        """Do nothing, because there is nothing to free."""

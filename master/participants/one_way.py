@@ -1,6 +1,4 @@
-"""An FMU that cannot go back, or that is not trusted to: it takes every step once, and a step that
-would have to be repeated ends the run.
-"""
+"""FMU without rollback, or one whose rollback is not trusted: each step is taken once."""
 
 from contextlib import contextmanager
 
@@ -8,7 +6,7 @@ from ..fmi.errors import Discard, ParticipantFault
 
 
 class OneWayParticipant:
-    """A participant whose states are not restored; everything else is its own.
+    """Participant whose states are not restored.
 
     Parameters
     ----------
@@ -17,7 +15,7 @@ class OneWayParticipant:
     Raises
     ------
     ParticipantFault
-        By `step` where the FMU discards it, and by `restore` after a step.
+        By `step` if the FMU discards it, and by `restore` after a step.
     """
 
     can_redo = can_serialise = False
@@ -30,24 +28,22 @@ class OneWayParticipant:
         return getattr(self.participant, name)
 
     def step(self, time, step):
-        """One step [s]."""
+        """Take a step [s]."""
         self._steps += 1
         with self._once():
             self.participant.step(time, step)
 
     def begin_step(self, time, step):
-        """The same as far as it can be sent away; see `IsolatedParticipant.begin_step`."""
         self._steps += 1
         self.participant.begin_step(time, step)
 
     def end_step(self):
-        """Wait for the end of the step that was begun."""
         with self._once():
             self.participant.end_step()
 
     @contextmanager
     def _once(self):
-        """A step that is discarded cannot be taken again."""
+        """Convert `Discard` to a fault, because the step cannot be repeated."""
         try:
             yield
         except Discard as refusal:
@@ -58,15 +54,15 @@ class OneWayParticipant:
         return "it cannot save and restore its state, so the step cannot be taken again"
 
     def save(self):
-        """How many steps have been taken: all that can be known of the state."""
+        """Return the number of steps so far, which stands for the state."""
         if begin_here := getattr(self.participant, "begin_here", None):
             begin_here()
         return self._steps
 
     def restore(self, saved):
-        """Nothing, where no step has been taken since."""
+        """Do nothing if no step was taken since; else raise `ParticipantFault`."""
         if saved != self._steps:
             raise ParticipantFault(f"{self.name}: {self._words}")
 
     def free(self, saved):
-        """Nothing is kept."""
+        """Do nothing, because nothing is saved."""

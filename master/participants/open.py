@@ -10,17 +10,17 @@ EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
 def open_fmu(name, path, sizes=None, step=None, elements=(), event_mode=True):
-    """Participant for an FMU of either version of the standard.
+    """Return the participant of an FMU of either version of the standard.
 
     Parameters
     ----------
     name : str
-        Its name in the system.
+        Name in the system.
     path : Path
     sizes : dict of str to int, optional
         Values of structural parameters.
     step : float, optional
-        Longest step [s] that it takes inside a macro step.
+        Longest step inside a macro step [s].
     elements : iterable of str, optional
         Elements of arrays ("y[2]") that are fields too, next to their array.
     event_mode : bool
@@ -34,7 +34,7 @@ def open_fmu(name, path, sizes=None, step=None, elements=(), event_mode=True):
 
 
 def _kind(path, event_mode):
-    from .clocks import ClockedFmu3  # FMPy is slow to import, and a case is checked without
+    from .clocks import ClockedFmu3  # FMPy is slow to import, and checking a case does not need it
     from .fmi2 import FmuParticipant
     from .fmi3 import Fmu3Participant
 

@@ -1,6 +1,4 @@
-"""What the master needs of a participant, as a protocol: any object with these methods can take
-part.
-"""
+"""Protocol of participants: every object with these methods can take part."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import prod
@@ -9,11 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 
 Value = np.ndarray | float | int | bool | str
-"""What a variable holds: an array of its shape, or a Python scalar."""
+"""Value of a variable: an array of its shape, or a Python scalar."""
 
 
 class DescribedVariable(Protocol):
-    """What is asked of an entry of `Participant.fields`; `Field` and `Variable` have it."""
+    """Required attributes of `Participant.fields`; `Field` and `Variable` have them."""
 
     @property
     def name(self) -> str: ...
@@ -34,9 +32,9 @@ class DescribedVariable(Protocol):
 class Participant(Protocol):
     """One model under the master.
 
-    A saved state is whatever `save` returns; the master hands it back and looks at it never. One
-    that can move several real fields in one call has `write(names, values)` and `read(names)` too,
-    the fields one behind the other; for the others the master goes field by field.
+    A saved state is the result of `save`, which the master does not inspect. A participant may
+    also define `write(names, values)` and `read(names)`, which transfer several concatenated
+    real fields in one call. For others the master transfers each field separately.
     """
 
     @property
@@ -69,19 +67,19 @@ class Participant(Protocol):
 
 
 class FieldByField:
-    """`write` and `read` by `set` and `get`, for a participant that changes what these do."""
+    """`write` and `read` by `set` and `get`, for participants that change these."""
 
     def write(self, names: Sequence[str], values: np.ndarray) -> None:
-        """Set several real fields to what lies one behind the other in `values`."""
+        """Set several real fields from their concatenated values."""
         write_each(self, names, values)
 
     def read(self, names: Sequence[str]) -> np.ndarray:
-        """Several real fields, one behind the other."""
+        """Return several real fields, concatenated."""
         return read_each(self, names)
 
 
 def write_each(participant: Any, names: Iterable[str], values: np.ndarray) -> None:
-    """Set real fields one after the other to what lies one behind the other in `values`."""
+    """Set each of several real fields from their concatenated values."""
     begin = 0
     for name in names:
         shape = participant.fields[name].shape
@@ -91,5 +89,5 @@ def write_each(participant: Any, names: Iterable[str], values: np.ndarray) -> No
 
 
 def read_each(participant: Any, names: Iterable[str]) -> np.ndarray:
-    """Real fields asked for one after the other, one behind the other."""
+    """Return several real fields, read separately and concatenated."""
     return np.concatenate([np.ravel(participant.get(name)) for name in names])

@@ -1,13 +1,14 @@
-"""Plain data as bytes and back, without code: what checkpoints and saved states are made of.
+"""Plain data as bytes and back, without code, for checkpoints and saved states.
 
 Layout
     8 bytes             length of the header, little endian
     header              JSON: the data, with a reference [offset, size] for every array and bytes
-    blobs               arrays (as dtype and order say) and bytes, one behind the other
+    blobs               consecutive arrays (with dtype and order of the header) and bytes
 
-Plain are None, truth values, numbers, texts, bytes, NumPy arrays and scalars of numbers, slices,
-lists, tuples, dictionaries, and objects of the classes that the caller names. Equal data gives
-equal bytes. An object is brought back by its attributes alone: nothing in the bytes is called.
+Plain data are None, bool, numbers, texts, bytes, NumPy arrays and scalars of numbers, slices,
+lists, tuples and dictionaries. Objects of the classes that the caller names are also plain.
+Equal data gives equal bytes. Objects are restored from their attributes, and no content of the
+bytes is called.
 """
 
 import json
@@ -18,22 +19,22 @@ import numpy as np
 
 LENGTH = 8
 NUMBERS = "biufc"
-"""Kinds of NumPy's dtypes that are plain."""
+"""Kinds of NumPy dtypes that are plain data."""
 
 
 class NotPlain(ValueError):
-    """Bytes that are no plain data, or data that cannot be made into bytes."""
+    """Bytes that are not plain data, or data that cannot be converted to bytes."""
 
 
 def pack(thing: Any, classes: Iterable[type] = ()) -> bytes:
-    """Bytes of plain data; NotPlain if it is none."""
+    """Return plain data as bytes; raise `NotPlain` for other data."""
     packer = _Packer({kind: kind.__name__ for kind in classes})
     header = json.dumps(packer.node(thing), separators=(",", ":")).encode()
     return b"".join([len(header).to_bytes(LENGTH, "little"), header, *packer.blobs])
 
 
 def unpack(data: bytes, classes: Iterable[type] = ()) -> Any:
-    """What `fmu pack` has made into bytes; NotPlain if they are anything else."""
+    """Return the data in bytes of `pack`; raise `NotPlain` for other bytes."""
     try:
         end = LENGTH + int.from_bytes(data[:LENGTH], "little")
         reader = _Reader(data[end:], {kind.__name__: kind for kind in classes})
@@ -45,13 +46,14 @@ def unpack(data: bytes, classes: Iterable[type] = ()) -> Any:
 
 
 def attributes(thing: Any) -> dict[str, Any]:
-    """Those of an object, or of a named tuple."""
+    """Return the attributes of an object, or the members of a named tuple."""
     return dict(zip(thing._fields, thing)) if hasattr(thing, "_fields") else vars(thing)
 
 
 def _order(array):
-    """Which index runs fastest in memory, "C" the last or "F" the first: products of matrices
-    depend on it in their last bits.
+    """Return the memory order: "C" if the last index runs fastest, "F" if the first does.
+
+    The last bits of matrix products depend on it.
     """
     steps = [abs(step) for step in array.strides]
     return "F" if len(steps) > 1 and steps[0] < steps[-1] else "C"
@@ -62,7 +64,7 @@ class _Packer:
         self.names, self.blobs, self.size = names, [], 0
 
     def node(self, thing):
-        """The thing for the header; its blobs are put aside."""
+        """Return the header's node of a value, and append its blobs."""
         if thing is None or type(thing) in (bool, int, float, str):
             return thing
         if type(thing) is list:
@@ -102,7 +104,7 @@ class _Reader:
         self.blobs, self.classes = blobs, classes
 
     def thing(self, node):
-        """What a node of the header stands for."""
+        """Return the value of a node of the header."""
         if isinstance(node, list):
             return [self.thing(entry) for entry in node]
         if not isinstance(node, dict):

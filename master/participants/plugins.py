@@ -1,8 +1,8 @@
-"""What other installed packages bring: found by entry points, looked up by the names in a case.
+"""Entry points of other installed packages, used by the names in a case.
 
 piston_cosim.participants   factory(name, options, folder) -> Participant
-piston_cosim.methods        factory(coupling table) -> Method; its `remembered`, if any, are the
-                            classes that its memory is made of, for checkpoints
+piston_cosim.methods        factory(coupling table) -> Method; its optional `remembered` are the
+                            classes of its memory, for checkpoints
 piston_cosim.step_controls  factory(wires, smallest step [s], options) -> like StepControl
 piston_cosim.observers      factory(options, system, results file) -> `attempted`, `accepted` (see
                             Observer) and `close`
@@ -21,12 +21,15 @@ KEYS |= {"step_controls": "coupling.step_control", "observers": "observers"}
 
 
 def names(kind: str) -> list[str]:
-    """What there is of "participants", "methods", "step_controls" or "observers"."""
+    """Return the installed "participants", "methods", "step_controls" or "observers"."""
     return sorted(entry_points(group=GROUP + kind).names)
 
 
 def plugin(kind: str, name: str) -> Any:
-    """The factory of that name; BadInput if there is none, or its package cannot be imported."""
+    """Return the factory of a name.
+
+    Raises `BadInput` if it does not exist, or if its package cannot be imported.
+    """
     found = [entry for entry in entry_points(group=GROUP + kind) if entry.name == name]
     if not found:
         hint = "install the package that has it"
@@ -40,7 +43,7 @@ def plugin(kind: str, name: str) -> Any:
 
 
 def made(kind: str, name: str, *arguments: Any) -> Any:
-    """What that factory makes of the arguments; BadInput where it raises ValueError."""
+    """Return the result of a factory; raise `BadInput` if it raises `ValueError`."""
     factory = plugin(kind, name)
     try:
         return factory(*arguments)

@@ -1,5 +1,6 @@
-"""Participants as compiled code calls them (front/fmi_parts.c): FMI 2.0 instances of this process
-by pointers, without Python; others by a function of Python's.
+"""Participants that compiled code calls (front/fmi_parts.c).
+
+FMI 2.0 instances of this process are called by pointers, others by a Python function.
 """
 
 import ctypes
@@ -18,13 +19,13 @@ FUNCTIONS = (
 
 
 ADVANCE = 2
-"""The entry that is a step, as in coupling/native_calls.py; else a derivative is asked for."""
+"""Entry of a step, as in coupling/native_calls.py; other entries are derivatives."""
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)
 
 
 class Instance(ctypes.Structure):
-    """As in front/fmi_parts.c."""
+    """`struct` of an instance, as in front/fmi_parts.c."""
 
     _fields_ = [
         ("ask", ASK),
@@ -45,9 +46,7 @@ class Instance(ctypes.Structure):
 
 
 class Words(list):
-    """What an FMU logs while compiled code calls it: that of the last step or derivative, as where
-    Python calls.
-    """
+    """Log of an FMU that compiled code calls, limited to the last step or derivative."""
 
     def __init__(self, instance: Instance):
         super().__init__()
@@ -62,17 +61,17 @@ class Words(list):
 
     @property
     def last(self) -> list[Any]:
-        """Those of the last call."""
+        """Messages of the last call."""
         return list(self) if self.calls == self.instance.calls else []
 
 
 class Asked:
-    """Participants in whose place compiled code calls a function of Python's.
+    """Participants that compiled code calls through a Python function.
 
     Parameters
     ----------
     answer : callable(entry)
-        Takes a step or a derivative, as `entry` says.
+        Takes a step or a derivative, depending on `entry`.
     """
 
     def __init__(self, answer: Callable[[int], None]):
@@ -81,7 +80,7 @@ class Asked:
         def ask(entry: int) -> int:
             try:
                 answer(entry)
-            except BaseException as raised:  # raised again behind the compiled code
+            except BaseException as raised:  # raised again after the compiled code
                 self.raised = raised
                 return 1
             return 0
@@ -90,26 +89,29 @@ class Asked:
 
     @property
     def address(self) -> int:
-        """Where the instance lies."""
+        """Address of the instance."""
         return ctypes.addressof(self.instance)
 
     def fault(self) -> BaseException | None:
-        """What the last call has raised, if anything."""
+        """Return the exception of the last call, or None."""
         raised, self.raised = self.raised, None
         return raised
 
 
 class Pointed:
-    """A participant that compiled code calls by pointers.
+    """Participant that compiled code calls by pointers.
 
     Parameters
     ----------
     participant : FmuParticipant
         Started.
     inputs, outputs : sequence of str
-        Real fields, one behind the other in what is set, read and derived.
+        Real fields, concatenated in the values that are set, read and derived.
 
-    spent, carried : time in steps and derivatives, and in setting and reading, since `begin` [s].
+    Attributes
+    ----------
+    spent, carried : float
+        Time since `begin` in steps and derivatives, and in setting and reading [s].
     """
 
     def __init__(self, participant: FmuParticipant, inputs: Sequence[str], outputs: Sequence[str]):
@@ -121,7 +123,7 @@ class Pointed:
 
     @property
     def address(self) -> int:
-        """Where the instance lies."""
+        """Address of the instance."""
         return ctypes.addressof(self.instance)
 
     @property
@@ -133,7 +135,7 @@ class Pointed:
         return self.instance.carried
 
     def begin(self, saved: Any) -> None:
-        """Compiled code is about to call it; every step goes from a saved state."""
+        """Prepare for calls from compiled code; every step starts from a saved state."""
         one = self.instance
         if one.component != self.participant.component:
             one.component = self.participant.component
@@ -145,13 +147,13 @@ class Pointed:
         self.participant.log = self.words
 
     def end(self, saved: Any, time: float, step: float) -> None:
-        """It did; with the last step [s]."""
+        """Update the participant after the calls, with the last step [s]."""
         self.participant.log = self.words.last
         if self.instance.calls:
             self.participant.stepped(saved, time, step)
 
     def fault(self) -> Exception | None:
-        """What is to be raised, if anything."""
+        """Return the exception of the last call, or None."""
         failed = self.instance.failed
         if not failed:
             return None

@@ -1,8 +1,8 @@
 """Log messages of FMI 2.0 with their printf arguments.
 
-The standard's logger is variadic, which ctypes has no words for. On 64-bit Linux a callee that is
-passed more arguments than it declares finds integers and pointers in one sequence, floating point
-numbers in another; a callback that declares enough of both hears every argument of the message.
+The standard's logger is variadic, which ctypes does not support. On 64-bit Linux, a callee
+receives integers and pointers in one sequence, and floating-point numbers in another one. A
+callback that declares enough of both therefore receives every argument of the message.
 """
 
 import ctypes
@@ -11,7 +11,7 @@ import re
 import sys
 
 WORDS, DOUBLES = 24, 8
-"""Integers and pointers, and floating point numbers, that a message can have."""
+"""Maximum number of integers and pointers, and of floating-point numbers, in a message."""
 HEARD = sys.platform == "linux" and platform.machine() in ("x86_64", "aarch64")
 CONVERSION = re.compile(
     r"%(?P<flags>[-+ #0]*)(?P<width>\*|\d+)?(?:\.(?P<precision>\*|\d*))?"
@@ -29,11 +29,11 @@ Logger = ctypes.CFUNCTYPE(
     *([ctypes.c_uint64] * WORDS if HEARD else []),
     *([ctypes.c_double] * DOUBLES if HEARD else []),
 )
-"""fmi2CallbackLogger, its further arguments among its own."""
+"""fmi2CallbackLogger with its variadic arguments declared."""
 
 
 def printed(message, arguments):
-    """The text of a message that `Logger` hears, `arguments` what comes after it."""
+    """Return the text of a message that `Logger` received, with its arguments."""
     text = (message or b"").decode(errors="replace")
     if not arguments:
         return text.replace("%%", "%")
@@ -45,7 +45,7 @@ def printed(message, arguments):
 
 
 def _converted(found, words, doubles):
-    """One conversion with the arguments it takes."""
+    """Return one formatted conversion, and consume its arguments."""
     kind = found["kind"]
     if kind == "%":
         return "%"
@@ -71,7 +71,7 @@ def _converted(found, words, doubles):
 
 
 def _given(text, words):
-    """A width or precision; `*` takes an argument of its own."""
+    """Return a width or precision; `*` consumes an argument."""
     if text != "*":
         return text
     number = next(words) & 0xFFFFFFFF

@@ -1,9 +1,8 @@
-"""An FMU on another machine: a worker of an existing Dask cluster holds it, the master talks to it
-as to an isolated one.
+"""FMU on a worker of an existing Dask cluster, used like an isolated one.
 
-Commands go to a Dask actor, as many as possible in one message, values with them; the connection is
-TLS's, by certificates that Dask's own configuration names (distributed.comm.tls), on both sides.
-The FMU itself is sent along; workers need this package and dask[distributed].
+Commands and values go to a Dask actor, as many as possible in one message. Dask's configuration
+names the certificates for TLS on both sides (distributed.comm.tls). The FMU is sent along.
+Workers need this package and dask[distributed].
 """
 
 import tempfile
@@ -18,33 +17,31 @@ from .isolated import IsolatedParticipant, Server, answered
 from .open import open_fmu
 
 CONNECTED = 20.0
-"""Longest wait for a scheduler [s]."""
+"""Connection timeout of the scheduler [s]."""
 BUSY: Counter[str] = Counter()
-"""Participants of this process by worker: an actor has one thread there, so that the next goes to
-the worker with the fewest.
-"""
+"""Participants of this process by worker. An actor occupies a thread there, so the next one goes
+to the worker with the fewest."""
 
 
 class RemoteParticipant(IsolatedParticipant):
-    """A participant whose FMU runs on a worker of a Dask cluster; same methods and same bits as the
-    participant it stands for.
+    """Participant whose FMU runs on a worker of a Dask cluster, with the same results.
 
     Parameters
     ----------
     participant : FmuParticipant
         Not started.
     timeout : float
-        Longest wait for any one answer [s].
+        Response timeout [s].
     host : str
-        Of the cluster's scheduler, tls://NAME:PORT.
+        Scheduler of the cluster, tls://NAME:PORT.
 
     Raises
     ------
     BadInput
-        By `launch`, if dask is not installed, nobody answers there with a certificate that is
-        trusted, or there is no worker.
+        By `launch`, if dask is not installed, if no scheduler with a trusted certificate responds,
+        or if there is no worker.
     ParticipantFault
-        By every method, after a time-out or when the worker has gone.
+        By every method, after a timeout or if the worker has ended.
     """
 
     def __init__(self, participant, timeout, host):
@@ -89,21 +86,20 @@ class RemoteParticipant(IsolatedParticipant):
         data = Path(self.path).read_bytes()
         made = (RemoteFmu, self.name, Path(self.path).name, data, recipe)
         place = {"workers": [self._worker], "actor": True, "pure": False}
-        self._kept = self._process.submit(*made, **place)  # the actor lives as long as this does
+        self._kept = self._process.submit(*made, **place)  # the actor lives as long as its future
         self._actor = self._found(self._kept)
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
-        self._fresh = set()  # an output may follow its input at once
+        self._fresh = set()  # an output may follow its input immediately
         kept = value.copy() if isinstance(value, np.ndarray) else value
         self._queue.append(("set", (name, kept)))
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last step; see `FmuParticipant.derivative`."""
         return self._ask("derivative", dict(seeds), list(products))
 
     def close(self):
-        """Terminate the FMU, and let go of the worker."""
+        """Terminate the FMU, and release the worker."""
         if self._process is None:
             return
         try:
@@ -114,7 +110,7 @@ class RemoteParticipant(IsolatedParticipant):
             client.close(timeout=self.timeout)
 
     def _post(self, queue):
-        with self._process.as_current():  # an actor asks for its client so
+        with self._process.as_current():  # the actor needs a current client
             self._coming = self._actor.run(queue)
 
     def _fetch(self):
@@ -123,19 +119,19 @@ class RemoteParticipant(IsolatedParticipant):
         return raised, answer
 
     def _found(self, future: Any):
-        """What Dask answers; ParticipantFault where it does not."""
+        """Return the result of a future; raise `ParticipantFault` if it fails."""
         try:
             return future.result(timeout=self.timeout)
         except TimeoutError:
             words = f"no answer within {self.timeout:g} s"
-        except Exception as error:  # of Dask's own, or what broke on the way
+        except Exception as error:  # Dask's own errors, or errors of the connection
             words = f"{type(error).__name__}: {error}"
         awaited = self._awaited[0] if self._awaited else "launch"
         raise ParticipantFault(f"{self.name}: on {self._worker}, {awaited}: {words}")
 
 
 class RemoteFmu:
-    """The other end, on a worker."""
+    """Actor on a worker."""
 
     def __init__(self, name, file, data, recipe):
         with tempfile.TemporaryDirectory() as folder:
@@ -144,15 +140,13 @@ class RemoteFmu:
             self.server = FarServer(open_fmu(name, path, *recipe))
 
     def run(self, queue):
-        """Run commands; whether one raised, the last answer or what was raised, and what was
-        read.
-        """
+        """Run commands; return whether one raised, the last result or exception, and fields."""
         self.server.said = {}
         return (*answered(self.server, queue), self.server.said)
 
 
 class FarServer(Server):
-    """Runs commands on the real participant, where nothing is shared with the master."""
+    """Server that shares no memory with the master."""
 
     def __init__(self, participant):
         self.participant, self.saved, self.read_ahead = participant, {}, set()

@@ -1,13 +1,11 @@
-"""An FMU without saved states that goes back to its start by being started again: for questions
-that are asked before a run.
-"""
+"""FMU without saved states that is restarted instead, for checks before a run."""
 
 from collections.abc import Mapping
 from typing import Any
 
 
 class RestartedParticipant:
-    """A participant whose only state is that of its start; everything else is its own.
+    """Participant whose only state is its start.
 
     Parameters
     ----------
@@ -16,7 +14,7 @@ class RestartedParticipant:
     values : mapping
         Its parameters and the values of its inputs.
     begin, end : float
-        What it was started with [s].
+        Start and stop time of its start [s].
     """
 
     def __init__(self, participant: Any, values: Mapping[str, Any], begin: float, end: float):
@@ -27,13 +25,13 @@ class RestartedParticipant:
         return getattr(self.participant, name)
 
     def save(self):
-        """Nothing: there is one state."""
+        """Do nothing, because there is only one state."""
 
     def restore(self, saved):
-        """Start again."""
+        """Restart the participant."""
         self.participant.close()
         self.participant.start(*self.given)
         self.participant.save()  # interpolated inputs begin here
 
     def free(self, saved):
-        """Nothing is kept."""
+        """Do nothing, because nothing is saved."""

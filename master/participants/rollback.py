@@ -11,18 +11,18 @@ from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .derivatives import put_back
 
 STEPS = 2
-"""Steps that are compared: what a state leaves out may show in the second one only."""
+"""Number of steps to compare. A missing part of the state may affect only the second one."""
 TRUSTED = 1e-12
-"""Largest difference of an output, as a share of its size: round-off of a step."""
+"""Largest difference of an output, relative to its size: round-off of a step."""
 
 
 def rollback_fault(
     participant: Any, inputs: Sequence[str], step: float, begin: float = 0.0
 ) -> str | None:
-    """Return why the saved states of a started participant are not to be trusted; None if they are.
+    """Return why the saved states of a started participant are not reliable; else None.
 
-    Two steps are taken plainly, and again with each step repeated from a saved state. This happens
-    on a second instance where the FMU allows one. The participant is left as it was.
+    Two steps are taken, and again with each step repeated from a saved state. If the FMU allows a
+    second instance, that one is used. The state of the participant is restored.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def rollback_fault(
     step : float
         Macro step [s].
     begin : float
-        Where the participant stands [s].
+        Current time of the participant [s].
 
     Returns
     -------
@@ -42,7 +42,7 @@ def rollback_fault(
     Raises
     ------
     BadInput
-        If the second instance disturbs the first.
+        If the second instance changes the first.
     """
     before = _outputs(participant)
     one = _second_instance(participant, inputs)
@@ -74,10 +74,8 @@ def rollback_fault(
 
 
 def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
-    """Another instance of the participant's FMU, started in the same way with the same inputs; None
-    if there is none.
-    """
-    while not hasattr(type(participant), "another"):  # a wrapper asks what it wraps for the rest
+    """Return a second instance, started with the same parameters and inputs; else None."""
+    while not hasattr(type(participant), "another"):  # a wrapper delegates the rest
         if (participant := vars(participant).get("participant")) is None:
             return None
     one = participant.another()
@@ -95,7 +93,7 @@ def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
 
 
 def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str | None:
-    """What differs between steps with and without saved states."""
+    """Return the difference between steps with and without saved states, or None."""
     values = {name: one.get(name) for name in one.fields.keys() & inputs}
     try:
         first = one.save()
@@ -116,7 +114,7 @@ def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str
 
 
 def _repeated(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Real outputs after a step that is taken, undone and taken again."""
+    """Return the real outputs after a step that is taken, undone and repeated."""
     saved = one.save()
     one.step(time, step)
     put_back(one, saved, values)
@@ -125,13 +123,13 @@ def _repeated(one: Any, time: float, step: float, values: dict[str, Any]) -> dic
 
 
 def _outcome(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
-    """Real outputs after a step."""
+    """Return the real outputs after a step."""
     one.step(time, step)
     return _outputs(one)
 
 
 def _outputs(one: Any) -> dict[str, np.ndarray]:
-    """Real outputs as they are."""
+    """Return the current real outputs."""
     return {
         name: np.array(one.get(name), dtype=float)
         for name, field in one.fields.items()

@@ -1,6 +1,4 @@
-"""A participant with a step of its own: several of its steps make a macro step, its inputs moving
-from one to the next.
-"""
+"""Participant with several steps in a macro step, between which its inputs vary."""
 
 from math import ceil
 from typing import Any
@@ -12,11 +10,11 @@ from .derivatives import difference
 from .participant import FieldByField
 
 EXACT = 1e-9
-"""Of a step: how far a macro step may be off a whole number of steps of one length."""
+"""Tolerance of a macro step that must be a multiple of a fixed step, relative to that step."""
 
 
 def shifted(course, by):
-    """A polynomial's value and derivatives at another point.
+    """Return value and derivatives of a polynomial at another point.
 
     Eq. (P6):  u^(i)(s) = sum over j >= i of u^(j)(0) s^(j-i) / (j-i)!
 
@@ -32,22 +30,22 @@ def shifted(course, by):
 
 
 class Substeps(FieldByField):
-    """A participant that takes equal steps no longer than its own inside a macro step.
+    """Participant that takes equal steps of limited length inside a macro step.
 
-    Inputs that are interpolated move from step to step, whatever the participant can do: it is told
-    their course where it follows one, else their value at the end of each of its steps. The others
-    are held over the macro step.
+    Interpolated inputs vary from step to step. If the participant can interpolate, it receives
+    their derivatives, otherwise their value at the end of each of its steps. Other inputs are
+    constant during the macro step.
 
     Parameters
     ----------
     participant : Participant
     length : float
-        Its own step [s]; None for the macro step, to be filled in before the start.
+        Longest step [s]. None means the macro step, which must be set before the start.
     fixed : bool
-        It takes steps of this length alone; a macro step that is none of several is discarded.
+        Whether all steps have this length. Then macro steps that are no multiple are discarded.
     """
 
-    has_derivatives = False  # the FMU's own would be that of the last of its steps
+    has_derivatives = False  # the FMU's own would be that of the last substep
     can_interpolate = True
 
     def __init__(self, participant, length, fixed=False):
@@ -63,7 +61,7 @@ class Substeps(FieldByField):
         return repr(self.participant)
 
     def another(self):
-        """See `FmuParticipant.another`."""
+        """Return a second instance, see `FmuParticipant.another`."""
         one = self.participant.another()
         return one and Substeps(one, self.length, self.fixed)
 
@@ -72,7 +70,7 @@ class Substeps(FieldByField):
         self._courses[name] = np.array(course, dtype=float)
 
     def step(self, time, step):
-        """One macro step [s]."""
+        """Take a macro step [s]."""
         self._last_step = time, step
         count = self._count(step)
         length = self.length if self.fixed else step / count
@@ -83,7 +81,7 @@ class Substeps(FieldByField):
                 raise Finished(self.participant.ended)
 
     def _count(self, step):
-        """How many steps make a macro step."""
+        """Return the number of steps in a macro step."""
         if not self.fixed:
             return max(1, ceil(step / self.length - EXACT))
         count = round(step / self.length)
@@ -94,7 +92,7 @@ class Substeps(FieldByField):
         return count
 
     def _move_inputs(self, at, length):
-        """Tell the participant what interpolated inputs do in the step from `at` [s]."""
+        """Set the interpolated inputs for the substep from `at` [s]."""
         for name, course in self._courses.items():
             if self.participant.can_interpolate:
                 self.participant.set_course(name, shifted(course, at))
@@ -102,15 +100,15 @@ class Substeps(FieldByField):
                 self.participant.set(name, shifted(course, at + length)[0])
 
     def restore(self, saved):
-        """Go back to a saved state; the next macro step counts from it."""
+        """Restore a saved state, where the next macro step begins."""
         self._begin = saved
         self.participant.restore(saved)
 
     def derivative(self, seeds, products):
-        """Directional derivative of the last macro step, as a difference of two."""
+        """Return the directional derivative of the last macro step, by differences."""
         begin = self._begin
         try:
-            whole: Any = self  # what is not defined here is the inner participant's
+            whole: Any = self  # undefined attributes are those of the inner participant
             return difference(whole, begin, self._last_step, seeds, products)
         finally:
             self._begin = begin

@@ -1,7 +1,7 @@
-"""A signal table as a participant: columns of a CSV file over time as outputs.
+"""Signal table as a participant: columns of a CSV file over time as outputs.
 
-The first line names the columns, units in brackets: `time [s], speed [rpm], lift [mm]`. The first
-column is the time. Outputs are in SI.
+The first line contains the names of the columns with units in brackets: `time [s], speed [rpm],
+lift [mm]`. The first column is the time. Outputs are in SI.
 """
 
 import csv
@@ -22,16 +22,15 @@ KINDS = ("hold", "linear", "cubic")
 
 
 class TableParticipant:
-    """Outputs by interpolation in a table, at the end of every step.
+    """Participant with outputs by interpolation in a table, at the end of every step.
 
     hold : the value of the last row that is not later; linear : between rows; cubic : the cubic
-    spline through all rows (third derivative continuous at the second and the last but one), with
-    the slope of each column as an output `der(NAME)` beside it.
+    spline through all rows (not-a-knot), with the slope of each column as an output `der(NAME)`.
 
     Parameters
     ----------
     name : str
-        Its name in the system.
+        Name in the system.
     path : Path
         The CSV file.
     kind : {"hold", "linear", "cubic"}
@@ -74,12 +73,12 @@ class TableParticipant:
         self.columns[column] = values
 
     def start(self, parameters, start_time, stop_time):
-        """Stand at the start time; BadInput if the table does not reach from start to stop."""
+        """Start; raise `BadInput` if the table does not cover the time from start to stop."""
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
     def enter(self, parameters, start_time, stop_time):
-        """First half of `start`."""
+        """Run the first half of `start`."""
         first, last = self.times[0], self.times[-1]
         spare = 1e-9 * (stop_time - start_time)
         if start_time < first - spare or (self.kind != "hold" and stop_time > last + spare):
@@ -90,14 +89,14 @@ class TableParticipant:
         self.now = start_time
 
     def leave(self):
-        """Second half of `start`."""
+        """Do nothing, as the second half of `start`."""
 
     def set(self, name, value):
-        """Never asked for: it has no inputs."""
+        """Raise `KeyError`, because there are no inputs."""
         raise KeyError(name)
 
     def get(self, name):
-        """An output now."""
+        """Return an output at the current time."""
         values = self.columns[name]
         if self.kind == "cubic":
             return float(values(self.now))
@@ -107,50 +106,50 @@ class TableParticipant:
         return float(values[max(row, 0)])
 
     def get_many(self, names):
-        """Values of several outputs: dict of name to number."""
+        """Return the values of several outputs by name."""
         return {name: self.get(name) for name in names}
 
     def step(self, time, step):
-        """Go to the end of a step."""
+        """Move to the end of a step."""
         self.now = time + step
 
     def save(self):
-        """The time at which it stands."""
+        """Return the current time."""
         return self.now
 
     def restore(self, saved):
-        """Go back to a saved time."""
+        """Restore a saved time."""
         self.now = saved
 
     def free(self, saved):
-        """Nothing to free."""
+        """Do nothing, because there is nothing to free."""
 
     def serialise(self, saved):
-        """The saved state as bytes."""
+        """Return the saved state as bytes."""
         return pack(saved)
 
     def deserialise(self, data):
-        """The state that `serialise` made into bytes."""
+        """Return the state in bytes of `serialise`."""
         return unpack(data)
 
     def derivative(self, seeds, products):
-        """Nothing depends on an input."""
+        """Return zero, because nothing depends on an input."""
         return {name: np.zeros(()) for name in products}
 
     def close(self):
-        """Nothing to close."""
+        """Do nothing, because there is nothing to close."""
 
 
 def _field(name, unit, description, derivative_of=None):
-    """Field of an output."""
+    """Return the field of an output."""
     none = None, None, None, None
     return Field(name, (), (), "Real", "output", unit, *none, description, derivative_of)
 
 
 def read_table(path):
-    """Names and SI units of the columns but the first, times [s], and the columns in SI.
+    """Return names and SI units of the columns after the first, times [s], and columns in SI.
 
-    Raises BadInput with every fault of the file.
+    Raises `BadInput` with every fault of the file.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -187,7 +186,7 @@ def read_table(path):
 
 
 class _Unit:
-    """A column's unit: `si` as FMI writes it, and its values in that."""
+    """Unit of a column: `si` as FMI writes it, and the conversion to it."""
 
     def __init__(self, text):
         if not is_known(text):
@@ -199,12 +198,12 @@ class _Unit:
         self.si = ".".join(f"{n}{'' if p == 1 else p}" for n, p in sorted(powers.items())) or "1"
 
     def m_from(self, values):
-        """The column in SI."""
+        """Return the column in SI."""
         return registry().Quantity(values, self.unit).to(self.base).magnitude
 
 
 def _column(path, cell, faults):
-    """Name and unit of a column."""
+    """Return name and unit of a column."""
     found = HEAD.fullmatch(cell)
     if not found or not found["name"]:
         faults.append(f"{path}: expected NAME or NAME [unit], got {cell!r}")
@@ -217,7 +216,7 @@ def _column(path, cell, faults):
 
 
 def _numbers(path, rows, width, faults):
-    """The rows as an array; faults of each row that is not."""
+    """Return the rows as an array; add the fault of each row that is not valid."""
     table = np.zeros((len(rows), width))
     for k, row in enumerate(rows):
         try:

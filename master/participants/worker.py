@@ -1,7 +1,7 @@
-"""Worker processes: fresh interpreters that import this package alone.
+"""Worker processes: fresh interpreters that import this package only.
 
-The standard library's fresh processes import the user's script again. A script without
-`if __name__ == "__main__":` would then start its runs again in each of them.
+The fresh processes of the standard library import the user's script again. A script without `if
+__name__ == "__main__":` would then start its runs again in each of them.
 """
 
 import mmap
@@ -22,16 +22,16 @@ from typing import Any
 import numpy as np
 
 GRACE = 1.0
-"""Seconds that a worker has to end by itself when the other side has closed its pipe."""
+"""Time that a worker has to end after the other side has closed its pipe [s]."""
 
 
 class Worker:
-    """A fresh process that calls `function(pipe, *arguments)`, and the pipe to it.
+    """Fresh process that calls `function(pipe, *arguments)`, and the pipe to it.
 
     Parameters
     ----------
     function : callable
-        Of a module of this package.
+        Function of a module of this package.
     *arguments
         Plain data.
     files : sequence of int
@@ -49,7 +49,7 @@ class Worker:
                 pass_fds=(there.fileno(), *files),
             )
         self.pipe = Connection(here.detach())
-        with suppress(OSError):  # it is gone: whoever receives from it finds out
+        with suppress(OSError):  # the process has ended, which the next receiver notices
             self.pipe.send((function, arguments))
 
     @property
@@ -57,21 +57,21 @@ class Worker:
         return self._process.poll() is None
 
     def kill(self) -> None:
-        """End it at once; `join` it then."""
+        """End the process immediately; call `join` afterwards."""
         self._process.kill()
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, if it is alive."""
+        """Send a signal to the process if it is alive."""
         self._process.send_signal(number)
 
     def join(self, timeout: float | None = None) -> None:
-        """Wait for its end, for `timeout` [s] at most."""
+        """Wait for the end of the process, at most `timeout` [s]."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout)
 
     @property
     def end(self) -> str:
-        """How it ended: "exit code 3" or "by SIGKILL"."""
+        """End of the process: "exit code 3" or "by SIGKILL"."""
         code = self._process.poll()
         if code is not None and code < 0:
             return f"by {signal.Signals(-code).name}"
@@ -79,7 +79,7 @@ class Worker:
 
 
 def spawn_main(descriptor: int) -> None:
-    """Call what the other side sends first; Ctrl-C is for the other side."""
+    """Call the function that the other side sends first; ignore Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow, args=(descriptor,), daemon=True).start()
     pipe = Connection(descriptor)
@@ -91,16 +91,16 @@ def spawn_main(descriptor: int) -> None:
 
 
 def _follow(descriptor):
-    """End this process when the other side has closed the pipe, even if an FMU hangs."""
+    """End this process after the other side has closed the pipe, even if an FMU hangs."""
     closed = select.poll()
-    closed.register(descriptor, 0)  # POLLHUP alone
+    closed.register(descriptor, 0)  # POLLHUP only
     closed.poll()
     time.sleep(GRACE)
     os._exit(1)
 
 
 def shared_file(count: int) -> int:
-    """Return the descriptor of a file in memory for `count` numbers of 64 bits."""
+    """Return the descriptor of a memory file for `count` 64-bit numbers."""
     if hasattr(os, "memfd_create"):
         descriptor = os.memfd_create("fields")
     else:
