@@ -1,4 +1,4 @@
-"""Faults of a case that show before anything is built."""
+"""Faults of a case that are found before anything is built."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +17,7 @@ from .wires import check_sources, field_of, wire_of
 
 @dataclass(frozen=True)
 class Declared:
-    """A participant before its FMU is built, by what its part declares."""
+    """Participant before its FMU is built, with the variables that its part declares."""
 
     name: str
     path: Path
@@ -26,14 +26,16 @@ class Declared:
 
 
 def faults_ahead(case, folder):
-    """Every fault of a case that shows before anything is built: build options, parameters, wires,
-    recorded and drawn names of participants whose parts declare their variables; time.
+    """Return every fault of a case that is found before anything is built.
+
+    These are faults of build options, parameters, wires, recorded and drawn names, and time. The
+    participants must come from parts that declare their variables.
 
     Parameters
     ----------
     case : Case
     folder : Path
-        Of the case.
+        Folder of the case.
 
     Returns
     -------
@@ -57,9 +59,9 @@ def faults_ahead(case, folder):
 
 
 def run_ahead(case, folder):
-    """Clock of the run and its wires of real numbers, as far as they show before anything is built:
-    (None, wires) where a participant that turns angles into times is no part that declares its
-    variables.
+    """Return the clock of the run and its wires of real numbers, before anything is built.
+
+    The clock is None if the variables of the participant with the angular speed are not declared.
     """
     unheard = []
     declared = declared_participants(case, folder, unheard)
@@ -78,8 +80,9 @@ def run_ahead(case, folder):
 
 
 def declared_participants(case, folder, faults):
-    """Participants whose parts declare their variables, by name; faults of their build options
-    are appended.
+    """Return the participants whose parts declare their variables, by name.
+
+    Faults of their build options are appended to `faults`.
     """
     declared = {}
     for name, table in case.participants.items():
@@ -95,7 +98,7 @@ def declared_participants(case, folder, faults):
 
 
 def parameters_ahead(case, declared, faults):
-    """What the case gives declared participants, in SI, by their names; faults are appended."""
+    """Return the parameters of declared participants in SI, by name; append faults."""
     return {
         name: given_values(participant, case.participants[name].parameters, faults)
         for name, participant in declared.items()
@@ -103,25 +106,25 @@ def parameters_ahead(case, declared, faults):
 
 
 def _as_fmu(variable):
-    """A declared variable as an FMU has it: the choices of an enumeration by their numbers."""
+    """Return a declared variable with the choices of an enumeration by number, as in FMUs."""
     numbers: Any = {text: k for k, text in enumerate(variable.choices, 1)}
     return replace(variable, choices=numbers)
 
 
 def native_participants(case, folder):
-    """Names of the participants that are built as machine code."""
+    """Return the names of the participants that are built as machine code."""
     unheard = []
     declared = declared_participants(case, folder, unheard)
     return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
 
 
 def check_time(case, parameters, faults):
-    """Clock and beginning of the run [s]; None and 0 with a fault."""
+    """Return the clock and the start of the run [s]; None and 0 after a fault."""
     if case.time.angular_speed:
         owner, name = port_of(case.time.angular_speed)
         given = case.participants[owner].parameters
         if name in given and name not in parameters[owner]:
-            return None, 0.0  # its value is a fault, told already
+            return None, 0.0  # its value is a fault that is already in the list
     try:
         speed = angular_speed(case, parameters)
         record_interval(case, speed)
@@ -132,9 +135,7 @@ def check_time(case, parameters, faults):
 
 
 def angular_speed(case, parameters):
-    """Start value [rad/s] of the input that turns angles into times; None if the case is in
-    times.
-    """
+    """Return the angular speed that converts angles to times [rad/s]; None without angles."""
     if case.time.angular_speed is None:
         return None
     owner, name = port_of(case.time.angular_speed)
@@ -147,7 +148,7 @@ def angular_speed(case, parameters):
 
 
 def missing_file(table, folder):
-    """Return what is wrong with the path of a participant's FMU or table; "" if nothing is."""
+    """Return the fault of the path of a participant's FMU or table; "" if there is none."""
     key = "fmu" if table.fmu else "table"
     name = getattr(table, key)
     try:
@@ -176,7 +177,7 @@ def check_ports(case, participants, faults):
 
 
 def _curves(case):
-    """(where, port) of every scalar output that summaries, pictures and reports are made of."""
+    """Yield (location, port) of all scalar outputs in summaries, pictures, reports and studies."""
     for table in ("summary", "monitor"):
         for name, text in getattr(case, table).items():
             yield f"{table}.{name}", reduced(text).port

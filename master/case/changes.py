@@ -1,5 +1,6 @@
-"""Changes of a case by key: dotted, or as short as one place alone has it; the same in `--set`,
-`--vary`, variants and studies.
+"""Changes of a case by key, dotted or short: `--set`, `--vary`, variants and studies.
+
+A short key must be unique.
 """
 
 import tomllib
@@ -17,19 +18,18 @@ from .schema import Case
 
 Tree = dict[str, Any]
 ELSEWHERE = ("variants", "studies", "observers", "pictures", "axes")
-"""Tables whose keys are no short names: changes themselves, and how things are shown."""
+"""Tables without short names of keys: those with changes, and those of pictures."""
 MOST_PLACES = 4
-"""Dotted paths that a message lists."""
+"""Maximum number of dotted paths in a message."""
 
 
 def changed(tree: Tree, changes: Iterable[tuple[str, Any]], folder: Path) -> Tree:
-    """The TOML tree of a case with `changes` (pairs of key and value) made in it; the tree given
-    stays as it is.
+    """Return a copy of a case's TOML tree with `changes` (pairs of key and value).
 
     Raises
     ------
     BadInput
-        For every change that cannot be made.
+        With every change that cannot be made.
     """
     tree = deepcopy(tree)
     faults = [fault for key, value in changes if (fault := change(tree, key, value, folder))]
@@ -39,7 +39,7 @@ def changed(tree: Tree, changes: Iterable[tuple[str, Any]], folder: Path) -> Tre
 
 
 def _other_faults(tree: Tree, folder: Path) -> list[str]:
-    """Return the faults of a case that holds the changes that can be made."""
+    """Return the faults of a case with those changes that can be made."""
     try:
         return faults_ahead(check_case(tree, folder / "case.toml"), folder)
     except BadInput as error:
@@ -47,7 +47,7 @@ def _other_faults(tree: Tree, folder: Path) -> list[str]:
 
 
 def value_at(tree: Tree, key: str, folder: Path) -> Any:
-    """Value at a key of a case's tree; KeyError with the key where there is none."""
+    """Return the value at a key of a case's tree; raise `KeyError` if there is none."""
     node: Any = tree
     try:
         for part in place(tree, key, folder):
@@ -58,8 +58,9 @@ def value_at(tree: Tree, key: str, folder: Path) -> Any:
 
 
 def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
-    """Set a key of a case's TOML tree. Tables on its way that a case may have are made; entries of
-    lists are counted from 0. Returns a fault or None.
+    """Set a key of a case's TOML tree; return a fault or None.
+
+    Missing tables that a case may have are created. Entries of lists are counted from 0.
     """
     try:
         *parents, last = place(tree, key, folder)
@@ -85,21 +86,21 @@ def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
 
 
 def whole_key(tree: Tree, key: str, folder: Path) -> str:
-    """The dotted path of a key that may be short.
+    """Return the dotted path of a key that may be short.
 
     Raises
     ------
     BadInput
-        If it is nowhere in a case, or in several places.
+        If no key or several keys match.
     """
     return ".".join(part if "." not in part else f'"{part}"' for part in place(tree, key, folder))
 
 
 def place(tree: Tree, key: str, folder: Path) -> list[str]:
-    """Parts of the dotted path of a key.
+    """Return the parts of the dotted path of a key.
 
-    A short one is its last part alone, or with some of those before it: `viscosity`,
-    `ehd.viscosity`, `piston.modes`. Among several places one that the case file uses goes first.
+    A short key is the last part of a path, optionally with some of the parts before it:
+    `viscosity`, `ehd.viscosity`, `piston.modes`. Paths that the case file uses have priority.
     """
     parts = _parts(key)
     if parts[0] in tree or parts[0] in Case.model_fields:
@@ -118,13 +119,13 @@ def place(tree: Tree, key: str, folder: Path) -> list[str]:
 
 
 def _ends(path: list[str], parts: list[str]) -> bool:
-    """Whether parts stand in a path in their order, the last at its end."""
+    """Return whether a path contains the parts in their order and ends with the last one."""
     left = iter(path[:-1])
     return path[-1] == parts[-1] and all(part in left for part in parts[:-1])
 
 
 def _known(tree: Tree, folder: Path) -> list[list[str]]:
-    """Paths of all keys that the case may have, those of any participant under its name."""
+    """Return the paths of all keys that the case may have, for each participant by name."""
     paths = []
     for key in case_keys(tree, folder):
         path = key.path.split(".")
@@ -140,7 +141,7 @@ def _is_known(tree: Tree, path: list[str], folder: Path) -> bool:
 
 
 def _paths(node: Tree, before: tuple[str, ...] = ()) -> Iterator[list[str]]:
-    """Paths of all values of the tree that are no tables."""
+    """Yield the paths of all values of the tree that are not tables."""
     for key, value in node.items():
         if isinstance(value, dict):
             if before or key not in ELSEWHERE:
@@ -150,7 +151,7 @@ def _paths(node: Tree, before: tuple[str, ...] = ()) -> Iterator[list[str]]:
 
 
 def _parts(key: str) -> list[str]:
-    """Parts of a dotted key; a part with dots of its own is quoted, as in TOML."""
+    """Return the parts of a dotted key; a part that contains dots is quoted, as in TOML."""
     try:
         node, parts = tomllib.loads(f"{key} = 0"), []
     except tomllib.TOMLDecodeError:

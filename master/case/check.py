@@ -1,6 +1,4 @@
-"""A case looked at before anything is built: every fault, what its parts say of themselves, and
-whether they speak of the same engine.
-"""
+"""Check of a case before anything is built: faults, previews of its parts, agreement of parts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -23,17 +21,16 @@ if TYPE_CHECKING:
     from ..coupling.loops import Loop
 
 APART = 2e-3
-"""Of a length or volume: what two parts may say differently of it. A mesh of straight edges lies
-a thousandth inside its cylinder."""
+"""Relative tolerance of a length or volume that two parts measure. The straight edges of a mesh
+are a thousandth inside its cylinder."""
 
 
 @dataclass(frozen=True)
 class CheckedCase:
-    """What is known of a case before it is built.
+    """Check of a case before it is built.
 
-    path : of the case file; title : of the case; previews : what the parts say, by participant;
-    faults : all of them, remarks : what is worth a look, loops : components of the wires, for a
-    system of FMUs.
+    path : of the case file; title : of the case; previews : by participant; faults : all of
+    them; remarks : points to check; loops : components of the wires, for a system of FMUs.
     """
 
     path: Path
@@ -44,7 +41,7 @@ class CheckedCase:
     loops: "list[Loop]" = field(default_factory=list)
 
     def figure(self, name: str) -> Figure | None:
-        """The figure "participant.name"."""
+        """Return the figure "participant.name", None if there is none."""
         owner, _, own = name.partition(".")
         return self.previews[owner].figure(own) if owner in self.previews else None
 
@@ -53,8 +50,9 @@ class CheckedCase:
         return [self.loops[0].header, *(one.line for one in self.loops)] if self.loops else []
 
     def draw(self, path: Path) -> list[Path]:
-        """Write what the parts can draw; PNG files, of several ones named after their
-        participants.
+        """Write the pictures of all parts to PNG files, and return their paths.
+
+        If there are several, their names contain the participants.
         """
         drawing = {name: one.draw for name, one in self.previews.items() if one.draw}
         written = []
@@ -67,19 +65,19 @@ class CheckedCase:
 
 
 def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedCase:
-    """Look at a case.
+    """Check a case.
 
     Parameters
     ----------
     name : str or Path
-        Of a case, its folder or its file.
+        Name of a case, its folder or its file.
     changes : sequence of (key, value)
-        Made in it first.
+        Changes to make first.
 
     Raises
     ------
     BadInput
-        If there is no such case, or no TOML in it.
+        If there is no such case, or if it is not TOML.
     """
     path = find_case(str(name))
     tree = read_tree(path, changes)
@@ -101,11 +99,11 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
 
 
 def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
-    """Loops of a system of finished FMUs, measured at its start; faults are appended."""
+    """Return the loops of a system of finished FMUs, measured at its start; append faults."""
     tables = case.participants.values()
     if not case.wires or any(table.package or table.host for table in tables):
-        return []  # to be built first, or not on this machine
-    from ..coupling.loops import loops  # slow to import, and most cases have no use for it
+        return []  # it must be built first, or does not run on this machine
+    from ..coupling.loops import loops  # slow to import, and most cases do not need it
     from ..coupling.starting import closing, start
 
     try:
@@ -121,7 +119,7 @@ def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
 
 
 def _previews(case: Case, folder: Path) -> dict[str, Preview]:
-    """What the parts say of the participants whose parameters are sound."""
+    """Return the previews of the participants whose parameters are valid."""
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     previews = {}
     for name, given in values.items():
@@ -129,7 +127,7 @@ def _previews(case: Case, folder: Path) -> dict[str, Preview]:
         try:
             look = import_part(f"{table.package}.preview").preview
         except ImportError:
-            continue  # a part from elsewhere
+            continue  # a part of another package
         names = {one.name: one.choices for one in declared_variables(table, folder) or []}
         worded = {
             key: names[key][value - 1] if names[key] else value for key, value in given.items()
@@ -140,15 +138,15 @@ def _previews(case: Case, folder: Path) -> dict[str, Preview]:
 
 
 def _refused(table, taken, known):
-    """Known parameters that the case gives and cannot be taken: their fault is told already."""
+    """Return the given parameters that were rejected, which are already in the faults."""
     return [key for key in table.parameters if key in known and key not in taken]
 
 
 def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> list[str]:
-    """Parameters that the contract has equal to what another part has measured, and that are not.
+    """Return faults of parameters that differ from the measurement of another part.
 
-    A parameter that the case does not give counts with its default; one that is refused for itself
-    is not held against anything.
+    The contract lists the pairs that must agree. An omitted parameter has its default. Rejected
+    parameters are not compared.
     """
     values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []

@@ -1,4 +1,4 @@
-"""A case from its TOML tree, every fault of the tree in one message."""
+"""Conversion of a TOML tree into a case, with all faults in one message."""
 
 from copy import deepcopy
 from itertools import takewhile
@@ -13,9 +13,7 @@ from .schema import Case
 
 
 def check_case(tree, path):
-    """The `Case` in a TOML tree; raises BadInput with every fault, each with its path in the
-    file.
-    """
+    """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path."""
     try:
         return Case.model_validate(tree)
     except ValidationError as error:
@@ -30,14 +28,14 @@ def _key(fault: str) -> str:
 
 
 MOST_ROUNDS = 4
-"""Rounds of leaving entries out of a case, for faults that show only without others."""
+"""Maximum number of rounds in which entries are removed, to find faults that others hide."""
 
 
 def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
     """Return the faults of a case that its first faults hide.
 
-    The entries with a fault are left out of a copy of the case. The copy then has the next checks:
-    those between keys, then those of build options, parameters and wires.
+    The entries with a fault are removed from a copy of the case. The copy then has the next
+    checks: those between keys, then those of build options, parameters and wires.
     """
     tree = deepcopy(tree)
     faults: list[str] = []
@@ -49,7 +47,7 @@ def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
             case = Case.model_validate(tree)
         except ValidationError as next_error:
             error = next_error
-            # an entry that is left out is no fault of the case
+            # a removed entry is no fault of the case
             faults += [one for one in sentences(error, Case) if "got nothing" not in one]
         else:
             return [*faults, *faults_ahead(case, folder)]
@@ -57,8 +55,10 @@ def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
 
 
 def _leave_out(tree, place: list[str | int], fault) -> bool:
-    """Remove the value of a fault from a case's tree, of an incomplete entry of a list the entry.
-    A number that lacks its unit becomes a string. Returns whether the rest makes sense without it.
+    """Remove the value of a fault from a case's tree; return whether the rest is still a case.
+
+    For an incomplete entry of a list, the entry is removed. A number without its unit becomes a
+    string.
     """
     if fault["type"] == "missing":
         place = place[:-1] if len(place) > 1 and isinstance(place[-2], int) else []

@@ -1,5 +1,6 @@
-"""An FMU against the contract: names, units, shapes, capabilities; and an FMU in the place of a
-case's participant.
+"""Check of FMUs by the interface contract, and replacement of participants by FMUs.
+
+The check covers names, units, shapes and capabilities.
 """
 
 import tomllib
@@ -29,7 +30,7 @@ Variables = dict[str, dict[str, str]]
 
 @dataclass(frozen=True)
 class Curve:
-    """One thing by which FMUs of a role are held against each other; see the contract's head."""
+    """One curve by which FMUs of a role are compared; see the head of the contract."""
 
     fields: list[str]
     cells: str
@@ -42,7 +43,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Role:
-    """What the contract asks of an FMU in one role; see the contract's head."""
+    """Requirements of the contract for an FMU in one role; see the head of the contract."""
 
     participant: str
     parameters: dict[str, str]
@@ -67,7 +68,7 @@ class Role:
 
 @cache
 def contract() -> dict[str, Role]:
-    """The contract's roles by their names."""
+    """Return the contract's roles by name."""
     whole = tomllib.loads(CONTRACT.read_text())
     return {
         name: Role(
@@ -79,13 +80,15 @@ def contract() -> dict[str, Role]:
 
 
 def role_of(participant) -> str | None:
-    """Role whose outputs the FMU has; None if it has those of none."""
+    """Return the role whose outputs the FMU has, None if there is none."""
     return next((name for name in contract() if surfaces_of(participant, name)), None)
 
 
 def surfaces_of(participant, role: str) -> list[str]:
-    """What the names of a role's fields begin with in an FMU: "" where they are plain, "SURFACE."
-    for each of several film surfaces; none where outputs of the role are lacking.
+    """Return the prefixes of a role's field names in an FMU.
+
+    They are "" for plain names and "SURFACE." for each of several film surfaces. If outputs of
+    the role are missing, the list is empty.
     """
     terms = contract()[role]
     outputs = [f.name for f in participant.fields.values() if f.causality == "output"]
@@ -96,8 +99,9 @@ def surfaces_of(participant, role: str) -> list[str]:
 
 
 class Interface(NamedTuple):
-    """The other side of a participant's fields: which participant, and what their names begin
-    with there ("", or "SURFACE." of one of several film surfaces).
+    """Other side of a participant's fields.
+
+    owner : participant; surface : prefix of the names there ("", or "SURFACE." of a film surface).
     """
 
     owner: str
@@ -105,13 +109,12 @@ class Interface(NamedTuple):
 
 
 def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) -> Interface | None:
-    """Where the wires to the fields that participant `name` takes in its role come from; None
-    without such a wire.
+    """Return the source of the fields that participant `name` takes in its role, or None.
 
     Parameters
     ----------
     wires : iterable
-        Of a case, or of its TOML tree.
+        Wires of a case, or of its TOML tree.
     """
     for wire in wires:
         ends = (
@@ -140,13 +143,15 @@ def envelope_kinds(tree: dict) -> dict[str, str]:
 
 
 def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
-    """Participants in the order in which they start: that of the case, but for those that a wire
-    feeds what the contract says they start from (`starts_from`): they wait for its source.
+    """Return the participants in the order in which they start.
+
+    It is the order of the case, except that `starts_from` of the contract names inputs whose source
+    must start first.
 
     Raises
     ------
     BadInput
-        If some wait for one another.
+        If some wait for each other.
     """
     inputs = {name for role in contract().values() for name in role.starts_from}
     waiting = {name: set() for name in names}
@@ -169,9 +174,7 @@ def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
 
 
 def players(tree: dict, role: str) -> list[str]:
-    """Participants of a case's TOML tree that play a role: those that say so, else the one that the
-    contract names.
-    """
+    """Return the participants of a TOML tree that have a role, else the one the contract names."""
     tables = tree["participants"]
     said = [name for name, table in tables.items() if table.get("role") == role]
     usual = contract()[role].participant
@@ -179,12 +182,12 @@ def players(tree: dict, role: str) -> list[str]:
 
 
 def in_place_of(tree: dict, role: str, text: str) -> tuple[str, str]:
-    """Participant and file (or model) of "FILE" or "PARTICIPANT=FILE", as --ROLE takes it.
+    """Return participant and model of a `--ROLE` option "FILE" or "PARTICIPANT=FILE".
 
     Raises
     ------
     BadInput
-        If the case has no such participant, or several of the role and none is named.
+        If the case has no such participant, or several of the role and the option names none.
     """
     known = players(tree, role)
     named, sign, rest = text.rpartition("=")
@@ -203,26 +206,26 @@ def in_place_of(tree: dict, role: str, text: str) -> tuple[str, str]:
 
 
 def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list[str]]:
-    """Differences between an FMU and the contract.
+    """Return the differences between an FMU and the contract.
 
     Parameters
     ----------
     path : Path
     role : str, optional
-        Without it, whichever the FMU's outputs fit.
+        Default: the role whose outputs the FMU has.
 
     Returns
     -------
     role : str
     breaches : list of str
-        What keeps it from taking part.
+        Reasons why it cannot take part.
     remarks : list of str
-        What it lacks but can take part without.
+        Missing features that it can do without.
 
     Raises
     ------
     BadInput
-        If the file is no FMU, or fits no role.
+        If the file is not an FMU, or has no role.
     """
     participant = open_fmu("fmu", path)
     role = role or role_of(participant)
@@ -253,7 +256,7 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
 
 
 def _named(terms, surfaces):
-    """Parameters of a role with their units, those of each film by the names they have."""
+    """Return the parameters of a role with their units, with a prefix for each of several films."""
     return {
         f"{one}{name}": unit
         for name, unit in terms.parameters.items()
@@ -262,9 +265,7 @@ def _named(terms, surfaces):
 
 
 def _compare(participant, terms, causalities, faults):
-    """Append a sentence for every variable of `terms` (shape -> name -> unit) that is missing or
-    different.
-    """
+    """Append a fault for every variable of `terms` (shape -> name -> unit) that differs."""
     for shape, variables in terms.items():
         for name, unit in variables.items():
             field = participant.fields.get(name)
@@ -277,7 +278,7 @@ def _compare(participant, terms, causalities, faults):
 
 
 def _capabilities(participant):
-    """Breaches and remarks on what the FMU can do."""
+    """Return breaches and remarks about the capabilities of the FMU."""
     can = participant.description.coSimulation
     breaches = [
         f"{flag}: expected true, got false" for flag in CAPABILITIES if not getattr(can, flag)
@@ -296,8 +297,8 @@ def swap_all(
 ) -> dict[str, dict]:
     """Return the trees of all variants with the models `given`: role -> "[PARTICIPANT=]MODEL".
 
-    A model is an FMU, or a model class FILE.py:CLASS. Calls `say` with the keys that the case has
-    and the model lacks.
+    A model is an FMU, or a model class FILE.py:CLASS. Calls `say` with the keys that the case
+    has and the model lacks.
     """
     for role, text in given.items():
         if text is None:
@@ -346,17 +347,17 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], None])
 
 
 def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
-    """A case's TOML tree with an FMU in the place of participant `name`.
+    """Return a case's TOML tree with an FMU that replaces participant `name`.
 
-    What the case says about variables the FMU does not have is left out: parameters, recorded
-    fields, pictures, summary and monitor entries; studies altogether.
+    Keys that refer to variables which the FMU lacks are removed: parameters, recorded fields,
+    pictures, summary and monitor entries. All studies are removed.
 
     Returns
     -------
     tree : dict
-        A new one.
+        A new tree.
     left_out : list of str
-        Keys of what was left out.
+        Removed keys.
     """
     fields = open_fmu(name, path).fields
     left_out: list[str] = []
@@ -366,7 +367,7 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
         return owner != name or variable in fields
 
     def kept(table, entries):
-        """Entries (key -> port) of a table whose port is there; the others are noted."""
+        """Return the entries (key -> port) whose port exists, and add the others to `left_out`."""
         left_out.extend(f"{table}.{key}" for key, port in entries.items() if not known(port))
         return {key: port for key, port in entries.items() if known(port)}
 
@@ -405,7 +406,7 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
 
 
 def _picture(picture, known, left_out):
-    """The picture without curves and fields that are not there; None if nothing is left."""
+    """Return a picture with the existing curves and fields; None if it has none."""
     curves = [[port for port in panel if known(port)] for panel in picture.get("y", [])]
     shown = [port for port in picture.get("fields", []) if known(port)]
     lost = [

@@ -1,6 +1,4 @@
-"""One FMU of a whole case: the participants with the iteration inside, for tools that cannot repeat
-a step.
-"""
+"""One FMU of a whole case, which iterates inside, for tools that cannot repeat a step."""
 
 import json
 import re
@@ -28,30 +26,30 @@ from .given import build_options
 from .system import open_system
 
 COUPLED = "master.coupling.coupled"
-"""The part of the master that goes inside, with all that it imports."""
+"""Part of the master inside the FMU, with all its imports."""
 MASTER = "master.coupling"
-"""Whose entries a coupled slave of machine code has."""
+"""Package with the entries of a native coupled slave."""
 
 
 def export_fmu(case, folder, progress, version="2.0", platforms=()):
-    """FMU of the coupled case.
+    """Return the FMU of the coupled case.
 
-    Outside it has the inputs that no wire feeds, all parameters with the case's values as start
-    values, all scalar outputs, and in FMI 3.0 all fields. A name that two participants share is
-    written participant.name.
+    Its inputs are those that no wire feeds. It has all parameters, whose start values are those of
+    the case. Its outputs are all scalars, and in FMI 3.0 also all fields. A name that several
+    participants share becomes participant.name.
 
     Parameters
     ----------
     case : Case
     folder : Path
-        Folder that paths in the case start from.
+        Folder of relative paths in the case.
     progress : callable
-        Told a line of text before long work.
+        Called with a message before long work.
     version : {"2.0", "3.0"}
-        Of the standard; 3.0 needs a C compiler.
+        Version of FMI. 3.0 needs a C compiler.
     platforms : sequence of str
-        Those of an FMU of machine code that needs no Python, see `builder_native.PLATFORMS`; one
-        in Python without them.
+        Platforms of a native FMU that needs no Python, see `builder_native.PLATFORMS`. If empty,
+        the FMU runs in Python.
 
     Returns
     -------
@@ -61,9 +59,8 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
     Raises
     ------
     BadInput
-        With every fault of the case; also for a participant that is given as an FMU: only packages
-        can be taken inside. With platforms also all that machine code does not cover, before any is
-        made.
+        With every fault of the case. Participants must be packages, because an FMU cannot contain
+        others. With platforms, also with all features that machine code does not cover.
     """
     given = [
         f"participants.{name}: expected a package inside one FMU, got an FMU"
@@ -103,7 +100,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
     options = {
         "name": name if name.isidentifier() else f"engine_{name}",
         "title": case.title,
-        # a list: names of a table would come back sorted
+        # a list, because names in a table would be sorted
         "participants": [
             [name, codes[name].name, codes[name].slave] for name in system.participants
         ],
@@ -133,9 +130,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
 
 
 def _uncovered_ahead(case, platforms):
-    """Sentences on what machine code does not cover, as far as the case tells it before anything is
-    computed.
-    """
+    """Return faults of features that machine code does not cover, from the case alone."""
     faults = [*uncovered(case.coupling), *uncovered_wires(case.wires)]
     packages = set()
     for name, table in case.participants.items():
@@ -161,19 +156,19 @@ def _uncovered_ahead(case, platforms):
 
 
 def _pack_native(options, prepared, system, usual, progress, made_for):
-    """The same FMU as machine code.
+    """Return the native FMU.
 
     Parameters
     ----------
     options : dict
         Content of build.json.
     prepared : dict
-        Participant -> its checked build options, and the files they name.
+        Participant -> its checked build options, and the files that they name.
     system : System
     usual : Experiment
     progress : callable
     made_for : (str, sequence of str)
-        Version of the standard and platforms.
+        Version of FMI and platforms.
     """
     version, platforms = made_for
     slave = _coupled_slave(options)
@@ -216,30 +211,29 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
 
 
 def _coupled_slave(options):
-    """The coupled slave in Python, which knows its table and where variables lie."""
+    """Return the coupled slave in Python, with its variables and their positions."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options, sort_keys=True))
         return Coupled(instance_name="native", resources=scratch)
 
 
 def experiment(stop, step, wires):
-    """A case's own run: its stop, its longest step, and the tightest wire's tolerance over its
-    nominal value.
-    """
+    """Return a case's experiment: stop, longest step, tightest tolerance over its nominal."""
     shares = [wire.tolerance / wire.nominal for wire in wires if wire.tolerance > 0.0]
     tightest = min(shares, default=inf)
     return Experiment(stop, step, tightest if isfinite(tightest) else None)
 
 
 def experiment_ahead(case, folder):
-    """The same before anything is built, for the FMU of one participant; None where the case does
-    not say it of what its parts declare.
+    """Return the experiment of a case before anything is built, for the FMU of one participant.
+
+    Returns None if it depends on variables that are not declared.
 
     Parameters
     ----------
     case : Case
     folder : Path
-        Of the case.
+        Folder of the case.
     """
     clock, wires = run_ahead(case, folder)
     return experiment(clock.earliest, clock.step, wires) if clock else None
@@ -251,7 +245,7 @@ def _variables(package, options):
 
 
 def _exposed(tables, system, fields):
-    """Pairs (variable as seen from outside, (participant, name inside))."""
+    """Return pairs (variable of the coupled FMU, (participant, name inside))."""
     fed = {wire.target for wire in system.wires}
     chosen = [
         (owner, v)
@@ -276,7 +270,7 @@ def _is_exposed(variable, is_fed, fields):
 
 
 def _resources(prepared):
-    """Each participant's resources in a folder of its name."""
+    """Return each participant's resources in a folder of its name."""
     files = {
         f"{name}/build.json": json.dumps(options, sort_keys=True).encode()
         for name, (options, _) in prepared.items()

@@ -1,5 +1,6 @@
-"""Build options that one participant gives another, by the contract: a film has no cells where the
-mesh has no skirt.
+"""Build options that one participant gives another, by the contract.
+
+Example: a film has no cells at positions where the mesh has no skirt.
 """
 
 import json
@@ -16,16 +17,17 @@ from .contract import contract, interface
 
 
 def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
-    """Build options of each participant: its own, and what the contract lets it have of others
-    where it says nothing itself.
+    """Return the build options of each participant.
+
+    They are its own, and those that the contract takes from others if it has none itself.
 
     Parameters
     ----------
     case : schema.Case
     folder : Path
-        Of the case.
+        Folder of the case.
     progress : callable
-        Takes a sentence now and then.
+        Called with messages.
     """
     roles = contract()
     builds = {name: dict(table.build) for name, table in case.participants.items()}
@@ -43,7 +45,7 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
             try:
                 given = _built(giver, Path(folder), progress)
             except BadInput:
-                continue  # told where the giver is built
+                continue  # reported when the giver is built
             value = given.get(f"{other.surface}{option}")
             if value is not None:
                 builds[name][key] = value
@@ -51,8 +53,9 @@ def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
 
 
 def _built(giver, folder: Path, progress) -> dict[str, Any]:
-    """Checked build options of a participant: of one that is built here, or of an FMU that was and
-    holds them in resources/build.json; none of another.
+    """Return the checked build options of a participant, empty if they are not known.
+
+    For an FMU they are read from resources/build.json.
     """
     if giver.package:
         return import_part(f"{giver.package}.build").prepare(giver.build, folder, progress)[0]
@@ -66,8 +69,9 @@ def _built(giver, folder: Path, progress) -> dict[str, Any]:
 
 
 def masks(case, builds, folder) -> dict[str, list[list[int]]]:
-    """Rows of the cells that fields have (1) and have not (0), of participants that are built with
-    such a `mask` by the contract; a file of them is read.
+    """Return the masks of participants that the contract builds with one: rows of 1 and 0.
+
+    A cell of a field exists if its entry is 1. If the option names a file, the file is read.
 
     Parameters
     ----------
@@ -75,7 +79,7 @@ def masks(case, builds, folder) -> dict[str, list[list[int]]]:
     builds : dict of str to dict
         Checked build options of each participant.
     folder : Path
-        Of the case.
+        Folder of the case.
     """
     roles = contract()
     found = {}

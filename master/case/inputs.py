@@ -1,4 +1,4 @@
-"""Inputs inside a macro step, and what FMUs must be able to do for a case."""
+"""Inputs inside a macro step, and the capabilities that a case needs of its FMUs."""
 
 from dataclasses import replace
 
@@ -8,8 +8,9 @@ from ..participants.one_way import OneWayParticipant
 
 
 def interpolating(case, participants, reals, faults):
-    """The participants, those with interpolated inputs wrapped; faults of those that cannot are
-    appended. `reals` holds the inputs of wires of real numbers.
+    """Return the participants, with wrappers for interpolated inputs; append faults.
+
+    `reals` holds the inputs of wires of real numbers.
     """
     kinds = {}
     for wire in case.wires:
@@ -38,7 +39,7 @@ def interpolating(case, participants, reals, faults):
 
 
 def _slope_output(participant, name):
-    """Name of the output that is the time derivative of output `name`, or None."""
+    """Return the name of the output that is the time derivative of output `name`, or None."""
     return next(
         (
             f.name
@@ -50,8 +51,9 @@ def _slope_output(participant, name):
 
 
 def slopes(case, participants, wires, step):
-    """Wires that carry the slopes of cubic inputs; they may be off by a tolerance of the
-    value in a macro step [s].
+    """Return the wires that carry the slopes of cubic inputs.
+
+    Their tolerance is that of the value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
     found = []
@@ -74,8 +76,9 @@ def slopes(case, participants, wires, step):
 
 
 def able(case, participants, faults):
-    """The participants, those that cannot go back wrapped; a fault where the length of all steps
-    follows from a local error.
+    """Return the participants, with wrappers for those that cannot save their state.
+
+    If a local error determines the steps, these are faults.
     """
     unable = [name for name, participant in participants.items() if not participant.can_redo]
     if any(wire.local_error is not None for wire in case.wires):
@@ -89,7 +92,7 @@ def able(case, participants, faults):
 
 
 def check_fixed(case, participants, faults):
-    """Where steps are as long as the local error says, an FMU of one step length cannot follow."""
+    """Append faults of FMUs with one step length, if a local error determines the steps."""
     if any(wire.local_error is not None for wire in case.wires):
         faults += [
             f"participants.{name}: expected an FMU with variable steps with local_error, got "
@@ -100,5 +103,5 @@ def check_fixed(case, participants, faults):
 
 
 def _is_fixed(participant):
-    """Whether a participant takes steps of one length alone."""
+    """Return whether a participant takes steps of one length only."""
     return getattr(getattr(participant, "described", participant), "fixed", False)

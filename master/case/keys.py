@@ -1,5 +1,6 @@
-"""Every key of a case file, those of the FMUs that it builds included: unit, default, range,
-meaning; and as a JSON schema for editors.
+"""Every key of a case file and of the FMUs that it builds; also as a JSON schema.
+
+Each key has its unit, default, range and meaning.
 """
 
 from collections.abc import Callable
@@ -13,11 +14,11 @@ from ..fmi.variables import Variable
 from .schema import Case
 
 SETTABLE = ("parameter", "input", "structuralParameter")
-"""Causalities of what a case can give a value."""
+"""Causalities of variables that a case can set."""
 
 
 def part_function(package: str | None, name: str) -> Callable[..., Any] | None:
-    """Function `name` of a package's module `build`; None where it has none, or is not there."""
+    """Return function `name` of a package's module `build`, None if there is none."""
     try:
         return getattr(import_part(f"{package}.build"), name, None) if package else None
     except ImportError:
@@ -25,13 +26,12 @@ def part_function(package: str | None, name: str) -> Callable[..., Any] | None:
 
 
 def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
-    """Variables of the FMU that a participant's table builds; None where its part does not say
-    before it is built.
+    """Return the variables of the FMU that a participant's table builds, if its part declares them.
 
     Raises
     ------
     BadInput
-        If there is no such part, or with the faults of its build options.
+        If the part does not exist, or with the faults of its build options.
     """
     if table.package and not _is_installed(table.package):
         raise BadInput(f"package: expected an installed package, got {table.package!r}")
@@ -51,15 +51,14 @@ def _is_installed(package: str) -> bool:
 
 
 def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:
-    """Every key that a case file may have: those of any case, then those of the participants that
-    this one builds.
+    """Return every key that a case file may have, then those of the participants that it builds.
 
     Parameters
     ----------
     tree : dict
-        TOML tree of a case; its `participants` say which parts it is made of.
+        TOML tree of a case. Its `participants` determine the parts.
     folder : Path
-        Of the case.
+        Folder of the case.
     """
     found = keys(Case.model_json_schema())
     for name, table in _built(tree).items():
@@ -72,7 +71,7 @@ def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:
 
 
 def _built(tree: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Tables of the participants that a package builds, by name."""
+    """Return the tables of the participants that a package builds, by name."""
     tables = tree.get("participants", {})
     if not isinstance(tables, dict):
         return {}
@@ -84,9 +83,7 @@ def _built(tree: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _settable(table: dict[str, Any], folder: Path) -> list[Variable]:
-    """What a participant's `parameters` may name; of one whose build options are wrong, as with
-    none.
-    """
+    """Return the variables that `parameters` may set; invalid build options have no effect."""
     declared = part_function(table["package"], "declared_variables")
     if declared is None:
         return []
@@ -98,7 +95,7 @@ def _settable(table: dict[str, Any], folder: Path) -> list[Variable]:
 
 
 def _key(variable: Variable, before: str) -> Key:
-    """A parameter of an FMU as a key of the case."""
+    """Return a parameter of an FMU as a key of the case."""
     unit = "" if variable.unit == "1" else variable.unit
     return Key(
         path=f"{before}parameters.{variable.name}",
@@ -137,7 +134,7 @@ SYNONYMS = {
     "mesh": ("grid",),
     "combustion": ("gas",),
 }
-"""Word that users look for -> words in the names of keys."""
+"""Word that users search for -> words in the names of keys."""
 
 
 def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
@@ -190,8 +187,9 @@ def matching_oils(oils: list[Any], word: str) -> list[Any]:
 
 
 def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """JSON schema of a case with the participants of this one, for editors: `build` and
-    `parameters` of each as its part declares them.
+    """Return the JSON schema of a case and its participants, for editors.
+
+    It contains the `build` and `parameters` that the part of each participant declares.
     """
     schema = Case.model_json_schema()
     general = schema["properties"]["participants"]
@@ -215,7 +213,7 @@ def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _moved(node: Any, before: str) -> None:
-    """Give references to definitions the names that these get in another schema; in place."""
+    """Add a prefix to all references to definitions, in place."""
     if isinstance(node, dict):
         if "$ref" in node:
             node["$ref"] = "#/$defs/" + before + node["$ref"].rpartition("/")[-1]
@@ -227,7 +225,7 @@ def _moved(node: Any, before: str) -> None:
 
 
 def _property(variable: Variable) -> dict[str, Any]:
-    """A parameter in a JSON schema; one with a unit is a text."""
+    """Return a parameter as a JSON schema property; one with a unit is a string."""
     described: dict[str, Any] = {"description": f"{variable.description}. {_told(variable)}"}
     if variable.choices:
         return described | {"enum": list(variable.choices), "default": variable.start}
@@ -239,7 +237,7 @@ def _property(variable: Variable) -> dict[str, Any]:
 
 
 def _told(variable: Variable) -> str:
-    """Default, unit and range in words."""
+    """Return default, unit and range as a sentence."""
     key = _key(variable, "")
     unit = f" {key.unit}" if key.unit else ""
     allowed = f"; allowed {key.allowed}{unit}" if key.allowed else ""

@@ -1,6 +1,4 @@
-"""Which participants of a case run as machine code: native FMUs take the same steps as those in
-Python, in a third of the time.
-"""
+"""Choice of the participants that run as native FMUs, which take a third of the time."""
 
 from pathlib import Path
 from typing import Any
@@ -12,24 +10,22 @@ from .keys import declared_variables
 def of_machine_code(
     case: Any, folder: Path, given: dict[str, dict[str, Any]]
 ) -> tuple[set[str], list[str]]:
-    """Participants that are to be built as machine code, and faults of those that the case asks for
-    and that cannot be.
+    """Return the participants to build as machine code, and the faults of those that cannot be.
 
-    Without a word of the case they are those whose library a release has brought for this machine,
-    and that it covers.
+    Default: all participants with a prebuilt library that covers them.
 
     Parameters
     ----------
     case : schema.Case
     folder : Path
-        Of the case.
+        Folder of the case.
     given : dict
-        What the case gives participants, in SI, by their names, as far as it is known.
+        Known parameters of participants in SI, by name.
     """
     packages = {name: table.package for name, table in case.participants.items() if table.package}
     if case.native is None and not packages:
         return set(), []
-    from ..fmi.builder_native import is_made_ahead  # slow to import, and foreign FMUs need none
+    from ..fmi.builder_native import is_made_ahead  # slow to import, and other FMUs do not need it
 
     if case.native is None:
         chosen = {
@@ -51,7 +47,7 @@ def of_machine_code(
 
 
 def _uncovered(table, folder, given):
-    """Return why a participant cannot be machine code here, as ends of "participants.NAME"."""
+    """Return why a participant cannot be machine code, as ends of "participants.NAME"."""
     from ..fmi.builder_native import cannot_build, part_of, this_platform
     from ..fmi.native_parts import uncovered_values
 

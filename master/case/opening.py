@@ -35,12 +35,12 @@ def open_participant(name, case, build, folder, progress, native):
 
 
 def _own_step(table):
-    """Step [s] that a participant takes inside a macro step, or None."""
+    """Return the longest step of a participant inside a macro step [s], or None."""
     return None if table.step is None else duration("step", table.step)
 
 
 def _sizes(participant, given):
-    """Values of the structural parameters that the case gives."""
+    """Return the values of the structural parameters of the case."""
     faults, sizes = [], {}
     for name, text in given.items():
         field = participant.fields.get(name)
@@ -55,7 +55,7 @@ def _sizes(participant, given):
 
 
 def _path_of_fmu(table, build, folder, progress, native):
-    """Return the path of a participant's FMU, built where the case asks for it."""
+    """Return the path of a participant's FMU; build it if necessary."""
     if table.package or table.file:
         return _built(table, build, folder, progress, native)
     if fault := missing_file(table, folder):
@@ -64,7 +64,7 @@ def _path_of_fmu(table, build, folder, progress, native):
 
 
 def _built(table, build, folder, progress, native):
-    """Build the FMU of a package or of a file; what builds is slow to import."""
+    """Build the FMU of a package or of a file."""
     from ..fmi.builder import build_fmu, build_fmu_of_file
     from ..fmi.builder_native import build_native_fmu, this_platform
 

@@ -1,4 +1,4 @@
-"""Case files: find one, read its TOML tree."""
+"""Case files: search and TOML tree."""
 
 import re
 import tomllib
@@ -10,14 +10,12 @@ from .changes import changed
 
 
 def case_names():
-    """Names of the cases that come with the tool: folders of `models` with a case.toml."""
+    """Return the names of the installed cases: folders of `models` with a case.toml."""
     return sorted(p.name for p in MODELS.iterdir() if (p / "case.toml").is_file())
 
 
 def find_case(name):
-    """Path of a case file, by its path, its folder, or the name of a case that comes with the
-    tool.
-    """
+    """Return the path of a case file, from its path, its folder or an installed case's name."""
     for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
         if candidate.is_file():
             return candidate.resolve()
@@ -30,10 +28,9 @@ def find_case(name):
 
 
 def read_tree(path, changes=()):
-    """The TOML tree of a case, or of the case in an SSP, with `changes` (pairs of dotted key and
-    value) made in it.
+    """Return the TOML tree of a case or SSP with `changes` (pairs of dotted key and value).
 
-    Raises BadInput for a file that is no TOML, and for every change whose path leads nowhere.
+    Raises `BadInput` for a file that is not TOML, and for every change that cannot be made.
     """
     try:
         if Path(path).suffix == ".ssp":
@@ -50,7 +47,7 @@ def read_tree(path, changes=()):
 
 
 def toml_fault(error: tomllib.TOMLDecodeError) -> str:
-    """Return what is wrong with a text that is no TOML, and where."""
+    """Return the fault of a text that is not TOML, with its line."""
     line = re.search(r"line (\d+)", str(error))
     place = f"line {line[1]}" if line else "its last line"
     return f"expected TOML, got invalid syntax in {place}; write KEY = VALUE, texts in quotes"

@@ -19,8 +19,9 @@ from .tables import REDUCTIONS, TAKEN, FileName, Port, Table, reduced
 
 
 class Time(Table):
-    """Run time and macro step, as times or crank angles. Crank angles need the input that holds the
-    angular speed.
+    """Run time and macro step, as times or crank angles.
+
+    Crank angles need the input that holds the angular speed.
     """
 
     start: str | None = None
@@ -70,7 +71,7 @@ class Time(Table):
 
 
 ORIGINS = ("package", "file", "fmu", "table", "plugin")
-"""Keys that say what a participant is made of."""
+"""Keys that determine the origin of a participant, of which it has one."""
 
 
 class ParticipantTable(Table):
@@ -224,7 +225,7 @@ class Coupling(Table):
     @model_validator(mode="before")
     @classmethod
     def plain_exchange(cls, table):
-        """Explicit exchange extrapolates only if the case says so."""
+        """Set the default of `predictor` to 0 for explicit exchange."""
         if isinstance(table, dict) and table.get("method") == "explicit":
             return {"predictor": 0} | table
         return table
@@ -239,9 +240,7 @@ class Coupling(Table):
 
 
 class Record(Table):
-    """Content of the results file: all scalar outputs at every macro step, and `fields` at
-    intervals.
-    """
+    """Content of the results file: scalar outputs at every macro step, `fields` at intervals."""
 
     fields: list[Port] = []
     """Recorded fields, "participant.variable". All scalar outputs are recorded automatically at
@@ -405,14 +404,14 @@ class Case(Table):
 
     @model_validator(mode="after")
     def axes_have_their_lengths(self):
-        """Ranges in shares of a parameter become ranges in units, once."""
+        """Convert ranges relative to a parameter into ranges in units, once."""
         for axis in (axis for pair in self.axes for axis in (pair.first, pair.second)):
             if axis.length is not None:
                 self._give_length(axis, *axis.length.split(".", 1))
         return self
 
     def _give_length(self, axis: Axis, owner: str, name: str) -> None:
-        """A length that the case does not give, or gives wrongly, leaves shares."""
+        """Set the range of an axis from a length; it stays relative if the length is invalid."""
         table = self.participants.get(owner)
         text = table.parameters.get(name) if table else None
         axis.length = None
@@ -425,7 +424,7 @@ class Case(Table):
         axis.range = (low * scale, high * scale)
 
     def _ports(self) -> list[str]:
-        """Every "participant.variable" that the file names."""
+        """Return every "participant.variable" that the file names."""
         ports = [port for wire in self.wires for port in (wire.source, wire.target)]
         ports += self.record.fields
         if self.time.angular_speed:
@@ -446,13 +445,14 @@ class Case(Table):
         return {name for name in names if base_of(name) != name}
 
     def unrecorded(self, picture: Picture) -> list[str]:
-        """Fields that a picture wants and the case does not record."""
+        """Return the fields of a picture that the case does not record."""
         return [port for port in picture.fields if port not in self.record.fields]
 
     @property
     def period(self) -> str | None:
-        """Period of the machine: as given, or 720 deg if gas or a table over four strokes drives a
-        crank, 360 deg for any other crank; None without crank angles.
+        """Period of the machine, None without crank angles.
+
+        Default: 720 deg if gas or a four-stroke table drives the crank, otherwise 360 deg.
         """
         if self.time.period or self.time.angular_speed is None:
             return self.time.period
@@ -467,7 +467,7 @@ class Case(Table):
         return "720 deg" if four else "360 deg"
 
     def axes_of(self, port: str) -> Axes:
-        """What the indices of a field "participant.name" run along."""
+        """Return the axes of a field "participant.name"."""
         named = [
             (len(name), pair)
             for pair in self.axes

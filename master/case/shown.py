@@ -1,4 +1,4 @@
-"""Tables of a case file on what is shown: pictures, axes of fields, loops of a report."""
+"""Tables of a case file for pictures, axes of fields and loops of a report."""
 
 import re
 from typing import Literal
@@ -70,7 +70,7 @@ class Picture(Table):
 
     @property
     def marker(self) -> str:
-        """The output whose smallest or largest value is the picture's instant; "" without one."""
+        """Output whose smallest or largest value determines the instant; "" if there is none."""
         kind, port = reduced(self.time or "")
         return port if kind in ("min", "max") else ""
 
@@ -95,8 +95,9 @@ class Picture(Table):
 
 
 class Axis(Table):
-    """Axis of one index of a field, from the start of the first cell to the end of the last. On a
-    closed axis, `centred` shifts the range by at most half a cell.
+    """Axis of one index of a field, from the start of the first cell to the end of the last.
+
+    On a closed axis, `centred` shifts the range by at most half a cell.
     """
 
     label: str
@@ -116,7 +117,7 @@ class Axis(Table):
 
     @property
     def title(self) -> str:
-        """Label and unit, as on a picture."""
+        """Label and unit, as in a picture."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     @property
@@ -126,7 +127,7 @@ class Axis(Table):
         return f"{self.title}; {marks}" if marks else self.title
 
     def ends(self, cells):
-        """Where the first of so many cells begins and the last one ends."""
+        """Return the start of the first cell and the end of the last, for a number of cells."""
         low, high = self.range
         if self.centred is None:
             return low, high
@@ -135,7 +136,7 @@ class Axis(Table):
         return low + shift, high + shift
 
     def positions(self, cells):
-        """Where so many cells have their centres."""
+        """Return the centres of a number of cells."""
         low, high = self.ends(cells)
         return low + (np.arange(cells) + 0.5) / cells * (high - low)
 
@@ -158,8 +159,9 @@ NEUTRAL = Axes(participants=[""])
 
 
 class Loop(Table):
-    """Closed curve and its work: the integral of the sum of `y` over `x` during the last `period`,
-    in `unit`.
+    """Closed curve and its work, in `unit`.
+
+    The work is the integral of the sum of `y` over `x` during the last `period`.
     """
 
     y: list[Port]

@@ -1,12 +1,14 @@
 """A case as a System Structure and Parameterization package (SSP), and back.
 
-Components are the built FMUs, connectors what crosses the interface and all scalar inputs and
-outputs, parameters one SSV a component. Inputs that no wire feeds and scalar outputs are connectors
-of the system too; where those inputs start stands in the system's own SSV. FMI 2.0 FMUs make an SSP
-1.0 with a connector for every scalar; with an FMI 3.0 FMU it is an SSP 2.0, whose connectors are
-arrays with dimensions. SSP has no words for the step, which OMSimulator reads in an annotation of
-its own, nor for tolerances, coupling and records, which travel in one of ours. Both stand in the
-system: OMSimulator refuses annotations of the root, and reads the first of the system alone.
+Components are the built FMUs. Their connectors are the fields of the interface and all scalar
+inputs and outputs. Each component has an SSV with its parameters. Unconnected scalar inputs and
+scalar outputs are also connectors of the system, and its own SSV contains the start values of these
+inputs. FMI 2.0 FMUs give an SSP 1.0 with a connector for every scalar. An FMI 3.0 FMU gives an SSP
+2.0 with arrays.
+
+SSP does not define the step, tolerances, coupling and records. OMSimulator reads the step from
+its annotation, the rest is in an annotation of this project. Both are in the system, because
+OMSimulator rejects annotations of the root and reads only the first one of the system.
 """
 
 import json
@@ -39,7 +41,7 @@ SYSTEM = "case"
 """Name of the system and of its own parameters."""
 
 LEFT = ("participants", "variants", "beside")
-"""Tables of a case that an SSP says otherwise, or does not have."""
+"""Tables of a case that SSP represents in another way or not at all."""
 
 
 def _q(name):
@@ -55,14 +57,14 @@ def export_ssp(tree, system, path):
     tree : dict
         Its TOML tree.
     system : System
-        The case opened.
+        The opened case.
     path : Path
         The SSP to write.
 
     Raises
     ------
     BadInput
-        If a wire joins an array with scalars: an FMU of FMI 3.0 with one of FMI 2.0.
+        If a wire connects an FMI 3.0 array with FMI 2.0 scalars.
     """
     mixed = [
         f"{'.'.join(c.source)} -> {'.'.join(c.target)}: expected one FMI version on both sides, "
@@ -100,7 +102,7 @@ def export_ssp(tree, system, path):
 
 
 def _has_arrays(participant):
-    """Whether the FMU has true arrays, one value reference for all elements: FMI 3.0."""
+    """Return whether the FMU has arrays with one value reference for all elements (FMI 3.0)."""
     return any(field.shape and len(field.references) == 1 for field in participant.fields.values())
 
 
@@ -113,7 +115,7 @@ TYPES_3 = {
 
 
 def _type(participant, field):
-    """Name of a variable's type in the FMU's version of FMI."""
+    """Return the name of a variable's type in the FMU's version of FMI."""
     if not _has_arrays(participant):
         return field.type
     return field.native or TYPES_3[field.type]
@@ -173,7 +175,7 @@ def _structure(tree, system, version):
 
 
 def _annotations(parent, tree, system):
-    """Step and kind of system as OMSimulator reads them; then the case, as this tool does."""
+    """Add the step for OMSimulator, then the case for this tool."""
     annotations = SubElement(parent, _q("ssd:Annotations"))
     node = SubElement(annotations, _q("ssc:Annotation"), {"type": "org.openmodelica"})
     for name in ("Annotations", "SimulationInformation"):
@@ -187,7 +189,7 @@ def _annotations(parent, tree, system):
 
 
 def _units(parent, part, names):
-    """Declares the units of those names."""
+    """Declare the units of these names."""
     known = sorted(name for name in names if name in BASE_UNITS)
     if not known:
         return
@@ -198,13 +200,13 @@ def _units(parent, part, names):
 
 
 def _unit(field):
-    """A field's unit where it has one that this tool can declare."""
+    """Return a field's unit if this tool can declare it."""
     is_known = field.type == "Real" and field.unit in BASE_UNITS
     return {"unit": field.unit} if is_known else {}
 
 
 def _scalars(participant):
-    """Names of the scalar inputs and outputs that are numbers."""
+    """Return the names of the scalar inputs and outputs that are numbers."""
     return [
         name
         for name, field in participant.fields.items()
@@ -215,8 +217,10 @@ def _scalars(participant):
 
 
 def _system_ports(system):
-    """Connectors of the system: name -> (participant, variable) of every scalar output, and of
-    every scalar input that no wire feeds; with the participant's name before it where two share it.
+    """Return the connectors of the system: name -> (participant, variable).
+
+    They are all scalar outputs, and all scalar inputs that no wire feeds. If several
+    participants share a name, the participant precedes it.
     """
     fed = {wire.target for wire in (*system.wires, *system.held)}
     ports = [
@@ -232,7 +236,7 @@ def _system_ports(system):
 
 
 def _starts(system, version):
-    """Where the system's inputs start: at what the case gives them, else at the FMU's own value."""
+    """Return the start values of the system's inputs: those of the case, else those of the FMU."""
     values = {}
     anyone = next(iter(system.participants.values()))
     for shown, (owner, name) in _system_ports(system).items():
@@ -243,13 +247,13 @@ def _starts(system, version):
 
 
 def _binding(parent, name):
-    """The SSV of that name as the element's parameters."""
+    """Bind the SSV of this name to the element."""
     bindings = SubElement(parent, _q("ssd:ParameterBindings"))
     SubElement(bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{name}.ssv"})
 
 
 def _indices(shape):
-    """Suffixes of an array's scalars; one empty suffix for a scalar."""
+    """Return the suffixes of an array's scalars; one empty suffix for a scalar."""
     return (
         [f"[{','.join(str(k + 1) for k in index)}]" for index in np.ndindex(*shape)]
         if shape
@@ -276,7 +280,7 @@ def _component(parent, participant, names):
 
 
 def _connector(parent, participant, field, shown):
-    """A connector for a field, or for a scalar of it."""
+    """Add a connector for a field, or for a scalar of it."""
     node = SubElement(parent, _q("ssd:Connector"), {"name": shown, "kind": field.causality})
     SubElement(node, _q(f"ssc:{_type(participant, field)}"), _unit(field))
     for size in field.shape if _has_arrays(participant) else ():
@@ -284,8 +288,9 @@ def _connector(parent, participant, field, shown):
 
 
 def _parameters(name, values, participant, version):
-    """SSV of that name; `values` are (field, value) by name, of types as the participant's FMU has
-    them.
+    """Return the SSV of a name.
+
+    `values` are (field, value) by name, with the types of the participant's FMU.
     """
     root = Element(_q("ssv:ParameterSet"), {"version": version, "name": name})
     parameters = SubElement(root, _q("ssv:Parameters"))
@@ -298,20 +303,20 @@ def _parameters(name, values, participant, version):
 
 
 def _item(field, number):
-    """Name of an enumeration's item."""
+    """Return the name of an enumeration's item."""
     return next(name for name, value in field.choices.items() if value == number)
 
 
 def read_ssp(path):
-    """The case in an SSP as a TOML tree; its FMUs are unpacked into the user's cache.
+    """Return the case of an SSP as a TOML tree, and unpack its FMUs into the user's cache.
 
-    Of another tool's SSP, which says nothing of coupling, the tree holds participants, wires, stop
-    time and the order of the components; the macro step has to be given.
+    The SSP of another tool has no coupling. Then the tree contains participants, wires, stop time
+    and the order of the components, and the user must add the macro step.
 
     Raises
     ------
     BadInput
-        If the file is no SSP.
+        If the file is not an SSP.
     """
     try:
         folder = cache_folder("ssp") / sha256(Path(path).read_bytes()).hexdigest()[:16]
@@ -355,8 +360,8 @@ def read_ssp(path):
 def _wires(root, fmus):
     """Return the (source, target) of all connections between components.
 
-    Connections of elements become one wire of the whole arrays if they join all elements of both in
-    the same order; else each is a wire.
+    Connections of elements become one wire of the arrays if they join all elements of both in
+    the same order. Otherwise each connection is a wire.
     """
     groups: dict[tuple, list] = {}
     for c in root.iter(_q("ssd:Connection")):
@@ -385,7 +390,7 @@ def _elements(fmu, base):
 
 
 def _read_parameters(component, folder):
-    """Parameter values as a case file writes them, from all SSVs of a component."""
+    """Return the parameter values from all SSVs of a component, as a case file writes them."""
     values = {}
     for binding in component.iter(_q("ssd:ParameterBinding")):
         for node in (

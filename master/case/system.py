@@ -1,4 +1,4 @@
-"""From a case to participants and wires, checked before the run."""
+"""Participants and wires of a case, checked before the run."""
 
 from ..coupling.wiring import HeldWire, System, Wire, port_of
 from ..coupling.work import conjugates
@@ -25,14 +25,15 @@ from .wires import (
 
 
 def open_system(case, folder, progress, own=None):
-    """Build or open every FMU of the case and check the whole before anything runs; `own` holds
-    makers of participants that exist in this Python alone, by name.
+    """Build or open every FMU of the case, and check the system before it runs.
+
+    `own` contains constructors of participants that exist only in this process, by name.
 
     Raises
     ------
     BadInput
-        With every fault that could be found: what shows before anything is built first, then
-        build options of all participants, then parameters, wires, recorded names and time.
+        With every fault: first those found before anything is built, then those of all build
+        options, then those of parameters, wires, recorded names and time.
     """
     faults = faults_ahead(case, folder)
     if faults:
@@ -117,9 +118,7 @@ def open_system(case, folder, progress, own=None):
 
 
 def _as_they_start(participants, wires, progress):
-    """Participants in the order in which they start; says which one does not start where the case
-    names it.
-    """
+    """Return the participants in the order in which they start; report a changed order."""
     order = starting_order(participants, wires)
     late = [name for name, told in zip(participants, order) if name != told]
     if late:

@@ -1,4 +1,4 @@
-"""What all tables of a case file share: names of ports and files, no unknown keys."""
+"""Common parts of all tables of a case file: names of ports and files, no unknown keys."""
 
 import re
 from typing import Annotated, NamedTuple
@@ -13,9 +13,7 @@ from pydantic import (
 from ..fmi.option_classes import with_meanings
 
 Port = Annotated[str, Field(pattern=r"^\w+\.[\s\S]*$")]
-"""A variable of a participant: "participant.variable"; the variable's name as the FMU has it, dots,
-brackets and all.
-"""
+"""Variable of a participant: "participant.variable", with the variable's name in the FMU."""
 
 
 def _file_name(text: str) -> str:
@@ -30,25 +28,26 @@ FileName = Annotated[str, AfterValidator(_file_name)]
 
 REDUCTIONS = ("min", "max", "mean", "last")
 TAKEN = ("coupling", "envelopes", "fields", "time")
-"""Groups of a results file that are no participants."""
+"""Groups of a results file that are not participants."""
 
 
 class Reduced(NamedTuple):
-    """What "min|max|mean|last participant.variable" says."""
+    """Content of "min|max|mean|last participant.variable"."""
 
     kind: str
     port: str
 
 
 def reduced(text: str) -> Reduced:
-    """Kind and port of a summary entry."""
+    """Return kind and port of a summary entry."""
     kind, _, port = text.strip().partition(" ")
     return Reduced(kind, port.strip())
 
 
 class Table(BaseModel):
-    """A table of a case file; unknown keys are errors. What a key means stands below it, and in
-    `piston-cosim keys`.
+    """Table of a case file; unknown keys are errors.
+
+    The text below a key is its meaning in `piston-cosim keys`.
     """
 
     model_config = ConfigDict(

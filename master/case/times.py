@@ -1,4 +1,4 @@
-"""Times of a run: its start, its stop and its macro step, from times or crank angles."""
+"""Times of a run: start, stop and macro step, from times or crank angles."""
 
 from math import floor
 from typing import NamedTuple
@@ -9,8 +9,9 @@ from .schema import Case, Time
 
 
 def record_interval(case: Case, speed: float | None) -> float:
-    """From one record of the fields to the next [s], 0 where macro steps are counted; `speed` as in
-    `times`.
+    """Return the interval between records of the fields [s], 0 if it counts macro steps.
+
+    `speed` is that of `times`.
     """
     every = case.record.every
     try:
@@ -20,9 +21,7 @@ def record_interval(case: Case, speed: float | None) -> float:
 
 
 class Clock(NamedTuple):
-    """Stop time at the latest, macro step, smallest macro step, period (0: unknown) and stop time
-    at the earliest [s].
-    """
+    """Latest stop, macro step, smallest macro step, period (0: unknown) and earliest stop [s]."""
 
     stop: float
     step: float
@@ -32,7 +31,7 @@ class Clock(NamedTuple):
 
 
 def times(case: Case, speed: float | None) -> Clock:
-    """Times of the run; `speed` [rad/s] turns angles into times."""
+    """Return the times of the run; `speed` converts angles to times [rad/s]."""
     faults: list[str] = []
     values: dict[str, float] = {}
     given = {key: getattr(case.time, key) for key in ("stop", "step", "smallest_step")}
@@ -54,7 +53,7 @@ def times(case: Case, speed: float | None) -> Clock:
     if fault := period and _whole_fault("time.period", case.period, None, period / step, case.time):
         if case.time.period or case.time.until_periodic:
             raise BadInput(fault)
-        period = 0.0  # a derived one that macro steps do not come by
+        period = 0.0  # a default that is no multiple of the macro step
     stop = values.get("stop", begin + case.time.most_periods * period)
     steps = (stop - begin) / step
     if fault := _whole_fault("time.stop", case.time.stop, case.time.start, steps, case.time):
@@ -65,7 +64,7 @@ def times(case: Case, speed: float | None) -> Clock:
 
 
 def start_time(case: Case, speed: float | None) -> float:
-    """Where the run starts [s]; `speed` as in `times`."""
+    """Return the start of the run [s]; `speed` is that of `times`."""
     try:
         return 0.0 if case.time.start is None else _seconds(case.time.start, speed)
     except ValueError as error:
@@ -73,7 +72,7 @@ def start_time(case: Case, speed: float | None) -> float:
 
 
 def _seconds(text: str, speed: float | None) -> float:
-    """A time, or an angle at a speed [rad/s], in seconds."""
+    """Convert a time, or an angle at a speed [rad/s], to seconds."""
     if speed is None:
         return to_si(text, "s")
     if not speed:
@@ -82,8 +81,9 @@ def _seconds(text: str, speed: float | None) -> float:
 
 
 def _whole_fault(key: str, text: str | None, start: str | None, steps: float, time: Time) -> str:
-    """Return what is wrong with a time of so many macro steps after `start`; they may be off a
-    whole number by what rounding does to two units.
+    """Return the fault of a time that is no positive number of macro steps after `start`.
+
+    The tolerance covers the round-off of two units.
     """
     whole = round(steps)
     if whole >= 1 and abs(steps - whole) <= 1e-9 * whole:

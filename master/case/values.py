@@ -1,4 +1,4 @@
-"""Values of parameters: texts with units to numbers of an FMU, every fault with its key."""
+"""Values of parameters: texts with units to numbers of an FMU, with the key of each fault."""
 
 from math import inf
 
@@ -10,7 +10,7 @@ from .keys import SETTABLE
 
 
 def given_values(participant, given, faults):
-    """Parameters and input start values in SI; faults are appended."""
+    """Return parameters and input start values in SI; append faults."""
     values = {}
     for name, text in given.items():
         where = f"participants.{participant.name}.parameters.{name}"
@@ -27,7 +27,7 @@ def given_values(participant, given, faults):
 
 
 def _array(field, rows):
-    """An array of values, each as `value_of` says."""
+    """Return an array of values, each by `value_of`."""
     array = np.array(rows, dtype=object)
     if array.shape != field.shape:
         raise ValueError(f"expected shape {field.shape}, got {array.shape}")
@@ -35,7 +35,7 @@ def _array(field, rows):
 
 
 def value_of(field, text):
-    """A parameter's value in the FMU's unit and type, range checked; ValueError otherwise."""
+    """Return a parameter's value in the FMU's unit and type; raise `ValueError` if out of range."""
     if field.type == "Clock":
         raise ValueError(f"expected no value for a clock, got {text!r}")
     if field.type == "String":
@@ -54,7 +54,7 @@ def value_of(field, text):
             raise ValueError(unknown("choice", text, field.choices))
         return field.choices[text]
     is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
-    value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is no float
+    value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is not exact as a float
     fits = getattr(field, "whole_numbers", None) or (-inf, inf)
     low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
     high = fits[1] if field.maximum is None else min(fits[1], field.maximum)
@@ -68,9 +68,7 @@ def value_of(field, text):
 
 
 def quantity_of(text, field):
-    """A value in the FMU's unit: by what the FMU declares of a unit of its own, else by the unit's
-    name.
-    """
+    """Convert a value to the FMU's unit, by the declared definition or by the unit's name."""
     definition = definition_of(field)
     if definition is None or (definition.factor == 1.0 and definition.offset == 0.0):
         return to_si(text, field.unit)
@@ -81,5 +79,5 @@ def quantity_of(text, field):
 
 
 def definition_of(field):
-    """What an FMU declares of a field's unit; a participant that is none declares nothing."""
+    """Return the declared definition of a field's unit; None for other participants."""
     return getattr(field, "definition", None)

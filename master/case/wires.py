@@ -11,7 +11,7 @@ from ..participants.converted import Conversion, ConvertedParticipant
 from .values import definition_of, quantity_of
 
 TOLERANCE = 1e-6
-"""Of an unknown wire without a criterion of its own, in nominal values."""
+"""Tolerance of an unknown wire without a criterion, in nominal values."""
 
 
 def field_of(port, causalities, participants, where, faults):
@@ -27,7 +27,7 @@ def field_of(port, causalities, participants, where, faults):
 
 
 def type_of(port, participants):
-    """Type of a port; None of one that there is not."""
+    """Return the type of a port, None if it does not exist."""
     owner, name = port_of(port)
     field = participants[owner].fields.get(name)
     return None if field is None else field.type
@@ -38,12 +38,12 @@ def is_clock(port, participants):
 
 
 def is_real(table, participants):
-    """Whether both ends of a wire are there and real."""
+    """Return whether both ends of a wire exist and are real."""
     return {type_of(port, participants) for port in (table.source, table.target)} == {"Real"}
 
 
 def check_sources(tables, faults):
-    """One input has one source."""
+    """Append a fault for each input with several sources."""
     sources: dict[str, list[str]] = {}
     for table in tables:
         sources.setdefault(table.target, []).append(table.source)
@@ -74,11 +74,11 @@ OF_NUMBERS = (
     "local_error",
     "conjugate",
 )
-"""What a wire's table may say of real numbers alone."""
+"""Keys of a wire that are valid for real numbers only."""
 
 
 def wire_of(table, participants, coupling, faults):
-    """The wire of a case's table, ready for use; None and a fault where an end is missing."""
+    """Return the wire of a case's table; append a fault and return None if an end is missing."""
     where = f"wire {table.source} -> {table.target}"
     source = field_of(table.source, ("output",), participants, where, faults)
     target = field_of(table.target, ("input",), participants, where, faults)
@@ -125,14 +125,14 @@ def wire_of(table, participants, coupling, faults):
 
 
 def _clock_kind(port, participants):
-    """What kind of clock an input is."""
+    """Return the kind of an input clock."""
     owner, name = port_of(port)
     participant = participants[owner]
     return getattr(participant, "described", participant).clocks[name].kind
 
 
 def _held_wire(table, source, target, where, faults):
-    """A wire of integers, booleans, enumerations, texts, bytes or clocks, or to a clocked input."""
+    """Return a wire of a type other than Real, or to a clocked input."""
     said = [key for key in OF_NUMBERS if getattr(table, key)]
     said += ["interpolation"] if table.interpolation not in (None, "held") else []
     if said:
@@ -144,8 +144,9 @@ def _held_wire(table, source, target, where, faults):
 
 
 def common_unit(table, participants):
-    """The end whose unit the wire has, and the `Conversion` to its target or None. That is its
-    source; but an FMU that names no unit at all is taken to have the other's.
+    """Return the end whose unit the wire has, and the `Conversion` to its target or None.
+
+    That end is the source. If an FMU declares no units, it has the unit of the other end.
     """
     ports = [port_of(table.source), port_of(table.target)]
     ends = [participants[owner].fields[name] for owner, name in ports]
@@ -157,14 +158,16 @@ def common_unit(table, participants):
 
 
 def conversions_of(tables, participants):
-    """Input -> `Conversion`, of the wires whose ends differ in unit."""
+    """Return the `Conversion` of each input whose unit differs from its source's."""
     units = {port_of(table.target): common_unit(table, participants)[1] for table in tables}
     return {port: conversion for port, conversion in units.items() if conversion is not None}
 
 
 def _conversion(source, target):
-    """From a field's unit to another's, by what both FMUs declare of their units, else by the
-    units' names; ValueError where it cannot be.
+    """Return the conversion between the units of two fields.
+
+    It uses the declared definitions of the units, else their names. Raises `ValueError` if they
+    are not compatible.
     """
     first = definition_of(source)
     second = definition_of(target)
@@ -189,21 +192,21 @@ def _conversion(source, target):
 
 
 def _nominal(source, target, conversion):
-    """Nominal value of a wire in its source's unit, that of its target if it has one."""
+    """Return the nominal value of a wire in its source's unit: the target's if it has one."""
     if target.nominal and conversion is not None:
         return target.nominal / abs(conversion.gain)
     return target.nominal or source.nominal or 1.0
 
 
 def in_units_of_wires(parameters, conversions):
-    """Start values of converted inputs are given in the FMU's unit and set in the wire's."""
+    """Convert start values of converted inputs from the FMU's unit to the wire's."""
     for (owner, name), conversion in conversions.items():
         if name in parameters[owner]:
             parameters[owner][name] = conversion.back(parameters[owner][name])
 
 
 def converting(participants, conversions):
-    """The participants, those with inputs in another unit than their wires' wrapped."""
+    """Return the participants, with wrappers for those whose inputs need conversion."""
     by_owner: dict[str, dict[str, Conversion]] = {}
     for (owner, name), conversion in conversions.items():
         by_owner.setdefault(owner, {})[name] = conversion
@@ -214,8 +217,9 @@ def converting(participants, conversions):
 
 
 def _amount(given, key, nominal, named, where, faults):
-    """A positive entry of a wire in its unit, that of its source: a number multiplies the nominal
-    value; None if it is not given, or with a fault.
+    """Return a positive entry of a wire in its source's unit; None if omitted or invalid.
+
+    A number is a multiple of the nominal value.
     """
     if given is None:
         return None
@@ -230,7 +234,7 @@ def _amount(given, key, nominal, named, where, faults):
 
 
 def _difference(given, named):
-    """A difference of values in a field's unit: an offset of the unit has no part in it."""
+    """Convert a difference of values to a field's unit, without the unit's offset."""
     if definition_of(named) is None:
         return to_si(given, named.unit)
     return quantity_of(given, replace(named, definition=replace(named.definition, offset=0.0)))
