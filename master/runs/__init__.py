@@ -1,13 +1,13 @@
-"""Runs.
+"""Runs: from the start of a system to its results.
 
-run         one run, start to end
-repetition  periods of a run, until one repeats the one before
-extrapolation  what is slow from period to period
-recorder    the results file, written
-logs        convergence, step by step
-console     progress and summary on the screen
-live        a page with curves, to pause and to stop
-checkpoint  stop and go on with the same bits
-sweep       a case over values of its keys
-studies     a case over settings, against the finest
+run            one run
+repetition     periods of a run, until one repeats the previous one
+extrapolation  slow members of the state, extrapolated from period to period
+recorder       writing of the results file
+logs           tables of convergence
+console        progress and summary on the screen
+live           page with curves, to pause and to stop a run
+checkpoint     stop and resume with the same results
+sweep          runs over values of keys
+studies        runs over settings, compared with a reference
 """

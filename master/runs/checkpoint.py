@@ -1,6 +1,4 @@
-"""Checkpoint of a run: enough to go on in a new process with the same bits, never damaged by a
-crash.
-"""
+"""Checkpoints of a run, which resume with the same bits and survive a crash."""
 
 import os
 import zipfile
@@ -40,13 +38,13 @@ def kept(output):
 
 @dataclass
 class Account:
-    """What a run has brought and taken so far: all that its summary is made of.
+    """Counters and sums of a run so far, from which its summary is made.
 
-    counters; reductions : summary entries; work : `InterfaceWork`; spent : seconds by what they
-    went into; steps_done : macro steps of the run; rows : of the results file, and wall_time [s],
-    both as of the last checkpoint; began, began_rows : steps and rows at the beginning of the
-    period under way, which reductions, work, ledger and envelopes are of; repetition : of a case
-    with a period.
+    counters; reductions : summary entries; work : `InterfaceWork`; spent : time by task [s];
+    steps_done : macro steps of the run; rows, wall_time : rows of the results file and time [s]
+    at the last checkpoint; began, began_rows : steps and rows at the beginning of the current
+    period, for which reductions, work, ledger and envelopes hold; repetition : for a case with a
+    period.
     """
 
     counters: Counters
@@ -66,7 +64,7 @@ class Account:
 MAGIC = b"piston-cosim checkpoint\n"
 VERSION = 3
 CHECKSUM = 32
-"""Bytes of a SHA-256."""
+"""Length of a SHA-256 [bytes]."""
 
 ACCOUNTS = (
     Account,
@@ -79,21 +77,20 @@ ACCOUNTS = (
     Reduction,
     Repetition,
 )
-"""Classes of what an account is made of."""
+"""Classes of the members of an account."""
 
 
 @dataclass(frozen=True)
 class Checkpoint:
     """State of a run after a macro step.
 
-    tree, folder : resolved TOML tree, where its paths begin; frozen : participants, predictor,
+    tree, folder : resolved TOML tree and folder of its paths; frozen : participants, predictor,
     method (see `freezing`); fmus : participant -> SHA-256 of its FMU's content; sources :
     participant -> SHA-256 of its Python file.
 
-    The file holds the line "piston-cosim checkpoint", 4 bytes with the version of this layout, the
-    SHA-256 of all that follows, and then plain data (see `participants.plain`): no code. Its size
-    is that of the participants' states and of what the method remembers, and does not grow with the
-    run.
+    The file contains the line "piston-cosim checkpoint", 4 bytes with the version of this
+    layout, and the SHA-256 of the rest. The rest is plain data without code (see
+    `participants.plain`). Its size does not grow with the run.
     """
 
     tree: dict
@@ -105,13 +102,11 @@ class Checkpoint:
 
     @staticmethod
     def path(output):
-        """Where the checkpoint of a results file lies; none is written if a participant cannot
-        serialise its state.
-        """
+        """Return the path of the checkpoint of a results file."""
         return Path(f"{output}.checkpoint")
 
     def write(self, output):
-        """Put it beside the results file, in place of the last one in a single move."""
+        """Replace the last checkpoint next to the results file in a single step."""
         target = self.path(output)
         partial = target.with_name(target.name + ".part")
         data = pack(vars(self) | {"account": _bounded(self.account)}, ACCOUNTS)
@@ -124,7 +119,10 @@ class Checkpoint:
 
     @staticmethod
     def read(path):
-        """The checkpoint in a file; BadInput if it is none, damaged or of another version."""
+        """Return the checkpoint in a file.
+
+        Raises `BadInput` if it is none, damaged or of another version.
+        """
         try:
             whole = Path(path).read_bytes()
         except OSError as error:
@@ -149,15 +147,13 @@ class Checkpoint:
 
 
 def _bounded(account):
-    """The account with the number of macro steps by their iterations, in place of a list of them
-    all.
-    """
+    """Return the account with a count of macro steps by iterations, instead of a list."""
     counted = dict(Counter(account.counters.iterations))
     return replace(account, counters=replace(account.counters, iterations=counted))
 
 
 def _unbounded(account):
-    """The list of iterations again, in another order, which nobody asks for."""
+    """Restore the list of iterations, whose order has no effect."""
     counted = account.counters.iterations
     account.counters.iterations = [int(k) for k, count in counted.items() for _ in range(count)]
 
@@ -218,13 +214,13 @@ def check_code(checkpoint, say):
 
 
 def fingerprints(participants):
-    """SHA-256 of the content of every participant's FMU: participant -> text."""
+    """Return the SHA-256 of the content of every participant's FMU, by participant."""
     paths = {name: getattr(p, "path", None) for name, p in participants.items()}
     return {name: _content_hash(path) for name, path in paths.items() if path is not None}
 
 
 def _content_hash(path):
-    """Of names and contents alone: an FMU built again has other times in its archive."""
+    """Return the hash of names and contents; file times differ after a rebuild."""
     digest = sha256()
     with zipfile.ZipFile(path) as archive:
         for name in sorted(archive.namelist()):

@@ -1,4 +1,4 @@
-"""What a run says on the screen: a progress bar while it goes, a one-screen summary at its end."""
+"""Output of a run on the screen: progress bar and summary."""
 
 import time as clock
 from contextlib import contextmanager
@@ -10,16 +10,16 @@ from ..fmi.quantities import short
 from .working import Compilation, bars
 
 REFRESH = 0.2
-"""Seconds from one progress line to the next: units of handy size take a millisecond to find."""
+"""Time between two progress lines [s]; choosing a unit prefix takes a millisecond."""
 
 
 class Watch:
-    """Progress of a run: the `watch` of `run`; `first` is when the first step was done [s].
+    """Progress of a run: the `watch` of `run`; `first` is the time of the first step [s].
 
     Parameters
     ----------
     show : callable
-        Receives the share of the run that is done, and its state in words.
+        Called with the completed share of the run, and its state as text.
     """
 
     def __init__(self, show):
@@ -59,7 +59,7 @@ def watching(console, label):
 
 
 def print_summary(console, summaries):
-    """Table of the runs' summaries, a column each."""
+    """Print a table of the runs' summaries, with a column for each."""
     table = Table("", *summaries, box=None)
     for key in dict.fromkeys(key for summary in summaries.values() for key in summary):
         values = [summary.get(key, "") for summary in summaries.values()]

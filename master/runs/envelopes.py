@@ -1,4 +1,4 @@
-"""Extreme value of every cell of the fields that a role of the contract names, over a period."""
+"""Envelopes of a period: extreme value of every cell of the fields that the contract names."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,7 +22,7 @@ class Envelopes:
     Attributes
     ----------
     values : dict of str to ndarray
-        Port -> extreme of every cell since the period began, in SI.
+        Port -> extreme of every cell since the beginning of the period, in SI.
     """
 
     def __init__(self, kinds: Mapping[str, str]):
@@ -30,7 +30,7 @@ class Envelopes:
         self.values: dict[str, np.ndarray] = {}
 
     def begin(self, participants: Mapping[str, Any]) -> None:
-        """Begin a period where the participants are."""
+        """Begin a period at the current state of the participants."""
         self.values = self._read(participants)
 
     def add(self, participants: Mapping[str, Any]) -> None:

@@ -1,19 +1,18 @@
-"""What changes little from cycle to cycle, extrapolated to where it would stay.
+"""Extrapolation of slow members of the state from cycle to cycle.
 
-Motion forgets its start within a few cycles; an amount that is only handed on, such as a deposit
-that each cycle wears down by a hundredth, does not. Participants name such members in their saved
-states (`fmi.state_bytes`), and between two cycles they are set to where the secant of the last two
-cycles vanishes, which is Anderson's method of depth one:
+Motion forgets its start within a few cycles. An amount that each cycle changes by a hundredth, such
+as a worn deposit, does not. Participants name such members in their saved states
+(`fmi.state_bytes`). Between two cycles, the secant of the last two cycles extrapolates them to no
+change, which is Anderson's method of depth one:
 
 Eq. (Y3):  x <- g_k - c (g_k - g_{k-1}),   c = f_k.(f_k - f_{k-1}) / |f_k - f_{k-1}|^2,   f = g - x
 
-x and g are a member at the beginning and at the end of a cycle. c is 1 at most and not below
--FARTHEST; a member that moves on as fast as before, which asks for c > 1 or has no secant, takes
-c = -FARTHEST. A member that was nowhere negative does not become so.
+x and g are a member at the beginning and at the end of a cycle. c is at most 1 and at least
+-FARTHEST. A member that does not slow down (c > 1 or no secant) takes c = -FARTHEST. A member
+without negative values stays so.
 
-A cycle after which a member is farther from repeating than it was before the extrapolation is taken
-back: all participants return to the end of the cycle before. After the second time cycles are
-plainly repeated.
+If a member then repeats worse than before the extrapolation, all participants return to the end of
+the previous cycle. After the second such return, there are no more extrapolations.
 
 References
 ----------
@@ -28,13 +27,12 @@ import numpy as np
 from ..fmi.state_bytes import slow_members, with_members
 
 FARTHEST = 30.0
-"""Changes of a cycle that a member is moved on by at most: one that falls by 3 % a cycle goes all
-of its way at once.
-"""
+"""Largest extrapolation, in changes of a cycle. A member whose change falls by 3 % per cycle
+reaches its end at once."""
 ROUND_OFF = 1e-10
-"""Of a member: changes up to here say nothing."""
+"""Round-off relative to a member. Smaller changes are ignored."""
 REFUSALS = 2
-"""Extrapolations taken back until no more are made."""
+"""Number of rejected extrapolations after which no more are made."""
 
 Member = tuple[str, str]
 """Participant and member of its state."""
@@ -47,7 +45,7 @@ class Extrapolation:
     Attributes
     ----------
     made, taken_back : int
-        Extrapolations.
+        Numbers of extrapolations.
     """
 
     def __init__(self):
@@ -63,11 +61,11 @@ class Extrapolation:
         self.apart_before = np.inf
 
     def begin(self, participants: Mapping) -> None:
-        """A cycle begins where the participants stand."""
+        """Begin a cycle at the current state of the participants."""
         self.begun = _members(_states(participants))
 
     def end(self, participants: Mapping) -> None:
-        """The cycle is over."""
+        """End the cycle."""
         self.before = self.ended
         self.changes_before = self.changes
         self.ended = _members(_states(participants))
@@ -121,7 +119,7 @@ class Extrapolation:
 def extrapolated(
     ends: tuple[np.ndarray, np.ndarray], changes: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Where a member would stay, by Eq. (Y3).
+    """Return the value that a member tends to, by Eq. (Y3).
 
     Parameters
     ----------
@@ -133,7 +131,7 @@ def extrapolated(
     Returns
     -------
     ndarray
-        Of the shape of the member.
+        With the shape of the member.
     """
     end_before, end = ends
     change_before, change = changes
@@ -153,7 +151,7 @@ def extrapolated(
 
 
 def _states(participants):
-    """Serialised states of all participants."""
+    """Return the serialised states of all participants."""
     states = {}
     for name, participant in participants.items():
         saved = participant.save()
@@ -163,7 +161,7 @@ def _states(participants):
 
 
 def _members(states):
-    """Slow members in serialised states, those that hold anything."""
+    """Return the slow members in serialised states that are not empty."""
     return {
         (owner, name): value
         for owner, data in states.items()
@@ -179,11 +177,11 @@ def _restore(participant, data):
 
 
 def _apart(begun, ended):
-    """Change over a cycle, as a share of the larger one."""
+    """Return the change over a cycle, relative to the larger value."""
     size = max(_size(begun), _size(ended))
     return _size(ended - begun) / size if size else 0.0
 
 
 def _size(values):
-    """Root mean square."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))

@@ -1,4 +1,4 @@
-"""Compilation of kernels ahead of a run: film and bodies side by side, in two processes."""
+"""Compilation of kernels before a run: film and bodies in parallel, in two processes."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -15,7 +15,7 @@ from .working import REFRESH, Compilation, bars, every
 
 
 class Rehearsal(NamedTuple):
-    """A participant to step once alone, and its variables on wires."""
+    """Single step of a participant on its own, with its variables on wires."""
 
     path: Path
     name: str
@@ -72,7 +72,7 @@ def _rehearsal(system: System, name: str, participant: FmuParticipant) -> Rehear
 
 
 def _rehearse(tell, one: Rehearsal) -> None:
-    """Start a participant with its start values, take a step and a derivative that it offers."""
+    """Start a participant with its start values; take a step and a derivative if it has one."""
     compilation = Compilation(one.name)
 
     def tick() -> None:

@@ -1,8 +1,8 @@
-"""A run on a page of this machine while it goes on: curves, pausing, stopping with a checkpoint.
+"""Live page of a run: curves, pausing, stopping with a checkpoint.
 
-The page answers on 127.0.0.1 only, under an address that holds a secret. It rejects requests with
-another Host or Origin, so that neither another machine nor another page of the browser can read or
-stop the run.
+The page responds on 127.0.0.1 only, under an address that contains a secret. It rejects requests
+with another Host or Origin, so that neither another machine nor another page of the browser can
+read or stop the run.
 """
 
 import json
@@ -19,17 +19,16 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 KEPT = 4000
-"""Points of a curve; beyond that every second one goes, and the next ones come half as often."""
+"""Maximum number of points of a curve. Beyond it, every second one is removed, and the sampling
+interval doubles."""
 PATIENCE = 0.1
-"""Seconds from one look to the next while the run is paused."""
+"""Time between two checks while the run is paused [s]."""
 CURVES = 6
-"""Curves of a case that names none to monitor."""
+"""Number of curves of a case without monitor entries."""
 
 
 class Live:
-    """What the page shows and asks for; told of every macro step as the `watch` of `run`, and then
-    tells `further` of it.
-    """
+    """State of the live page, the `watch` of `run`; calls `further` after every macro step."""
 
     def __init__(self, title, further):
         self.title, self.further = title, further
@@ -54,12 +53,12 @@ class Live:
         self.further(time, stop, solution, monitored)
 
     def hold(self, heard):
-        """Wait between two macro steps while the run is paused, or until a signal is heard."""
+        """Wait between two macro steps while the run is paused, or until a signal arrives."""
         while self.paused and not heard.signal:
             clock.sleep(PATIENCE)
 
     def state(self, generation, begin):
-        """What has changed since a page that knows `begin` rows of a generation."""
+        """Return the changes since a page received `begin` rows of a generation."""
         with self.lock:
             begin = begin if generation == self.generation else 0
             return {
@@ -74,7 +73,7 @@ class Live:
             }
 
     def ask(self, wish):
-        """Do what a button asks for; whether there is such a one."""
+        """Execute the command of a button; return whether it exists."""
         if wish == "stop":
             self.paused = False
             os.kill(os.getpid(), signal.SIGINT)
@@ -87,7 +86,7 @@ class Live:
 
 @contextmanager
 def serving(live):
-    """The page's address while it is served."""
+    """Serve the page, and yield its address."""
     secret = secrets.token_urlsafe(16)
     server = ThreadingHTTPServer(("127.0.0.1", 0), _handler(live, secret))
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -111,7 +110,7 @@ def _headers(page):
     return {
         "Content-Security-Policy": policy,
         "X-Content-Type-Options": "nosniff",
-        "Referrer-Policy": "no-referrer",  # the address holds the secret
+        "Referrer-Policy": "no-referrer",  # the address contains the secret
         "Cache-Control": "no-store",
     }
 
@@ -166,13 +165,13 @@ def _handler(live, secret):
             self.wfile.write(data)
 
         def log_message(self, format, *args):
-            """The run's own lines are what the screen is for."""
+            """Print nothing, because the screen is for the run's own messages."""
 
     return Handler
 
 
 def curves(case, system):
-    """The case's monitor entries, or where it has none the first scalar outputs of all."""
+    """Return the monitor entries of the case; default: the first scalar outputs."""
     if case.monitor:
         return case.monitor
     ports = [

@@ -1,6 +1,4 @@
-"""One writer for one file: whoever writes results holds a lock beside them, which the system gives
-back when its process ends, however it ends.
-"""
+"""Lock of an output file: one process writes it, and the system releases its lock at exit."""
 
 import fcntl
 import json
@@ -14,7 +12,7 @@ from ..fmi.errors import BadInput, file_fault
 
 
 def lock_path(output):
-    """Where the lock of a file lies; what it holds says who writes, and since when."""
+    """Return the path of the lock of a file, which states the writer and the time."""
     return Path(f"{output}.lock")
 
 
@@ -28,7 +26,7 @@ def sole_writer(output):
     Raises
     ------
     BadInput
-        If another process holds it: which one, and since when.
+        If another process holds it, with its id and the time.
     """
     path = lock_path(output)
     made = [folder for folder in path.parents if not folder.exists()]
@@ -48,7 +46,7 @@ def sole_writer(output):
 
 
 def _held(path, output):
-    """Handle on the lock file, locked."""
+    """Return the handle of the locked lock file."""
     while True:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -69,7 +67,7 @@ def _held(path, output):
             raise BadInput(f"--output: {file_fault(path, error)}") from None
         if _is_there(path, handle):
             break
-        os.close(handle)  # its last holder has removed it meanwhile
+        os.close(handle)  # its last holder has removed it
     now = datetime.now().isoformat(timespec="seconds")
     words = json.dumps({"process": os.getpid(), "host": platform.node(), "since": now})
     os.ftruncate(handle, 0)
@@ -78,7 +76,7 @@ def _held(path, output):
 
 
 def _is_there(path, handle):
-    """Whether the file behind the handle is still the one at the path."""
+    """Return whether the file of the handle is still the one at the path."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(handle))
     except FileNotFoundError:
@@ -86,7 +84,7 @@ def _is_there(path, handle):
 
 
 def _who(data):
-    """Sentence part on who holds a lock."""
+    """Return the part of a sentence that names the holder of a lock."""
     try:
         held = json.loads(data)
         return f"process {held['process']} on {held['host']} since {held['since']}"

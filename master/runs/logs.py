@@ -1,10 +1,9 @@
-"""Two text tables beside the results, in the manner of preCICE: what every macro step took, and how
-every iteration fared.
+"""Two text tables next to the results, similar to preCICE's: macro steps and iterations.
 
 <label>-iterations.log    a line for each attempt at a macro step, failed ones with
-                          Converged = 0 and why
+                          Converged = 0 and the reason
 <label>-convergence.log   a line for each evaluation: residual / tolerance of every wire,
-                          converged where all are 1 or less
+                          converged if all are 1 or less
 """
 
 from contextlib import suppress
@@ -15,7 +14,7 @@ HEADER = ("Window", "Time[s]", "Step[s]", "Iterations", "TotalIterations", "Conv
 
 
 class CouplingLog:
-    """Writes both tables line by line; a window is an accepted step, halves included.
+    """Writer of both tables; a window is an accepted step, including halved ones.
 
     Parameters
     ----------
@@ -23,8 +22,8 @@ class CouplingLog:
         Results file.
     wires : sequence of Wire
     counters : Counters
-        Of the run so far: what its tables hold beyond that was written by an interrupted run after
-        its checkpoint, and goes.
+        Counters of the run so far. Lines beyond them come from an interrupted run after its
+        checkpoint, and are removed.
     """
 
     def __init__(self, output, wires, counters):
@@ -41,9 +40,9 @@ class CouplingLog:
         return f"{'Window':>6} {'Iteration':>9} " + " ".join(named)
 
     def attempt(self, time, step, trail, failure):
-        """Note an attempt at the macro step from `time` over `step` [s].
+        """Log an attempt at the macro step from `time` over `step` [s].
 
-        trail : residual / tolerance of every wire, by evaluation; failure : why it failed, None if
+        trail : residual / tolerance of every wire, by evaluation; failure : its reason, None if
         it converged.
         """
         self.total += len(trail)
@@ -57,30 +56,28 @@ class CouplingLog:
         self.windows += failure is None
 
     def flush(self):
-        """Bring all lines to the disk."""
+        """Write all lines to the disk."""
         self.iterations.flush()
         self.convergence.flush()
 
     def close(self):
-        """Close both; a line that a full disk did not take is lost, the run has heard of it."""
+        """Close both files; ignore a full disk, which the run has reported."""
         for file in (self.iterations, self.convergence):
             with suppress(OSError):
                 file.close()
 
 
 def log_path(output, kind):
-    """Path of a table beside a results file."""
+    """Return the path of a table next to a results file."""
     return Path(output).with_name(f"{Path(output).stem}-{kind}.log")
 
 
 def _table(path, header, windows):
-    """The table, open for appending: its first `windows` windows if there are any, else a new
-    header.
-    """
+    """Open a table for appending, with its first `windows` windows or a new header."""
     lines = [header + "\n"]
     if windows and path.exists():
         written = path.read_text().splitlines(keepends=True)
-        head, *rows = [line for line in written if line.endswith("\n")]  # finished lines
+        head, *rows = [line for line in written if line.endswith("\n")]  # complete lines
         lines = [head, *(row for row in rows if int(row.split()[0]) <= windows)]
     path.write_text("".join(lines))
     return open(path, "a")

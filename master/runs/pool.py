@@ -1,5 +1,6 @@
-"""Processes of this machine for the points of a sweep and the variants of a run: one that dies or
-does not end takes its own point with it, and nothing else.
+"""Processes for the points of a sweep and the variants of a run.
+
+If a process dies or exceeds its time limit, only its point fails.
 """
 
 import os
@@ -14,22 +15,22 @@ from ..participants.worker import Worker
 from .signals import follow_command
 
 TOLD = None
-"""Replaces whether a call has raised, in messages of a call that goes on."""
+"""Value that replaces the flag of an exception in intermediate messages of a call."""
 
 
 class PointDied(RuntimeError):
-    """The process of a point has ended, by itself or because its time was up."""
+    """Process of a point that ended before its result."""
 
 
 class LocalPool(Executor):
-    """An executor of processes that are replaced when they die.
+    """Executor of processes that are replaced when they die.
 
     Parameters
     ----------
     workers : int, optional
-        Processes, by default one a processor.
+        Number of processes. Default: number of processors.
     time_limit : float, optional
-        Longest time [s] for one call; its process is ended then. None: as long as it takes.
+        Time limit of a call, after which its process is ended [s]. Default: none.
     """
 
     def __init__(self, workers=None, time_limit=None):
@@ -46,20 +47,20 @@ class LocalPool(Executor):
             thread.start()
 
     def submit(self, fn, /, *args, **kwargs):
-        """A `Future` of `fn(*args, **kwargs)`."""
+        """Return a `Future` of `fn(*args, **kwargs)`."""
         return self._submit(None, fn, args, kwargs)
 
     def share(self, told, fn, calls):
-        """Return `Future`s of `fn(tell, argument)` that are done, by label.
+        """Return completed `Future`s of `fn(tell, argument)`, by label.
 
-        This process makes the first call: it has already imported and loaded what the call needs.
+        This process makes the first call, because it has already imported what the call needs.
 
         Parameters
         ----------
         told : callable(label, data)
-            Receives what a call passes to `tell`, in any thread.
+            Called with the arguments of `tell`, in any thread.
         fn : callable
-            Of a module of this package.
+            Function of a module of this package.
         calls : dict
             Label -> argument.
         """
@@ -85,7 +86,7 @@ class LocalPool(Executor):
             process.send_signal(number)
 
     def shutdown(self, wait=True, *, cancel_futures=False):
-        """End the processes; calls that wait are done before, unless they are cancelled."""
+        """End the processes after the waiting calls, which may be cancelled."""
         if cancel_futures:
             self._closed.set()
             for process in list(self._processes):
@@ -100,7 +101,7 @@ class LocalPool(Executor):
         self.shutdown(cancel_futures=kind is not None)
 
     def _work(self):
-        """A thread's work: hand calls to a process of its own."""
+        """Run calls in a separate process, as the work of a thread."""
         process = None
         while (call := self._calls.get()) is not None:
             future, told, work = call
@@ -109,7 +110,7 @@ class LocalPool(Executor):
             try:
                 if process is None or not process.is_alive:
                     process = self._start()
-                if self._closed.is_set():  # since the process began: `shutdown` may not know it
+                if self._closed.is_set():  # `shutdown` may not know a process that has just started
                     self._end(process)
                     raise PointDied("the process was ended with the others")
                 self._answer(future, told, work, process)
@@ -124,7 +125,7 @@ class LocalPool(Executor):
         process = Worker(_serve)
         self._processes.add(process)
         try:
-            process.pipe.recv()  # it is up: its start is not counted into any call's time
+            process.pipe.recv()  # the start of the process is not part of any call's time
         except (EOFError, OSError):
             self._end(process)
             raise PointDied("the process could not be started") from None

@@ -1,26 +1,25 @@
-"""Results file: HDF5 with units, the resolved case inside, readable up to the last step whatever
-happens to the run.
+"""Results file: HDF5 with units and the resolved case, readable up to the last step.
 
 Layout
     /                       attributes: title, case (resolved TOML tree as JSON), versions,
-                            derivatives (of the participants that offer any: their own, or why
-                            differences are taken), masks (participant -> rows of cells, 0 where
-                            its fields have none), period (JSON: length [s], how many periods
-                            readers show, 0 for the whole run, outputs that turn on from period to
+                            derivatives (of the participants that offer any: "its own", or why
+                            differences are used), masks (participant -> rows of cells, 0 for
+                            missing cells), period (JSON: length [s], number of periods that
+                            readers show, 0 for the whole run, outputs that grow from period to
                             period), summary (JSON) and last_period (its beginning [s]), when
                             finished
     /time                   end of every macro step [s]
-    /<participant>/<name>   all scalar outputs, one value a step; attributes unit, description
+    /<participant>/<name>   all scalar outputs, one value per step; attributes unit, description
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
     /envelopes/<participant>/<name>   extreme value of every cell over the last period (its start
                             and all accepted steps), when finished; attribute kind, "min" or "max"
     /fields/time            instants of the recorded fields [s]
-    /fields/crank_angle     at those instants [rad], of a case with a crank
-    /fields/<dimension>     where the cells of a field lie: of a skirt angle [deg] and height [-]
+    /fields/crank_angle     at those instants [rad], for a case with a crank
+    /fields/<dimension>     positions of the cells of a field: for a skirt angle [deg], height [-]
     /fields/<participant>/<name>   shape (instants, *field shape)
 
 Every dataset has dimension scales: `xarray.open_dataset(file, group="fields/ehd",
-engine="h5netcdf")` knows time, angle and height by their names.
+engine="h5netcdf")` has time, angle and height as named coordinates.
 """
 
 import json
@@ -42,31 +41,31 @@ from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, dis
 from ..results.recorded import dataset_path, open_unfinished
 
 ROOM = 2**18
-"""Bytes that HDF5 may need for its own bookkeeping between two looks at the room on the disk."""
+"""Space that HDF5 may need for its own data between two checks of the disk [bytes]."""
 
 
 CHUNK = 1024
-"""Rows of a series that lie together in the file."""
+"""Rows of a series in one chunk of the file."""
 INSTANTS = 20
-"""Records of fields that wait in memory at most."""
+"""Maximum number of records of fields in memory."""
 LONGEST_WAIT = 1.0
-"""Seconds that a row waits in memory at most while the run goes on."""
+"""Longest time that a row stays in memory during the run [s]."""
 TEXT = h5py.string_dtype()
-"""Of attributes."""
+"""Type of attributes."""
 
 
 class CannotWrite(Stopped):
-    """A file of the run cannot be written: the disk is full, or it is not ours."""
+    """File of the run that cannot be written, because of a full disk or missing permission."""
 
     @classmethod
     def of(cls, path, error):
-        """What the system says of writing `path`, as a sentence."""
+        """Return the system's error of writing `path` as a sentence."""
         return cls(f"{path} cannot be written: {error.strerror or error}")
 
 
 @contextmanager
 def writing(path):
-    """What the system says while writing `path` becomes CannotWrite."""
+    """Convert system errors while writing `path` into `CannotWrite`."""
     try:
         yield
     except OSError as error:
@@ -74,24 +73,24 @@ def writing(path):
 
 
 def reserve(path, size):
-    """Take room for a file of so many bytes on the disk; CannotWrite if it is not there."""
+    """Reserve disk space for a file of this size; raise `CannotWrite` if there is none."""
     with writing(path), open(path, "ab", buffering=0) as file:
         os.posix_fallocate(file.fileno(), 0, size)
 
 
 NEAR = 1e-6
-"""Share of an interval that a macro step may end off a multiple of it by round-off."""
+"""Share of an interval by which a macro step may miss its multiple due to round-off."""
 
 
 class Schedule:
-    """Which rows the fields are recorded with.
+    """Rows with which the fields are recorded.
 
     Parameters
     ----------
     every : int
-        Macro steps from one record to the next, where `interval` is 0.
+        Number of macro steps between records, if `interval` is 0.
     begin, interval : float
-        Otherwise the first row at or behind each begin + k interval [s].
+        Otherwise, a record is at the first row at or after each begin + k interval [s].
     """
 
     def __init__(self, every: int, begin: float = 0.0, interval: float = 0.0):
@@ -99,10 +98,10 @@ class Schedule:
         self._last = -1
 
     def instant(self, row: int, time: float) -> float | None:
-        """The instant [s] of the record that belongs to a row, None where there is none: the
-        multiple that `time` hits, the same to the last bit however steps were divided, or `time`.
+        """Return the instant of the record of a row [s], None if there is none.
 
-        Rows are told one after the other.
+        It is the multiple that `time` reaches, the same to the bit for all divisions of steps,
+        or `time`. Call it for the rows in order.
         """
         if not self.interval:
             return time if row % self.every == 0 else None
@@ -115,21 +114,22 @@ class Schedule:
 
 
 class Recorder:
-    """Writes `<path>` as `<path>.partial` while the run goes on, a second's rows at a time, but
-    `flush_every` records of fields at most.
+    """Writer of `<path>`, which is `<path>.partial` during the run.
+
+    It writes the rows of a second together, or after `flush_every` records of fields.
 
     Parameters
     ----------
     path : Path
     participants : dict of str to Participant
     case : case.Case
-        What is recorded, and what the indices of fields run along.
+        Defines the recorded fields and their axes.
     attributes : dict of str to str
-        Goes to the root.
+        Attributes of the root.
     schedule : Schedule
-        Rows that fields are recorded with.
+        Rows with which fields are recorded.
     rows : int
-        So many rows of an interrupted run's partial file are kept.
+        Number of rows to keep of an interrupted run's partial file.
     """
 
     def __init__(self, path, participants, case, attributes, schedule, rows=0):
@@ -143,7 +143,7 @@ class Recorder:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
-        # a full disk shows here: a write that fails is more than HDF5 can cope with
+        # detect a full disk here, because HDF5 cannot handle a failed write
         reserve(fresh, ROOM + taken_over)
         self.file: Any = h5py.File(fresh, "w", libver="latest")
         self.file.attrs.update(attributes)
@@ -169,7 +169,7 @@ class Recorder:
         self.file.swmr_mode = True
 
     def _crank(self):
-        """(participant, output) that is the crank angle, None without one."""
+        """Return the (participant, output) of the crank angle, None if there is none."""
         port = crank_angle_port(self.case)
         owner, name = port_of(port or "")
         return (owner, name) if name in self.names.get(owner, ()) else None
@@ -203,7 +203,7 @@ class Recorder:
                 dataset.dims[k].attach_scale(self._scale(distinct(sizes, one, owner)))
 
     def _scale(self, dimension):
-        """Dataset with the positions of a dimension, made at its first use."""
+        """Return the dataset with the positions of a dimension, created at its first use."""
         path = f"fields/{dimension.name}"
         if path not in self.file:
             made = self.file.create_dataset(path, data=dimension.positions)
@@ -212,7 +212,7 @@ class Recorder:
         return self.file[path]
 
     def _series(self, those, name, unit, description, shape=()):
-        """Make a dataset along `time`, and add it to `those`."""
+        """Create a dataset along `time`, and add it to `those`."""
         chunk = (1, *shape) if shape else (CHUNK,)
         dataset = self.file.create_dataset(
             name,
@@ -229,9 +229,7 @@ class Recorder:
         return dataset
 
     def _take_over(self):
-        """Copy the first rows of the interrupted run; its file may lack the mark of having been
-        closed.
-        """
+        """Copy the first rows of the interrupted run, whose file may not be closed properly."""
         try:
             before = open_unfinished(self.partial)
         except OSError:
@@ -255,9 +253,7 @@ class Recorder:
                 ) from None
 
     def _largest_growth(self):
-        """Bytes by which a flush may lengthen the file: rows of fields and a chunk of each
-        series.
-        """
+        """Return the largest growth of the file in a flush: rows of fields, chunks of series."""
         datasets = [*self.columns, *self.fields]
         waiting = [self.flush_every + 1 if len(item.shape) > 1 else 2 for item in datasets]
         return sum(
@@ -266,8 +262,9 @@ class Recorder:
         )
 
     def _reserve(self, path, more=0):
-        """Take room for what comes next, and `more` bytes, before HDF5 needs it: after a failed
-        write it cannot even close.
+        """Reserve disk space for the next rows and `more` bytes before HDF5 needs it.
+
+        After a failed write, HDF5 cannot even close the file.
         """
         end = self.file.id.get_filesize() + self._need + more
         if end > self._reserved:
@@ -275,8 +272,9 @@ class Recorder:
             reserve(path, self._reserved)
 
     def flush(self):
-        """Bring all rows to the disk; CannotWrite where it is full, the rows since the last time
-        are lost then.
+        """Write all rows to the disk.
+
+        Raises `CannotWrite` if it is full. Then the rows since the last flush are lost.
         """
         rows, instants = self._waiting, self._instants
         self._forget()
@@ -288,14 +286,12 @@ class Recorder:
         self.file.flush()
 
     def _forget(self):
-        """No row is waiting."""
+        """Clear the waiting rows."""
         self._waiting, self._instants = [], []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
     def write(self, time, solution=None):
-        """Add a row for `time` [s] from the participants' outputs as they are now; it waits in
-        memory for the next `flush`.
-        """
+        """Add a row for `time` [s] from the current outputs; the next `flush` writes it."""
         values = {
             name: self.participants[name].get_many(names)
             for name, names in self.names.items()
@@ -322,9 +318,7 @@ class Recorder:
         return values
 
     def finish(self, summary, last_period, envelopes):
-        """Close, add the summary, the beginning [s] of the last period and its envelopes, and give
-        the file its final name.
-        """
+        """Add summary, start of the last period [s] and envelopes; close and rename the file."""
         self.flush()
         self.close()
         more = ROOM + sum(values.nbytes for values in envelopes.values.values())
@@ -341,7 +335,7 @@ class Recorder:
         os.replace(self.partial, self.path)
 
     def close(self):
-        """Close; the partial file stays."""
+        """Close the partial file."""
         if self.file:
             with suppress(CannotWrite):
                 self.flush()
@@ -350,9 +344,10 @@ class Recorder:
 
 
 def recorded_ports(case, participants):
-    """Fields that a run records: those that the case names, and the rows of numbers without which a
-    state is not known (modal coordinates and their rates: what the contract has a participant's
-    role `repeats` and that has one index), about 60 numbers an instant each.
+    """Return the recorded fields of a run: those of the case, and those that define the state.
+
+    The latter are modal coordinates and rates: the `repeats` of a participant's role that have
+    one index, about 60 numbers per instant.
     """
     ports = list(case.record.fields)
     for name, table in case.participants.items():
@@ -366,8 +361,9 @@ def recorded_ports(case, participants):
 
 
 def _describe(dataset, **texts):
-    """Give a new dataset attributes, by HDF5's own calls: h5py writes each under another name first
-    and renames it, which takes twice as long.
+    """Set attributes of a new dataset by HDF5's low-level calls.
+
+    h5py writes each under another name and renames it, which takes twice as long.
     """
     kind = h5py.h5t.py_create(TEXT, logical=True)
     for name, text in texts.items():
@@ -376,8 +372,9 @@ def _describe(dataset, **texts):
 
 
 def _extend(dataset, values):
-    """Add values at the end of a dataset, by HDF5's own calls: those of h5py take three times as
-    long for a few numbers, and there are some sixty datasets.
+    """Append values to a dataset by HDF5's low-level calls.
+
+    h5py takes three times as long for a few numbers, and there are about sixty datasets.
     """
     rows = np.asarray(values, dtype=float)
     one = dataset.id

@@ -1,4 +1,4 @@
-"""Summary entries: one number of an output over all macro steps, kept as the run goes on."""
+"""Summary entries: one number for an output over all macro steps, updated during the run."""
 
 from typing import Any
 
@@ -7,10 +7,10 @@ from ..coupling.wiring import port_of
 
 
 class Reduction:
-    """One summary entry: "min|max|mean|last participant.variable" over all macro steps.
+    """Summary entry "min|max|mean|last participant.variable" over all macro steps.
 
-    It keeps as many numbers however long the run is. The mean is over time, each step as heavy as
-    it is long, of a compensated sum, so that it has the error of a single addition.
+    Its memory does not grow with the run. The mean is over time, with the step lengths as weights.
+    A compensated sum keeps the error of a single addition.
 
     Eq. (Z8):  mean = sum of H_k y(t_k) / sum of H_k,   H_k: length of the step that ends at t_k
 
@@ -18,7 +18,7 @@ class Reduction:
     ----------
     name, text : str
     begin : float
-        Where the first step begins [s].
+        Beginning of the first step [s].
 
     References
     ----------
@@ -35,7 +35,7 @@ class Reduction:
         self.value: Any = None
 
     def add(self, time, values):
-        """Take the outputs (participant -> variable -> number) at the end of a step, `time` [s]."""
+        """Add the outputs (participant -> variable -> number) at the end of a step, `time` [s]."""
         value = values[self.owner][self.variable]
         length, self.time = time - self.time, time
         if self.kind == "mean":
@@ -52,7 +52,7 @@ class Reduction:
         self.total = total
 
     def result(self):
-        """The entry."""
+        """Return the value of the entry."""
         if self.kind == "mean":
             return (self.total + self.lost) / (self.time - self.begin)  # Eq. (Z8)
         return self.value if self.kind == "last" else float(self.value)

@@ -1,13 +1,12 @@
-"""Periods of a run: how far the end of each is from the end of the one before.
+"""Periods of a run, and the change from each to the next.
 
-What is compared are all wires that carry reals, and what the contract says an FMU of a role
-`repeats`: together film, motion and oil.
+The compared quantities are all wires of real numbers, and the `repeats` of the contract's roles:
+film, motion and oil.
 
-Motion and a flooded film forget their start by a factor of ten in 720 deg (numerical example,
-rigid, 16 x 12 cells, from rest: 0.88, 0.013, 1.4e-3, 1.3e-4, 5e-6). If a run ends once it is
-periodic, what a participant declares as slower is extrapolated between two periods,
-`extrapolation`. Not every engine repeats: a piston that slaps on scarce oil may take another course
-in each period. Then the distances stop falling, and the run reports it.
+Motion and a flooded film forget their start by about a factor of ten in 720 deg. If a run ends
+once it is periodic, slower quantities that a participant declares are extrapolated between
+periods (`extrapolation`). Not every engine repeats: with little oil, a slapping piston may move
+differently in each period. Then the change stops decreasing, and the run reports it.
 """
 
 from collections.abc import Iterable, Mapping
@@ -34,36 +33,36 @@ SHOWN = 4
 
 
 class Repetition:
-    """What a run knows of its periods.
+    """Periods of a run.
 
     Eq. (Y2):  d = max over fields of  |q_1 - q_0| / |max_t q - min_t q|
 
-    q_0, q_1 are a field at the beginning and at the end of the period, the range is that of every
-    cell over the accepted steps of the period, |.| is the root mean square over the cells. So d has
-    no unit, and is 0 for a field that does not move.
+    q_0, q_1 are a field at the beginning and at the end of the period. The range is that of every
+    cell over the accepted steps of the period. |.| is the root mean square over the cells. d has no
+    unit, and is 0 for a constant field.
 
     Parameters
     ----------
     compared : sequence of (participant, variable)
         The fields of Eq. (Y2).
     tolerance : float
-        On d.
+        Tolerance of d.
     least, most : int
-        Minimum and maximum number of periods, those taken back included; `most` is inf if the stop
+        Minimum and maximum number of periods, including rejected ones. `most` is inf if the stop
         time limits them.
     ends : bool
-        Whether the run ends once it is periodic; otherwise it goes on to its stop time.
+        Whether the run ends once it is periodic. Otherwise it continues to its stop time.
     extrapolation : Extrapolation, optional
-        Of what is slow. Default: periods are plainly repeated.
+        Extrapolation of slow members. Default: none.
 
     Attributes
     ----------
     count : int
-        Finished periods that were not taken back.
+        Number of finished periods that were not rejected.
     distances : list of float
-        d of each [-].
+        d of each period [-].
     furthest : (participant, variable)
-        Field with the largest distance in the last one.
+        Field with the largest distance in the last period.
     apart : dict of (participant, variable) to float
         Distance of each field over the last period [-].
     """
@@ -91,22 +90,22 @@ class Repetition:
 
     @property
     def is_periodic(self) -> bool:
-        """Whether the last period repeats the one before to the tolerance."""
+        """True if the last period repeats the previous one within the tolerance."""
         return len(self.distances) > 1 and self.distances[-1] <= self.tolerance
 
     @property
     def is_over(self) -> bool:
-        """Whether no further period is to be run."""
+        """True if no further period is needed."""
         settled = self.is_periodic and self.taken >= self.least
         return self.ends and (settled or self.taken >= self.most)
 
     @property
     def taken(self) -> int:
-        """Periods that were run."""
+        """Number of periods that were run."""
         return self.count + (self.extrapolation.taken_back if self.extrapolation else 0)
 
     def begin(self, participants: Mapping) -> None:
-        """Begin a period where the participants are."""
+        """Begin a period at the current state of the participants."""
         self.start = self._read(participants)
         self.low = dict(self.start)
         self.high = dict(self.start)
@@ -114,13 +113,13 @@ class Repetition:
             self.extrapolation.begin(participants)
 
     def note(self, participants: Mapping) -> None:
-        """Note the outputs of an accepted step."""
+        """Add the outputs of an accepted step."""
         for port, value in self._read(participants).items():
             self.low[port] = np.minimum(self.low[port], value)
             self.high[port] = np.maximum(self.high[port], value)
 
     def end(self, participants: Mapping) -> float:
-        """End a period; return how far it is from the one before, by Eq. (Y2)."""
+        """End a period; return its distance from the previous one, by Eq. (Y2)."""
         now = self._read(participants)
         self.count += 1
         self.apart = {port: self._apart(port, now[port]) for port in self.compared}
@@ -171,7 +170,7 @@ class Repetition:
 
     @property
     def no_nearer(self) -> int:
-        """Periods since the one with the smallest change."""
+        """Number of periods since the one with the smallest change."""
         if not self.distances:
             return 0
         return len(self.distances) - 1 - self.distances.index(min(self.distances))
@@ -191,7 +190,7 @@ class Repetition:
         return f"The change still decreases: {fields}"
 
     def summary(self) -> dict[str, object]:
-        """Summary entries."""
+        """Return the summary entries."""
         slow = self.extrapolation
         found: dict[str, object] = {
             "periods": self.taken,
@@ -219,12 +218,14 @@ class Repetition:
 
 
 def repetition(case, tree, system) -> Repetition | None:
-    """Of a case with a period: what its wires carry, and what the contract's roles repeat.
+    """Return the repetition of a case with a period, None for other cases.
+
+    It compares all wires and the `repeats` of the contract's roles.
 
     Raises
     ------
     BadInput
-        If the case is to end once it is periodic, and there is nothing to compare.
+        If the case ends once it is periodic, and there is nothing to compare.
     """
     time = case.time
     ends = time.until_periodic > 0.0
@@ -252,7 +253,7 @@ def repetition(case, tree, system) -> Repetition | None:
 
 
 def turning(tree, participants) -> list[str]:
-    """Outputs "participant.name" that grow from period to period, as the contract says."""
+    """Return the outputs "participant.name" that grow from period to period, by the contract."""
     return [
         f"{name}.{one}"
         for role, terms in contract().items()

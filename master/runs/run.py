@@ -1,6 +1,4 @@
-"""One run of an opened system, period after period: march, record, checkpoint, and the summary of
-its last period.
-"""
+"""One run of an opened system: its periods, results, checkpoints and summary."""
 
 import json
 import platform
@@ -53,11 +51,11 @@ from .repetition import repetition, turning
 from .signals import listening
 
 USUAL_CHECKPOINTS = 50
-"""Macro steps from one checkpoint to the next, where the case does not say ..."""
+"""Default number of macro steps between checkpoints."""
 CHECKPOINT_SHARE = 0.02
-"""... and where this is the largest share of the time that goes into writing them ..."""
+"""Largest share of the time for writing checkpoints, by default."""
 WORTH_KEEPING = 5.0
-"""... of a run that has taken so many seconds: the first one reads all FMUs."""
+"""Run time before the first checkpoint, which reads all FMUs, by default [s]."""
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
@@ -71,8 +69,7 @@ def run(
     say=lambda line: None,
     log=lambda line: None,
 ):
-    """Run to the stop time, or until a period repeats the one before if the case has
-    `until_periodic`.
+    """Run to the stop time, or until a period repeats the previous one (`until_periodic`).
 
     Parameters
     ----------
@@ -83,15 +80,14 @@ def run(
     output : Path
         Results file.
     watch : callable(time, stop, solution, monitored)
-        Called after every macro step; `monitored` maps the case's monitor names to (value, unit).
-        Its `hold(heard)`, if it has one, may keep the run waiting until a signal is heard.
+        Called after every macro step. `monitored` maps the case's monitor names to (value, unit).
+        Its optional `hold(heard)` may pause the run until a signal arrives.
     begin_at : Checkpoint, optional
-        Where to go on; from the start without it.
+        Checkpoint to resume from. Default: run from the start.
     say : callable(line)
-        Told in one line each what FMUs warn of at the start, and what is done otherwise than they
-        offer it.
+        Called with the warnings of FMUs at the start, and with deviations from their capabilities.
     log : callable(line)
-        Called after each period with its distance from the one before and its summary entries.
+        Called after each period with its distance from the previous one and its summary entries.
 
     Returns
     -------
@@ -101,14 +97,13 @@ def run(
     Raises
     ------
     BadInput
-        If a participant refuses its parameters, or cannot go back to a saved state, or another
-        process writes the same results; nothing has been written then.
+        If a participant rejects its parameters, cannot restore its state, or if another process
+        writes the same results. Nothing has been written then.
     StepFailed, ParticipantFault, CannotWrite
-        If a macro step cannot be converged, an FMU has a fault of its own, or the disk is full; the
-        results up to there stay in `<output>.partial`, and a note on the exception names the last
-        checkpoint.
+        If a macro step does not converge, an FMU fails, or the disk is full. The results so far
+        remain in `<output>.partial`, and a note on the exception names the last checkpoint.
     Interrupted
-        After SIGINT or SIGTERM, once the macro step is done and a checkpoint is written.
+        After SIGINT or SIGTERM, once the macro step is complete and a checkpoint is written.
     """
     output = Path(output).absolute()  # an FMU may change the working directory
     participants = system.participants.values()
@@ -144,7 +139,7 @@ def run(
 
 
 def _check_resumable(checkpoint, system, output):
-    """BadInput where the FMUs are not those of the checkpoint, or the results so far are gone."""
+    """Raise `BadInput` if the FMUs differ from the checkpoint's or the results are lost."""
     now = fingerprints(system.participants)
     faults = [
         f"{Checkpoint.path(output)}: expected the FMU of {name} that began the run, got another "
@@ -160,22 +155,24 @@ def _check_resumable(checkpoint, system, output):
 
 
 def _warnings(system):
-    """What the participants warned of at their start."""
+    """Yield the warnings of the participants at their start."""
     for name, participant in system.participants.items():
         if warned := getattr(participant, "warned", None):
             yield from (f"{name}: {text}" for text in warned())
 
 
 class Told(NamedTuple):
-    """Who is told of a run: `watch` of every step, `log` of every period; see `run`."""
+    """Callbacks of a run: `watch` after every step, `log` after every period; see `run`."""
 
     watch: Callable[..., None]
     log: Callable[[str], None]
 
 
 class March:
-    """A run under way; see `run` for the arguments. What it has brought and taken so far is in
-    `account`, why derivatives are not the participants' own in `objected` (see `negotiation`).
+    """Run in progress; see `run` for the arguments.
+
+    `account` contains its counters and sums, and `objected` why derivatives are not the
+    participants' own (see `negotiation`).
     """
 
     def __init__(self, system, case, tree, output, told, begin_at, objected):
@@ -236,7 +233,7 @@ class March:
             self.log = CouplingLog(output, system.wires, self.account.counters)
 
     def _ledger(self):
-        """Of the participants whose role in the contract has an account of energy."""
+        """Return the ledger of the participants whose role in the contract has an energy output."""
         known = self.system.participants
         ports: list[tuple[str, str]] = []
         sizes: list[tuple[str, str]] = []
@@ -249,7 +246,7 @@ class March:
         return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):
-        """Writer of the results, its rows so far taken over."""
+        """Return the writer of the results, with the rows so far."""
         shown = self.case.record.periods or (1 if self.case.time.until_periodic else 0)
         period = {
             "length": self.system.period,
@@ -274,9 +271,10 @@ class March:
         return Recorder(self.output, participants, self.case, attributes, schedule, rows)
 
     def go(self, heard):
-        """March period after period to the stop time or until one repeats the one before, to the
-        end of the macro step in which a signal is `heard`, or to the last one before a participant
-        asks for the end; the summary.
+        """Run all periods, and return the summary.
+
+        The run ends at the stop time or once it is periodic. It also ends after the macro step
+        in which a signal arrives, or if a participant ends it.
         """
         if not self.account.rows:
             self._begin_period()
@@ -299,7 +297,7 @@ class March:
         return summary
 
     def _period(self, heard):
-        """What is left of a period; who asks for the end of the run, or nothing."""
+        """Run the rest of a period; return which participant ends the run, or ""."""
         account = self.account
         end = self._end_of_period
         for k in range(account.steps_done, end):
@@ -317,13 +315,14 @@ class March:
         return ""
 
     def _time(self, step):
-        """Return when a macro step ends [s], counted from 1: the communication points of FMPy."""
+        """Return the end of a macro step [s], counted from 1: the communication points of FMPy."""
         return self.system.begin + step * self.system.step
 
     @property
     def _end_of_period(self):
-        """Macro steps of the run at the end of the period under way. Whole periods end at the stop
-        time, so that the first one may be shorter.
+        """Number of macro steps at the end of the current period.
+
+        The last period ends at the stop time, so the first one may be shorter.
         """
         began, length = self.account.began, self.steps_of_period
         if not 0 < length <= self.steps:
@@ -331,7 +330,7 @@ class March:
         return began + (length if began else self.steps % length or length)
 
     def _goes_on(self):
-        """Whether another period is to be run; it has then begun."""
+        """End a period; return whether another one has begun."""
         account, periods = self.account, self.account.repetition
         whole = account.steps_done - account.began == self.steps_of_period
         taken_back = False
@@ -355,7 +354,7 @@ class March:
         return True
 
     def _begin_period(self):
-        """Begin a period where the participants are: with sums of its own."""
+        """Begin a period at the current state of the participants, with new sums."""
         account = self.account
         account.began, account.began_rows = account.steps_done, self.recorder.rows
         begin = self._time(account.began)
@@ -370,7 +369,7 @@ class March:
             account.repetition.begin(self.system.participants)
 
     def _take_back_rows(self):
-        """Drop the rows of the period under way; the checkpoint must not need them any more."""
+        """Drop the rows of the current period, and write a checkpoint that does not need them."""
         self.recorder.flush()
         self.account.rows = self.recorder.rows = self.account.began_rows
         if self.case.record.checkpoint_every != 0:
@@ -380,7 +379,7 @@ class March:
             self.recorder = self._recorder()
 
     def _advance(self, time, step):
-        """One macro step of the case; who asks for the end of the run then, or nothing."""
+        """Take a macro step of the case; return which participant ends the run, or ""."""
         try:
             self.stepper.advance(time, step)
         except Finished as wish:
@@ -389,7 +388,7 @@ class March:
         return next(filter(None, wishes), "")
 
     def is_due(self, steps):
-        """Whether a checkpoint is to be written after so many macro steps."""
+        """Return whether a checkpoint is due after this number of macro steps."""
         every = self.case.record.checkpoint_every
         if every is not None:
             return bool(every) and steps % every == 0
@@ -405,7 +404,7 @@ class March:
             observer.attempted(time, step, trail, failure)
 
     def accepted(self, time, solution):
-        """Record an accepted step, and tell of it."""
+        """Record an accepted step, and report it."""
         begin, account = clock.perf_counter(), self.account
         values = self.recorder.write(time, solution)
         account.envelopes.add(self.system.participants)
@@ -433,8 +432,9 @@ class March:
             self.account.ledger.check(self.system.participants, exchange)
 
     def _exchanged(self, time, solution):
-        """All outputs at the end of the step that has led to a solution, and what crossed the
-        interface in it; asked for when it is judged and when it is accepted.
+        """Return all outputs at the end of a solution's step, and the exchange over the interface.
+
+        The result is cached, because `judge` and `accepted` need it.
         """
         if self.exchanged is None or self.exchanged[0] is not solution:
             y = self.stepper.interface.read()
@@ -443,7 +443,7 @@ class March:
         return self.exchanged[1]
 
     def keep(self):
-        """Write a checkpoint, if all participants can put their states into a file."""
+        """Write a checkpoint, if all participants can serialise their states."""
         if not all(participant.can_serialise for participant in self.system.participants.values()):
             return
         begin = clock.perf_counter()
@@ -476,7 +476,7 @@ class March:
         return source_hashes(self.tree, self.system.folder)
 
     def close(self):
-        """Close the files; what they hold stays."""
+        """Close the files."""
         self.recorder.close()
         self.log.close()
         for observer in self.observers:
@@ -484,7 +484,7 @@ class March:
 
 
 def _step_control(system, coupling):
-    """Step control of the wires, or what another package brings in its place."""
+    """Return the step control of the wires, or that of another package."""
     if coupling.step_control is None:
         return step_control(system.wires, system.smallest_step)
     arguments = system.wires, system.smallest_step, coupling.options
@@ -492,7 +492,7 @@ def _step_control(system, coupling):
 
 
 def monitors(case, system):
-    """Monitor entries: (name, port, unit) of each."""
+    """Return the monitor entries: (name, port, unit) of each."""
     ports = {name: port_of(reduced(text).port) for name, text in case.monitor.items()}
     return [
         (name, port, system.participants[port[0]].fields[port[1]].unit)
@@ -501,7 +501,7 @@ def monitors(case, system):
 
 
 def split(spent, whole):
-    """Summary entries [s]: what is in `spent`, and as acceleration the rest of the whole."""
+    """Return the summary entries of time [s]: those in `spent`, and the rest as acceleration."""
     return {
         f"wall_time_{name}_s": seconds
         for name, seconds in (spent | {"acceleration": whole - sum(spent.values())}).items()
@@ -509,7 +509,10 @@ def split(spent, whole):
 
 
 def summarise(account, control, wall_time):
-    """The summary of a finished run; only `explicit` coupling accepts a step unconverged."""
+    """Return the summary of a finished run.
+
+    Only `explicit` coupling accepts steps that have not converged.
+    """
     counters = account.counters
     controlled = (
         {
@@ -538,7 +541,7 @@ def summarise(account, control, wall_time):
 
 
 def _of_ledger(account):
-    """Summary entries of the energy that participants took; none without an account."""
+    """Return the summary entries of the participants' energy; empty without a ledger."""
     if account.ledger is None:
         return {}
     refused = {"energy_refused_steps": account.counters.energy_refused_steps}
@@ -546,5 +549,5 @@ def _of_ledger(account):
 
 
 def versions():
-    """Versions of everything that has a say in the numbers."""
+    """Return the versions of all packages that affect the results."""
     return {"python": platform.python_version(), **{name: version(name) for name in VERSIONS}}

@@ -18,10 +18,9 @@ EXIT_CODE = 1
 _command = SimpleNamespace(
     runs=False, follows=False, forward=lambda count: None, clean=lambda: None
 )
-"""Whether this process is a command, which may end at once, or a user's own Python; whether it is a
-process of a command that forwards signals; what forwards signals to such processes; and what is
-called before the command ends.
-"""
+"""State of this process. `runs`: it is a command, which may exit, not the user's Python.
+`follows`: it is a process of a command that forwards signals. `forward`: forwards signals to
+such processes. `clean`: is called before the command exits."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Studies: a handful of runs of one case, held against one of them, with what each has cost."""
+"""Studies: runs of one case compared with a reference run, with the cost of each."""
 
 import csv
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from .sweep import resolved
 
 
 class Cost(NamedTuple):
-    """What a run has cost: iterations a macro step [-], counts, wall time [s]."""
+    """Cost of a run: iterations per macro step [-], counts, wall time [s]."""
 
     mean_iterations: float
     residual_evaluations: int
@@ -30,12 +30,12 @@ class Cost(NamedTuple):
 
 @dataclass(frozen=True)
 class StudyRow:
-    """What a run of a study says; a run that has not finished says nothing but its status.
+    """Results of a run of a study; an unfinished run has only its status.
 
-    summary : the case's own entries, by name, in the SI units of their variables;
-    distances : root mean square distance from the reference over its range [-], by curve;
-    truncation : what the modes leave out of the deflection [-], by the summary's entry, or why it
-    cannot be said.
+    summary : the case's own entries, by name, in the SI units of their variables; distances :
+    root mean square distance from the reference over its range [-], by curve; truncation : part
+    of the deflection that the modes do not represent [-], by summary entry, or why it is
+    unknown.
     """
 
     run: str
@@ -46,7 +46,7 @@ class StudyRow:
     truncation: dict[str, float | str] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
-        """Name -> value, a row of the CSV file."""
+        """Return a row of the CSV file, name -> value."""
         cost = self.cost._asdict() if self.cost else {}
         distances = {f"rms {port}": value for port, value in self.distances.items()}
         said = cost | self.summary | distances | self.truncation
@@ -54,7 +54,7 @@ class StudyRow:
 
 
 def study_points(path, changes, name):
-    """The study `name` of a case, and its points with their resolved trees.
+    """Return the case, its study `name`, and the points of the study with their resolved trees.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def study_points(path, changes, name):
 
 
 def open_points(points, rows, folder):
-    """Results of the points that are done, by label."""
+    """Return the results of finished points, by label."""
     return {
         row["run"]: Results(Path(folder) / "runs" / f"{point.name}.h5")
         for point, row in zip(points, rows)
@@ -85,12 +85,12 @@ def open_points(points, rows, folder):
 
 
 def study_rows(study, case, rows, runs) -> list[StudyRow]:
-    """What there is to say of every row of the sweep.
+    """Return the study row of every row of the sweep.
 
     Raises
     ------
     BadInput
-        If the reference itself has not been done.
+        If the reference run has not finished.
     """
     if study.reference not in runs:
         why = "; ".join(row["message"] for row in rows if row["run"] == study.reference)
@@ -120,16 +120,17 @@ def _study_row(study, case, row, results, reference):
 
 
 def observed_orders(study, rows) -> dict[str, float]:
-    """Order p of each entry of `study.summary` over the three points of `study.sizes`, and of each
-    curve by its distance from the finest one, if that is the reference.
+    """Return the observed order p of each entry of `study.summary`, from three `study.sizes`.
+
+    Curves have an order too if the finest point is the reference.
 
     Eq. (W4):  (u_1 - u_2)/(u_2 - u_3) = (h_1^p - h_2^p)/(h_2^p - h_3^p),   h_1 > h_2 > h_3
 
     Returns
     -------
     dict
-        Empty if a point is not done; NaN if the values do not converge monotonically with an order
-        of 0.01 to 10.
+        Empty if a point has not finished. NaN if the values do not converge monotonically with an
+        order of 0.01 to 10.
     """
     done = {row.run: row for row in rows if row.cost}
     labels = sorted(study.sizes, key=study.sizes.__getitem__, reverse=True)
@@ -162,7 +163,7 @@ def _curve(results, x, y):
 
 
 def write_table(rows, path):
-    """CSV of the rows; what an unfinished run does not say is left empty."""
+    """Write the rows as CSV, with empty cells for unfinished runs."""
     records = [row.record() for row in rows]
     names = list(dict.fromkeys(name for record in records for name in record))
     with open(path, "w", newline="") as file:
@@ -173,9 +174,7 @@ def write_table(rows, path):
 
 
 def draw_study(study, case, rows, runs, path):
-    """Draw the curves of all runs, and their rms difference from the reference in percent of its
-    range.
-    """
+    """Draw the curves of all runs, and their rms difference from the reference in percent."""
     units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
     distances = {row.run: row.distances for row in rows}
     figure, panels = subplots(
@@ -218,7 +217,7 @@ def draw_study(study, case, rows, runs, path):
 
 
 def draw_cost(title, rows, path):
-    """Bars of what each run has cost, a panel per counter, in the order of the study."""
+    """Draw bars of the cost of each run, a panel for each counter, in the order of the study."""
     costs = {row.run: row.cost for row in reversed(rows) if row.cost}
     counted = [name for name in Cost._fields if any(getattr(c, name) for c in costs.values())]
     figure, panels = subplots(

@@ -1,5 +1,6 @@
-"""Many runs of one case: axes over its keys, one row a run in one table, on local processes or any
-other executor.
+"""Sweep: runs of one case over values of its keys, one row of a table for each run.
+
+The runs use local processes or any other executor.
 """
 
 import csv
@@ -37,12 +38,12 @@ SHOWN = (
     "variants",
     "beside",
 )
-"""Tables of a case that say how a run is shown: changing them changes no result."""
+"""Tables of a case that do not affect the results of a run."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies: dotted keys of the case that take the same value, and the values."""
+    """Axis of a sweep: dotted keys of the case that have the same value, and the values."""
 
     name: str
     keys: tuple
@@ -51,17 +52,18 @@ class Axis:
 
 AXIS_FORMS = "KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE"
 MOST_VALUES = 100_000
-"""Values of a range."""
+"""Maximum number of values in a range."""
 
 
 def parse_axis(text, tree, folder=Path()):
-    """Axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE"; several keys that go together are joined
-    by "+". `folder`: of the case.
+    """Return the axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE".
+
+    Keys joined by "+" have the same value. `folder` is that of the case.
 
     Raises
     ------
     BadInput
-        With what is wrong with the text.
+        With the fault of the text.
     """
     name, sign, rest = text.partition("=")
     if not sign or not rest:
@@ -75,7 +77,7 @@ def parse_axis(text, tree, folder=Path()):
 
 
 def parse_axes(texts, tree, folder):
-    """Return the axes of several texts; BadInput with every fault."""
+    """Return the axes of several texts; raise `BadInput` with every fault."""
     axes, faults = [], []
     for text in texts:
         try:
@@ -88,7 +90,7 @@ def parse_axes(texts, tree, folder):
 
 
 def _plain(text):
-    """A TOML value where the text reads as one, else the text."""
+    """Return the TOML value of a text, or the text if it is none."""
     try:
         return tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:
@@ -114,8 +116,9 @@ def _range(text, rest):
 
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep: the values on the axes, its resolved tree, and its name (of the content
-    that bears on the run).
+    """One run of a sweep: its values on the axes, its resolved tree, and its name.
+
+    The name is a hash of the content that affects the results.
     """
 
     values: dict
@@ -128,7 +131,7 @@ class Point:
 
 
 def all_points(path, changes, axes):
-    """All combinations of the axes as points; raises BadInput with every fault of every tree."""
+    """Return all combinations of the axes; raise `BadInput` with every fault of every tree."""
     _check_values(path, changes, axes)
     runs = []
     for values in itertools.product(*(axis.values for axis in axes)):
@@ -139,8 +142,9 @@ def all_points(path, changes, axes):
 
 
 def _check_values(path, changes, axes):
-    """Raise BadInput with the faults of single values that show before a run: those of a list, and
-    both ends of longer ones.
+    """Raise `BadInput` with the faults of single values that are found before a run.
+
+    For axes with many values, both ends are checked.
     """
     from ..case.ahead import faults_ahead  # slow to import
 
@@ -161,16 +165,16 @@ def _check_values(path, changes, axes):
 
 
 MOST_CHECKED = 20
-"""Values of an axis that are all checked before a sweep; of more both ends."""
+"""Number of values of an axis up to which all are checked before a sweep."""
 
 
 def resolved(path, runs):
-    """Points from pairs of what tells a run from the others and the changes that make it.
+    """Return points from pairs of their values and the changes of the case.
 
     Raises
     ------
     BadInput
-        With every fault of every tree, each once.
+        With every fault of every tree, without duplicates.
     """
     points = []
     faults = []
@@ -187,13 +191,13 @@ def resolved(path, runs):
 
 
 def run_point(tree, case_folder, output):
-    """Build, run and sum up one point, in any process.
+    """Build, run and summarise one point, in any process.
 
     Returns
     -------
     dict
         status ("done", "failed" or "bad input") and message. For a finished run also the measures
-        of the design, the summary of the case and what the modes leave out.
+        of the design, the summary of the case and the truncation error.
     """
     from ..case.system import open_system
     from ..engine.headlines import measures
@@ -218,32 +222,31 @@ def _silent(_text):
 
 
 def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: None):
-    """Run the points that are not done yet; the table `table_for` holds a row for each that has
-    run.
+    """Run the unfinished points; write a row for each into the table of `table_for`.
 
     Parameters
     ----------
     points : list of Point
     case_folder : Path
-        Where the case's files are.
+        Folder of the case.
     folder : Path
-        Rows and results go to `<folder>/runs`; points that an earlier sweep has done are taken,
-        those that failed are tried again.
+        Rows and results are in `<folder>/runs`. Points that an earlier sweep has finished are
+        reused. Those that failed are repeated.
     executor : concurrent.futures.Executor
-        Runs the points; its processes must see the same folders.
+        Runs the points. Its processes must have access to the same folders.
     watch : callable(row, done, total)
 
     Returns
     -------
     list of dict
-        The rows in the points' order.
+        The rows in the order of the points.
 
     Raises
     ------
     BadInput
         If another sweep writes into this folder.
     CannotWrite
-        If there is no room for the rows: points that are done stay done.
+        If there is no disk space for the rows. Finished points remain finished.
     """
     with sole_writer(Path(folder) / "sweep.csv"):
         return _sweep(points, case_folder, folder, executor, watch)
@@ -276,9 +279,10 @@ def _sweep(points, case_folder, folder, executor, watch):
 
 
 def table_for(folder, points):
-    """Where the rows of these points go: `<folder>/sweep.csv`, or sweep_2.csv and so on where that
-    holds a row of another sweep, or is no table of one. Of a sweep that goes on or grows it is the
-    same file.
+    """Return the path of the table of these points.
+
+    It is `<folder>/sweep.csv`, or sweep_2.csv and so on if that contains other rows. A sweep
+    that is continued or extended uses the same file.
     """
     names = {f"runs/{point.name}.h5" for point in points}
     axes = set(points[0].values) if points else set()
@@ -290,7 +294,7 @@ def table_for(folder, points):
 
 
 def _belongs(path, axes, names):
-    """Whether a table has these axes, and no row that is not of these runs."""
+    """Return whether a table has these axes, and only rows of these runs."""
     with open(path, newline="") as file:
         reader = csv.DictReader(file)
         heads = list(reader.fieldnames or ())
@@ -300,9 +304,7 @@ def _belongs(path, axes, names):
 
 
 def _done(path):
-    """Row of a point that is done; None of one that has not run, has failed or whose row is
-    damaged.
-    """
+    """Return the row of a finished point, None if it has not run, has failed or is damaged."""
     try:
         row = json.loads(path.read_text())
         return row if row["status"] == "done" else None
@@ -311,7 +313,7 @@ def _done(path):
 
 
 def _row(future):
-    """What the run answered; a process that died is a failed row too."""
+    """Return the result of a run; if its process died, a failed row."""
     error = future.exception()
     return (
         future.result()
@@ -338,15 +340,17 @@ def _replace(path, text):
 
 
 def unfinished(points, folder):
-    """The points that are not done in `folder` yet. A row is known by the case's content, not by
-    the code that made it.
+    """Return the points that are not finished in `folder`.
+
+    A row belongs to the content of the case, not to the version of the code.
     """
     return [p for p in points if not _done(Path(folder) / "runs" / f"{p.name}.json")]
 
 
 def build_all(points, case_folder, progress):
-    """Build every FMU the points need, each once, before processes race for it; faults are left to
-    the rows.
+    """Build every FMU of the points once, before processes compete for it.
+
+    Faults are reported in the rows.
     """
     wanted = {}
     for point in points:
@@ -364,15 +368,17 @@ def build_all(points, case_folder, progress):
 
 
 def local_executor(workers, time_limit=None):
-    """Processes of this machine, each started fresh; one that dies, or takes longer than
-    `time_limit` [s] for a point, fails that point alone.
+    """Return an executor of fresh local processes.
+
+    A process that dies, or exceeds `time_limit` [s] for a point, fails only that point.
     """
     return LocalPool(workers, time_limit)
 
 
 def dask_executor(address):
-    """An existing Dask cluster by its address; raises BadInput if dask is not installed or nobody
-    answers.
+    """Return the executor of an existing Dask cluster by its address.
+
+    Raises `BadInput` if dask is not installed or the scheduler does not respond.
     """
     try:
         from dask.distributed import Client

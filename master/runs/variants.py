@@ -1,4 +1,4 @@
-"""Variants of a case side by side, in this process and others, with the same results as alone."""
+"""Variants of a case in parallel processes, with the same results as in separate runs."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
@@ -18,7 +18,7 @@ from .working import REFRESH, bars, every
 
 
 class Variant(NamedTuple):
-    """A variant to run: its resolved tree, the folder of its case, and its results file."""
+    """Variant to run: its resolved tree, the folder of its case, and its results file."""
 
     tree: dict[str, Any]
     folder: Path
@@ -26,8 +26,10 @@ class Variant(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How a variant ended: its summary and the time of its first step [s], or its faults, or the
-    headline and the lines of the error that stopped it.
+    """Outcome of a variant.
+
+    It has a summary and the time of its first step [s], or faults, or headline and lines of the
+    error that stopped it.
     """
 
     summary: dict[str, Any] = {}
@@ -44,7 +46,7 @@ def start_processes(pool: LocalPool, count: int) -> None:
 
 
 def _import() -> None:
-    """Import what a variant imports late."""
+    """Import the modules that a variant imports late."""
     from ..participants import fmi2  # noqa: F401
 
 
@@ -55,10 +57,10 @@ def run_variants(
     say: Callable[[str], object],
     log: Callable[[str], object],
 ) -> dict[str, Outcome]:
-    """Run variants side by side; return their outcomes by label.
+    """Run variants in parallel; return their outcomes by label.
 
-    A variant that fails leaves the others running. `say` receives each message once, and `log` the
-    lines of each period.
+    The failure of a variant does not affect the others. `say` receives each message once, and `log`
+    the lines of each period.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Progress of phases that take long: no phase is silent for more than 5 s."""
+"""Progress of long phases, with output at least every 5 s."""
 
 import sys
 import threading
@@ -32,12 +32,12 @@ COMPLETE = 50
 
 
 class Compilation:
-    """Kernels that numba compiles in this process, of those expected.
+    """Kernels that numba has compiled in this process, compared with the expected number.
 
     Parameters
     ----------
     name : str
-        Of the record of the last complete compilation.
+        Name of the record of the last complete compilation.
     """
 
     def __init__(self, name: str = "count"):
@@ -99,8 +99,9 @@ def every(seconds: float, action: Callable[[], object]) -> Iterator:
 
 @contextmanager
 def bars(console: Console, tick: Callable[[], object] = lambda: None, **options: Any) -> Iterator:
-    """Yield `show(label, share, state)` of progress bars side by side; call `tick` before each
-    update. They are lines on the error stream outside a terminal, one every `QUIET` s.
+    """Yield `show(label, share, state)` of parallel progress bars; call `tick` before updates.
+
+    Outside a terminal they are lines on the error stream, one every `QUIET` s.
     """
     columns = (
         TextColumn("{task.description}"),
