@@ -1,14 +1,14 @@
-"""What is made of results files.
+"""Products of results files.
 
-file            a results file, read
+file            reading of a results file
 pictures        curves, maps, sections
-sweep_pictures  of sweeps
-compare         curves scored against one another
-judgement       windows, work in loops
+sweep_pictures  pictures of sweeps
+compare         scores of curves
+judgement       expected ranges, work of loops
 report          one HTML page
-charts          what it draws besides fields, as data
-solids          bodies on their meshes, for it
-packing         its numbers, as text
-rivals          rival models of one role side by side
+charts          charts of the page, as data
+solids          bodies of the page, on their meshes
+packing         numbers of the page, as text
+rivals          comparison of models of one role
 fields_export   recorded fields as CSV, HDF5, VTU
 """

@@ -1,5 +1,6 @@
-"""What a report draws besides fields, as data: charts of curves, carpets, maps of one instant, in
-sections. Rooms above say which; the page's script draws them (templates/page.js).
+"""Charts of a report as data: curves and maps of one instant, in sections.
+
+The layers above choose them, and the page's script draws them (templates/page.js).
 """
 
 from collections.abc import Sequence
@@ -26,13 +27,14 @@ DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
 
 
 MEASURED = -1
-"""Number of the run of a curve that is none's."""
+"""Number of the run for curves that belong to no run."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Values over an abscissa, in the units of its chart; `run` is the number of the run, which
-    gives the colour, or MEASURED.
+    """Values over an abscissa, in the units of its chart.
+
+    run : number of the run, which determines the colour, or MEASURED.
     """
 
     name: str
@@ -45,7 +47,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Band:
-    """A range of the ordinate that is shaded, and what it says."""
+    """Shaded range of the ordinate, and its label."""
 
     low: float
     high: float
@@ -54,7 +56,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Corridor:
-    """A range of the ordinate along the abscissa that is shaded, and what it says."""
+    """Shaded range of the ordinate along the abscissa, and its label."""
 
     x: np.ndarray
     low: np.ndarray
@@ -66,7 +68,8 @@ class Corridor:
 class Chart:
     """Curves over one abscissa.
 
-    cursor : it is that of the page's cursor; around : the ordinate is an angle of a whole turn.
+    cursor : whether the abscissa is that of the page's cursor; around : whether the ordinate is
+    an angle of a full revolution.
     """
 
     title: str
@@ -82,7 +85,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class StillMap:
-    """A field without time for every run (None where it has none), over the axes of the case."""
+    """Field without time for every run (None if a run has none), over the axes of the case."""
 
     title: str
     unit: str
@@ -96,19 +99,20 @@ Drawn = Chart | StillMap
 
 @dataclass(frozen=True)
 class Section:
-    """Drawn things under a heading, with a sentence or two."""
+    """Charts under a heading, with a sentence or two."""
 
     title: str
     drawn: Sequence[Drawn]
     said: str = ""
     phases: "Sequence[Phase] | None" = None
-    """Parts of the cursor's abscissa that are its own, in place of the page's."""
+    """Parts of the cursor's abscissa. Default: those of the page."""
 
 
 @dataclass(frozen=True)
 class Phase:
-    """A named part of the cursor's abscissa, from `begin` to `end` in its unit; `mark` is what its
-    beginning is called, "" where it is not marked.
+    """Named part of the cursor's abscissa, from `begin` to `end` in its unit.
+
+    mark : label of its beginning, "" if there is none.
     """
 
     begin: float
@@ -118,7 +122,7 @@ class Phase:
 
 
 def picture_section(case, runs) -> Section:
-    """The case's pictures of kind `lines`, a chart a panel; then its loops."""
+    """Return the case's pictures of kind `lines`, a chart for each panel, and its loops."""
     drawn: list[Drawn] = []
     for picture in case.pictures:
         if picture.kind == "lines":
@@ -159,7 +163,7 @@ def _panel(case, picture, ports, runs):
 
 
 def _is_course(case, port):
-    """Whether an abscissa is the time or the crank angle."""
+    """Return whether an abscissa is the time or the crank angle."""
     return port in ("time", crank_angle_port(case))
 
 
@@ -190,7 +194,7 @@ def _loop(case, name, runs):
 
 
 def health_section(runs) -> Section:
-    """Iterations, derivative products and residual of every macro step."""
+    """Return charts of iterations, derivative products and residual of every macro step."""
     names = ("iterations", "derivative_products", "residual")
     return Section(
         "Coupling health",
@@ -218,7 +222,7 @@ def health_section(runs) -> Section:
 
 
 def as_data(section: Section, columns: Columns) -> dict[str, Any]:
-    """A section for the page's script; numbers go into `columns`."""
+    """Return a section for the page's script, and add its numbers to `columns`."""
     return {
         "title": section.title,
         "said": section.said,
@@ -266,7 +270,7 @@ _DATA: dict[type, Any] = {Chart: _chart_data, StillMap: _map_data}
 
 
 def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
-    """Frames of a field for every run; None where a run has none.
+    """Return the frames of a field for every run; None for a run without it.
 
     Parameters
     ----------
@@ -275,13 +279,13 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
     stacks : sequence of ndarray, shape (frames, n, m), or None
         In `unit`.
     there : sequence of ndarray of bool, shape (n, m), or None
-        Cells that a run's field has; None: all.
+        Cells that exist in a run's field. None: all.
 
     Returns
     -------
     dict
-        low, high : range over all instants, cells and runs; runs : of each run the frames, packed,
-        and the shape of its grid.
+        low, high : range over all instants, cells and runs; runs : packed frames and shape of the
+        grid for each run.
     """
     shown = [
         stack[:, cells] if cells is not None else stack

@@ -1,4 +1,4 @@
-"""Curves held against curves: run against run, cycle against cycle, run against a measured file."""
+"""Scores of curves: run against run, cycle against cycle, run against a measured file."""
 
 import csv
 import re
@@ -20,11 +20,11 @@ from .pictures import label_abscissa, labelled, name_of, unit_shown
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
 
 BOUNDS = ("low", "high")
-"""Of a measured band, behind the port in a column's head."""
+"""Suffixes of the port in the headers of a measured band."""
 
 
 class Score(NamedTuple):
-    """How a curve lies against a reference: amplitude [-], rms [-], phase [unit of x]."""
+    """Deviation of a curve from a reference: amplitude [-], rms [-], phase [unit of x]."""
 
     amplitude: float
     rms: float
@@ -32,7 +32,10 @@ class Score(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The score of one run's curve; share : of the measured points whose band it meets, or None."""
+    """Score of one run's curve.
+
+    share : share of the measured points whose band it meets, or None.
+    """
 
     run: str
     port: str
@@ -41,12 +44,12 @@ class Row(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The curve in words."""
+        """Name of the curve in words."""
         return name_of(self.port)
 
 
 class Measured(NamedTuple):
-    """A column of a measured file, in its own unit; low, high : the band it is known to lie in."""
+    """Column of a measured file, in its own unit; low, high : measured band."""
 
     values: np.ndarray
     unit: str
@@ -55,13 +58,12 @@ class Measured(NamedTuple):
 
 
 def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np.ndarray) -> Score:
-    """How a curve lies against a reference, where both are known.
+    """Return the deviation of a curve from a reference over their common range.
 
     Eq. (X1):  amplitude = range(y) / range(y_ref)
     Eq. (X2):  rms = sqrt(mean((y - y_ref)^2)) / range(y_ref)
-    Eq. (X3):  phase = the shift d that makes the mean of (y(x + d) - y_ref(x))^2 least,
-               means taken off, |d| <= a tenth of the length (positive: the curve comes later than
-               its reference)
+    Eq. (X3):  phase = the shift d that minimises the mean of (y(x + d) - y_ref(x))^2, without the
+               means, |d| <= a tenth of the length (positive: the curve lags behind its reference)
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np
     Raises
     ------
     BadInput
-        If the curves overlap in fewer than three reference points, or the reference does not vary.
+        If the curves overlap in fewer than three reference points, or the reference is constant.
     """
     inside = (x_reference >= x[0]) & (x_reference <= x[-1])
     grid = x_reference[inside]
@@ -95,7 +97,7 @@ def score(x: np.ndarray, y: np.ndarray, x_reference: np.ndarray, y_reference: np
 
 
 def _shift(x, y, grid, reference):
-    """The phase, by search among 401 shifts and a parabola through the best one's neighbours."""
+    """Return the phase: the best of 401 shifts, refined by a parabola through its neighbours."""
     shifts = np.linspace(-0.1, 0.1, 401) * (grid[-1] - grid[0])
 
     def misfit(shift):
@@ -115,16 +117,15 @@ def _shift(x, y, grid, reference):
 
 
 def read_measured(path: str | Path) -> dict[str, Measured]:
-    """Columns of a measured CSV file whose header names ports with units.
+    """Return the columns of a measured CSV file whose header names ports with units.
 
     For example: bodies.crank_angle [deg],bodies.rocking_angle [mrad]
-
-    Two columns more give a band: bodies.rocking_angle low [mrad],bodies.rocking_angle high [mrad]
+    Two more columns give a band: bodies.rocking_angle low [mrad],bodies.rocking_angle high [mrad]
 
     Returns
     -------
     dict of str to Measured
-        By port; the first column is the abscissa.
+        By port. The first column is the abscissa.
 
     Raises
     ------
@@ -156,7 +157,7 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
 
 
 def _columns(path, heads, columns):
-    """By port the column without a bound, and its band."""
+    """Return the columns by port, each with its band."""
     known = {(head["port"], head["bound"]): k for k, head in enumerate(heads)}
     found = {}
     faults = []
@@ -185,8 +186,10 @@ def _columns(path, heads, columns):
 
 
 def share_within(x, y, x_measured, measured) -> float | None:
-    """Share of the measured points, among those that the curve comes by, where the curve lies in
-    the band; None without a band or such points. All in the measured units.
+    """Return the share of the measured points at which a curve is inside the band.
+
+    Points outside the range of the curve are ignored. Returns None without band or points. All
+    values are in the measured units.
     """
     inside = (x_measured >= x[0]) & (x_measured <= x[-1])
     if measured.low is None or measured.high is None or not inside.any():
@@ -196,7 +199,7 @@ def share_within(x, y, x_measured, measured) -> float | None:
 
 
 def check_measured(runs, measured):
-    """Raise BadInput with every measured column that a run does not have, or of another unit."""
+    """Raise `BadInput` with every measured column that a run lacks or that has another unit."""
     faults = []
     for port, column in measured.items():
         for label, results in runs.items():
@@ -220,7 +223,7 @@ class Agreement(NamedTuple):
 
     @property
     def has_bands(self) -> bool:
-        """Whether the file has a band that a run meets or misses."""
+        """True if the file has a band."""
         return any(row.share is not None for row in self.rows)
 
 
@@ -230,7 +233,7 @@ def agreement(runs, measured) -> Agreement:
     Raises
     ------
     BadInput
-        With every measured column that a run does not have, or of another unit.
+        With every measured column that a run lacks or that has another unit.
     """
     check_measured(runs, measured)
     x_unit = next(iter(measured.values())).unit
@@ -238,7 +241,7 @@ def agreement(runs, measured) -> Agreement:
 
 
 def measured_section(runs, measured) -> Section:
-    """Measured points with their bands, and the curves of the runs; a chart for each column."""
+    """Return a chart for each column: measured points with their band, and curves of the runs."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     drawn = []
     for port, column in columns:
@@ -265,13 +268,13 @@ def measured_section(runs, measured) -> Section:
 
 
 def _turns(results, port):
-    """Whether an output is the crank angle that the page's cursor goes over."""
+    """Return whether an output is the crank angle of the page's cursor."""
     bodies = players(results.case, "bodies")
     return bool(bodies) and port == f"{bodies[0]}.{CRANK_ANGLE}"
 
 
 def against_measured(runs, measured):
-    """Scores of every run against every measured column, a row each, in the measured units."""
+    """Return the score of every run for every measured column, in the measured units."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     rows = []
     for port, column in columns:
@@ -292,7 +295,7 @@ def _factor(unit, si):
 
 
 def against_first(runs, x_port, ports):
-    """Scores of the second run and those after it against the first."""
+    """Return the scores of all other runs against the first run."""
     (_, first), *others = runs.items()
 
     def curve(results, port):
@@ -306,7 +309,7 @@ def against_first(runs, x_port, ports):
 
 
 def against_last_cycle(case, runs, x_port, ports, period):
-    """Scores of each run's last period against the one before it: how periodic it has become."""
+    """Return the scores of each run's last period against the previous one."""
     rows = []
     for port in ports:
         for label, results in runs.items():
@@ -321,7 +324,7 @@ def against_last_cycle(case, runs, x_port, ports, period):
 
 
 def draw_measured(runs, measured, path):
-    """The measured points over the runs' curves, in the measured units."""
+    """Draw the measured points and the runs' curves, in the measured units."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     figure, panels = stack(len(columns))
     for panel, (port, (y, unit, low, high)) in zip(panels, columns):

@@ -1,5 +1,6 @@
-"""What the values of a results file are over: crank angle beside time, and what the indices of a
-field run along, as the case says. Names of dimensions in the file, in arrays and in tables.
+"""Coordinates of the values in a results file: crank angle, and dimensions of fields.
+
+They name the dimensions in files, arrays and tables.
 """
 
 import re
@@ -13,13 +14,13 @@ from ..case.shown import NEUTRAL
 from ..coupling.wiring import port_of
 
 CRANK_ANGLE = "crank_angle"
-"""Output that follows the angle, of the participant whose speed turns angles into times."""
+"""Output with the crank angle, of the participant whose speed converts angles to times."""
 INSTANT = "instant"
-"""Name of the time of fields where it stands beside that of scalars."""
+"""Name of the time of fields, next to that of scalars."""
 
 
 class Dimension(NamedTuple):
-    """One index of a field: name of the dimension, centres of its cells, unit and meaning."""
+    """One index of a field: name of the dimension, centres of its cells, unit and description."""
 
     name: str
     positions: np.ndarray
@@ -28,10 +29,9 @@ class Dimension(NamedTuple):
 
 
 def crank_angle_port(case: Case) -> str | None:
-    """Output that holds the crank angle, "participant.crank_angle"; None where the case knows none.
+    """Return the crank angle output "participant.crank_angle" of a case; None if it has none.
 
-    The case says by `time.angular_speed` whose angle its times are; whether that participant has
-    the output is for the caller to see.
+    The participant is that of `time.angular_speed`. The caller checks whether it has the output.
     """
     if case.time.angular_speed is None:
         return None
@@ -40,10 +40,10 @@ def crank_angle_port(case: Case) -> str | None:
 
 
 def dimensions(case: Case, port: str, shape: tuple[int, ...]) -> list[Dimension]:
-    """Dimensions of a field of that shape at one instant, in the order of its indices.
+    """Return the dimensions of a field of this shape at one instant, in the order of its indices.
 
-    A field of two indices has the case's `axes`; a dimension is named by the first word of its
-    label ("angle from the pin axis": angle). Any other is counted from 1 and named after the field.
+    A field of two indices has the case's `axes`, named by the first word of their labels ("angle
+    from the pin axis": angle). Other dimensions are numbered from 1 and named after the field.
     """
     pair = case.axes_of(port)
     if len(shape) != 2 or pair is NEUTRAL:
@@ -59,12 +59,12 @@ def dimensions(case: Case, port: str, shape: tuple[int, ...]) -> list[Dimension]
 
 
 def names_taken(participants: Iterable[str]) -> dict[str, int]:
-    """Names that no dimension can have, for `distinct`."""
+    """Return the names that no dimension can have, for `distinct`."""
     return dict.fromkeys([*participants, "time", INSTANT, CRANK_ANGLE], -1)
 
 
 def distinct(names: dict[str, int], dimension: Dimension, owner: str) -> Dimension:
-    """The dimension under a name that no other size has yet; `names` remembers name -> size."""
+    """Return the dimension under a name that no other size has; `names` stores name -> size."""
     size = dimension.positions.size
     if names.setdefault(dimension.name, size) == size:
         return dimension

@@ -1,5 +1,6 @@
-"""Recorded fields out of a results file as CSV or HDF5; whole, by line, by instant or at one grid
-point. Surfaces and collections of films for ParaView.
+"""Export of recorded fields as CSV or HDF5: all, one line, one instant or one grid point.
+
+Surfaces and collections of films are for ParaView.
 """
 
 import csv
@@ -39,15 +40,15 @@ class Block:
 
 
 def read_block(results, expression):
-    """A recorded field, or a sum or product of recorded fields.
+    """Return a recorded field, or a sum or product of recorded fields.
 
     For example: ehd.pressure+ehd.asperity_pressure, or ehd.pressure*bodies.sliding_velocity
 
     Raises
     ------
     BadInput
-        For a field that is not recorded, shapes or (in a sum) units that differ, or "+" and "*" in
-        one expression.
+        For a field that is not recorded, for different shapes or (in a sum) units, or for "+" and
+        "*" in one expression.
     """
     sign = "+" if "+" in expression else "*"
     ports = [part.strip() for part in expression.split(sign)]
@@ -70,8 +71,9 @@ def read_block(results, expression):
 
 
 def chosen(block, time=None, i=None, j=None):
-    """The part of a block at the instant nearest to `time` [s], on line i, on line j (1-based);
-    None takes all.
+    """Return the part of a block at the instant nearest to `time` [s], on line i, on line j.
+
+    i and j are 1-based. None selects all.
     """
     faults = [
         f"{axis}: expected 1 to {len(line)}, got {index}"
@@ -91,8 +93,9 @@ def chosen(block, time=None, i=None, j=None):
 
 
 class Place(NamedTuple):
-    """Where the values of a block stand, by one measure: its name, its unit, and positions of a
-    shape that goes with (t, a, b).
+    """Positions of a block's values by one measure.
+
+    positions : shape that broadcasts to (t, a, b).
     """
 
     name: str
@@ -101,8 +104,9 @@ class Place(NamedTuple):
 
 
 def places(case, results, port, block):
-    """Crank angle of a block's instants, where the run says it, and positions of its grid points
-    along what the case says that the two indices of the field `port` run along.
+    """Return the crank angle of a block's instants and the positions of its grid points.
+
+    The positions are along the case's axes of the field `port`. Unknown ones are omitted.
     """
     found = []
     if crank := crank_angle(results):
@@ -119,7 +123,7 @@ def places(case, results, port, block):
 
 
 def write_csv(blocks, path, places=()):
-    """One row an instant and grid point: time, i, j, a column a place, and one a quantity."""
+    """Write a row for each instant and grid point: time, i, j, positions and quantities."""
     times, i, j = np.meshgrid(blocks[0].times, blocks[0].i, blocks[0].j, indexing="ij")
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
@@ -141,9 +145,7 @@ def write_csv(blocks, path, places=()):
 
 
 def write_hdf5(blocks, path, places=()):
-    """`time`, `i`, `j`, a place each along one of them, and a dataset (instants, i, j) a quantity,
-    with units.
-    """
+    """Write `time`, `i`, `j`, positions, and a dataset (instants, i, j) for each quantity."""
     with h5py.File(path, "w") as file:
         for name, values, unit in (
             ("time", blocks[0].times, "s"),
@@ -157,11 +159,12 @@ def write_hdf5(blocks, path, places=()):
 
 
 def cylinder_cells(shape, radius, ends):
-    """Corners of the cells of fields on a cylinder about y between two heights [m], and the cells,
-    in the order of a field's values: index i around from +z towards +x, j along y.
+    """Return corners and cells of fields on a cylinder about y between two heights [m].
+
+    The order is that of a field's values: index i around from +z towards +x, j along y.
     """
     n, m = shape
-    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # where cells begin
+    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # beginning of the cells
     ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
     lower, upper = ends
     points = np.vstack([ring + [0, height, 0] for height in np.linspace(lower, upper, m + 1)])
@@ -169,11 +172,13 @@ def cylinder_cells(shape, radius, ends):
 
 
 def pin_cells(shape, radius, ends):
-    """Corners of the cells of fields in a shell about z, and the cells, in the order of a field's
-    values: cell i centred at 2 pi (i - 1)/n from x towards y, j along z.
+    """Return corners and cells of fields in a shell about z, between two heights [m].
+
+    The order is that of a field's values: cell i centred at 2 pi (i - 1)/n from x towards y, j
+    along z.
     """
     n, m = shape
-    angle = 2 * np.pi * (np.arange(n) - 0.5) / n  # where cells begin
+    angle = 2 * np.pi * (np.arange(n) - 0.5) / n  # beginning of the cells
     ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(n)])
     lower, upper = ends
     points = np.vstack([ring + [0, 0, z] for z in np.linspace(lower, upper, m + 1)])
@@ -181,7 +186,7 @@ def pin_cells(shape, radius, ends):
 
 
 def _quadrilaterals(n, m):
-    """Cells of n around and m along, between the corners of m + 1 rings."""
+    """Return the cells, n around and m along, between the corners of m + 1 rings."""
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
     return np.stack(

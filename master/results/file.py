@@ -1,4 +1,4 @@
-"""The results of a run: read, labelled, drawn."""
+"""Results of a run: reading, labels, plots."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 
 class Results(Recorded):
-    """What a run has recorded, as arrays in SI with their units; `with` closes the file.
+    """Recorded data of a run as arrays in SI with their units; `with` closes the file.
 
-    Of a run that ends once it is periodic the last period alone is shown, or as many as
-    `record.periods` says. Time and what turns, such as a crank angle, are then counted as if the
-    run had begun with the first one shown. `whole` shows all, `last` the last period.
+    If a run ends once it is periodic, only the last period is shown, or `record.periods` of them.
+    Time and crank angle then start with the first one shown. `whole` shows the whole run, `last`
+    the last period.
 
     Parameters
     ----------
     path : str or Path
-        A results file, also one whose run goes on (`.partial`). A port is text,
+        A results file, or that of an unfinished run (`.partial`). A port is a string,
         "participant.variable".
 
     Attributes
@@ -44,20 +44,20 @@ class Results(Recorded):
     """
 
     def to_xarray(self) -> "xarray.Dataset":
-        """All that was recorded with named dimensions; needs the extra `xarray`.
+        """Return all recorded data with named dimensions; needs the extra `xarray`.
 
-        Scalars lie along `time` [s], fields along `instant` [s] and what the case says of their
-        indices (of a skirt: `angle` around it [deg], `height` over its length [-]). Of a case with
-        a crank, `crank_angle` [rad] stands beside `time`, `instant_crank_angle` beside `instant`.
-        All is read into memory.
+        Scalars depend on `time` [s], fields on `instant` [s] and the axes of the case (for a
+        skirt: `angle` [deg], `height` over its length [-]). A case with a crank also has the
+        coordinates `crank_angle` [rad] and `instant_crank_angle`. All data is read into memory.
         """
         from .labelled import to_xarray
 
         return to_xarray(self, self._checked)
 
     def to_dataframe(self) -> "pandas.DataFrame":
-        """All scalar outputs, a column each, by time [s]; needs pandas, which the extra `xarray`
-        brings. `attrs["units"]` holds the units.
+        """Return all scalar outputs by time [s], one column each; needs the extra `xarray`.
+
+        `attrs["units"]` contains the units.
         """
         from .labelled import to_dataframe
 
@@ -72,12 +72,12 @@ class Results(Recorded):
 
 
 def open_results(path: str | Path) -> Results:
-    """The results file of a run.
+    """Open the results file of a run.
 
     Raises
     ------
     BadInput
-        If there is no such file, or it is none of a run.
+        If there is no such file, or it is not that of a run.
     """
     path = Path(path)
     if not path.is_file():

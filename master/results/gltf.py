@@ -1,5 +1,6 @@
-"""Bodies in motion as one binary glTF 2.0 file: modes are morph targets, their coordinates the
-weights, the rigid motion that of a node. Any viewer of the format plays it.
+"""Moving bodies as one binary glTF 2.0 file, which any viewer of the format plays.
+
+Modes are morph targets with their coordinates as weights. The rigid motion is that of a node.
 """
 
 import json
@@ -12,16 +13,16 @@ from ..fmi.errors import BadInput
 from .solids import Solid
 
 RATE = 30
-"""Recorded instants shown in a second."""
+"""Number of recorded instants per second of the animation."""
 FLOAT, UNSIGNED = 5126, 5125
 VERTICES, INDICES = 34962, 34963
 COLOURS = {True: (0.68, 0.72, 0.76, 1.0), False: (0.45, 0.48, 0.52, 1.0)}
-"""Of what moves and of what rests."""
+"""Colours of moving and of fixed bodies."""
 _TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
 
 class _Buffer:
-    """Bytes of the file, and where each array lies in them."""
+    """Bytes of the file, and the position of each array in them."""
 
     def __init__(self):
         self.data = bytearray()
@@ -29,12 +30,12 @@ class _Buffer:
         self.accessors: list[dict] = []
 
     def add(self, values, target=None, limits=False) -> int:
-        """Number of the accessor of an array of one row an element."""
+        """Add an array with a row for each element; return the number of its accessor."""
         kind = UNSIGNED if values.dtype.kind in "iu" else FLOAT
         array = np.ascontiguousarray(values, "<u4" if kind == UNSIGNED else "<f4")
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": array.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
-        self.data += array.tobytes()  # all of four bytes: aligned as they are
+        self.data += array.tobytes()  # multiples of four bytes, so they are aligned
         width = array.shape[1] if array.ndim == 2 else 1
         accessor = {
             "bufferView": len(self.views) - 1,
@@ -50,8 +51,9 @@ class _Buffer:
 
 
 def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Path) -> Path:
-    """Write bodies at the recorded instants of a run, deflection, motion across and tilt drawn
-    `times` times, motion along the bore as it is.
+    """Write bodies at the recorded instants of a run.
+
+    `times` magnifies deflection, lateral motion and tilt, but not the motion along the bore.
 
     Eq. (X19):  P(t) = R(times beta) (p + times sum_k w_k(t) m_k) + (times across, along, 0)
                 m_k = Phi_k max|q_k|,   w_k = q_k / max|q_k|
@@ -60,15 +62,15 @@ def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Pa
     ----------
     solids : list of Solid
     instants : ndarray, shape (instants,)
-        [s]; shown slower, so that 30 of them take a second.
+        [s], slowed down so that 30 of them take a second.
     times : float
     path : Path
-        Ends with .glb.
+        With suffix .glb.
 
     Raises
     ------
     BadInput
-        Without bodies, and of a run of one instant.
+        If there are no bodies, or only one instant.
     """
     if not solids or len(instants) < 2:
         raise BadInput(
@@ -118,8 +120,9 @@ def write_gltf(solids: list[Solid], instants: np.ndarray, times: float, path: Pa
 
 
 def _roots(solids, nodes):
-    """Nodes that are in no other: the bodies; of several cylinders a node each, added to those of
-    the bodies, where it stands.
+    """Return the root nodes: the bodies, or for several cylinders a node for each of them.
+
+    The nodes of cylinders are appended to those of the bodies.
     """
     owners = list(dict.fromkeys(solid.owner for solid in solids))
     if len(owners) == 1:
@@ -134,7 +137,7 @@ def _roots(solids, nodes):
 
 
 def _sizes(solid):
-    """Largest of every coordinate, 1 where it stays zero."""
+    """Return the largest value of every coordinate, 1 for zero coordinates."""
     largest = np.abs(solid.coordinates).max(axis=0)
     return np.where(largest > 0, largest, 1.0)
 
@@ -174,7 +177,7 @@ def _material(solid):
 
 
 def _binary(tree, data):
-    """Header, the description padded by blanks, the arrays."""
+    """Return the file: header, description padded with blanks, arrays."""
     text = json.dumps(tree).encode()
     text += b" " * (-len(text) % 4)
     size = 12 + 8 + len(text) + 8 + len(data)

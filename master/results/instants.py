@@ -1,4 +1,4 @@
-"""Instants of a run, asked for as a time, as a crank angle, or by the extreme of an output."""
+"""Instants of a run: from a time, a crank angle, or the extreme of an output."""
 
 from typing import NamedTuple
 
@@ -10,9 +10,9 @@ from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import is_angle, short, to_si
 
 CRANK_ANGLE = "crank_angle"
-"""Output that the contract has of a participant in the role `bodies`."""
+"""Crank angle output of the role `bodies` in the contract."""
 EXTREMES = {"min": np.argmin, "max": np.argmax}
-"""Row of the smallest and the largest value; of equal ones the first."""
+"""Functions that return the row of the smallest or the largest value, the first of equal ones."""
 
 
 class CrankAngle(NamedTuple):
@@ -23,23 +23,23 @@ class CrankAngle(NamedTuple):
 
 
 def crank_angle(results) -> CrankAngle | None:
-    """Crank angle of a run, where a participant in the role `bodies` says it."""
+    """Return the crank angle of a run, None if no participant with the role `bodies` has it."""
     for name in players(results.case, "bodies"):
         port = f"{name}.{CRANK_ANGLE}"
         if port in results.ports:
             angle = results.series(port).values
-            # the crank may swing about its start before it turns
+            # the crank may oscillate about its start before it turns
             return CrankAngle(results.time, np.maximum.accumulate(angle))
     return None
 
 
 def instant(results, text: str) -> float:
-    """Time [s] of "18 ms" or of "648 deg", or of "max bodies.side_force", where a scalar output is
-    largest in the last period, likewise smallest.
+    """Return the time [s] of "18 ms", "648 deg", or "max bodies.side_force".
 
-    A time or crank angle is one of those that the results show: with several periods it goes on
-    over the first one, 24 deg after firing of the second being 744 deg. One before or after them
-    is moved into the last period by whole periods.
+    The latter is where a scalar output is largest (min: smallest) in the last period. Times and
+    crank angles are those that the results show: they continue over several periods, so 24 deg
+    after firing of the second one is 744 deg. Values outside are moved into the last period by
+    whole periods.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def instant(results, text: str) -> float:
     Raises
     ------
     BadInput
-        If it is none of them, or one that the run does not come by or has not recorded.
+        If it is none of them, or if the run does not reach it or has not recorded it.
     """
     kind, port = reduced(text)
     if kind in EXTREMES:
@@ -87,8 +87,9 @@ def instant(results, text: str) -> float:
 
 
 def _moved(wanted, results, values):
-    """A time or angle that takes these values, moved by whole periods to the last one; as it is if
-    the run holds none.
+    """Move a time or angle by whole periods into the last one.
+
+    Returns it unchanged if the run has no whole period.
     """
     if not results.period or np.ptp(results.last.time) < results.period * (1 - 1e-6):
         return wanted
@@ -97,7 +98,7 @@ def _moved(wanted, results, values):
 
 
 def told(results, time: float) -> str:
-    """An instant [s] in words: "18 ms, 648 deg"."""
+    """Return an instant [s] as text: "18 ms, 648 deg"."""
     crank = crank_angle(results)
     shown = f"{time * 1e3:.6g} ms"
     if crank is None:

@@ -1,4 +1,4 @@
-"""Numbers of a results file: values in their expected ranges, and work in a loop."""
+"""Numbers from a results file: values with their expected ranges, and work of loops."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from ..fmi.quantities import pint_unit, registry, to_si
 
 
 def mean_over(time: np.ndarray, values: np.ndarray) -> float:
-    """Mean over time, each row as heavy as the step is long that ends there: Eq. (Z8)."""
+    """Return the mean over time, weighted by step lengths: Eq. (Z8)."""
     return float(np.diff(time) @ values[1:] / (time[-1] - time[0]))
 
 
@@ -26,7 +26,7 @@ REDUCTIONS = {
 
 @dataclass(frozen=True)
 class Window:
-    """A value and the limits the case expects it in, all in its SI unit; both ends belong to it."""
+    """A value and its expected range, in SI; the range includes its ends."""
 
     name: str
     unit: str
@@ -40,7 +40,7 @@ class Window:
 
 
 def windows(case, results) -> list[Window]:
-    """Every entry of the case's window, of the last period."""
+    """Return every entry of the case's window, for the last period."""
     results = results.last
     judged = []
     for text, limits in case.window.items():
@@ -52,9 +52,7 @@ def windows(case, results) -> list[Window]:
 
 
 def angular_speed(case):
-    """Angular speed [rad/s] that the case gives for turning angles into times; None if it is in
-    times.
-    """
+    """Return the angular speed that converts angles to times [rad/s], None if there is none."""
     if case.time.angular_speed is None:
         return None
     owner, name = port_of(case.time.angular_speed)
@@ -62,9 +60,7 @@ def angular_speed(case):
 
 
 def last_period(case, results, period):
-    """Mask of the rows in the last `period` (text: a time, or an angle if the case is in
-    angles).
-    """
+    """Return the mask of the rows in the last `period`, which is a time or an angle as text."""
     speed = angular_speed(case)
     try:
         length = to_si(period, "s") if speed is None else to_si(period, "rad") / speed
@@ -83,7 +79,7 @@ class LoopCurve(NamedTuple):
 
 
 def loop_curve(case, results, loop):
-    """The loop over its last period."""
+    """Return the loop over its last period."""
     mask = last_period(case, results, loop.period)
     x, x_unit, _ = results.series(loop.x)
     columns = [results.series(port) for port in loop.y]
@@ -92,9 +88,9 @@ def loop_curve(case, results, loop):
 
 
 def loop_work(case, results, loop):
-    """Work in a loop, in its unit.
+    """Return the work of a loop, in its unit.
 
-    Eq. (X4):  W = |closed integral of y dx|  by trapezia between the recorded steps, second
+    Eq. (X4):  W = |closed integral of y dx|  by the trapezoidal rule between recorded steps, second
                order in the step
     """
     x, x_unit, y, y_unit = loop_curve(case, results, loop)

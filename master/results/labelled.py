@@ -1,4 +1,4 @@
-"""Results with named dimensions: an xarray dataset, a pandas table."""
+"""Results with named dimensions: an xarray dataset or a pandas table."""
 
 from importlib import import_module
 from typing import Any
@@ -13,7 +13,7 @@ from .recorded import Recorded
 
 
 def _library(name: str) -> Any:
-    """An optional library; BadInput where it is not installed."""
+    """Return an optional library; raise `BadInput` if it is not installed."""
     try:
         return import_module(name)
     except ImportError:
@@ -23,7 +23,7 @@ def _library(name: str) -> Any:
 
 
 def to_xarray(results: Recorded, case: Case) -> Any:
-    """See `Results.to_xarray`."""
+    """Return the dataset of `Results.to_xarray`."""
     xarray = _library("xarray")
     angle = crank_angle_port(case)
     coordinates = {"time": ("time", results.time, {"units": "s", "long_name": "time"})}
@@ -55,7 +55,7 @@ def to_xarray(results: Recorded, case: Case) -> Any:
 
 
 def to_dataframe(results: Recorded) -> Any:
-    """See `Results.to_dataframe`."""
+    """Return the table of `Results.to_dataframe`."""
     pandas = _library("pandas")
     series = {port: results.series(port) for port in results.ports}
     table = pandas.DataFrame(

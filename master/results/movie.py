@@ -1,4 +1,4 @@
-"""Recorded fields of a run as a moving picture."""
+"""Recorded fields of a run as a movie."""
 
 from importlib.util import find_spec
 from itertools import chain
@@ -24,7 +24,7 @@ from .pictures import (
 )
 
 PER_SECOND = 15
-"""Instants shown in a second."""
+"""Number of instants per second of the movie."""
 RESOLUTION = 90
 """Resolution of a frame [1/in]."""
 
@@ -32,30 +32,29 @@ RESOLUTION = 90
 def write_movie(
     case: Case, results: Results, ports: list[str], frames: int, path: Path
 ) -> np.ndarray:
-    """Draw fields over their two indices, a panel each, at instants evenly chosen among the
-    recorded ones.
+    """Draw fields over their two indices, a panel each, at evenly spaced recorded instants.
 
     Parameters
     ----------
     case : Case
     results : Results
     ports : list of str
-        Recorded fields of two indices; of the case's first picture of maps without any.
+        Recorded fields of two indices. Default: those of the case's first picture of maps.
     frames : int
-        Instants at most.
+        Maximum number of instants.
     path : Path
-        Ends with .gif or .mp4.
+        With suffix .gif or .mp4.
 
     Returns
     -------
     ndarray of int
-        The recorded instants shown.
+        Indices of the recorded instants shown.
 
     Raises
     ------
     BadInput
-        For a file of another kind, mp4 without ffmpeg, fewer than 2 instants, and fields that were
-        not recorded.
+        For another suffix, mp4 without ffmpeg, fewer than 2 instants, and fields that were not
+        recorded.
     """
     maps = [picture for picture in case.pictures if picture.kind == "map"]
     ports = ports or [port for picture in maps[:1] for port in picture.fields]
@@ -142,11 +141,11 @@ def _write_mp4(path, frames):
 
 
 WRITERS = {".gif": _write_gif, ".mp4": _write_mp4}
-"""How a movie is written, by suffix."""
+"""Writers of movies by suffix."""
 
 
 def chosen_instants(results: Results, frames: int) -> np.ndarray:
-    """So many at most of the recorded instants, evenly chosen; raises BadInput for less than 2."""
+    """Return evenly spaced indices of recorded instants; raise `BadInput` for fewer than 2."""
     if frames < 2:
         raise BadInput(f"--frames: expected at least 2, got {frames}")
     count = len(results.instants)

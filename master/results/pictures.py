@@ -1,6 +1,4 @@
-"""Pictures of one or several runs side by side, as the case file describes them. Units converted
-here, at the edge.
-"""
+"""Pictures of one or several runs, as the case file describes them; converts units."""
 
 import textwrap
 from collections.abc import Sequence
@@ -38,15 +36,15 @@ WINDOW = "#009e73"
 MOST_TICKED = 1440
 """Longest range of crank angle with a tick every 90 deg [deg]."""
 LETTERS = 9
-"""Of a title to an inch: a longer one goes on in a second line."""
+"""Number of letters per inch of a title; longer titles have a second line."""
 WITH_PREFIX = ("m", "Pa", "N", "W", "J", "s", "m/s")
-"""SI units that are shown with a prefix where the case does not say in what."""
+"""SI units that are shown with a prefix by default."""
 MICRO = ("um", "urad", "us", "uN", "uW", "uJ", "um/s")
-"""Units written without a micro sign, as a case file may."""
+"""Units without a micro sign, as in a case file."""
 
 
 def draw(case, runs, folder, kind=None, paper=False):
-    """Draw every picture of the case that can be drawn of the runs.
+    """Draw every picture of the case that the runs have data for.
 
     Parameters
     ----------
@@ -55,7 +53,7 @@ def draw(case, runs, folder, kind=None, paper=False):
         Label -> results, all drawn into the same pictures.
     folder : Path
     kind : str, optional
-        png, svg or pdf; default: the suffix of the case's file names.
+        png, svg or pdf. Default: the suffix of the case's file names.
     paper : bool
         Whether the pictures have the size and fonts of a publication, and no title.
 
@@ -78,7 +76,7 @@ def draw(case, runs, folder, kind=None, paper=False):
 
 
 def left_out(case, runs):
-    """Why pictures of the case cannot be drawn of these runs: the picture's file -> a sentence."""
+    """Return why pictures of the case cannot be drawn: file of the picture -> sentence."""
     reasons = {}
     for picture in case.pictures:
         for label, results in runs.items():
@@ -97,7 +95,7 @@ def left_out(case, runs):
 
 
 def _is_passed(results, text):
-    """Whether a run comes by an instant."""
+    """Return whether a run reaches an instant."""
     try:
         instant(results, text)
     except BadInput:
@@ -106,7 +104,7 @@ def _is_passed(results, text):
 
 
 def figures(case, runs):
-    """Yield every picture of the case that can be drawn of the runs, with its figure.
+    """Yield every picture of the case that the runs have data for, with its figure.
 
     `left_out` returns the reasons for the others.
     """
@@ -121,7 +119,7 @@ def figures(case, runs):
 
 
 def scaled(values, unit: str, wanted: str | None):
-    """`values` from SI `unit` in the unit the picture asks for, and its label."""
+    """Return values in the wanted unit, from SI `unit`, and the label of the unit."""
     shown = unit_shown(unit, wanted)
     if not wanted:
         return values, shown
@@ -130,13 +128,13 @@ def scaled(values, unit: str, wanted: str | None):
 
 
 def unit_shown(unit: str, wanted: str | None) -> str:
-    """Label of the unit a picture asks for; the SI `unit` without one, nothing for pure numbers."""
+    """Return the label of the wanted unit; default: the SI `unit`, "" for pure numbers."""
     shown = (wanted or ("" if unit == "1" else unit)).replace(".", " ")
     return f"\N{MICRO SIGN}{shown[1:]}" if shown in MICRO else shown
 
 
 def labelled(text: str, unit: str) -> str:
-    """Text with a unit behind it, if there is one."""
+    """Return a text with its unit, if there is one."""
     return f"{text} [{unit}]" if unit else text
 
 
@@ -152,11 +150,11 @@ ENDINGS = {
     "_m": "m",
     "_s": "s",
 }
-"""How a summary's entries end that have a unit, and the unit."""
+"""Suffixes of summary entries that have a unit, and the unit."""
 
 
 def entry_in_words(name: str) -> str:
-    """A summary's entry in words: mean_friction_power_w -> "mean friction power [W]"."""
+    """Return a summary entry in words: mean_friction_power_w -> "mean friction power [W]"."""
     words, unit = _with_unit(name)
     return labelled(words, unit)
 
@@ -177,7 +175,7 @@ def entry_shown(name: str, values: Sequence[float]) -> tuple[str, np.ndarray]:
 
 
 def handy_unit(unit: str, largest: float) -> str | None:
-    """Unit of a size that suits a value in the SI `unit`, None where that is as good."""
+    """Return the prefixed unit that suits a value in the SI `unit`, None if that is as good."""
     if unit not in WITH_PREFIX or not np.isfinite(largest) or largest == 0.0:
         return None
     compact = registry().Quantity(float(abs(largest)), unit).to_compact()
@@ -185,16 +183,14 @@ def handy_unit(unit: str, largest: float) -> str | None:
 
 
 def name_of(port: str) -> str:
-    """The variable of "participant.variable" in words, behind it the surface that it is of; of
-    "time" just this.
-    """
+    """Return the variable of "participant.variable" in words, with its film surface; or "time"."""
     *where, name = port.partition(".")[2].split(".")
     surface = f" ({', '.join(where)})" if where else ""
     return (name + surface).replace("_", " ") or port
 
 
 def names_of(ports: Sequence[str]) -> dict[str, str]:
-    """The same of several, with the participant's name where two would be called alike."""
+    """Return the names of several variables; equal ones with their participants."""
     words = [name_of(port) for port in ports]
     owner = {port: port.partition(".")[0].replace("_", " ") for port in ports}
     return {
@@ -204,8 +200,10 @@ def names_of(ports: Sequence[str]) -> dict[str, str]:
 
 
 def draw_lines(case, picture, runs):
-    """One panel per entry of `y`; runs differ in colour, the variables of a panel in line style;
-    windows are shaded. A way in a plane (a length over a length) is drawn to one scale.
+    """Draw a panel for each entry of `y`, with a colour for each run and shaded windows.
+
+    The variables of a panel differ in line style. A path in a plane (a length over a length) has
+    equal scales.
     """
     first = next(iter(runs.values()))
     plane = all(first.series(port).unit == "m" for port in (picture.x, *sum(picture.y, [])))
@@ -243,7 +241,7 @@ def draw_lines(case, picture, runs):
 
 
 def _is_drawn(port, runs):
-    """Whether an output is not zero in a run."""
+    """Return whether an output is not zero in a run."""
     return any(results.series(port).values.any() for results in runs)
 
 
@@ -256,8 +254,9 @@ def _own_words(ports):
 
 
 def label_abscissa(panel, port, unit):
-    """Label the abscissa of a panel, and tick crank angles every 90 deg with TDC and BDC, or every
-    360 deg for many cycles.
+    """Label the abscissa of a panel, with TDC and BDC for crank angles.
+
+    Crank angles have ticks every 90 deg, or every 360 deg for many cycles.
     """
     panel.set_xlabel(labelled(name_of(port), unit))
     if port.rpartition(".")[2] != CRANK_ANGLE or unit != "deg":
@@ -272,7 +271,7 @@ def label_abscissa(panel, port, unit):
 
 
 def windows_of(ports, window, units, results):
-    """Limits of a panel's curves in the units shown, by the kind of value they are for."""
+    """Return the limits of a panel's curves in the units shown, by kind of value."""
     limits = {}
     for text, pair in window.items():
         kind, port = reduced(text)
@@ -283,9 +282,7 @@ def windows_of(ports, window, units, results):
 
 
 def _shade(panel, windows):
-    """The ranges where a curve's lowest, highest, mean or last values are expected; equal ranges
-    are shaded once.
-    """
+    """Shade the expected ranges of a curve's values; equal ranges are shaded once."""
     words = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}
     for limits in dict.fromkeys(windows.values()):
         kinds = " and ".join(words[kind] for kind, other in windows.items() if other == limits)
@@ -295,16 +292,14 @@ def _shade(panel, windows):
 
 
 def _common(ports):
-    """The words that the variables' names share, or all names; of one variable its name."""
+    """Return the words that the variables' names share, or else all names."""
     words = [port.partition(".")[2].split("_") for port in ports]
     shared = [column[0] for column in zip(*words) if len(set(column)) == 1]
     return " ".join(shared) or ", ".join(name_of(port) for port in ports)
 
 
 def draw_maps(case, picture, runs):
-    """One row per field, one column per run, one colour scale per row; axes are what the case says
-    the field's two indices run along.
-    """
+    """Draw a row for each field, and a column for each run; a row has one colour scale."""
     rows = {}
     for port in picture.fields:
         shown = [shown_field(results, port, picture.time) for results in runs.values()]
@@ -322,7 +317,7 @@ def draw_maps(case, picture, runs):
 
 
 class ShownField(NamedTuple):
-    """Values of a field in its SI unit, and of when they are in words."""
+    """Values of a field in its SI unit, and their instant as text."""
 
     values: np.ndarray
     unit: str
@@ -340,7 +335,7 @@ def shown_field(results, port, time) -> ShownField:
 
 
 class MapRow(NamedTuple):
-    """Maps of one field side by side, with the label and the norm of their colours."""
+    """Maps of one field for several runs, with their label and the norm of their colours."""
 
     label: str
     images: Sequence[np.ma.MaskedArray]
@@ -363,19 +358,21 @@ def map_figure(case, rows):
 
 
 def where_there(image, there):
-    """The cells that the field has; the others are masked, and stay blank."""
+    """Mask the cells that the field does not have."""
     return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
 
 
 FLOOR = 1e-4
-"""Logarithmic colours reach down to this share of the largest value."""
+"""Lower end of logarithmic colours, relative to the largest value."""
 SPAN = 30.0
 """Ratio of two values above which a colour scale is logarithmic."""
 
 
 def colour_norm(images):
-    """One colour scale for all images: logarithmic if the largest value exceeds `SPAN` times the
-    median of the positive ones, as a single cell in contact does.
+    """Return the colour scale of all images.
+
+    It is logarithmic if the largest value exceeds `SPAN` times the median of the positive ones,
+    as in contact of a single cell.
     """
     low = min(float(image.min()) for image in images)
     high = max(float(image.max()) for image in images)
@@ -425,7 +422,7 @@ def draw_values(panel, image, norm, axes):
 
 
 def _mark(drawn, axis, low, high):
-    """Tick the quarters of a range of an axis that has marks, and name the marks."""
+    """Tick the quarters of an axis that has marks, and label the marks."""
     if not axis.marks:
         return
     words = {position: f"\n{word}" for word, position in axis.marks.items()}
@@ -435,8 +432,9 @@ def _mark(drawn, axis, low, high):
 
 
 def draw_sections(case, picture, runs):
-    """One panel per field, runs in one panel: the field along its first index at one share of the
-    second and one instant.
+    """Draw a panel for each field, with all runs.
+
+    The curve is the field along its first index, at one position of the second and one instant.
     """
     figure, panels = stack(len(picture.fields))
     axis = case.axes_of(picture.fields[0]).first
@@ -469,4 +467,4 @@ def draw_sections(case, picture, runs):
 
 
 DRAWN = {"lines": draw_lines, "map": draw_maps, "section": draw_sections}
-"""How each kind of picture is drawn: of the case, the picture and label -> Results."""
+"""Functions that draw each kind of picture, of the case, the picture and label -> Results."""

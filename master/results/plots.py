@@ -1,4 +1,4 @@
-"""Pictures of a run in one line, by the same functions that draw a case's pictures."""
+"""Pictures of a run in one line, by the functions that draw a case's pictures."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 class Plots:
-    """`results.plot`: each call draws one matplotlib figure; a notebook shows it, a script saves it
-    (`figure.savefig("film.png")`).
+    """Plots of a run, `results.plot`; each call draws one matplotlib figure.
 
-    Units are those asked for, name -> unit ("um", "MPa", "deg"); SI without. `beside` draws other
-    runs into the same panels: label -> Results.
+    A notebook shows the figure, a script saves it (`figure.savefig("film.png")`). `units` maps
+    names to units ("um", "MPa", "deg"). Default: SI. `beside` adds other runs to the same panels:
+    label -> Results.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class Plots:
         return html_table(repr(self)[1:-1], pictures)
 
     def __call__(self, beside: "dict[str, Recorded] | None" = None) -> "dict[str, Figure]":
-        """Every picture that the case describes: its file's name -> figure."""
+        """Draw every picture that the case describes: file name -> figure."""
         return {p.file: self._drawn(p, beside) for p in self._case.pictures}
 
     def lines(
@@ -51,14 +51,14 @@ class Plots:
         units: dict[str, str] | None = None,
         beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
-        """Scalar outputs over `x`, a panel each.
+        """Draw scalar outputs over `x`, a panel each.
 
         Parameters
         ----------
         *ports : str
             "participant.variable".
         x : str, optional
-            The same for the abscissa; crank angle without it, time in a case without a crank.
+            Abscissa. Default: crank angle, or time in a case without a crank.
         """
         x = x or self._abscissa()
         self._known([*ports, *([x] if x != "time" else [])], self._results.ports)
@@ -73,7 +73,7 @@ class Plots:
         units: dict[str, str] | None = None,
         beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
-        """Recorded fields at the instant nearest to `time` ("18 ms"), developed, a row each."""
+        """Draw maps of recorded fields at the instant nearest to `time` ("18 ms"), a row each."""
         self._known(ports, self._results.recorded)
         chosen = dict(fields=list(ports), time=time, units=units or {})
         return self._drawn(_picture("map", **chosen), beside)
@@ -87,7 +87,7 @@ class Plots:
         units: dict[str, str] | None = None,
         beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
-        """Recorded fields at `time` along their first index, at a share `height` of the second."""
+        """Draw recorded fields at `time` along the first index, at share `height` of the second."""
         self._known(ports, self._results.recorded)
         where = dict(fields=list(ports), time=time, height=height, angles=angles)
         return self._drawn(_picture("section", **where, units=units or {}), beside)
@@ -97,7 +97,7 @@ class Plots:
         return port if port is not None and port in self._results.ports else "time"
 
     def _known(self, ports: Any, known: list[str]) -> None:
-        """BadInput for ports that the file does not have."""
+        """Raise `BadInput` for ports that the file does not have."""
         strange = [port for port in ports if port not in known]
         if strange:
             raise BadInput([f"plot: {unknown('variable', port, known)}" for port in strange])

@@ -1,4 +1,4 @@
-"""A results file, read; `runs.recorder` says how it is laid out."""
+"""Reading of a results file; `runs.recorder` describes its layout."""
 
 import json
 from copy import copy
@@ -17,7 +17,7 @@ from .coordinates import crank_angle_port
 
 
 class Series(NamedTuple):
-    """A scalar output over the macro steps, shape (rows,), in its SI unit."""
+    """Scalar output over the macro steps, shape (rows,), in its SI unit."""
 
     values: np.ndarray
     unit: str
@@ -31,7 +31,7 @@ class Series(NamedTuple):
 
 
 class RecordedField(NamedTuple):
-    """A field at the instant `time` [s], in its SI unit."""
+    """Field at the instant `time` [s], in its SI unit."""
 
     values: np.ndarray
     time: float
@@ -49,8 +49,8 @@ class RecordedField(NamedTuple):
 class Envelope(NamedTuple):
     """Extreme value of every cell of a field over the last period, in its SI unit.
 
-    kind : "min" or "max"; every_step : whether all accepted macro steps count, or recorded instants
-    alone.
+    kind : "min" or "max"; every_step : whether it covers all accepted macro steps, or only
+    recorded instants.
     """
 
     values: np.ndarray
@@ -91,29 +91,29 @@ class Later:
 
 
 NEAR = 1e-6
-"""Share of a period that a row may be off its beginning by round-off."""
+"""Share of a period by which a row may miss its beginning due to round-off."""
 SLASH = "\u2215"
-"""Replaces / in the names of datasets, where HDF5 would take / for a group."""
+"""Character that replaces / in the names of datasets, because HDF5 uses / for groups."""
 NAMELESS = {"": "\u2205", ".": "\u2024"}
 """Names of variables that HDF5 does not allow, and the names of their datasets."""
 
 
 def dataset_path(port: str) -> str:
-    """Where a results file holds "participant.name", or "time"."""
+    """Return the path of "participant.name" or "time" in a results file."""
     owner, dot, name = port.partition(".")
     return f"{owner}/{NAMELESS.get(name, name.replace('/', SLASH))}" if dot else owner
 
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 END = slice(28, 36)
-"""First bytes of an HDF5 file, and those that say how long it was when they were written."""
+"""First bytes of an HDF5 file, and position of its length at the last writing."""
 
 
 def open_unfinished(path: Path) -> Any:
-    """A results file that is being written, or was when its run was killed, opened for reading.
+    """Open a results file for reading that is being written, or whose run was killed.
 
-    HDF5 reads what a file that was cut has lost again and again, and never gives up: OSError if it
-    is shorter than it says itself.
+    Raises `OSError` if it is shorter than its header states, because HDF5 would read a truncated
+    file forever.
     """
     with open(path, "rb") as file:
         head = file.read(END.stop)
@@ -130,7 +130,7 @@ def _port(path: str) -> str:
 
 
 class Recorded:
-    """What a run has recorded, as arrays in SI with their units; see `file.Results`."""
+    """Recorded data of a run as arrays in SI with their units; see `file.Results`."""
 
     def __init__(self, path: str | Path):
         self.path = Path(path)
@@ -151,18 +151,18 @@ class Recorded:
             self._ahead = self._row(self._times[0] + floor(passed + NEAR) * self.period)
 
     def _row(self, time: float) -> int:
-        """First row at or after a time of the file [s], to round-off."""
+        """Return the first row at or after a time of the file [s], within round-off."""
         return int(np.searchsorted(self._times, time - NEAR * self.period))
 
     def _show(self, periods: int):
-        """Show so many periods up to the end, or the whole run if it is shorter than one."""
+        """Show the last periods, or the whole run if it is shorter than one."""
         begin, *_, end = self._times
         held = floor((end - begin) / self.period + NEAR)
         self._since = self._row(end - min(periods, held) * self.period) if held else 0
 
     @property
     def last(self) -> Self:
-        """The last period alone, on the times that are shown; the whole of a run without one."""
+        """The last period of the times shown; the whole run if it has no period."""
         if not self.period or len(self._times) < 2:
             return self
         view = copy(self)
@@ -171,7 +171,7 @@ class Recorded:
 
     @property
     def whole(self) -> Self:
-        """The run from its start, as the file holds it."""
+        """The whole run from its start."""
         view = copy(self)
         view._since = view._ahead = 0
         return view
@@ -197,11 +197,11 @@ class Recorded:
 
     @property
     def summary(self) -> dict[str, Any] | None:
-        """Summary of a finished run, None of one that is not."""
+        """Summary of a finished run; None if the run has not finished."""
         return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
 
     def series(self, port: str) -> Series:
-        """A scalar output over the macro steps: (values, unit, description)."""
+        """Return a scalar output over the macro steps: (values, unit, description)."""
         dataset = self.file[dataset_path(port)]
         values = dataset[self._since :]
         if port in self._turning and self._ahead:
@@ -210,7 +210,7 @@ class Recorded:
 
     @property
     def crank_angle(self) -> np.ndarray | None:
-        """Crank angle at `time`, shape (rows,) [rad]; None of a case without one."""
+        """Crank angle at `time`, shape (rows,) [rad]; None if the case has none."""
         port = crank_angle_port(self._checked)
         return self.series(port).values if port in self.ports else None
 
@@ -232,13 +232,14 @@ class Recorded:
         return [name for name in names if name != "time" and not name.startswith(groups)]
 
     def structured(self) -> np.ndarray:
-        """All scalar outputs as FMPy hands out results.
+        """Return all scalar outputs in FMPy's format of results.
 
         Returns
         -------
         ndarray, shape (rows,)
-            Structured: a field "time" [s], and one for every port in SI; `fmpy.util.write_csv` and
-            `plot_result` take it.
+            Structured: a field "time" [s], and one for every port in SI, for `fmpy.util.write_csv`
+            and
+            `plot_result`.
         """
         columns = [("time", float), *((port, float) for port in self.ports)]
         table = np.empty(len(self.time), columns)
@@ -254,7 +255,7 @@ class Recorded:
 
     @property
     def _first_instant(self) -> int:
-        """Number of the first recorded instant that is shown."""
+        """Index of the first recorded instant that is shown."""
         if not self._since:
             return 0
         since = self._times[self._since] - NEAR * self.period
@@ -271,8 +272,9 @@ class Recorded:
         return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
 
     def there(self, port: str) -> np.ndarray | None:
-        """Which cells the field has, bool of its shape: False in a cut-out, where what the file
-        holds means nothing; None where it has all, or the file does not say.
+        """Return the mask of the cells that a field has; None if it has all, or if unknown.
+
+        The values of other cells, which are cut out, have no meaning.
         """
         masks = json.loads(self.file.attrs.get("masks", "{}"))
         owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
@@ -288,14 +290,15 @@ class Recorded:
         return np.array(mask, dtype=bool)
 
     def dataset(self, port: str) -> Any:
-        """Recorded field at all instants shown, of shape (instants, *shape): sliced like an
-        h5py.Dataset, read when it is sliced.
+        """Return a recorded field at all instants shown, shape (instants, *shape).
+
+        It is sliced like an h5py.Dataset, and read when it is sliced.
         """
         dataset = self.file["fields/" + dataset_path(port)]
         return Later(dataset, self._first_instant) if self._since else dataset
 
     def field(self, port: str, time: float) -> RecordedField:
-        """Recorded field nearest to `time` [s]."""
+        """Return the recorded field nearest to `time` [s]."""
         dataset = self.dataset(port)
         instants = self.instants
         k = int(np.argmin(np.abs(instants - time)))
@@ -303,10 +306,10 @@ class Recorded:
         return RecordedField(dataset[k], float(instants[k]), unit, dataset.attrs["description"])
 
     def envelope(self, port: str) -> Envelope | None:
-        """Extreme value of every cell of a field over the last period; None if the file has none.
+        """Return the extremes of every cell of a field over the last period; None if unknown.
 
-        A file without stored envelopes, such as one of an unfinished run, gives those of its
-        recorded instants.
+        If the file has no envelopes, as in an unfinished run, they are those of the recorded
+        instants.
         """
         if (path := f"envelopes/{dataset_path(port)}") in self.file:
             dataset = self.file[path]

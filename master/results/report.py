@@ -1,6 +1,4 @@
-"""Report of one or several runs: one HTML page without external files, and its figures as PNG and
-SVG.
-"""
+"""Report of one or several runs: one HTML page without external files, and its figures."""
 
 import base64
 import csv
@@ -104,19 +102,19 @@ PLAIN = Special()
 def write_report(
     case, runs, folder, notes=None, studies=(), answers=None, special=PLAIN, figures=True
 ):
-    """Write `<folder>/report.html` and, if wanted, the figures.
+    """Write `<folder>/report.html` and, if wanted, the figures as PNG and SVG.
 
     Parameters
     ----------
     case : Case
-        Of the first run.
+        Case of the first run.
     runs : dict of str to Results
         Label -> results.
     folder : Path
     notes : Path, optional
         Markdown file, for example the case's README. The page embeds its pictures.
     studies : sequence of Path
-        Tables of studies (study.csv): what grid, step, modes and tolerance are worth.
+        Tables of studies (study.csv) of the accuracy of grid, step, modes and tolerance.
     answers : dict, optional
         Label -> main results `lines` (name, said) and checks `verdicts` (colour, what, said).
     special : Special
@@ -170,7 +168,7 @@ def notes_html(path: Path) -> str:
 
 
 def _save_figures(case, runs, folder):
-    """The case's pictures but maps, its loops and the coupling's health, as PNG and SVG."""
+    """Save the case's pictures except maps, its loops and the coupling's health."""
     for picture, figure in drawn_figures(case, runs):
         if picture.kind != "map":
             _save(figure, folder / Path(picture.file).stem)
@@ -180,7 +178,7 @@ def _save_figures(case, runs, folder):
 
 
 def study_table(path):
-    """The table of a study, named after its folder; numbers to four digits."""
+    """Return the table of a study, named after its folder, with numbers of four digits."""
     with open(path, newline="") as file:
         header, *rows = csv.reader(file)
     heads = [name.split(".")[-1].replace("_", " ") for name in header]
@@ -232,8 +230,8 @@ def checks(judged) -> list[Check]:
 class Summarised:
     """Text about one run.
 
-    summary : empty if the run has not finished; loops : name -> work with its unit; versions : of
-    the packages; digest : SHA-256 of the results file.
+    summary : empty if the run has not finished; loops : name -> work with its unit; versions :
+    of the packages; digest : SHA-256 of the results file.
     """
 
     label: str
@@ -267,7 +265,7 @@ def summarised(case, label, results) -> Summarised:
 
 
 def digest(path):
-    """SHA-256 of a file."""
+    """Return the SHA-256 of a file."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
@@ -278,7 +276,7 @@ def _save(figure, stem):
 
 
 def draw_loop(case, runs, name):
-    """The loop `name` of every run."""
+    """Draw the loop `name` of every run."""
     loop = case.report.loops[name]
     figure, panel = subplots(figsize=(7, 4.5))
     x_unit = y_unit = ""
@@ -302,7 +300,7 @@ def draw_loop(case, runs, name):
 
 
 def draw_health(runs):
-    """Iterations, derivative products and residual over time."""
+    """Draw iterations, derivative products and residual over time."""
     names = ("iterations", "derivative_products", "residual")
     figure, panels = subplots(3, 1, sharex=True, figsize=(11, 6))
     for colour, (label, results) in zip(cycle(PALETTE), runs.items()):

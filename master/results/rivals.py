@@ -1,7 +1,6 @@
-"""FMUs of one role side by side on one case: what they make of the fields they exchange, and what
-they cost.
+"""Comparison of FMUs of one role in one case: exchanged fields and cost.
 
-By what they are held against each other, the contract says for each role (`Curve`).
+The contract lists the curves to compare for each role (`Curve`).
 """
 
 from collections.abc import Callable
@@ -19,7 +18,7 @@ from .judgement import mean_over
 from .pictures import labelled, unit_shown
 
 CELLS = {"min": np.min, "sum": np.sum}
-"""A field's cells made one number."""
+"""Functions that reduce the cells of a field to one number."""
 
 
 INSTANTS = {
@@ -28,7 +27,7 @@ INSTANTS = {
     "rms": lambda time, values: np.sqrt(mean_over(time, values**2)),
     "mean size": lambda time, values: mean_over(time, np.abs(values)),
 }
-"""A curve made one number."""
+"""Functions that reduce a curve to one number."""
 
 COST = {
     "iterations a step, mean": ("mean_iterations", ""),
@@ -40,11 +39,11 @@ COST = {
 
 @dataclass(frozen=True)
 class Rivals:
-    """A case with each of several models in the place of one participant.
+    """A case with each of several models as one participant.
 
-    trees : the case's TOML tree by model (file name without suffix, or model); common : one whose
-    pictures all can fill; left_out : what the case says of variables that an FMU does not have, by
-    model; ports : of the fields that the role exchanges, by name.
+    trees : the case's TOML tree by model (file name without suffix, or model); common : a tree
+    whose pictures all models can draw; left_out : keys of variables that an FMU lacks, by model;
+    ports : exchanged fields of the role, by name.
     """
 
     role: str
@@ -57,14 +56,14 @@ class Rivals:
 def rivals_of(
     tree: dict, role: str, models: list[str], say: Callable[[str], None] = lambda text: None
 ) -> Rivals:
-    """The case with each model.
+    """Return the case with each model.
 
     Parameters
     ----------
     tree : dict
-        The case's TOML tree.
+        TOML tree of the case.
     role : str
-        Of the contract.
+        Role in the contract.
     models : list of str
         Each is an FMU (*.fmu), a model class FILE.py:CLASS, or a model of the case's own FMU. In a
         case with several participants of the role, "PARTICIPANT=" precedes it.
@@ -72,7 +71,7 @@ def rivals_of(
     Raises
     ------
     BadInput
-        If they are for different participants, or the role's own FMU has no models to choose from.
+        If they are for different participants, or the role's own FMU has no choice of models.
     """
     pairs = [in_place_of(tree, role, model) for model in models]
     if len({name for name, _ in pairs}) > 1:
@@ -101,15 +100,16 @@ def rivals_of(
     for label, each in trees.items():
         record = each.get("record", {})
         fields = list(dict.fromkeys([*record.get("fields", []), *ports.values()]))
-        # where every model comes by, however its steps are divided
+        # every model reaches these instants, whatever its steps
         every = each["time"]["step"]
         trees[label] = each | {"record": record | {"fields": fields, "every": every}}
     return Rivals(role, trees, common, left_out, ports)
 
 
 def exchanged(tree: dict, role: str, name: str) -> dict[str, str]:
-    """The fields that participant `name` exchanges in its role: name in the contract ->
-    participant.variable, as the side that gives it records it.
+    """Return the fields that participant `name` exchanges in its role, by name in the contract.
+
+    Each value is the participant.variable that records the field at its source.
     """
     terms = contract()[role]
     sources = {wire["to"]: wire["from"] for wire in tree["wires"]}
@@ -127,7 +127,7 @@ def exchanged(tree: dict, role: str, name: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Exchange:
-    """What a run recorded: instants [s], shape (n,), and fields by name, shape (n, ...), in SI."""
+    """Exchange of a run: instants [s], shape (n,), fields by name, shape (n, ...), in SI."""
 
     time: np.ndarray
     fields: dict[str, np.ndarray]
@@ -135,7 +135,7 @@ class Exchange:
 
 
 def exchange(results: Results, ports: dict[str, str]) -> Exchange:
-    """The exchanged fields of a run."""
+    """Return the exchanged fields of a run."""
     return Exchange(
         results.instants,
         {name: results.dataset(port)[:] for name, port in ports.items()},
@@ -144,11 +144,10 @@ def exchange(results: Results, ports: dict[str, str]) -> Exchange:
 
 
 def drawn(curve: Curve, one: Exchange, first: Exchange) -> tuple[np.ndarray, np.ndarray]:
-    """Instants [s] and values of a curve, in its unit.
+    """Return instants [s] and values of a curve, in its unit.
 
-    Eq. (X5):  y(t) = factor C(f_1 f_2 ..) over the cells,   C the least or the sum, or for a
-               distance the root mean square of f_1 - (f_1 of the first) at the instants that both
-               recorded
+    Eq. (X5):  y(t) = factor C(f_1 f_2 ..) over the cells,   C the minimum or the sum, or for a
+               distance the root mean square of f_1 - (f_1 of the first) at common instants
     """
     si = " * ".join(pint_unit(one.units[name]) for name in curve.fields)
     scale = curve.factor * registry().Quantity(1.0, si).to(curve.unit).magnitude
@@ -161,9 +160,7 @@ def drawn(curve: Curve, one: Exchange, first: Exchange) -> tuple[np.ndarray, np.
 
 
 def distance(one: Exchange, first: Exchange, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Instants that both recorded [s], and there the root mean square difference of a field over
-    its cells.
-    """
+    """Return common instants [s], and the root mean square difference of a field over its cells."""
     shared, here, there = np.intersect1d(one.time, first.time, return_indices=True)
     apart = one.fields[name][here] - first.fields[name][there]
     return shared, np.sqrt(np.mean(apart**2, axis=tuple(range(1, apart.ndim))))
@@ -172,14 +169,13 @@ def distance(one: Exchange, first: Exchange, name: str) -> tuple[np.ndarray, np.
 def measures(
     role: str, runs: dict[str, Exchange], summaries: dict[str, dict]
 ) -> dict[str, list[float]]:
-    """Values of the rows of `rows_of`, for every model.
+    """Return the values of the rows of `rows_of`, for every model.
 
     Parameters
     ----------
     role : str
     runs, summaries : dict
-        By model: what it exchanged and the summary of its run; the first is what the others are
-        held against.
+        Exchange and summary of the run by model. The first model is the reference.
     """
     first = next(iter(runs.values()))
     return {
@@ -195,7 +191,7 @@ def measures(
 
 
 def rows_of(role: str) -> dict[str, str]:
-    """Rows of the table of measures, and their units."""
+    """Return the rows of the table of measures, and their units."""
     curves = {curve.number: curve.unit for curve in contract()[role].curves}
     return curves | {name: unit for name, (_, unit) in COST.items()}
 
@@ -206,15 +202,15 @@ def draw_rivals(
     iterations: dict[str, tuple[np.ndarray, np.ndarray]],
     path: Path,
 ) -> None:
-    """The role's curves and iterations over time, all models in each panel.
+    """Draw the role's curves and iterations over time, with all models in each panel.
 
     Parameters
     ----------
     role : str
     runs : dict
-        By model: what it exchanged.
+        Exchange by model.
     iterations : dict
-        By model: instants [s] and iterations of each step.
+        Instants [s] and iterations of each step, by model.
     path : Path
         The PNG file.
     """

@@ -1,5 +1,6 @@
-"""Bodies and films of a run over time for ParaView: one .pvd file to open, and a VTU file for each
-instant and part in a folder beside it.
+"""Bodies and films of a run over time for ParaView: a .pvd file and a folder of VTU files.
+
+Each VTU file contains one instant of one part.
 """
 
 from dataclasses import dataclass
@@ -14,20 +15,21 @@ from .solids import Solid, Stand, about_z, moved
 
 @dataclass(frozen=True)
 class Film:
-    """Fields on a surface that moves as a body does.
+    """Fields on a surface that moves like a body.
 
     Parameters
     ----------
     name : str
     blocks : list of Block
     points : ndarray, shape (n, 3)
-        From its body's origin [m].
+        Relative to the body's origin [m].
     cells : ndarray of int, shape (c, 4)
         In the order of a field's values.
     motion : ndarray, shape (instants, 3), or None
-        across, along [m] and the turn about z [rad] at the recorded instants; None: it rests.
+        across, along [m] and the rotation about z [rad] at the recorded instants. None: it is
+        fixed.
     stand : Stand
-        Of its cylinder.
+        Position of its cylinder.
     """
 
     name: str
@@ -43,19 +45,19 @@ def write_series(
 ) -> Path:
     """Write the chosen instants.
 
-    Points are where they are, at their true scale, every cylinder at its place; `displacement` is
-    the deflection, for ParaView's "Warp By Vector".
+    Points have their true position and scale, with every cylinder at its position. `displacement`
+    is the deflection, for ParaView's "Warp By Vector".
 
     Parameters
     ----------
     solids : list of Solid
     films : list of Film
     instants : ndarray, shape (instants,)
-        Recorded ones [s].
+        Recorded instants [s].
     chosen : ndarray of int
-        Those written.
+        Indices of the instants to write.
     path : Path
-        Ends with .pvd.
+        With suffix .pvd.
 
     Returns
     -------
@@ -78,7 +80,7 @@ def write_series(
 
 
 def _body(solid, k):
-    """A body's surface at instant `k`."""
+    """Return a body's surface at instant `k`."""
     import meshio
 
     deflection = solid.modes @ solid.coordinates[k] if solid.modes.shape[2] else 0 * solid.points
@@ -94,7 +96,7 @@ def _body(solid, k):
 
 
 def _film(film, k):
-    """The fields of a film at instant `k`."""
+    """Return the fields of a film at instant `k`."""
     import meshio
 
     points = moved(film.points, None if film.motion is None else film.motion[k])

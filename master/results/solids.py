@@ -1,6 +1,4 @@
-"""Bodies on their meshes, for the page: surfaces, mode shapes, and where they are at each
-instant.
-"""
+"""Bodies on their meshes for the page: surfaces, mode shapes and motion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,30 +13,28 @@ LEAST = 1e-4
 
 
 class Stand(NamedTuple):
-    """Where a cylinder stands in its engine: along the crankshaft, z [m], and turned about it from
-    upright, its bank angle [rad].
-    """
+    """Position of a cylinder: z along the crankshaft [m], and bank angle from upright [rad]."""
 
     along: float = 0.0
     bank: float = 0.0
 
     def turned(self, vectors: np.ndarray) -> np.ndarray:
-        """Vectors (n, 3) of the cylinder in the engine's axes."""
+        """Rotate vectors (n, 3) of the cylinder into the engine's axes."""
         return vectors @ about_z(self.bank).T
 
     def placed(self, points: np.ndarray) -> np.ndarray:
-        """Points (n, 3) of the cylinder in the engine [m]."""
+        """Move points (n, 3) of the cylinder to their position in the engine [m]."""
         return self.turned(points) + [0.0, 0.0, self.along]
 
 
 def about_z(angle: float) -> np.ndarray:
-    """Matrix that turns by an angle about z [rad]."""
+    """Return the matrix of a rotation about z by an angle [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def moved(points: np.ndarray, motion: np.ndarray | None) -> np.ndarray:
-    """Points (n, 3) of a body that has gone across and along [m] and turned about z [rad]."""
+    """Return points (n, 3) of a body after its motion across and along [m] and about z [rad]."""
     if motion is None:
         return points
     across, along, turn = motion
@@ -47,39 +43,39 @@ def moved(points: np.ndarray, motion: np.ndarray | None) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Solid:
-    """The surface of a body of one run.
+    """Surface of a body in one run.
 
-    A point is at R(beta) (p + Phi q) + (across, along, 0), which the page computes
-    (templates/bodies.js); its slider multiplies Phi q, across and beta.
+    The position of a point is R(beta) (p + Phi q) + (across, along, 0), which the page computes
+    (templates/bodies.js). Its slider multiplies Phi q, across and beta.
 
     Parameters
     ----------
     name : str
     points : ndarray, shape (n, 3)
-        p, from the body's origin [m].
+        p, relative to the body's origin [m].
     triangles : ndarray of int, shape (t, 3)
     modes : ndarray, shape (n, 3, k)
         Phi, displacement by coordinate; k may be 0.
     coordinates : ndarray, shape (instants, k)
         q at the run's recorded instants.
     motion : ndarray, shape (instants, 3), or None
-        across, along [m] and beta about z [rad] at them; None: the body rests, and is cut open.
+        across, along [m] and beta about z [rad] at these instants. None: the body is fixed, and
+        cut open.
     film : (float, float) or None
-        Heights of the points between which fields lie around the body [m].
+        Lower and upper height of the fields around the body [m].
     stress : ndarray, shape (instants, n), or None
         Equivalent stress at the points [Pa].
     fields : dict of str to (float, float)
-        Ports of fields that lie around the body, and between which of its heights each does [m];
-        a body with `film` and none named has all of them there.
+        Heights of each field around the body [m], by port. If empty, `film` is valid for all.
     owner : str
-        Participant whose body it is, "" where there is one alone.
+        Participant that the body belongs to, "" if there is only one.
     held : bool
-        Whether what the body does is known: of one without coordinates False says that it deflects,
-        but that its coordinates were not recorded.
+        Whether the deflection is known. False for a flexible body whose coordinates were not
+        recorded.
     stand : Stand
-        Of its cylinder; the page draws every cylinder upright.
+        Position of its cylinder. The page draws every cylinder upright.
     schematic : bool
-        Whether the shape is none of a mesh. The page draws its motion at true scale.
+        Whether the shape is not from a mesh. The page draws its motion at true scale.
     """
 
     name: str
@@ -97,15 +93,15 @@ class Solid:
     schematic: bool = False
 
     def title(self, between: str = " ") -> str:
-        """Its name, after that of its owner where it has one."""
+        """Return its name, preceded by its owner if there is one."""
         return between.join(filter(None, (self.owner, self.name)))
 
     def between(self, port: str) -> tuple[float, float] | None:
-        """Heights between which a field lies around the body [m], None where it does not."""
+        """Return the heights of a field around the body [m], None if there is none."""
         return self.fields.get(port) if self.fields else self.film
 
     def largest_displacement(self) -> float:
-        """Of all points at all instants, |Phi q| [m]; 0 without modes."""
+        """Return the largest |Phi q| of all points and instants [m]; 0 without modes."""
         found = 0.0
         for q in self.coordinates if self.modes.shape[2] else ():
             found = max(found, float(np.linalg.norm(self.modes @ q, axis=1).max()))
@@ -115,8 +111,9 @@ class Solid:
 def solids_data(
     runs: list[list[Solid]], columns: Columns, fields: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Solids of every run for the page's script, which numbers the `fields` (ports) it draws;
-    meshes and modes of equal bodies are kept once.
+    """Return the solids of every run for the page's script; equal meshes are stored once.
+
+    `fields` are the ports that the script draws.
     """
     meshes: dict[tuple[str, str, str], int] = {}
     return {
@@ -168,7 +165,7 @@ def _solid(solid, meshes, columns, fields):
 
 
 def _stress_data(stress):
-    """Stress in MPa as frames of a field, with its range."""
+    """Return the stress in MPa as frames of a field, with its range."""
     shown = stress * 1e-6
     return packed_frames(shown) | {
         "shape": [shown.shape[1], 1],

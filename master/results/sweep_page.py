@@ -1,6 +1,4 @@
-"""The page of a sweep: Pareto front, response, parallel coordinates; every point links to its
-report.
-"""
+"""Page of a sweep: Pareto front, response, parallel coordinates, and links to reports."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,12 +11,12 @@ from .pictures import entry_shown, unit_shown
 from .sweep_pictures import drawn_entries, magnitude
 
 FIRST = ("friction", "minimum_film_thickness", "slap")
-"""Parts of the names of the outputs that a front shows first: abscissa, ordinate and colour."""
+"""Parts of the names of the outputs that a front shows by default: abscissa, ordinate, colour."""
 
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """A row of a sweep's table, and where its report is seen from the page ("" without one)."""
+    """Row of a sweep's table, and the relative path of its report ("" if there is none)."""
 
     row: dict
     report: str
@@ -27,7 +25,7 @@ class SweptPoint:
 def write_sweep_page(
     points: list[SweptPoint], axes: list[str], directions: Mapping[str, str], path: Path
 ) -> Path:
-    """Write the page of a sweep's points that are done.
+    """Write the page of a sweep's finished points.
 
     Parameters
     ----------
@@ -35,7 +33,7 @@ def write_sweep_page(
     axes : list of str
         Columns that were varied.
     directions : mapping of str to {"raise", "lower", "none"}
-        Columns of outputs, and where a design wants them. Those that do not vary are omitted.
+        Columns of outputs, and the direction of a better design. Constant ones are omitted.
     path : Path
     """
     done = [point for point in points if point.row["status"] == "done"]
@@ -58,7 +56,7 @@ def write_sweep_page(
 
 
 def _chosen(entries):
-    """Numbers of the three outputs that are shown first; without a third one, the first again."""
+    """Return the numbers of the three default outputs; without a third one, the first again."""
     found = [next((name for name in entries if word in name), None) for word in FIRST]
     order = list(dict.fromkeys([*filter(None, found), *entries]))
     return [entries.index(order[min(k, len(order) - 1)]) for k in range(3)] if order else []
@@ -70,7 +68,7 @@ def _output(name, done, direction):
 
 
 def _input(name, done):
-    """A varied key with its unit: its values as positions, numbered where they are no numbers."""
+    """Return a varied key with its unit and its values, or their numbers if they are texts."""
     texts = [str(point.row[name]) for point in done]
     numbers = [magnitude(point.row[name]) for point in done]
     order = list(dict.fromkeys(texts))

@@ -1,6 +1,4 @@
-"""Pictures of a sweep: every result over the first axis, a curve for each combination of the
-others.
-"""
+"""Pictures of a sweep: results over the first axis, a curve for each combination of others."""
 
 import numpy as np
 
@@ -11,11 +9,11 @@ from .pictures import entry_shown
 ROUNDING = 1e-12
 """Values up to this size are zero, in SI units."""
 SAME = 1e-6
-"""Relative range up to which an output does not vary: the macro steps are solved no better."""
+"""Relative range below which an output counts as constant: the accuracy of macro steps."""
 
 
 def magnitude(value):
-    """Number on an axis: quantities in their own unit, numbers as they are, anything else None."""
+    """Return the number of a quantity in its own unit, or of a number; None for others."""
     if isinstance(value, (int, float)):
         return value
     try:
