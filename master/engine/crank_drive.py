@@ -10,9 +10,9 @@ from .places import film_body
 from .surfaces import at_instants, crank_motion
 
 AROUND = 40
-"""Points around a cylinder."""
+"""Number of points around a cylinder."""
 PIN_SHARE = 0.2
-"""Radius of a pin relative to the bore's, if the case does not state it."""
+"""Default radius of a pin, relative to the bore's."""
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Points (n, 3) [m] and triangles (t, 3)."""
@@ -21,18 +21,18 @@ Mesh = tuple[np.ndarray, np.ndarray]
 def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> list[Solid]:
     """Return pin, rod and crank of a piston; none if the case has no crank.
 
-    Throw, rod length, pin radius and motion are those of the case, without the plays of bearings.
+    Throw, rod length, pin radius and motion are those of the case, without the play of bearings.
     All other dimensions are multiples of the pin's radius r.
 
     Parameters
     ----------
     results : Results
     body : str
-        Participant in the role `bodies`.
+        Participant with the role `bodies`.
     owner : str
-        Of the solids.
+        Owner of the solids.
     motion : ndarray, shape (instants, 3)
-        Of the piston, see `Solid`.
+        Motion of the piston, see `Solid`.
     """
     table = results.case["participants"][body]
     given = table.get("parameters", {})
@@ -63,7 +63,7 @@ def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> 
 
 
 def _bore_radius(results, body):
-    """Largest bore radius of the films of a body [m]; 0 if none states it."""
+    """Return the largest bore radius of the films of a body [m]; 0 if none states it."""
     films = [
         results.case["participants"][film].get("parameters", {})
         for film in players(results.case, "lubrication")
@@ -73,7 +73,7 @@ def _bore_radius(results, body):
 
 
 def _solid(name, meshes, motion, owner):
-    """Body of several closed meshes."""
+    """Return the body of several closed meshes."""
     begins = np.cumsum([0, *(len(points) for points, _ in meshes)])
     points = np.vstack([points for points, _ in meshes])
     triangles = np.vstack([own + begin for (_, own), begin in zip(meshes, begins)])
@@ -82,7 +82,7 @@ def _solid(name, meshes, motion, owner):
 
 
 def _prism(outline, depth, z) -> Mesh:
-    """Prism along z over an outline (n, 2), which is counterclockwise and convex."""
+    """Return a prism along z over an outline (n, 2), which is counterclockwise and convex."""
     n = len(outline)
     ends = [np.column_stack([outline, np.full(n, z + side * depth / 2)]) for side in (-1, 1)]
     here, following = np.arange(n), (np.arange(n) + 1) % n
@@ -101,6 +101,6 @@ def _cylinder(radius, depth, x=0.0, y=0.0, z=0.0) -> Mesh:
 
 
 def _bar(width, length, depth, z=0.0) -> Mesh:
-    """Bar from the origin along y."""
+    """Return a bar from the origin along y."""
     half = width / 2
     return _prism(np.array([[-half, 0], [half, 0], [half, length], [-half, length]]), depth, z)

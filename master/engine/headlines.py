@@ -1,5 +1,4 @@
-"""Main results of a finished run in ten lines: film, pressure, friction, side force, slap, motion,
-oil.
+"""Main results of a finished run in ten lines: film, forces, motion and oil.
 
 Every value refers to the last period of the run. A line is omitted if the run lacks its outputs.
 """
@@ -141,8 +140,9 @@ class Cycle(NamedTuple):
 
 
 def friction_pressure(case, results) -> float | None:
-    """Return the friction mean effective pressure [Pa] of the last period, Eq. (X12). None if the
-    run is shorter or lacks the outputs.
+    """Return the friction mean effective pressure [Pa] of the last period, Eq. (X12).
+
+    Returns None if the run is shorter or lacks the outputs.
     """
     found = friction_pressures(case, results)
     return found[-1].pressure if found else None
@@ -154,8 +154,8 @@ def friction_pressures(case, results) -> list[Cycle]:
     The list is empty if the run is shorter or lacks the outputs.
 
     Eq. (X12):  FMEP = int P dt / V,   V = sum over cylinders of pi R^2 (max Y - min Y)
-                P the friction power of all films, by trapezia; R the bore's radius, Y the pin's
-                height
+                P is the friction power of all films (trapezoidal rule), R the bore's radius, Y the
+                pin's height
     """
     bodies = players(results.case, "bodies")
     power = friction_power(results)
@@ -209,11 +209,10 @@ def _friction(run):
 
 
 def contact_share(results, film) -> float | None:
-    """Return the contact fraction of the friction work of the last period, or None if the run lacks
-    it.
+    """Return the contact fraction of the friction work of the last period, None if unknown.
 
     Eq. (X20):  (s_1 W_1 - s_0 W_0) / (W_1 - W_0),   W_i = sum of H_k P(t_k) from the start on
-                s the share since the start, P the friction power, 0 and 1 the period's ends
+                s is the share since the start, P the friction power, 0 and 1 the period's ends
     """
     ports = f"{film}.boundary_friction_share", f"{film}.friction_power"
     if ports[0] not in results.ports:
@@ -232,7 +231,7 @@ def contact_share(results, film) -> float | None:
 
 def _peaks(run):
     port = f"{run.film}.pressure"
-    bearing = f"{run.film}.friction_torque" in run.results.ports  # its load line turns
+    bearing = f"{run.film}.friction_torque" in run.results.ports  # its load line rotates
     if bearing or port not in run.results.recorded:
         return ""
     axis = run.case.axes_of(port).first

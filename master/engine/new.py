@@ -1,8 +1,7 @@
-"""A case of an own engine from a few lengths: what is not given is estimated by a rule that stands
-beside it.
+"""A new case of an engine from a few lengths, with a rule for each omitted value.
 
-Every rule is our own choice, of the size that passenger car and motorcycle pistons have; none
-imitates a measured engine. A figure of your own replaces its rule.
+Every rule is our own choice, typical of passenger car and motorcycle pistons. None imitates a
+measured engine.
 """
 
 import shutil
@@ -24,11 +23,11 @@ from ..fmi.tree import import_part
 STEEL = 7850.0
 """Density of the pin [kg/m3]."""
 IGNITION, DURATION = -8.0, 60.0
-"""Crank angle at which heat begins to be released, and how long that takes [deg]."""
+"""Crank angle of the start of heat release, and its duration [deg]."""
 INTAKE = 1.0e5
 """Pressure at bottom dead centre before compression, absolute [Pa]."""
 EXPONENT = 1.33
-"""Of compression and expansion."""
+"""Polytropic exponent of compression and expansion."""
 HEAT = 9.3
 """Factor of Eq. (D13) [-], our own choice: a compression ratio of 10.5 gives about 6.5 MPa."""
 VISCOSITY = 8e-3
@@ -36,16 +35,18 @@ VISCOSITY = 8e-3
 CELLS, LEAST, MOST = 57.0, 40, 200
 """Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`."""
 OPEN = 20.0
-"""Crank angle over which what is left falls to 1/e after the exhaust valve opens [deg]."""
+"""Crank angle in which the pressure falls to 1/e after the exhaust valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"
-"""Module that reads meshes, called by name: this package knows no bodies."""
+"""Module that reads meshes, called by name because this package does not import bodies."""
 TITLES = {True: "motored", False: "fired"}
 
 
 @dataclass(frozen=True)
 class Size:
-    """A size that can be given: unit of a bare number, allowed range in SI, the rule that estimates
-    it from those before it, and the rule in words.
+    """A size of an engine, with an optional rule that estimates it.
+
+    unit : of a bare number; low, high : allowed range in SI; rule : uses the sizes before it;
+    words : the rule as text.
     """
 
     unit: str
@@ -56,7 +57,7 @@ class Size:
     words: str = ""
 
     def read(self, name: str, text: str | float) -> float:
-        """A value in SI; ValueError with a sentence otherwise."""
+        """Return a value in SI; raise `ValueError` with a sentence if it is invalid."""
         allowed = f"{_in(self.low, self.unit)} to {_in(self.high, self.unit)} {self.unit}".strip()
         plain = str(text).strip()
         try:
@@ -79,7 +80,7 @@ def option_of(name: str) -> str:
 
 
 def _si(unit: str) -> str:
-    """SI unit of a unit of the field."""
+    """Return the SI unit of a unit of the field."""
     if not unit:
         return "1"
     base = f"{registry().Unit(unit).dimensionality}"
@@ -89,7 +90,7 @@ def _si(unit: str) -> str:
 
 
 def _in(value: float, unit: str) -> str:
-    """A value of SI in a unit of the field."""
+    """Convert a value from SI to a unit of the field."""
     if not unit:
         return f"{value:g}"
     return f"{from_si(value, _si(unit), unit):.6g}"
@@ -235,15 +236,15 @@ SIZES: dict[str, Size] = {
         "mm", 0.0, 1e-4, "Composite rms roughness", lambda s: 0.5e-6, "0.5 um, a run-in skirt"
     ),
 }
-"""What describes an engine, by option; a rule may use what stands before it."""
+"""Sizes of an engine by option. A rule may use the sizes before it."""
 
 
 @dataclass(frozen=True)
 class Engine:
-    """An engine of a data sheet.
+    """Engine of a data sheet.
 
-    sizes : value in SI of each of `SIZES`; given : names of those that are not estimated;
-    peak : largest gas pressure wanted, gauge [Pa], or None; motored : no combustion.
+    sizes : value in SI of each of `SIZES`; given : names of those that are not estimated; peak :
+    required maximum gas pressure, gauge [Pa], or None; motored : no combustion.
     """
 
     sizes: dict[str, float]
@@ -261,12 +262,12 @@ class Engine:
 
     @property
     def swept_volume(self) -> float:
-        """[m3]"""
+        """Swept volume [m3]."""
         return pi / 4 * self["bore"] ** 2 * self["stroke"]
 
     @property
     def skirt_radius(self) -> float:
-        """[m]"""
+        """Radius of the skirt [m]."""
         return self["bore"] / 2 - self["clearance"]
 
     @property
@@ -282,8 +283,10 @@ class Engine:
         return sqrt((self["rod"] - self.crank_radius) ** 2 - offset**2)
 
     def bore_ends(self, skirt_below: float) -> tuple[float, float]:
-        """Heights of the bore's ends above the crank axis [m]: a little below the skirt at bottom
-        dead centre, and the crown at top dead centre.
+        """Return the heights of the bore's ends above the crank axis [m].
+
+        The lower end is slightly below the skirt at bottom dead centre, the upper one is at the
+        crown at top dead centre.
         """
         return (
             self.bottom - skirt_below - 0.02 * self["bore"],
@@ -292,12 +295,12 @@ class Engine:
 
     @cached_property
     def gain(self) -> float:
-        """What burning multiplies the polytrope by, less 1 [-].
+        """Factor by which combustion multiplies the polytrope, minus 1 [-].
 
         Eq. (D13):  gain = 9.3 (r - 1) / r^n        r = compression ratio
 
-        Our own choice. Its form is that of heat at constant volume, Q / (c_v T_1) divided by
-        r^(n - 1), for the fresh share (r - 1) / r of the charge. It has no heat losses.
+        Our own choice. Its form is that of heat at constant volume, Q / (c_v T_1) over r^(n -
+        1), times the fresh share (r - 1) / r of the charge. It has no heat losses.
         """
         if self.motored:
             return 0.0
@@ -312,13 +315,13 @@ class Engine:
         return (low + high) / 2
 
     def gas_pressure(self, degrees: np.ndarray) -> np.ndarray:
-        """Gauge pressure over a cycle, -360 to 360 deg, 0 at firing top dead centre [Pa].
+        """Return the gauge pressure over a cycle [Pa], -360 to 360 deg, 0 at firing TDC.
 
         Eq. (D12):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1)
                    x_b = 1 - exp(-5 ((phi - phi_0)/d)^1.5)
                    while the valves are closed, -180 to 180 deg; then p falls with e^(-phi/20 deg)
 
-        Our own choice; no measured curve is imitated.
+        Our own choice, which imitates no measured curve.
         """
         return self._pressure(degrees, self.gain)
 
@@ -333,7 +336,7 @@ class Engine:
 
     @cached_property
     def largest_side_force(self) -> float:
-        """Side force of gas and inertia of a rigid piston with its pin, at most [N]."""
+        """Largest side force of gas and inertia of a rigid piston with its pin [N]."""
         angle, r = np.radians(CYCLE), self.crank_radius
         mass = self["mass"] + self["pin_mass"]
         ratio = r / self["rod"]
@@ -344,12 +347,12 @@ class Engine:
 
     @property
     def cells_around(self) -> int:
-        """Cells around a rigid skirt, so that four or more span the pressure peak.
+        """Number of cells around a rigid skirt, so that four or more span the pressure peak.
 
         Eq. (D51):  n = 57 Z^(-1/2),   Z = mu U L^2 R / (F (b + c) (o/2 + c))
 
-        mu is the viscosity, U the velocity of the crank pin, L the length of the skirt, R its
-        radius, F the side force, b the barrel, c the clearance and o the ovality. The peak is
+        mu is the viscosity, U the velocity of the crank pin, L the length of the skirt and R its
+        radius. F is the side force, b the barrel, c the clearance and o the ovality. The peak is
         narrow if the film is thin compared with the gap next to it. Factor and exponent are our
         own choice: the check of the grid passes for the engines of tests/master/test_new.py.
         """
@@ -360,7 +363,7 @@ class Engine:
         return int(np.clip(8 * np.ceil(cells / 8), LEAST, MOST))
 
     def volume_ratio(self, degrees: np.ndarray) -> np.ndarray:
-        """Volume of the cylinder over that at bottom dead centre, crank and pin not offset."""
+        """Return the cylinder volume relative to bottom dead centre, without offsets."""
         angle = np.radians(degrees)
         r = self.crank_radius
         below_top = r + self["rod"] - self._height(angle)
@@ -379,22 +382,22 @@ CYCLE = np.arange(-360.0, 361.0, 1.0)
 def engine(
     given: Mapping[str, str | float | None], peak: str | None = None, motored: bool = False
 ) -> Engine:
-    """An engine of what is given, the rest estimated.
+    """Return an engine of the given sizes, with estimates of the others.
 
     Parameters
     ----------
     given : mapping
-        Names of `SIZES` -> text with a unit, or a number in the size's usual unit; None is as if
-        not given. bore, stroke and rod are needed.
+        Names of `SIZES` -> text with a unit, or a number in the size's usual unit. None means
+        omitted. bore, stroke and rod are required.
     peak : str, optional
-        Largest gas pressure, gauge.
+        Maximum gas pressure, gauge.
     motored : bool
-        Compression and expansion alone.
+        Compression and expansion without combustion.
 
     Raises
     ------
     BadInput
-        Every fault.
+        With every fault.
     """
     faults: list[str] = []
     sizes: dict[str, float] = {}
@@ -427,7 +430,7 @@ def engine(
 
 
 def _contradictions(found: Engine) -> list[str]:
-    """What is wrong between sizes that are each in range."""
+    """Return the contradictions between sizes that are each in range."""
     faults = []
     reach = found.crank_radius + abs(found["pin_offset"] - found["crank_offset"])
     if found["rod"] <= 1.05 * reach:
@@ -456,26 +459,25 @@ def _contradictions(found: Engine) -> list[str]:
 
 
 def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> CheckedCase:
-    """Write the case of an engine into a new folder: case.toml and gas_pressure.csv, and a copy of
-    the mesh.
+    """Write the case of an engine into a new folder: case.toml, gas_pressure.csv and the mesh.
 
     Parameters
     ----------
     found : Engine
     folder : Path
-        Must not be there, or be empty.
+        Must not exist, or be empty.
     mesh : Path, optional
-        Of the piston; without it the piston is the data sheet's, rigid.
+        Mesh of the piston. Default: a rigid piston with the data sheet's sizes.
 
     Returns
     -------
     CheckedCase
-        What `check` says of it.
+        Result of `check`.
 
     Raises
     ------
     BadInput
-        If the folder holds something, or the mesh cannot be used.
+        If the folder is not empty, or the mesh cannot be used.
     """
     faults = []
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
@@ -495,7 +497,7 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     shutil.copy(mesh, folder / mesh.name)
     unit = _mesh_unit(folder / mesh.name)
     case.write_text(_text(found, folder.name, mesh.name, unit))
-    seen = check(folder)  # where the skirt of the mesh begins and ends, the file must say as well
+    seen = check(folder)  # the file must contain the ends of the mesh's skirt as well
     lower, upper = (seen.figure(f"bodies.{name}") for name in ("skirt_lower", "skirt_upper"))
     if lower is None or upper is None:
         return seen
@@ -506,17 +508,17 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
 
 
 def _mesh_unit(mesh: Path) -> str:
-    """ "1 mm" where a mesh is larger than any piston is in metres, else "1 m"."""
+    """Return "1 mm" if a mesh is larger than any piston in metres, else "1 m"."""
     reader: Any = import_part(MESHES)
     try:
         points = reader.read_raw(mesh).points
     except reader.MeshFault:
-        return "1 m"  # the check of the case says what is wrong with it
+        return "1 m"  # the check of the case reports the fault
     return "1 mm" if np.ptp(points, axis=0).max() > 5.0 else "1 m"
 
 
 def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = "") -> str:
-    """The case file."""
+    """Return the text of the case file."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         undefined=StrictUndefined,
@@ -525,7 +527,7 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
     )
 
     def told(size: str) -> str:
-        """Where a size comes from."""
+        """Return the origin of a size."""
         if size in found.given:
             return "given"
         return f"our estimate: {SIZES[size].words}"
@@ -551,7 +553,7 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
         gas=dict(exponent=EXPONENT, ignition=IGNITION, duration=DURATION, gain=f"{found.gain:.4g}"),
         mesh=mesh,
         mesh_unit=mesh_unit,
-        # a flexible skirt yields, so that the peak is wide
+        # a flexible skirt deforms, so that the peak is wide
         around=LEAST if mesh else found.cells_around,
         viscosity=f"{1e3 * VISCOSITY:g} mPa s",
     )

@@ -1,4 +1,4 @@
-"""What a flexible block would radiate in a run: power over the crank angle and by frequency."""
+"""Noise that a flexible block would radiate in a run, over the crank angle and by frequency."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,19 +17,20 @@ from ..results.pictures import label_abscissa
 AIR = 413.0
 """Density times speed of sound of air at 20 degC and 1 bar [kg/(m2 s)]."""
 REFERENCE = 1e-12
-"""Of levels [W]."""
+"""Reference power of levels [W]."""
 EVEN = 1e-2
-"""Of the distance of two instants, within which they are told apart from none."""
+"""Tolerance of a whole number of intervals, relative to an interval."""
 CYCLES = (720.0, 360.0)
-"""What is looked at is the last of these that the run holds [deg]."""
+"""Lengths of a cycle [deg]. The first one that the run contains is used."""
 PER_CYCLE = 8
-"""Even instants of a cycle, at least."""
+"""Minimum number of equidistant instants per cycle."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Equivalent radiated power of the last cycle: elastic motion of the block's outer faces,
-    radiation efficiency 1.
+    """Equivalent radiated power of the last cycle.
+
+    It results from the elastic motion of the block's outer faces with radiation efficiency 1.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ class Noise:
     frequency : ndarray, shape (n // 2 + 1,)
         [Hz]
     spectrum : dict of str to ndarray, shape (n // 2 + 1,)
-        Side -> mean power at each frequency [W]; adds up to the mean of `power`.
+        Side -> mean power at each frequency [W]. Its sum is the mean of `power`.
     """
 
     angle: np.ndarray
@@ -58,27 +59,29 @@ class Noise:
 
     @property
     def total_spectrum(self) -> np.ndarray:
-        """The same by frequency [W]."""
+        """Power of all sides by frequency [W]."""
         return np.sum(list(self.spectrum.values()), axis=0)
 
 
 def level(power: Any) -> Any:
-    """Of powers [W] over 1 pW [dB]; -300 of none."""
+    """Return levels of powers [W] relative to 1 pW [dB]; -300 for zero."""
     return 10.0 * np.log10(np.maximum(power, REFERENCE * 1e-30) / REFERENCE)
 
 
 def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) -> Noise:
-    """Radiated power of a run that has recorded the modal velocities, on even instants as far apart
-    as the recorded ones are at most (cubic spline: steps are halved here and there).
+    """Return the radiated power of a run that has recorded the modal velocities.
+
+    The velocities are interpolated by a cubic spline at equidistant instants, with the largest
+    recorded interval.
 
     Eq. (W3):  P_m = rho c c_m V_m^* R V_m / n^2,   V the discrete Fourier transform of q', c_m = 2
-               but for the constant part and n/2
+               except for the constant part and n/2
 
     Parameters
     ----------
     results : Results
     owner : str
-        Participant that has the block.
+        Participant with the block.
     radiation : fmu_mfbd.offline.Radiation
     impedance : float
         rho c [kg/(m2 s)], > 0.
@@ -86,7 +89,8 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     Raises
     ------
     BadInput
-        Where velocities are not recorded, less than a turn is, or too few instants are.
+        If velocities are not recorded, the run is shorter than a revolution, or there are too few
+        instants.
     """
     port = f"{owner}.modal_velocity"
     if port not in results.recorded:
@@ -108,7 +112,7 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
             f"{results.path}: expected at least {PER_CYCLE} even instants in the last cycle, "
             f"got {n}; set record.every = '1 deg'"
         )
-    # the first instant is the last one of the cycle before
+    # the first instant is the last one of the previous cycle
     time = instants[first] + length / n * np.arange(1.0, n + 1.0)
     velocity = make_interp_spline(instants[first:], velocity)(time)
     transformed = np.fft.rfft(velocity, axis=0)
@@ -128,7 +132,7 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
 
 
 def _begin(path, angle):
-    """Number of the instant before the last cycle."""
+    """Return the index of the instant before the last cycle."""
     for length in np.radians(CYCLES):
         first = int(np.abs(angle - (angle[-1] - length)).argmin())
         spacing = angle[-1] - angle[-2]
@@ -141,7 +145,7 @@ def _begin(path, angle):
 
 
 def write_noise(found: Noise, path: Path) -> list[Path]:
-    """Tables over time and by frequency, and a picture of both; their names begin with `path`."""
+    """Write tables over time and by frequency, and a picture of both; names begin with `path`."""
     over = path.with_name(f"{path.name}-noise.csv")
     by = path.with_name(f"{path.name}-noise-spectrum.csv")
     picture = path.with_name(f"{path.name}-noise.png")
@@ -165,7 +169,7 @@ def write_noise(found: Noise, path: Path) -> list[Path]:
 
 
 def draw(found: Noise) -> Any:
-    """Level over crank angle and by frequency, all sides and each."""
+    """Draw levels over crank angle and by frequency, for all sides and each of them."""
     figure, (over, by) = subplots(2, 1, figsize=(11, 7.5))
     degrees = np.degrees(found.angle)
     for panel, x, powers in (

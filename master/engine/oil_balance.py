@@ -8,10 +8,10 @@ from ..results.file import Results
 
 
 class OilBalance(NamedTuple):
-    """Volumes of the last period [m3].
+    """Oil volumes of the last period [m3].
 
-    lower, upper, openings : net inflow through both edges and the cut-outs; throughput : the larger
-    one of the volumes that enter and that leave; growth : change of the oil in the film.
+    lower, upper, openings : net inflow through both edges and the cut-outs; throughput : the
+    larger one of the volumes that enter and that leave; growth : change of the oil in the film.
     """
 
     lower: float
@@ -31,7 +31,7 @@ def oil_balance(results: Results, film: str) -> OilBalance | None:
     ----------
     results : Results
     film : str
-        Participant in the role `lubrication`.
+        Participant with the role `lubrication`.
     """
     last = results.last
     names = ("flow_lower_edge", "flow_upper_edge", "flow_openings", "oil_in_film")

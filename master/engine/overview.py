@@ -60,7 +60,7 @@ class Comparison(NamedTuple):
 
 @dataclass(frozen=True)
 class Overview:
-    """What the page shows first.
+    """First screen of the page.
 
     figures : minimum film thickness, maximum pressure and friction of all films; rows : further
     results; films : the figures of each film, worst film first, empty for one film.
@@ -97,7 +97,7 @@ def overview(case: Case, runs: dict[str, Results]) -> Overview | None:
 
 
 def _figures(results: list[list[Result]]) -> list[Comparison]:
-    """Return results of all runs side by side, in units of handy size."""
+    """Return the results of all runs for comparison, in suitable units."""
     named = [{one.name: one for one in own} for own in results]
     found = []
     for name in dict.fromkeys(name for own in named for name in own):

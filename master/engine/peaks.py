@@ -38,14 +38,14 @@ class SidePeak(NamedTuple):
 
 
 def side_peaks(axis, pressure: np.ndarray) -> list[SidePeak]:
-    """Position of the pressure peak on each side that the angular axis marks.
+    """Return the position of the pressure peak on each side that the angular axis marks.
 
     Eq. (X18):  excess = max_theta P(theta) / P(theta_line) - 1,   P(theta) = max over heights of p
 
     Parameters
     ----------
     axis : Axis
-        Angular axis of a case, in degrees, with `marks`; a side reaches half-way to the next mark.
+        Angular axis of a case, in degrees, with `marks`. A side reaches half-way to the next mark.
     pressure : ndarray, shape (instants, around, along)
         Recorded film pressure [Pa].
 
@@ -69,7 +69,10 @@ def side_peaks(axis, pressure: np.ndarray) -> list[SidePeak]:
 
 
 def _side_peak(side, distance, around):
-    """Peak of one side: distances from the line (n,) [deg], pressures (instants, n) [Pa]."""
+    """Return the peak of one side.
+
+    distance : from the line (n,) [deg]; around : pressures (instants, n) [Pa].
+    """
     highest = around.max(axis=1)
     if not highest.max(initial=0.0) > 0.0:
         return None

@@ -1,8 +1,8 @@
-"""A piston of our own proportions as a mesh of parabolic tetrahedra, by gmsh (extra `mesh`): crown,
-ring belt, skirt, pin bosses on pillars; of a slipper the skirt is cut away at the pin's sides.
+"""Mesh of a generated piston of parabolic tetrahedra, by gmsh (extra `mesh`).
 
-Every proportion is our own choice, of the size that passenger car pistons have; none imitates a
-made piston. Ring grooves, profile and ovality are not in the mesh: the latter two are the case's.
+It has crown, ring belt, skirt, and pin bosses on pillars. A slipper has no skirt at the pin's
+sides. Every proportion is our own choice, typical of passenger car pistons. The mesh has no ring
+grooves. Profile and ovality belong to the case.
 """
 
 from pathlib import Path
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 Kind = Literal["slipper", "full"]
 SIZE = 0.065
-"""Largest edge of an element, of the bore."""
+"""Largest edge of an element, relative to the bore."""
 TURN = 12
-"""Elements around a full circle, at least."""
+"""Minimum number of elements around a full circle."""
 MM = 1e3
 
 
@@ -28,16 +28,16 @@ def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
     Parameters
     ----------
     made : new.Engine
-        Bore, clearance, skirt, compression height and pin are taken from it.
+        Provides bore, clearance, skirt, compression height and pin.
     kind : "slipper" or "full"
         Two panels on the thrust sides, or a skirt all around.
     target : Path
-        Ending in .msh.xz.
+        With suffix .msh.xz.
 
     Raises
     ------
     BadInput
-        Without gmsh; where the sizes make no piston.
+        Without gmsh, or if the sizes are inconsistent.
     """
     faults = contradictions(made)
     if faults:
@@ -54,7 +54,7 @@ def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
 
 
 def contradictions(made: Engine) -> list[str]:
-    """Why the sizes make no such piston."""
+    """Return why the sizes make no such piston."""
     faults = []
     crown, pin = made["compression_height"], made["pin_diameter"] / 2
     lowest = BOSS * pin + CROWN * made["bore"]
@@ -80,15 +80,15 @@ def contradictions(made: Engine) -> list[str]:
 
 
 BOSS = 1.55
-"""Outer radius of a pin boss, of the pin's."""
+"""Outer radius of a pin boss, relative to the pin's."""
 CROWN = 0.085
-"""Thickness of the crown, of the bore."""
+"""Thickness of the crown, relative to the bore."""
 LARGEST_PIN = 0.16
-"""Radius of the pin, of the bore, that leaves room for boss and walls."""
+"""Largest radius of the pin relative to the bore, so that boss and walls fit."""
 
 
 def shape(made: Engine, kind: Kind) -> "Piston":
-    """The piston, in mm."""
+    """Return the dimensions of the piston [mm]."""
     from ...models.meshes import Piston
 
     bore = MM * made["bore"]

@@ -11,8 +11,8 @@ from ..case.contract import interface
 class Place:
     """Cell in which a field takes its extreme value.
 
-    side : the mark of the axis that is nearest, "" without marks; around, along : positions, with
-    their axes' labels and units; index : of the cell, (i, j).
+    side : the nearest mark of the axis, "" without marks; around, along : positions, with the
+    labels and units of their axes; index : of the cell, (i, j).
     """
 
     side: str
@@ -37,40 +37,38 @@ class Place:
 
 
 def highest_place(case, results, film) -> Place | None:
-    """Return where the pressure of a film is highest; None if the run lacks it."""
+    """Return the position of the highest pressure of a film; None if the run lacks it."""
     return _place_of(case, results, film, f"{film}.pressure", "maximum_pressure")
 
 
 def thinnest_place(case, results, film) -> Place | None:
-    """Return where a film is thinnest; None if the run lacks it."""
+    """Return the position of the minimum film thickness; None if the run lacks it."""
     return _place_of(case, results, film, gap_port(results, film), "minimum_film_thickness")
 
 
 def gap_port(results, film) -> str:
-    """The film thickness of participant `film`, as the side that gives it records it; that of the
-    film itself where no wire brings it.
-    """
+    """Return the port that records the thickness of a film: its source, or else the film itself."""
     other = interface(results.case.get("wires", ()), film, "lubrication")
     return f"{other.owner}.{other.surface}film_thickness" if other else f"{film}.film_thickness"
 
 
 def film_body(results, film) -> str | None:
-    """Participant on whose body film `film` lies; None where no wire brings it its thickness."""
+    """Return the participant of the body of a film; None if no wire feeds its thickness."""
     other = interface(results.case.get("wires", ()), film, "lubrication")
     return other.owner if other else None
 
 
 def film_surface(results, film) -> str:
-    """Surface of that body, with a point behind it; "" of a body with one alone."""
+    """Return the prefix of that body's surface, "" if the body has only one."""
     other = interface(results.case.get("wires", ()), film, "lubrication")
     return other.surface if other else ""
 
 
 def _place_of(case, results, film, port, extreme):
-    """Cell whose value in the envelope of a field is nearest to the extreme of a film's output.
+    """Return the cell whose envelope value is nearest to the extreme of a film's output.
 
-    Bodies give a gap also where there is no skirt; the film's own smallest value tells which cell
-    it is.
+    Bodies have a gap also outside the skirt, so the minimum of the film's output identifies the
+    cell.
     """
     results = results.last
     envelope = results.envelope(port)
@@ -83,7 +81,7 @@ def _place_of(case, results, film, port, extreme):
 
 
 def _place(axes, index, shape):
-    """A cell in the words of the case's axes."""
+    """Return a cell with the labels of the case's axes."""
     i, j = map(int, index)
     cells_around, cells_along = shape
     around = float(axes.first.positions(cells_around)[i])

@@ -1,8 +1,7 @@
-"""What a report of a piston shows beyond the case's own pictures: strokes under the cursor, motion
-of the skirt's edges, forces and friction by side, films and where they are thinnest, carpets of the
-thrust line, envelopes and wear.
+"""Sections of a piston's report in addition to the case's pictures, from recorded data only.
 
-Only what was recorded is drawn.
+They show strokes, motion of the skirt's edges, forces and friction by side, films and their
+minimum, envelopes and wear.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,9 +38,8 @@ from .stands import stands
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """Strokes from firing top dead centre, 180 deg each."""
 WEAR_COEFFICIENT = 1e-17
-"""Archard's wear coefficient [1/Pa] of Eq. (X15), an assumption for a run-in, lubricated skirt. The
-wear depth is proportional to it.
-"""
+"""Archard's wear coefficient [1/Pa] of Eq. (X15), an assumption for a run-in, lubricated skirt.
+The wear depth is proportional to it."""
 LEAST_LOAD = 0.05
 """Minimum radial load for a friction coefficient, relative to the largest one of the run."""
 CRANK = "crank angle [deg]"
@@ -62,14 +60,14 @@ def special(
     runs: Runs,
     skins: Mapping[str, Mapping[str, Sequence[Any]]] = MappingProxyType({}),
 ) -> Special:
-    """Sections, strokes, cursor strip and bodies of a piston's runs; nothing special of others.
+    """Return sections, strokes, films and bodies of a piston's runs; empty for other runs.
 
     Parameters
     ----------
     case : Case
     runs : dict of str to Results
     skins : dict of str to dict of str to sequence of fmu_mfbd.offline.Skin, optional
-        Label -> participant in the role `bodies` -> surfaces of its piston and block.
+        Label -> participant with the role `bodies` -> surfaces of its piston and block.
     """
     bodies = players(next(iter(runs.values())).case, "bodies")
     films = players(next(iter(runs.values())).case, "lubrication")
@@ -160,7 +158,7 @@ def _orbit(runs, body, surface) -> Orbit | None:
 
 
 def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
-    """Motion and forces of a piston, named after its participant where there are several."""
+    """Return motion and forces of a piston, with its participant's name if there are several."""
     own = [one for found in skins.values() for one in found.get(body, ())]
     skirt = next((skin.skirt for skin in own if skin.skirt), None)
     films = [film for film, owner in body_of.items() if owner == body]
@@ -171,7 +169,7 @@ def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
 
 
 def _named(section, name, runs, bodies, body):
-    """A section after whose it is, with the strokes of its cylinder."""
+    """Return a section with a name in its title, and with the strokes of its cylinder."""
     title = f"{section.title}: {name}"
     if body == bodies[0]:
         return replace(section, title=title)
@@ -183,7 +181,7 @@ def _named(section, name, runs, bodies, body):
 
 
 def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
-    """Sections of a film, named after it where there are several."""
+    """Return the sections of a film, with its name if there are several."""
     first = next(iter(runs.values()))
     gap = gap_port(first, film)
     sections = [
@@ -198,8 +196,9 @@ def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
 
 
 def _solids(skins, results, body, bodies) -> list[Solid]:
-    """Piston and block at the recorded instants, then pin, rod and crank; without modal coordinates
-    in the file the bodies stay undeformed.
+    """Return piston and block at the recorded instants, then pin, rod and crank.
+
+    Bodies whose modal coordinates were not recorded are undeformed.
     """
     owner = body if len(bodies) > 1 else ""
     stand = stands(results).get(body, Stand())
@@ -240,9 +239,10 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
 
 
 def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
-    """Recorded fields that lie around a piston's skirt -> the heights between which they do [m]:
-    the whole skirt, or the rows of a film surface that the case's build table names; those of a
-    pin's films lie elsewhere.
+    """Return the recorded fields around a piston's skirt with their lower and upper heights [m].
+
+    The heights are those of the whole skirt, or of the rows of a film surface in the case's
+    build table. Fields of a pin's films are not included.
     """
     build = results.case["participants"][body].get("build", {})
     low, high = skirt
@@ -267,8 +267,8 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
 def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
     """Return the strokes of the runs. Runs without gas pressure have dead centres only.
 
-    0 deg is firing top dead centre, a cycle is 720 deg. The crank angle of the cylinder is less by
-    `ahead` [deg] than that of the abscissa.
+    0 deg is firing top dead centre, a cycle is 720 deg. The crank angle of the cylinder is that
+    of the abscissa minus `ahead` [deg].
     """
     fired = is_fired(runs)
     spans = [_degrees(results)[[0, -1]] - ahead for results in runs.values()]
@@ -286,8 +286,9 @@ def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
 
 
 def own_strokes(runs: Runs, body: str) -> list[Phase] | None:
-    """Strokes of the cylinder of participant `body` over the crank angle of the first one; None
-    where the runs differ by them.
+    """Return the strokes of a cylinder over the crank angle of the first one.
+
+    Returns None if the runs have different strokes.
     """
     apart = {
         round(float(_degrees(results)[0] - np.degrees(results.series(port).values[0])), 3)
@@ -299,12 +300,12 @@ def own_strokes(runs: Runs, body: str) -> list[Phase] | None:
 
 def _degrees(results):
     crank = crank_angle(results)
-    assert crank is not None  # asked in `special`
+    assert crank is not None  # checked in `special`
     return np.degrees(crank.angle)
 
 
 def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Chart]:
-    """Ports over the crank angle, runs by colour and ports by dash; none if all are zero."""
+    """Return a chart of ports over the crank angle, runs by colour; [] if all are zero."""
     drawn = {
         line.port
         for line in lines
@@ -360,7 +361,7 @@ def _motion(runs, body, skirt):
 
 
 def _slaps(runs, body) -> list[Drawn]:
-    """Energy that the piston loses in each impact."""
+    """Return a chart of the energy that the piston loses in each impact."""
     curves = []
     for k, (label, results) in enumerate(runs.items()):
         found = impacts(results, body)
@@ -374,7 +375,7 @@ def _slaps(runs, body) -> list[Drawn]:
 
 
 def _eccentricity(runs, body, skirt) -> list[Drawn]:
-    """Displacement of the skirt's edges.
+    """Return a chart of the displacement of the skirt's edges.
 
     Eq. (X14):  e(y) = x_A - beta y      y above the pin's axis, beta the rocking angle about +z
     """
@@ -411,7 +412,7 @@ def _forces(runs, body, films):
 
 
 def _radial(runs, film, films):
-    """A film's radial force, named after it where there are several."""
+    """Return a chart of a film's radial force, with its name if there are several."""
     of = "the film" if films == 1 else film
     sides = [
         Line(side, f"{film}.radial_force_{side.replace('-', '_')}_side")
@@ -421,7 +422,7 @@ def _radial(runs, film, films):
 
 
 def _over_position(runs, body) -> list[Drawn]:
-    """Gas pressure over the height of the pin."""
+    """Return a chart of the gas pressure over the height of the pin."""
     ports = f"{body}.piston_position", f"{body}.cylinder_pressure"
     curves = [
         Curve(
@@ -488,7 +489,7 @@ def _friction(runs, body, film):
 
 
 def _cycles(case, runs) -> list[Drawn]:
-    """FMEP of every whole period shown; none of a single one."""
+    """Return a chart of the FMEP of every whole period shown, if there are several."""
     curves = []
     for k, (label, results) in enumerate(runs.items()):
         found = friction_pressures(case, results)
@@ -501,12 +502,13 @@ def _cycles(case, runs) -> list[Drawn]:
 
 
 def _stribeck(runs, body, film) -> list[Drawn]:
-    """Friction coefficient of every step over the bearing number of the skirt; steps that carry
-    little are left out.
+    """Return a chart of the friction coefficient over the bearing number of the skirt.
+
+    Steps with a small load are omitted.
 
     Eq. (X17):  f = |F_film + F_contact| / W,   S = mu |v| L / W
-                W the radial forces on thrust and anti-thrust side added up, mu the oil's viscosity
-                as the case gives it, v the piston's speed, L the length of the skirt
+                W is the sum of the radial forces on both sides, mu the oil's viscosity in the case,
+                v the piston's speed, L the length of the skirt
     """
     ports = [
         f"{film}.friction_force_hydrodynamic",
@@ -553,7 +555,7 @@ def _films(case, runs, film, gap):
 
 
 def _place_of_thinnest(case, runs, port) -> list[Drawn]:
-    """Angle and height of the thinnest film at every recorded instant."""
+    """Return charts of angle and height of the thinnest film at every recorded instant."""
     axes = case.axes_of(port)
     around, along = [], []
     for k, (label, results) in enumerate(runs.items()):
@@ -604,12 +606,12 @@ def _oil(runs, film):
 
 
 def _instants(results):
-    """Crank angle at the recorded instants [deg]."""
+    """Return the crank angle at the recorded instants [deg]."""
     return np.interp(results.instants, results.time, _degrees(results))
 
 
 def _whole(results, port, blank):
-    """A field at all instants; `blank` in cells that it has not."""
+    """Return a field at all instants, with `blank` in missing cells."""
     values = results.dataset(port)[:]
     there = results.there(port)
     return values if there is None else np.where(there, values, blank)
@@ -638,7 +640,7 @@ def _envelopes(case, runs, body, film, gap):
 
 
 def _still(case, runs, title, unit, port, fields) -> list[Drawn]:
-    """A map of a field without time for every run; none if no run has it or all are zero."""
+    """Return a map of a field without time for every run; [] if all are zero or missing."""
     if not any(np.any(values) for values in fields if values is not None):
         return []
     there = [
@@ -649,7 +651,7 @@ def _still(case, runs, title, unit, port, fields) -> list[Drawn]:
 
 
 def _wear(case, runs, body, port) -> list[Drawn]:
-    """Wear depth of an hour, from the recorded contact pressure."""
+    """Return a map of the wear depth per hour, from the recorded contact pressure."""
     fields = [
         1e6 * wear_depth(last.dataset(port)[:], last, body) * _hourly(last)
         if port in last.recorded
@@ -661,7 +663,7 @@ def _wear(case, runs, body, port) -> list[Drawn]:
 
 
 def _every_step(runs, port):
-    """Sentence that says of which instants the envelopes are."""
+    """Return a sentence about the instants that the envelopes cover."""
     found = {label: results.envelope(port) for label, results in runs.items()}
     sparse = [label for label, one in found.items() if one and not one.every_step]
     said = "The envelopes hold every accepted macro step of the last period."
@@ -675,14 +677,14 @@ def _hourly(results):
 
 
 def wear_depth(pressure, results, body) -> np.ndarray:
-    """Depth worn off every cell over the recorded instants [m].
+    """Return the wear depth of every cell over the recorded instants [m].
 
-    Eq. (X15):  depth = k integral p_c |v| dt      trapezia between recorded instants
+    Eq. (X15):  depth = k integral p_c |v| dt      trapezoidal rule between recorded instants
 
     Parameters
     ----------
     pressure : ndarray, shape (instants, n, m)
-        Of the contact, p_c [Pa].
+        Contact pressure p_c [Pa].
     results : Results
     body : str
         Participant whose `piston_velocity` is the sliding speed v.

@@ -1,4 +1,4 @@
-"""Where the cylinders of an engine stand: along its crankshaft, and by their bank angles."""
+"""Positions of the cylinders of an engine along its crankshaft, and their bank angles."""
 
 import re
 from collections.abc import Sequence
@@ -12,13 +12,14 @@ from ..results.file import Results
 from ..results.solids import Solid, Stand
 
 APART = 1.5
-"""Diameters between cylinders of which nothing is said."""
+"""Distance of cylinders with unknown positions, in diameters."""
 
 
 def stands(results: Results) -> dict[str, Stand]:
-    """Participant in the role `bodies` -> where its cylinder stands, as an engine block says to
-    which wires lead: those to its `cylinder_K`, its parameters or build options `cylinder_z` and
-    `bank_angle`.
+    """Return the position of each participant with the role `bodies`, as an engine block states it.
+
+    The wires to `cylinder_K` of the block identify the cylinders. Its parameters or build
+    options `cylinder_z` and `bank_angle` are the positions.
     """
     bodies = players(results.case, "bodies")
     found = {}
@@ -38,12 +39,12 @@ def stands(results: Results) -> dict[str, Stand]:
 
 
 def _of_cylinder(given, k, unit):
-    """A cylinder's own of values given for each, or the one given for all."""
+    """Return the value of a cylinder from a list, or the value for all cylinders."""
     return float(to_si(given[k] if isinstance(given, list) else given, unit))
 
 
 def side_by_side(solids: Sequence[Solid]) -> list[Solid]:
-    """Bodies of cylinders of which nothing is known, one beside the other."""
+    """Return the bodies of cylinders with unknown positions next to each other."""
     owners = list(dict.fromkeys(solid.owner for solid in solids))
     reach = max((float(np.abs(solid.points[:, [0, 2]]).max()) for solid in solids), default=0.0)
     step = APART * 2 * reach

@@ -1,4 +1,4 @@
-"""A piston's mesh from a STEP file, by gmsh (extra `mesh`): its surfaces found by their shape."""
+"""Mesh of a piston from a STEP file, by gmsh (extra `mesh`); surfaces are recognised by shape."""
 
 from pathlib import Path
 from types import ModuleType
@@ -9,18 +9,19 @@ import numpy as np
 from ..fmi.errors import BadInput
 
 ALIKE = 3e-3
-"""Of the largest radius: faces of the skirt lie within it, ring lands do not."""
+"""Relative tolerance of the largest radius: it includes the faces of the skirt, not ring lands."""
 STRAIGHT = 1e-3
-"""Component of a unit normal that counts as none."""
+"""Component of a unit normal that counts as zero."""
 SIZE = 0.06
-"""Largest edge of an element, of the bore's diameter."""
+"""Largest edge of an element, relative to the bore's diameter."""
 TURN = 12
-"""Elements around a full circle, at least."""
+"""Minimum number of elements around a full circle."""
 
 
 class Face(NamedTuple):
-    """A face of the solid: tag, gmsh's word for its shape, radius and a point of it [m], its mean
-    normal, and unit normals on it, (n, 3).
+    """Face of the solid.
+
+    shape : in gmsh's terms; radius : [m]; points, normals : on the face, (n, 3) [m] and [-].
     """
 
     tag: int
@@ -33,13 +34,13 @@ class Face(NamedTuple):
 def mesh_of_step(step: Path, target: Path, bore: float) -> None:
     """Write a mesh of 10-node tetrahedra with the surfaces skirt, crown and pin_bore.
 
-    The solid has this project's axes: x thrust, y towards the head, z along the pin, origin on the
-    pin's axis and on the skirt's. Its skirt is a cylinder: profile and ovality belong in the case.
+    The solid has this project's axes: x thrust, y towards the head, z along the pin, and the origin
+    on the axes of pin and skirt. Its skirt is a cylinder. Profile and ovality belong to the case.
 
     Parameters
     ----------
     step : Path
-        Units as the file says.
+        With the units of the file.
     target : Path
         .msh file, in metres.
     bore : float
@@ -48,7 +49,7 @@ def mesh_of_step(step: Path, target: Path, bore: float) -> None:
     Raises
     ------
     BadInput
-        Without gmsh; where the file is no solid; where a surface is not found.
+        Without gmsh, if the file has no solid, or if a surface is missing.
     """
     try:
         import gmsh  # pyright: ignore[reportMissingImports]
@@ -76,7 +77,7 @@ def mesh_of_step(step: Path, target: Path, bore: float) -> None:
 
 
 def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
-    """Name the surfaces of the one solid and mesh it."""
+    """Name the surfaces of the only solid, and mesh it."""
     solids = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(solids) != 1:
         raise BadInput(f"--step: expected one solid, got {len(solids)}")
@@ -100,7 +101,7 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
 
 
 def _face(gmsh: Any, tag: int) -> Face:
-    """What a face looks like on a few of its points."""
+    """Return the face, evaluated at a few points."""
     low, high = gmsh.model.getParametrizationBounds(2, tag)
     u, v = (np.linspace(a, b, 7)[1:-1] for a, b in zip(low, high))
     where = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).ravel()
@@ -112,7 +113,7 @@ def _face(gmsh: Any, tag: int) -> Face:
 
 
 def _skirt(faces: list[Face]) -> list[int]:
-    """Cylinders about y of the largest radius."""
+    """Return the cylinders about y with the largest radius."""
     about = [
         one
         for one in faces
@@ -125,7 +126,7 @@ def _skirt(faces: list[Face]) -> list[int]:
 
 
 def _crown(faces: list[Face]) -> list[int]:
-    """Planes across y at the top."""
+    """Return the planes normal to y at the top."""
     across = [
         one
         for one in faces
@@ -136,7 +137,7 @@ def _crown(faces: list[Face]) -> list[int]:
 
 
 def _pin_bore(faces: list[Face]) -> list[int]:
-    """Cylinders about z whose axis is the origin's height."""
+    """Return the cylinders about the pin axis, z."""
     return [
         one.tag
         for one in faces

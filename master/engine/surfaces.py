@@ -1,5 +1,7 @@
-"""Films of a piston as surfaces that move with what they lie on: the skirt, a floating pin's bosses
-and the rod's eye, the rod's big end and the main bearing.
+"""Films of a piston as surfaces that move with their bodies.
+
+They are those of the skirt, of a floating pin's bosses and small end, of the big end and of the
+main bearing.
 """
 
 from collections.abc import Callable
@@ -15,21 +17,21 @@ from ..results.solids import Solid, Stand
 from .places import film_body, film_surface, gap_port
 
 BOSSES = {"boss_left": -1.0, "boss_right": 1.0}
-"""On which side of z = 0 each lies."""
+"""Side of z = 0 of each boss."""
 EYE = "small_end"
 CRANK = ("big_end", "main_bearing")
-"""About the crank pin, and about the crank's axis."""
+"""Films about the crank pin and about the crank's axis."""
 NEAR = 0.02
-"""Points so near to a film's radius, as a share of it, are of the bore of a boss."""
+"""Relative tolerance of the radius for points of a boss's bore."""
 
 
 def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) -> list[Film]:
-    """Recorded fields of every film on its surface; one whose place is not known is left out, and
-    `say` is told so.
+    """Return the recorded fields of every film on its surface.
 
-    A film of the skirt is upright and as high as the piston; one of a boss moves with the piston;
-    that of the eye goes with the pin and turns with the rod, that of the big end with the crank
-    pin. A film of no piston rests.
+    A film of the skirt is upright and as high as the piston. One of a boss moves with the
+    piston. That of the small end moves with the pin and rotates with the rod, and that of the
+    big end moves with the crank pin. Films without a piston are fixed. Films with an unknown
+    position are omitted and reported.
     """
     found = []
     for name in players(results.case, "lubrication"):
@@ -58,7 +60,7 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
 
 
 def _placed(results, film, sizes, piston, port):
-    """Points, cells and motion of a film's surface; None where its place is not known."""
+    """Return points, cells and motion of a film's surface; None if its position is unknown."""
     shape, radius, length = sizes
     surface = film_surface(results, film).removesuffix(".")
     if surface in CRANK:
@@ -81,8 +83,10 @@ def _placed(results, film, sizes, piston, port):
 
 
 def _along_pin(results, film, surface, piston, radius, length):
-    """Between which z a film of the pin lies [m]: the eye in the middle; a boss from where its bore
-    begins in the mesh, and of a piston without one beside the eye.
+    """Return the z range of a film of the pin [m].
+
+    That of the small end is central. That of a boss begins where its bore begins in the mesh, or
+    without a mesh next to the small end.
     """
     if surface == EYE:
         return -length / 2, length / 2
@@ -97,14 +101,14 @@ def _along_pin(results, film, surface, piston, radius, length):
 
 
 def at_instants(results, port):
-    """A scalar at the recorded instants."""
+    """Return a scalar at the recorded instants."""
     return np.interp(results.instants, results.time, results.series(port).values)
 
 
 def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray:
-    """Motion of a shell of the crank, its play left out, (instants, 3) [m], [m], [rad].
+    """Return the motion of a shell of the crank without its play, (instants, 3) [m], [m], [rad].
 
-    Eq. (X44):  (x, y) = (o - r sin theta, r cos theta)      big end; it turns with the rod
+    Eq. (X44):  (x, y) = (o - r sin theta, r cos theta)      big end, which rotates with the rod
                 (x, y) = (o, 0)                              main bearing       o: crank_offset
     """
     given = results.case["participants"][body]["parameters"]
@@ -117,9 +121,10 @@ def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray
 
 
 def rod_turn(results: Results, body: str | None) -> np.ndarray:
-    """Turn of the rod about z at the recorded instants [rad].
+    """Return the rotation of the rod about z at the recorded instants [rad].
 
-    Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: of the pin less that of the crank
+    Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: offset of the pin minus that of the
+    crank
     """
     table = results.case["participants"][body]
     given = table["parameters"]

@@ -14,16 +14,17 @@ TRUNCATIONS = "fmu_mfbd.truncations"
 def state_truncation(
     tree: dict[str, Any], folder: Path, results: Path, progress: Callable[[str], object]
 ) -> dict[str, float | str]:
-    """Add the truncation error of the bodies' static deflection to the summary of a finished run,
-    Eq. (J17) of the bodies.
+    """Add the truncation error of the bodies' static deflection to the summary of a finished run.
+
+    See Eq. (J17) of the bodies.
 
     Parameters
     ----------
     tree, folder
-        Of the run's case; its paths begin in `folder`.
+        TOML tree of the run's case, and the folder of its paths.
     results : Path
     progress : callable
-        Receives progress messages.
+        Called with progress messages.
 
     Returns
     -------

@@ -43,7 +43,7 @@ PLAYS = ("pin_displacement", "small_end_displacement")
 
 Colour = Literal["green", "amber", "red"]
 RANK: tuple[Colour, ...] = ("green", "amber", "red")
-"""From good to bad."""
+"""Colours from best to worst."""
 WORDS: dict[Colour, str] = {"green": "pass", "amber": "warning", "red": "fail"}
 """Displayed result of a check."""
 
@@ -270,8 +270,9 @@ class Widths(NamedTuple):
 
 
 def peak_width(field: np.ndarray, index: Sequence[int]) -> Widths:
-    """Return the width of a peak in cells with at least half of the value at `index`, around (a
-    ring) and along.
+    """Return the width of a peak in cells, around (a ring) and along.
+
+    The cells have at least half of the value at `index`.
     """
     i, j = index
     high = field >= field[i, j] / 2
