@@ -299,8 +299,8 @@ class Engine:
 
         Eq. (D13):  gain = 9.3 (r - 1) / r^n        r = compression ratio
 
-        Our own choice. Its form is that of heat at constant volume, Q / (c_v T_1) over r^(n -
-        1), times the fresh share (r - 1) / r of the charge. It has no heat losses.
+        Our own choice. Its form is that of heat at constant volume, Q / (c_v T_1) over
+        r^(n - 1), times the fresh share (r - 1) / r of the charge. It has no heat losses.
         """
         if self.motored:
             return 0.0
