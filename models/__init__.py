@@ -1,6 +1,4 @@
-"""Cases and data: one folder a case (case.toml, README.md, meshes and the scripts that make
-them).
-"""
+"""Cases and data: a folder for each case with case.toml, README.md, meshes and scripts."""
 
 from pathlib import Path
 

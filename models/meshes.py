@@ -1,11 +1,10 @@
-"""Parametric meshes of a piston, of a finned cylinder block, of a block of two cylinders in line
-and of a rod's small end by gmsh (running a case does not need it).
+"""Parametric meshes of pistons, blocks and a rod's small end, by gmsh.
 
-One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice, so that
-the mesh is symmetric to the last bit about the thrust plane z = 0 and about x = 0. Lengths are
-millimetres here, metres in the files. Axes: x thrust, y towards the head, z along the pin; the
-piston's origin is pin point A, the block's lies on the crank axis, the small end's on the axis of
-its eye.
+One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice. The
+mesh is therefore symmetric to the bit about the thrust plane z = 0 and about x = 0. Lengths are
+in millimetres here, in metres in the files. Axes: x thrust, y towards the head, z along the pin.
+The origin of a piston is pin point A. That of a block is on the crank axis, that of a small end
+on the axis of its eye.
 """
 
 import lzma
@@ -21,14 +20,15 @@ import numpy as np
 
 MM = 1e-3
 Entities = list[tuple[int, int]]
-"""Dimension and tag of each, as gmsh lists them."""
+"""Dimension and tag of each entity, in gmsh's form."""
 NEAR = 1e-4  # distance from a surface below which a node belongs to it [mm]
 
 
 @dataclass(frozen=True)
 class Piston:
-    """Crown, ring belt, full-round tapered skirt, pin bosses on pillars, perhaps box walls; ring
-    grooves left out. In mm.
+    """Piston with crown, ring belt, tapered skirt, bosses on pillars and optional box walls [mm].
+
+    It has no ring grooves.
 
     Parameters
     ----------
@@ -45,10 +45,10 @@ class Piston:
     pin : float
         Radius of the pin bore, which passes through the skirt.
     boss, boss_from, boss_length : float
-        Outer radius of the bosses, where they begin along z, how far they would reach.
+        Outer radius of the bosses, their beginning along z, their length before they are cut.
     pillar_width, pillar_from, pillar_length : float
-        Box that carries a boss from the crown: along x, where it begins along z, how far it would
-        reach.
+        Box that carries a boss from the crown: width along x, beginning along z, and length before
+        it is cut.
     reach, root : float
         Radius at which bosses, pillars and walls end inside the skirt; depth below the top at which
         they end in the crown.
@@ -56,8 +56,8 @@ class Piston:
         Thickness, and distance from z = 0, of two flat walls that join both thrust sides of the
         skirt.
     cut_beyond : float, optional
-        Distance from z = 0 beyond which there is nothing below the ring belt: a slipper, whose
-        skirt is two panels on the thrust sides.
+        Distance from z = 0 beyond which nothing exists below the ring belt: a slipper, whose skirt
+        is two panels on the thrust sides.
     """
 
     skirt_radius: float
@@ -80,7 +80,7 @@ class Piston:
     cut_beyond: float | None = None
 
     def quarter(self) -> Entities:
-        """The solid of one quarter, in gmsh."""
+        """Return the solid of one quarter in gmsh."""
         occ = gmsh.model.occ
         low, high = self.skirt
         outer, _ = occ.fuse(
@@ -118,7 +118,7 @@ class Piston:
         return quarter_of(body)
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Named node masks."""
+        """Return masks of nodes by name."""
         x, y, z = points.T
         low, high = self.skirt
         return {
@@ -132,8 +132,7 @@ class Piston:
 
 @dataclass(frozen=True)
 class Block:
-    """Barrel with a base and a deck flange and round cooling fins; four studs pass through all;
-    held on round seats. In mm.
+    """Barrel with base and deck flange, cooling fins, four studs and round seats [mm].
 
     Parameters
     ----------
@@ -163,7 +162,7 @@ class Block:
     seat: float
 
     def quarter(self) -> Entities:
-        """The solid of one quarter, in gmsh."""
+        """Return the solid of one quarter in gmsh."""
         occ = gmsh.model.occ
         low, high = self.ends
         side = 2 * self.flange
@@ -182,7 +181,7 @@ class Block:
         return [(dimension, tag) for dimension, tag in fragments if dimension == 3]
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Named node masks."""
+        """Return masks of nodes by name."""
         x, y, z = points.T
         seat = np.hypot(np.abs(x) - self.stud, np.abs(z) - self.stud) < self.seat + NEAR
         return {
@@ -193,8 +192,10 @@ class Block:
 
 @dataclass(frozen=True)
 class TwinBlock:
-    """Two barrels in line, joined, between a deck and a flange on a crankcase that is open below:
-    two side walls, three bulkheads that hold the main bearings, four feet. In mm.
+    """Two joined barrels in line, between a deck and a crankcase that is open below [mm].
+
+    The crankcase has a flange, two side walls, three bulkheads with the main bearings, and four
+    feet.
 
     Parameters
     ----------
@@ -207,11 +208,11 @@ class TwinBlock:
     plate : float
         Thickness of deck and flange.
     half_width, half_length : float
-        Of deck, flange and crankcase, along x and z.
+        Half the size of deck, flange and crankcase, along x and z.
     floor : float
         Height of the feet's soles, below the crank axis.
     side_wall, bulkhead : float
-        Thicknesses; a bulkhead stands in the middle and at each end.
+        Thicknesses. One bulkhead is in the middle and one at each end.
     bearing : float
         Radius of the main bearings.
     foot : float
@@ -232,7 +233,7 @@ class TwinBlock:
     foot: float
 
     def quarter(self) -> Entities:
-        """The solid of one quarter, in gmsh."""
+        """Return the solid of one quarter in gmsh."""
         occ = gmsh.model.occ
         low, high = self.ends
         wide, long = self.half_width, self.half_length
@@ -264,7 +265,7 @@ class TwinBlock:
         return quarter_of(body, 2 * high)
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Named node masks: bores and bearings along z, feet by z, then by x."""
+        """Return masks of nodes by name: bores and bearings along z, feet by z, then by x."""
         x, y, z = points.T
         low, high = self.ends
         long = self.half_length
@@ -294,16 +295,16 @@ class TwinBlock:
 
 @dataclass(frozen=True)
 class SmallEnd:
-    """A rod's eye on a piece of its shank, which has flat sides; the crank lies towards -y. In mm.
+    """Eye of a rod on a piece of its shank with flat sides; the crank is towards -y [mm].
 
     Parameters
     ----------
     bore, outside : float
         Inner and outer radius of the eye.
     length : float
-        Of the eye along the pin.
+        Length of the eye along the pin.
     shank : (float, float)
-        Of the shank's section: along x, along z.
+        Size of the shank's section along x and z.
     cut : float
         Distance of the shank's cut from the eye's axis.
     """
@@ -315,7 +316,7 @@ class SmallEnd:
     cut: float
 
     def quarter(self) -> Entities:
-        """The solid of one quarter, in gmsh."""
+        """Return the solid of one quarter in gmsh."""
         occ = gmsh.model.occ
         wide, thick = self.shank
         half = self.length / 2
@@ -326,7 +327,7 @@ class SmallEnd:
         return quarter_of(body)
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Named node masks."""
+        """Return masks of nodes by name."""
         x, y, _ = points.T
         return {
             "eye": np.abs(np.hypot(x, y) - self.bore) < NEAR,
@@ -335,19 +336,19 @@ class SmallEnd:
 
 
 class Shape(Protocol):
-    """A body that can be meshed: Piston, Block, TwinBlock or SmallEnd."""
+    """Body that can be meshed: Piston, Block, TwinBlock or SmallEnd."""
 
     def quarter(self) -> Entities:
-        """The solid of one quarter, in gmsh."""
+        """Return the solid of one quarter in gmsh."""
         ...
 
     def sets(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Named node masks."""
+        """Return masks of nodes by name."""
         ...
 
 
 def cylinder_y(radius: float, low: float, high: float, top_radius: float | None = None) -> Entities:
-    """Solid of revolution about y, a quarter of it (x >= 0, z >= 0)."""
+    """Return a quarter of a solid of revolution about y (x >= 0, z >= 0)."""
     occ = gmsh.model.occ
     if top_radius is None:
         tag = occ.addCylinder(0, low, 0, 0, high - low, 0, radius)
@@ -357,7 +358,7 @@ def cylinder_y(radius: float, low: float, high: float, top_radius: float | None 
 
 
 def quarter_of(solid: Entities, reach: float = 300.0) -> Entities:
-    """Keep x >= 0, z >= 0, as far as it reaches in any direction [mm]."""
+    """Return the part x >= 0, z >= 0 of a solid within a reach in all directions [mm]."""
     occ = gmsh.model.occ
     kept, _ = occ.intersect(solid, [(3, occ.addBox(0, -reach, 0, reach, 2 * reach, reach))])
     return kept
@@ -366,7 +367,7 @@ def quarter_of(solid: Entities, reach: float = 300.0) -> Entities:
 def mesh_quarter(
     make: Callable[[], Entities], size: float, curvature: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes [mm] and 10-node tetrahedra of one quarter."""
+    """Return nodes [mm] and 10-node tetrahedra of one quarter."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     make()
@@ -400,8 +401,9 @@ def mesh_quarter(
 
 
 def mirror(points: np.ndarray, tets: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """Add the mirror image about the plane axis = 0; nodes on the plane are shared, orientation
-    stays positive.
+    """Add the mirror image about the plane axis = 0.
+
+    Nodes on the plane are shared, and the orientation remains positive.
     """
     image = np.arange(len(points)) + len(points)
     on_plane = points[:, axis] == 0.0
@@ -414,7 +416,7 @@ def mirror(points: np.ndarray, tets: np.ndarray, axis: int) -> tuple[np.ndarray,
 
 
 def outer_faces(tets: np.ndarray) -> np.ndarray:
-    """6-node triangles that belong to one tetrahedron only."""
+    """Return the 6-node triangles that belong to only one tetrahedron."""
     local = np.array(
         [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
     )
@@ -425,8 +427,9 @@ def outer_faces(tets: np.ndarray) -> np.ndarray:
 
 
 def write(path: Path, points: np.ndarray, tets: np.ndarray, sets: dict[str, np.ndarray]) -> None:
-    """xz-packed gmsh 2.2 file with the volume group "all" and the surface groups of `sets`; same
-    bytes every time.
+    """Write an xz-compressed gmsh 2.2 file with the volume group "all" and the surfaces of `sets`.
+
+    Equal input gives equal bytes.
     """
     faces = outer_faces(tets)
     groups = [(name, faces[mask[faces].all(axis=1)]) for name, mask in sets.items()]
@@ -452,17 +455,17 @@ def write(path: Path, points: np.ndarray, tets: np.ndarray, sets: dict[str, np.n
 
 
 def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
-    """Mesh file of a piston or block.
+    """Write the mesh file of a body.
 
     Parameters
     ----------
     path : Path
-        Ending in .msh.xz.
+        With suffix .msh.xz.
     shape : Piston, Block, TwinBlock or SmallEnd
     size : float
         Largest edge of an element [mm].
     curvature : int
-        Elements around a full circle, at least.
+        Minimum number of elements around a full circle.
     """
     points, tets = mesh_quarter(shape.quarter, size, curvature)
     for axis in (0, 2):
@@ -472,7 +475,7 @@ def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
 
 @dataclass(frozen=True)
 class Fineness:
-    """Largest edge of an element [mm], and elements around a full circle, at least."""
+    """Largest edge of an element [mm], and minimum number of elements around a full circle."""
 
     size: float
     curvature: int
@@ -481,6 +484,6 @@ class Fineness:
 def make_both(
     folder: Path, piston: Piston, of_piston: Fineness, block: Block, of_block: Fineness
 ) -> None:
-    """The meshes of a case: piston.msh.xz and block.msh.xz in its folder."""
+    """Write the meshes piston.msh.xz and block.msh.xz of a case into its folder."""
     make(folder / "piston.msh.xz", piston, of_piston.size, of_piston.curvature)
     make(folder / "block.msh.xz", block, of_block.size, of_block.curvature)

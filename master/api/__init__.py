@@ -1,6 +1,5 @@
-"""What `import piston_cosim` offers of the master: cases opened, changed and run; sweeps; bodies
-reduced; own participants coupled; FMUs built and loaded.
+"""Functions of `import piston_cosim`: cases, sweeps, reduced bodies, own participants, FMUs.
 
-The commands call the same functions: a case is opened by `case.system`, run by `runs.run`, swept by
-`runs.sweep`.
+The commands call the same functions. `case.system` opens a case, `runs.run` runs it, and
+`runs.sweep` runs sweeps.
 """

@@ -1,4 +1,4 @@
-"""Bodies reduced, by the part that knows them."""
+"""Reduction of bodies."""
 
 import logging
 from collections.abc import Callable, Iterable
@@ -13,15 +13,14 @@ from .cases import Case, Changes
 log = logging.getLogger("piston_cosim")
 
 OFFLINE = "fmu_mfbd.offline"
-"""Module with `reduce(options, folder, output, progress)`, called by name: this package knows no
-bodies.
-"""
+"""Module with `reduce(options, folder, output, progress)`, called by name because this package
+does not import bodies."""
 
 
 def reduce_bodies(
     source: Case | str | Path, output: str | Path, changes: Changes | None = None
 ) -> list[Any]:
-    """Reduce the bodies of a case, or find them in the cache, and write all about them.
+    """Reduce the bodies of a case, or load them from the cache, and write their data.
 
     Parameters
     ----------
@@ -29,7 +28,7 @@ def reduce_bodies(
         A case that builds bodies (its name, folder or file), or a TOML file with `grid` and the
         tables `[piston]`, `[block]` or both.
     output : path
-        Folder for the reduced bodies (`NAME.npz`, which a case may name as `reduced`), their tables
+        Folder for the reduced bodies (`NAME.npz`, which a case can use as `reduced`), their tables
         and pictures of modes.
     changes : mapping, optional
         Dotted key -> value, as for `Case.changed`.
@@ -37,8 +36,8 @@ def reduce_bodies(
     Returns
     -------
     list of fmu_mfbd.offline.BodyReport
-        Of each body: `name`, `mass` [kg], `centre` of mass [m], `inertia` about it [kg m2], `modes`
-        (number, frequency [Hz], modal mass [kg], share in the film), `files`, `seconds`.
+        For each body: `name`, `mass` [kg], `centre` of mass [m], `inertia` about it [kg m2],
+        `modes` (number, frequency [Hz], modal mass [kg], share in the film), `files`, `seconds`.
 
     Raises
     ------
@@ -47,7 +46,7 @@ def reduce_bodies(
 
     Examples
     --------
-    The first call reduces the bodies, every other one finds them in the cache:
+    The first call reduces the bodies, further calls load them from the cache:
 
     >>> piston, block = pc.reduce_bodies("numerical_example", "bodies")    # doctest: +SKIP
     >>> f"{piston.mass:.4f} kg, {len(piston.modes)} modes"                 # doctest: +SKIP
@@ -65,13 +64,13 @@ def reduce_bodies(
 def reduced(
     tree: dict[str, Any], folder: Path, output: Path, progress: Callable[[str], object]
 ) -> list[Any]:
-    """The same of a tree whose paths begin in `folder`."""
+    """Reduce the bodies of a tree whose paths are relative to `folder`."""
     offline: Any = import_part(OFFLINE)
     return offline.reduce(build_table(tree), folder, output, progress)
 
 
 def build_tables(tree: dict[str, Any], names: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """The tables of those of the participants `names` that are made of bodies."""
+    """Return the build tables of those participants that consist of bodies, by name."""
     package = OFFLINE.split(".")[0]
     tables = {name: tree["participants"][name] for name in names}
     return {
@@ -82,9 +81,7 @@ def build_tables(tree: dict[str, Any], names: Iterable[str]) -> dict[str, dict[s
 
 
 def build_table(tree: dict[str, Any]) -> dict[str, Any]:
-    """The table that describes the bodies: of the case's participant that is made of them, or the
-    file itself.
-    """
+    """Return the table that describes the bodies: of the case's participant, or the file itself."""
     if "participants" not in tree:
         return tree
     package = OFFLINE.split(".")[0]

@@ -1,4 +1,4 @@
-"""Cases in Python: opened, changed, run, swept."""
+"""Cases in Python: open, change, run, sweep."""
 
 import itertools
 import logging
@@ -22,15 +22,15 @@ from ..runs.run import run as run_system
 log = logging.getLogger("piston_cosim")
 
 Changes = Mapping[str, Any]
-"""Dotted key of the case -> value: text with a unit ("20 mPa s"), number, truth value, list."""
+"""Dotted key of the case -> value: text with a unit ("20 mPa s"), number, bool, list."""
 
 
 class Progress(NamedTuple):
-    """Where a run is, after a macro step.
+    """Progress of a run after a macro step.
 
-    share : of the whole time that is done, 0 to 1; time, stop : [s]; iterations : of the step;
-    residual : its largest residual over its tolerance; monitored : the case's monitor entries,
-    name -> (value, SI unit).
+    share : completed share of the run, 0 to 1; time, stop : [s]; iterations : of the step;
+    residual : largest residual over its tolerance; monitored : the case's monitor entries, name
+    -> (value, SI unit).
     """
 
     share: float
@@ -43,18 +43,18 @@ class Progress(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """A case: what is simulated, unchangeable; `changed` gives another one.
+    """Case to simulate, immutable; `changed` returns another one.
 
-    Made by `open_case`, or by `couple` of participants of your own.
+    It is created by `open_case`, or by `couple` for your own participants.
 
     Parameters
     ----------
     tree : dict
         The resolved TOML tree.
     path : Path
-        Its file; relative paths in the tree start from its folder.
+        Its file. Relative paths in the tree start from its folder.
     own : mapping of str to callable
-        Participants that exist in this Python alone: name -> maker.
+        Participants that exist only in this process: name -> constructor.
 
     Examples
     --------
@@ -91,39 +91,39 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Name of the case: of its folder, or of its file where that is no case.toml."""
+        """Name of the case: its folder, or its file if that is not case.toml."""
         return self.path.parent.name if self.path.name == "case.toml" else self.path.stem
 
     @property
     def variants(self) -> tuple[str, ...]:
-        """Labels: the case itself, then its variants."""
+        """Labels of the case itself and of its variants."""
         return (self.label, *self.tree.get("variants", {}))
 
     def variant(self, label: str) -> "Case":
-        """The case as one of its variants; BadInput without one of that label."""
+        """Return one of the case's variants; raise `BadInput` if the label is unknown."""
         if label not in self.variants:
             raise BadInput(f"variant: {unknown('variant', label, self.variants)}")
         changes = self.tree.get("variants", {}).get(label, {})
         return self.changed({**changes, "label": label, "variants": {}, "beside": []})
 
     def changed(self, changes: Changes) -> "Case":
-        """The case with other values.
+        """Return the case with other values.
 
         Parameters
         ----------
         changes : mapping
-            Dotted key -> value: "participants.ehd.parameters.viscosity" -> "20 mPa s"; an entry of
-            a list by its number, counted from 0: "wires.0.tolerance" -> "2 nm".
+            Dotted key -> value: "participants.ehd.parameters.viscosity" -> "20 mPa s". Entries of a
+            list have numbers from 0: "wires.0.tolerance" -> "2 nm".
 
         Raises
         ------
         BadInput
-            With every key that leads nowhere and every value that the case cannot have.
+            With every unknown key and every invalid value.
         """
         return replace(self, tree=changes_of.changed(self.tree, changes.items(), self.path.parent))
 
     def __getitem__(self, key: str) -> Any:
-        """Value at a dotted key, as the case has it (text with a unit); KeyError without one."""
+        """Return the value at a dotted key, as in the case; raise `KeyError` if there is none."""
         return changes_of.value_at(self.tree, key, self.path.parent)
 
     def run(
@@ -139,10 +139,10 @@ class Case:
         Parameters
         ----------
         output : path, optional
-            The results file; results/NAME/LABEL.h5 without it.
+            The results file. Default: results/NAME/LABEL.h5.
         progress : callable, optional
-            Called with a `Progress` after every macro step. What is done before the first one
-            (bodies reduced, FMUs built) is told to the logger "piston_cosim".
+            Called with a `Progress` after every macro step. The logger "piston_cosim" reports the
+            work before the first one (reduction of bodies, FMUs).
         lubrication, bodies : class, str or Path, optional
             Model that replaces the participant in this role: a model class, "FILE.py:CLASS" or an
             FMU. The class must be in a file that can be imported; its FMU is built and cached.
@@ -157,7 +157,7 @@ class Case:
         BadInput
             With every fault that was found before the run.
         StepFailed
-            If a macro step cannot be converged.
+            If a macro step does not converge.
         """
         from ..engine.truncation import state_truncation
 
@@ -207,7 +207,7 @@ def _model(model: type | str | Path | None) -> str | None:
 
 
 def _telling(progress, begin):
-    """`progress` as the `watch` of a run."""
+    """Return `progress` as the `watch` of a run."""
 
     def watch(time, stop, solution, monitored):
         share = (time - begin) / (stop - begin)
@@ -218,13 +218,12 @@ def _telling(progress, begin):
 
 
 def open_case(case: str | Path, changes: Changes | None = None, variant: str | None = None) -> Case:
-    """A case, checked.
+    """Open and check a case.
 
     Parameters
     ----------
     case : str or Path
-        Name of a case that comes with the package ("numerical_example"), its folder, or a file:
-        TOML or SSP.
+        Name of an installed case ("numerical_example"), its folder, or a file: TOML or SSP.
     changes : mapping, optional
         Dotted key -> value, as for `Case.changed`.
     variant : str, optional
@@ -233,7 +232,7 @@ def open_case(case: str | Path, changes: Changes | None = None, variant: str | N
     Raises
     ------
     BadInput
-        With every fault of the file, each with its place.
+        With every fault of the file and its key.
 
     Examples
     --------
@@ -262,14 +261,14 @@ def sweep(
     Parameters
     ----------
     case : Case
-        Of a file; participants of your own cannot go to other processes.
+        Case from a file. Participants in this process cannot be used by other processes.
     vary : mapping
         Dotted key -> values.
     output : path, optional
-        Folder: `sweep.csv` and the results of each run; results/sweep_NAME without it. What is
-        there of an earlier sweep is taken, what failed is tried again.
+        Folder of `sweep.csv` and the results of each run. Default: results/sweep_NAME. Finished
+        runs of an earlier sweep are reused, failed ones are repeated.
     workers : int, optional
-        Processes; one a processor without it. A script that calls this needs
+        Number of processes. Default: number of processors. A script that calls this needs
         `if __name__ == "__main__":` around it, as with all of Python's processes.
     progress : callable, optional
         Called with (row, number done, number of all) after each run.
@@ -277,15 +276,16 @@ def sweep(
     Returns
     -------
     list of dict
-        A row a run, in the order of the combinations: its values, `status` ("done", "failed", "bad
-        input"), `message`, and the entries of its summary. `pandas.DataFrame(rows)` is a table.
+        A row for each run, in the order of the combinations: its values, `status` ("done",
+        "failed", "bad input"), `message`, and the entries of its summary. `pandas.DataFrame(rows)`
+        is a table.
 
     Raises
     ------
     BadInput
         With every fault of every combination.
     """
-    from ..runs import sweep as sweeps  # multiprocessing is slow to import
+    from ..runs import sweep as sweeps  # slow to import
 
     if case.own:
         raise BadInput(f"participants: expected FMUs in a sweep, got objects {', '.join(case.own)}")

@@ -31,7 +31,7 @@ CHOICES = {
     "iqn_imvj": ("Lindner2015",),
     "iqn_ageing": ("Haelterman2016",),
 }
-"""References of a choice whose name does not carry author and year."""
+"""References of a choice whose name does not contain author and year."""
 
 LAW = re.compile(r"(?P<author>[a-z]+)(?:_[a-z]+)*_(?P<year>\d{4})")
 ROUGH = ("contact_law", "flow_factors")

@@ -1,4 +1,4 @@
-"""Participants of your own under the master, described in Python instead of in a case file."""
+"""Coupling of your own participants, described in Python instead of in a case file."""
 
 import json
 import tempfile
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..fmi.slave import FieldSlave
 
 Origin = Union["type[FieldSlave]", str, Path, Callable[[], Participant]]
-"""Where a participant comes from, see `couple`."""
+"""Origin of a participant, see `couple`."""
 
 
 def couple(
@@ -33,14 +33,14 @@ def couple(
     title: str = "",
     **coupling: Any,
 ) -> Case:
-    """A case of participants and wires: every macro step is iterated until all wires agree.
+    """Return a case of participants and wires, which iterates every macro step.
 
     Parameters
     ----------
     participants : mapping
-        Name -> a class derived from `Slave` (it runs in this Python); an FMU's path;
-        "FILE.py:CLASS" (packed as an FMU); a CSV file of signals; or a function without arguments
-        that makes an object with the methods of `master.participants.participant.Participant`.
+        Name -> a class derived from `Slave` (runs in this process), the path of an FMU,
+        "FILE.py:CLASS" (packed as an FMU), a CSV file of signals, or a function without arguments
+        that returns an object with the methods of `master.participants.participant.Participant`.
     wires : sequence
         "spring.force -> mass.force", or a mapping with the keys of a case's wires, for example
         {"from": "spring.force", "to": "mass.force", "tolerance": "1 mN"}.
@@ -49,31 +49,31 @@ def couple(
     method : str
         newton, iqn_ils, iqn_imvj, iqn_ageing, aitken, constant, or explicit.
     order : sequence of str, optional
-        In which the participants step; that of the mapping without it. Wires that run against it
+        Stepping order of the participants. Default: that of the mapping. Wires against this order
         are the unknowns.
     parameters : mapping, optional
         Participant -> name -> value with its unit: parameters, and start values of inputs.
     build : mapping, optional
-        Participant -> what its `variables(options)` is given.
+        Participant -> argument of its `variables(options)`.
     record : sequence of str
-        Arrays to be recorded, "participant.variable"; scalar outputs always are.
+        Arrays to record, "participant.variable". Scalar outputs are always recorded.
     **coupling
         Further keys of a case's `[coupling]`: max_iterations, relaxation, predictor, ...
 
     Returns
     -------
     Case
-        Its `run` and `changed` are those of any other.
+        With `run` and `changed` like any other case.
 
     Raises
     ------
     BadInput
-        With every fault of the description; those of units, shapes and names that need the
-        participants follow from `Case.run`.
+        With every fault of the description. `Case.run` reports faults of units, shapes and names,
+        because they depend on the participants.
 
     Examples
     --------
-    A mass on a spring, stepped by the implicit midpoint rule, one class each side:
+    A mass on a spring by the implicit midpoint rule, with one class for each side:
 
     >>> class Spring(pc.Slave):
     ...     name = "spring"
@@ -150,25 +150,25 @@ def _is_slave(origin: Origin) -> TypeGuard["type[FieldSlave]"]:
 
 
 def in_process(name: str, slave: "type[FieldSlave]", options: Mapping[str, Any]) -> Any:
-    """A slave of this Python as a participant, without an FMU around it."""
+    """Return a participant of a slave in this process, without an FMU."""
     from ..participants.local import LocalParticipant
 
-    with tempfile.TemporaryDirectory() as folder:  # asked for its options alone, at once
+    with tempfile.TemporaryDirectory() as folder:  # read for its options only, immediately
         (Path(folder) / "build.json").write_text(json.dumps(dict(options)))
         participant = LocalParticipant(name, slave(instance_name=name, resources=folder))
-    participant.can_serialise = False  # a checkpoint is for a process without this class
+    participant.can_serialise = False  # a checkpoint may be read by a process without this class
     return participant if participant.has_derivatives else Differenced(participant)
 
 
 def _file(origin: str) -> dict[str, str]:
-    """Table entry of a participant that lies in a file."""
+    """Return the table entry of a participant in a file."""
     if ".py:" in origin:
         return {"file": origin}
     return {"table" if origin.endswith(".csv") else "fmu": origin}
 
 
 def _wire(wire: str | Mapping[str, Any]) -> dict[str, Any]:
-    """Table of a wire."""
+    """Return the table of a wire."""
     if not isinstance(wire, str):
         return dict(wire)
     source, arrow, target = (part.strip() for part in wire.partition("->"))

@@ -1,4 +1,4 @@
-"""FMUs built and loaded."""
+"""Building and loading of FMUs."""
 
 import logging
 import shutil
@@ -29,27 +29,27 @@ def build_fmu(
     platforms: Sequence[str] = (),
     say: Callable[[str], object] = log.info,
 ) -> Path:
-    """The FMU of one participant of a case, or of a slave written in one file.
+    """Return the FMU of one participant of a case, or of a single-file model class.
 
     Parameters
     ----------
     source : Case, str or Path
         A case, or "FILE.py:CLASS".
     participant : str, optional
-        Its name in the case; without one `source` is a file.
+        Its name in the case. If omitted, `source` is a file.
     output : path, optional
-        Where to put the FMU; it stays in the user's cache alone without it.
+        Path of the FMU. Default: in the user's cache.
     options : mapping, optional
-        Build options in place of the case's ({"grid": [60, 30]}, for all participants that have
-        them); of a file what its `variables(options)` is given.
+        Build options that replace those of the case ({"grid": [60, 30]}, for all participants that
+        have them). For a file, the argument of its `variables(options)`.
     fmi : {"2.0", "3.0"}
-        Version of the standard; 3.0 needs a C compiler.
+        Version of FMI. 3.0 needs a C compiler.
     platforms : sequence of str
-        "linux64", "win64", "aarch64-linux", "darwin64", "aarch64-darwin": an FMU of machine code
-        for these, which needs no Python; each needs a C compiler here, unless the release has
-        brought its library. Without any the FMU is Python.
+        Platforms of a native FMU that needs no Python: "linux64", "win64", "aarch64-linux",
+        "darwin64", "aarch64-darwin". Each one needs a C compiler, unless its library is prebuilt.
+        If empty, the FMU runs in Python.
     say : callable
-        Told a line of text before long work.
+        Called with a message before long work.
 
     Returns
     -------
@@ -81,17 +81,17 @@ def build_fmu(
 
 
 def compile_code(path: Path, say: Callable[[str], object]) -> None:
-    """Start an FMU once and take a step of its default experiment, so that what its code compiles
-    is kept for this user: whoever loads it here, or another of the same code, need not wait.
+    """Start an FMU and take a step of its default experiment, to cache its compiled code.
 
-    One that does not start by its own values is left as it is.
+    Later starts of FMUs with the same code then take less time. An FMU whose default values are not
+    valid is not compiled.
 
     Parameters
     ----------
     path : Path
-        An FMU that this tool has built.
+        An FMU of this tool.
     say : callable
-        Told a line of text before.
+        Called with a message first.
     """
     say(f"starting {path.name} once: code that is new here is compiled, about a minute")
     usual = read_model_description(str(path)).defaultExperiment
@@ -114,7 +114,7 @@ def _of_case(
     platforms: Sequence[str],
     say: Callable[[str], object],
 ) -> Path:
-    """FMU of a case's participant with some build options of another value."""
+    """Return the FMU of a case's participant with some build options replaced."""
     checked, folder = check_case(case.tree, case.path), case.path.parent
     buildable = [name for name, table in checked.participants.items() if table.package]
     if participant not in buildable:
@@ -123,7 +123,7 @@ def _of_case(
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
     package: Any = checked.participants[participant].package
-    if platforms:  # before other participants are reduced for what they give
+    if platforms:  # before other participants are reduced for their build options
         own = checked.participants[participant].build
         builder_native.check_native(package, own, folder, say, platforms)
     build = build_options(checked, folder, say)[participant]
@@ -136,27 +136,27 @@ def _of_case(
 
 
 def open_fmu(path: str | Path, name: str = "fmu") -> Any:
-    """An FMU of either version of the standard, ready to be stepped by hand.
+    """Return an FMU of either version of the standard, to step it yourself.
 
     Parameters
     ----------
     path : str or Path
         An FMI 2.0 or 3.0 FMU for co-simulation.
     name : str
-        What error messages call it.
+        Its name in error messages.
 
     Returns
     -------
     Participant
         `fields` (name -> unit, causality, shape, allowed range, description);
         `start(parameters, start_time, stop_time)`; `set(name, value)`, `get(name)` with whole
-        arrays; `step(time, step)`; `save()`, `restore(state)`; `derivative(seeds, products)` where
-        `has_derivatives`; `close()`. Values in the units that the FMU declares.
+        arrays; `step(time, step)`; `save()`, `restore(state)`; `derivative(seeds, products)` if
+        `has_derivatives`; `close()`. Values have the units that the FMU declares.
 
     Raises
     ------
     BadInput
-        If there is no such file, or it is no FMU that can be used.
+        If there is no such file, or it is not an FMU for co-simulation.
 
     Examples
     --------

@@ -1,5 +1,5 @@
 """The command line.
 
-`app` lists the commands and sets exit codes. `common` holds what several commands use. Each command
-is a file; the folders `results` and `fmu` hold the commands of these groups.
+`app` lists the commands and sets exit codes. `common` contains functions of several commands.
+Each command is a file. The folders `results` and `fmu` contain the commands of these groups.
 """

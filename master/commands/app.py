@@ -86,12 +86,12 @@ app.register_install_completion_command(help="Teach this shell to complete comma
 
 def main():
     """Run the command line; print errors of the user's input and set the exit code."""
-    # PARDISO obeys the user's own number of threads, not the default below
+    # PARDISO uses the user's number of threads, not the default below
     os.environ.setdefault("PISTON_COSIM_THREADS", os.environ.get("OMP_NUM_THREADS", "all"))
-    # dense algebra here is small: a second BLAS thread costs up to a factor 7
+    # dense algebra here is small: a second BLAS thread makes it up to 7 times slower
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(threads, "1")
-    # modules, XML and descriptions stay: looking through them costs a fifth of a start
+    # modules, XML and descriptions are permanent: scanning them takes a fifth of a start
     gc.set_threshold(100_000, 20, 20)
     separate_output()
     words = sys.argv[1:]
@@ -107,7 +107,7 @@ def main():
         say_faults(f"\nstopped:[/] by {str(error) or 'SIGINT'}", [])
     except (CycloptsError, BadInput, OSError) as error:
         if isinstance(error, OSError) and not error.filename:
-            raise  # no file of the user's
+            raise  # not a file of the user
         faults = faults_of(error)
         title = f"bad input[/], {len(faults)} fault{'s' * (len(faults) > 1)}:"
         say_faults(title, [f"- {fault}" for fault in faults])
@@ -160,7 +160,7 @@ def new_spelling(words):
 
 
 def separate_output():
-    """Send what FMUs print to the error stream; standard output holds what the commands print."""
+    """Send the output of FMUs to the error stream; standard output is for the commands."""
     out = sys.stdout
     with suppress(OSError, ValueError, AttributeError):
         if out is sys.__stdout__ and out.fileno() == 1:

@@ -62,7 +62,7 @@ def parse_change(text):
 
 
 def parse_changes(texts):
-    """Return the pairs of all --set; BadInput with every one that is none."""
+    """Return the pairs of all --set; raise `BadInput` with every invalid one."""
     changes, faults = [], []
     for text in texts:
         try:
@@ -216,7 +216,7 @@ def _titles(tree):
 
 
 def print_answers(answers, verbose=False):
-    """Print the answers of runs side by side, then the checks that warn or fail.
+    """Print the main results of runs in columns, then the checks that warn or fail.
 
     `answers` maps labels to `engine.answer.Answer`. `verbose` prints all checks.
     """

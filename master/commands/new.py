@@ -26,7 +26,7 @@ def _option(name: str) -> Any:
 
 
 HERE = {"__module__": __name__}
-"""Module of the made class; cyclopts reads no options of a class without one."""
+"""Module of the generated class, without which cyclopts does not read its options."""
 Sizes: Any = make_dataclass("Sizes", map(_option, SIZES), frozen=True, namespace=HERE)
 """Sizes of an engine as text: a number in the unit of its option, or a number with its unit."""
 

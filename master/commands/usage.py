@@ -1,4 +1,4 @@
-"""Faults of a call: what the command line, files and folders raise, as one sentence each."""
+"""Faults of a call: errors of the command line, files and folders, as one sentence each."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,7 +23,7 @@ def faults_of(error: Exception) -> list[str]:
 
 
 def _of_call(error: CycloptsError) -> str:
-    """Return what is wrong with the words of a call."""
+    """Return the fault in the words of a call."""
     match error:
         case usage.UnknownOptionError():
             word = error.token.keyword or error.token.value
@@ -67,8 +67,9 @@ def _commands(app: Any) -> list[str]:
 
 
 def new_file(_type: Any, path: Path | None) -> None:
-    """Create the folder of the file `path`; raise ValueError if this is impossible, or if `path` is
-    a folder: a validator of options.
+    """Create the folder of the file `path`; a validator of options.
+
+    Raises `ValueError` if this is impossible, or if `path` is a folder.
     """
     if path is None:
         return
@@ -79,13 +80,13 @@ def new_file(_type: Any, path: Path | None) -> None:
 
 
 def positive(_type: Any, value: float | None) -> None:
-    """Raise ValueError unless a number is above 0: a validator of options."""
+    """Raise `ValueError` unless a number is above 0; a validator of options."""
     if value is not None and not value > 0:
         raise ValueError(f"expected a number above 0, got {value}")
 
 
 def new_folder(_type: Any, path: Path | None) -> None:
-    """Raise ValueError unless `path` is a folder or can become one: a validator of options."""
+    """Raise `ValueError` unless `path` is a folder or can become one; a validator of options."""
     if path is None:
         return
     there = next(one for one in (path, *path.absolute().parents) if one.exists())

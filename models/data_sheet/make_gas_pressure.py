@@ -1,8 +1,8 @@
-"""Gas pressure of the data-sheet engine, not tabulated in its paper: writes gas_pressure.csv.
+"""Gas pressure of the data-sheet engine, which its paper does not tabulate: gas_pressure.csv.
 
-Compression and expansion are polytropes of the slider-crank's volume; heat is released by a Wiebe
-function, as a factor that the pressure gains beside the polytrope. Gauge, 0 deg: firing top dead
-centre. Our own choice, no measured curve is imitated.
+Compression and expansion are polytropes of the slider-crank's volume. A Wiebe function gives the
+heat release, as a factor of the polytrope. Pressure is gauge, and 0 deg is firing top dead
+centre. Our own choice, which imitates no measured curve.
 """
 
 from pathlib import Path
@@ -14,11 +14,11 @@ COMPRESSION = 16.0  # [-]
 EXPONENT = 1.33  # [-]
 INTAKE = 1.0e5  # [Pa], absolute
 IGNITION, DURATION = -8.0, 60.0  # [deg]
-GAIN = 1.9  # what burning multiplies the polytrope by [-]
+GAIN = 1.9  # factor of combustion on the polytrope [-]
 
 
 def volume_ratio(degrees):
-    """Volume of the cylinder over that at bottom dead centre."""
+    """Return the cylinder volume relative to bottom dead centre."""
     angle = np.radians(degrees)
     height = CRANK * np.cos(angle) + np.sqrt(ROD**2 - (CRANK * np.sin(angle)) ** 2)
     below_top = CRANK + ROD - height
@@ -27,17 +27,17 @@ def volume_ratio(degrees):
 
 
 def gauge_pressure(degrees):
-    """Over a cycle, -360 to 360 deg [Pa]."""
+    """Return the gauge pressure over a cycle, -360 to 360 deg [Pa]."""
     closed = np.abs(degrees) < 180.0
     burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - IGNITION, 0.0, None) / DURATION) ** 1.5)
     polytrope = INTAKE * volume_ratio(degrees) ** -EXPONENT * (1.0 + GAIN * burnt)
-    # valves open: what is left over falls to the ambient pressure within 60 deg
+    # valves open: the rest falls to the ambient pressure within 60 deg
     left = gauge_at_opening() * np.exp(-np.clip(degrees - 180.0, 0.0, None) / 20.0)
     return np.where(closed, polytrope - INTAKE, np.where(degrees >= 180.0, left, 0.0))
 
 
 def gauge_at_opening():
-    """Where the exhaust valve opens, at bottom dead centre [Pa]."""
+    """Return the gauge pressure when the exhaust valve opens, at bottom dead centre [Pa]."""
     return INTAKE * GAIN
 
 

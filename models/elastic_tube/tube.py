@@ -1,14 +1,13 @@
-"""Blood flow through an elastic tube, in two halves: a benchmark of coupling methods, after
-Degroote et al. (2008).
+"""Blood flow through an elastic tube: a benchmark of coupling methods with two participants.
 
 Eq. (U3):  d(A)/dt + d(A v)/dy = 0
-           on nodes 0..N, faces at i + 1/2, areas there a = mean of both nodes
+           on nodes 0..N, faces at i + 1/2 with the mean area of both nodes
 Eq. (U4):  d(A v)/dt + d(A v v)/dy + A dp/dy = 0          density 1, momentum carried downstream
 Eq. (U5):  A = a0 ((p0 - 2 c2) / (p - 2 c2))^2,  c2 = E sqrt(pi) / 2 / sqrt(a0)
            quasi-static wall
 
-Length 10 m, E 1e4 Pa, wall thickness 1 m, a0 1 m2, p0 0, inflow velocity 10 + 3 sin(10 pi t) m/s;
-outlet lets waves out.
+Length 10 m, E 1e4 Pa, wall thickness 1 m, a0 1 m2, p0 0, inflow velocity 10 + 3 sin(10 pi t) m/s.
+The outlet does not reflect waves.
 
 References
 ----------
@@ -32,7 +31,7 @@ WAVE = 1e4 * np.sqrt(np.pi) / 2  # c2 of Eq. (U5) [m2/s2]
 
 @dataclass(frozen=True)
 class Nothing:
-    """The wall has no memory."""
+    """Empty state of the wall."""
 
 
 class Wall(FieldSlave):
@@ -97,7 +96,7 @@ class Fluid(FieldSlave):
             v = v - change[:NODES]
             p = p - change[NODES:]
             size = np.linalg.norm(change) / np.linalg.norm(np.concatenate([v, p]))
-            if size <= 1e-13 or last / 2 <= size <= 1e-9:  # as small as round-off lets it be
+            if size <= 1e-13 or last / 2 <= size <= 1e-9:  # limit of round-off
                 return Flow(v, p, area), {"pressure": p}
             last = size
         raise Discard(
@@ -106,8 +105,10 @@ class Fluid(FieldSlave):
 
 
 def linearised(v, p, area, before, inflow, step):
-    """Residual (2 NODES) of momentum then mass, boundary rows first and last, and its derivative by
-    (v, p).
+    """Return residual (2 NODES) and its derivative by (v, p).
+
+    The rows are momentum, then mass, with the boundary conditions in the first and last row of
+    each.
     """
     n = NODES
     ratio = LENGTH / (NODES - 1) / step
@@ -125,7 +126,7 @@ def linearised(v, p, area, before, inflow, step):
     )
     # Eq. (U3)
     residual[n + inner] = ratio * (area - before.cross_section)[inner] + np.diff(flow)
-    # derivative of the momentum flow by the node behind and ahead
+    # derivative of the momentum flow by the upstream and the downstream node
     behind = face * (2 * v[:-1] + v[1:]) / 2
     ahead = face * v[:-1] / 2
     tangent[inner, inner - 1] = -behind[:-1]
@@ -137,8 +138,8 @@ def linearised(v, p, area, before, inflow, step):
     tangent[n + inner, inner - 1] = -face[:-1] / 2
     tangent[n + inner, inner] = (face[1:] - face[:-1]) / 2
     tangent[n + inner, inner + 1] = face[1:] / 2
-    # the ends: inflow given; velocity there and pressure here without curvature; and an outlet that
-    # lets waves out
+    # the ends: inflow velocity; no curvature of velocity there and of pressure here; outlet without
+    # reflection
     curvature = np.array([1.0, -2.0, 1.0])
     residual[0] = v[0] - inflow
     tangent[0, 0] = 1.0

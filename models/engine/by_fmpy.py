@@ -1,4 +1,4 @@
-"""Runs engine.ssp by FMPy's functions, explicitly: every FMU steps with what the others said last.
+"""Run engine.ssp by FMPy's functions with explicit coupling.
 
 python by_fmpy.py engine.ssp STEPS
 """
@@ -17,7 +17,7 @@ STEP = 25e-6
 
 
 def simulate(ssp, steps):
-    """(crank speed [rad/s], lateral displacement [m], friction power [W]) after the last step."""
+    """Return crank speed [rad/s], lateral displacement [m] and friction power [W] at the end."""
     with tempfile.TemporaryDirectory() as folder:
         zipfile.ZipFile(ssp).extractall(folder)
         system = ElementTree.parse(Path(folder) / "SystemStructure.ssd").getroot()
@@ -48,7 +48,7 @@ def simulate(ssp, steps):
 
 
 def _start(path):
-    """(FMU initialised with its start values, references by name)."""
+    """Return the initialised FMU with its start values, and references by name."""
     description = fmpy.read_model_description(str(path))
     fmu = fmi2.FMU2Slave(
         guid=description.guid,

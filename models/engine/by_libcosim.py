@@ -1,4 +1,4 @@
-"""Runs engine.ssp by libcosim (pip install libcosimpy):
+"""Run engine.ssp by libcosim (pip install libcosimpy).
 
 python by_libcosim.py engine.ssp STEPS
 """
@@ -26,7 +26,7 @@ def components_only(ssp, folder):
 
 
 def simulate(ssp, steps):
-    """(crank speed [rad/s], lateral displacement [m], friction power [W]) after the last step."""
+    """Return crank speed [rad/s], lateral displacement [m] and friction power [W] at the end."""
     with tempfile.TemporaryDirectory() as folder:
         path = str(components_only(ssp, folder))
         execution = CosimExecution.from_ssp_file(ssp_path=path, step_size=STEP)

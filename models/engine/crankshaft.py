@@ -1,4 +1,4 @@
-"""A crankshaft with flywheel as an FMU: turns under what the piston takes or gives, and a load."""
+"""Crankshaft with flywheel as an FMU, driven by the piston and a load."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,10 @@ class State:
 
 
 class Crankshaft(FieldSlave):
-    """Eq. (U2):  J dw/dt = -T - L,   T: torque that the crank drive takes, L: load."""
+    """Crankshaft with flywheel.
+
+    Eq. (U2):  J dw/dt = -T - L,   T: torque that the crank drive takes, L: load.
+    """
 
     name, description, state_type = "crankshaft", "Crankshaft with flywheel and load", State
 

@@ -1,5 +1,6 @@
-"""Gas pressure over crank angle as an FMU: compression, combustion, expansion, and an open cycle at
-ambient pressure.
+"""Gas pressure over crank angle as an FMU: compression, combustion, expansion, open cycle.
+
+The open cycle is at ambient pressure.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ AMBIENT = 1.0e5  # Pa
 
 @dataclass(frozen=True)
 class State:
-    """Nothing is remembered: pressure follows from the angle."""
+    """Empty state, because the pressure follows from the angle."""
 
 
 class GasPressure(FieldSlave):
@@ -60,7 +61,7 @@ class GasPressure(FieldSlave):
 
 
 def volume(angle, values):
-    """Cylinder volume over piston area [m]."""
+    """Return the cylinder volume over piston area [m]."""
     r, rod = values["crank_radius"], values["rod_length"]
     travel = r * (1 - np.cos(angle)) + rod - np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)
     return 2 * r / (values["compression_ratio"] - 1) + travel

@@ -1,4 +1,4 @@
-"""Builds the three FMUs and engine.ssp into a folder, with changes of the piston's case:
+"""Build the three FMUs and engine.ssp in a folder, with changes of the piston's case.
 
 python make.py FOLDER [KEY=VALUE ...]
 """
@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 
 
 def make(folder, changes=()):
-    """Path of the SSP."""
+    """Build the FMUs; return the path of the SSP."""
     folder.mkdir(parents=True, exist_ok=True)
     piston = find_case("numerical_example")
     case = check_case(read_tree(piston, changes), piston)

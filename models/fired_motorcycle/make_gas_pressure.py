@@ -1,17 +1,15 @@
-"""Make gas_pressure.csv: a cylinder pressure trace computed from a Wiebe heat release, no
-measurement.
+"""Make gas_pressure.csv: a cylinder pressure from a Wiebe heat release, not a measurement.
 
-Single zone, constant ratio of specific heats, net heat release (wall heat already taken off):
-
+Single zone, constant ratio of specific heats, net heat release (after wall heat losses):
 Eq. (U10):  dp/dphi = -kappa p V'/V + (kappa - 1) Q x_b'/V
 Eq. (U11):  x_b = 1 - exp(-6.908 s^(m+1)),  s = (phi - phi_0)/duration,
             Wiebe's: 99.9 % burnt at s = 1
 
-from inlet closing to exhaust opening, where phi_0 is set so that the peak lies 10 deg after firing
-top dead centre; then blow-down, exhaust and intake at constant pressures joined smoothly. Crank
-angle 0 is firing top dead centre; pressure is gauge.
+They hold from inlet closing to exhaust opening. phi_0 is such that the peak is 10 deg after firing
+top dead centre. Blow-down, exhaust and intake follow at constant pressures with smooth transitions.
+Crank angle 0 is firing top dead centre. Pressure is gauge.
 
-Writes gas_pressure.csv beside this script and prints the peak:
+The script writes gas_pressure.csv next to it, and prints the peak:
 
 python make_gas_pressure.py
 """
@@ -33,7 +31,7 @@ PEAK = np.radians(10.0)
 
 
 def volume(angle):
-    """Cylinder volume [m3] and its slope [m3/rad] at a crank angle [rad]."""
+    """Return cylinder volume [m3] and its slope [m3/rad] at a crank angle [rad]."""
     r, area = STROKE / 2, np.pi / 4 * BORE**2
     root = np.sqrt(ROD**2 - (r * np.sin(angle)) ** 2)
     travel = r * (1 - np.cos(angle)) + ROD - root
@@ -42,7 +40,7 @@ def volume(angle):
 
 
 def burning(angle, start):
-    """Rate of burning x_b' [1/rad]."""
+    """Return the rate of burning x_b' [1/rad]."""
     s = (angle - start) / DURATION
     if not 0.0 < s < 1.0:
         return 0.0
@@ -51,8 +49,9 @@ def burning(angle, start):
 
 
 def closed_cycle(start):
-    """Pressure [Pa, absolute] from inlet closing to exhaust opening for a start of burning [rad],
-    as a function of angle.
+    """Return the absolute pressure [Pa] of the closed cycle, as a function of angle.
+
+    It begins at inlet closing and ends at exhaust opening. `start` is the start of burning [rad].
     """
 
     def slope(angle, p):
@@ -72,19 +71,22 @@ def closed_cycle(start):
 
 
 def peak_angle(start):
-    """Crank angle [rad] of the highest pressure."""
+    """Return the crank angle of the highest pressure [rad]."""
     angle = np.radians(np.arange(-20.0, 60.0, 0.01))
     return angle[np.argmax(closed_cycle(start)(angle))]
 
 
 def blend(angle, low, high):
-    """0 below `low`, 1 above `high`, smooth between (all in rad)."""
+    """Return 0 below `low`, 1 above `high`, with a smooth transition; angles in rad."""
     s = np.clip((angle - low) / (high - low), 0.0, 1.0)
     return s * s * (3 - 2 * s)
 
 
 def trace(degrees):
-    """Absolute pressure [Pa] at crank angles 0..720 [deg], 0 = firing top dead centre."""
+    """Return absolute pressure [Pa] at crank angles 0..720 [deg], and start of burning [rad].
+
+    0 is firing top dead centre.
+    """
     start = brentq(
         lambda s: peak_angle(s) - PEAK, np.radians(-40.0), np.radians(-5.0), xtol=np.radians(0.01)
     )
@@ -103,7 +105,6 @@ def trace(degrees):
 
 
 def main():
-    """Write the file."""
     degrees = np.arange(0.0, 721.0)
     absolute, start = trace(degrees)
     rows = "".join(f"{d:.0f},{(p - AMBIENT) / 1e6:.6f}\n" for d, p in zip(degrees, absolute))

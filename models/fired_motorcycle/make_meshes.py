@@ -1,5 +1,6 @@
-"""Make the meshes of this case: piston.msh.xz and block.msh.xz (needs gmsh; running the case does
-not). Writes both files beside this script:
+"""Make the meshes piston.msh.xz and block.msh.xz of this case next to this script.
+
+It needs gmsh, which running the case does not:
 
 python -m piston_cosim.models.fired_motorcycle.make_meshes
 """

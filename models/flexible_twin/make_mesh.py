@@ -1,5 +1,6 @@
-"""Make the mesh of this case's block: block.msh.xz (needs gmsh; running the case does not). Writes
-it beside this script:
+"""Make the mesh block.msh.xz of this case next to this script.
+
+It needs gmsh, which running the case does not:
 
 python -m piston_cosim.models.flexible_twin.make_mesh
 """

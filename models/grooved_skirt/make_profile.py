@@ -1,5 +1,4 @@
-"""Make the shape of the piston from the skirt's lower edge to its crown: crown_land.csv. Writes it
-beside this script:
+"""Make crown_land.csv next to this script: the piston from the skirt's lower edge to the crown.
 
 python -m piston_cosim.models.grooved_skirt.make_profile
 """
@@ -11,14 +10,15 @@ import numpy as np
 LOWER, UPPER, LAND, CROWN = -45.5, 37.3, 62.14, 74.56
 """Heights above the pin [mm]: edges of the skirt, lower edge of the crown land, crown."""
 BARREL = 40.0
-"""Of the skirt, that of data_sheet [um]."""
+"""Barrel of the skirt, as in data_sheet [um]."""
 SMALLER = 250.0
-"""By which the land's radius is smaller than the skirt's largest [um]."""
+"""Radius of the skirt minus that of the land [um]."""
 
 
 def gap(height: np.ndarray) -> np.ndarray:
-    """Radial gap [um] at heights [mm]: the skirt's barrel, the land, and between them, where rings
-    are and no film is, half a wave.
+    """Return the radial gap [um] at heights [mm]: barrel of the skirt, land, half a wave between.
+
+    Between them are the rings, without a film.
     """
     barrel = BARREL * ((2 * height - LOWER - UPPER) / (UPPER - LOWER)) ** 2  # as Eq. (I6)
     share = np.clip((height - UPPER) / (LAND - UPPER), 0.0, 1.0)

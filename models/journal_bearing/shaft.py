@@ -1,11 +1,12 @@
-"""A rigid shaft that turns in a bearing: two translations, its weight, an unbalance.
+"""Rigid shaft that rotates in a bearing: two translations, its weight, an unbalance.
 
 Eq. (U17):  m x'' = W + m_u r_u w^2 (cos w t, sin w t) + F,   by the trapezoidal rule
 Eq. (U18):  F = sum of pressure force (-cos a, -sin a) + circumferential force (-sin a, cos a)
 Eq. (U19):  h = C - x cos a - y sin a
 
-x to the right, y upwards from the axis of the shell; a angle of a cell around the shell from x,
-a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell and turns at constant speed.
+x is to the right, y upwards, from the axis of the shell. a is the angle of a cell around the
+shell from x, a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell, and its
+speed is constant.
 """
 
 from dataclasses import dataclass
@@ -25,8 +26,10 @@ ONWARD = np.array([-np.sin(ANGLE), np.cos(ANGLE)])
 
 @dataclass(frozen=True)
 class State:
-    """place, velocity, force : ndarray, shape (2,) [m], [m/s], all that acts [N]; step : length of
-    the last one [s].
+    """State of the shaft.
+
+    place, velocity, force : ndarray, shape (2,) [m], [m/s], sum of all forces [N]; step : length
+    of the last one [s].
     """
 
     place: np.ndarray
@@ -36,7 +39,7 @@ class State:
 
 
 class Shaft(FieldSlave):
-    """Eqs. (U17) to (U19)."""
+    """Shaft by Eqs. (U17) to (U19)."""
 
     name, description, state_type = "shaft", "Rigid shaft in a bearing", State
     derivative_inputs = ("nodal_pressure_force", "nodal_circumferential_force")
@@ -89,7 +92,7 @@ class Shaft(FieldSlave):
         return film_force(values["nodal_pressure_force"], values["nodal_circumferential_force"])
 
     def _load(self, values, time):
-        """Weight and unbalance, Eq. (U17) [N]."""
+        """Return weight and unbalance, Eq. (U17) [N]."""
         turned = values["speed"] * time
         thrown = values["unbalance"] * values["speed"] ** 2
         down = np.array([0.0, -values["mass"] * GRAVITY])
@@ -98,7 +101,7 @@ class Shaft(FieldSlave):
     def _shown(self, state, values):
         x, y = state.place
         horizontal, vertical = force = self._film(values)
-        # about the axis of the shaft: what acts around, less the lever of the film's force
+        # about the axis of the shaft: circumferential forces minus the moment of the film's force
         around = values["radius"] * values["nodal_circumferential_force"].sum()
         moment = around - (x * vertical - y * horizontal)
         film = values["clearance"] - state.place @ OUTWARD  # Eq. (U19)
@@ -115,6 +118,6 @@ class Shaft(FieldSlave):
 
 
 def film_force(pressure, around):
-    """F [N]."""
+    """Return F [N]."""
     # Eq. (U18)
     return ONWARD @ around.sum(axis=1) - OUTWARD @ pressure.sum(axis=1)

@@ -1,4 +1,4 @@
-"""A lubrication FMU of your own: change `advance`; README.md says how to build and run it."""
+"""Example of your own lubrication FMU: change `advance`; README.md explains build and run."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,10 @@ class State:
 
 
 class AxialFilm(FieldSlave):
-    """Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges"""
+    """Film with axial flow only.
+
+    Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
+    """
 
     name, description, state_type = "axial_film", "Film with axial flow only", State
 

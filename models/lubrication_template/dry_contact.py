@@ -1,7 +1,6 @@
-"""Contact without oil, as multibody programs do it: a spring and a damper between skirt and bore,
-Coulomb friction.
+"""Contact without oil as in multibody programs: spring, damper and Coulomb friction.
 
-To compare with a lubricated run:
+To compare it with a lubricated run:
 
 piston-cosim fmu pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
 """
@@ -20,10 +19,12 @@ class State:
 
 
 class DryContact(FieldSlave):
-    """Eq. (U9):  p = k d + c max(dd/dt, 0) where d = max(h0 - h, 0) > 0,   f = -mu p tanh(U / U0)
+    """Contact of skirt and bore without oil.
 
-    h: gap, h0: gap at which the surfaces touch, d: overlap, k, c: stiffness and damping per area,
-    U0: rounding velocity.
+    Eq. (U9):  p = k d + c max(dd/dt, 0) where d = max(h0 - h, 0) > 0,   f = -mu p tanh(U / U0)
+
+    h: gap, h0: gap at which the surfaces touch, d: overlap, k, c: stiffness and damping per
+    area, U0: rounding velocity.
     """
 
     name, description, state_type = "dry_contact", "Skirt contact without oil", State

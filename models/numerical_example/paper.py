@@ -33,14 +33,14 @@ FACES = {"thrust": 90.0, "anti-thrust": 270.0}
 
 
 class Findings(NamedTuple):
-    """Results of one run that the paper's findings are about, over the last period.
+    """Results of one run that the paper discusses, over the last period.
 
     Parameters
     ----------
     film : float
-        Smallest film thickness [m].
+        Minimum film thickness [m].
     pressure : float
-        Highest film pressure [Pa].
+        Maximum film pressure [Pa].
     friction : float
         Mean friction force on the upstroke [N].
     power : float
@@ -61,9 +61,9 @@ class Findings(NamedTuple):
 def deflection(results: Results) -> np.ndarray:
     """Return the gap opened by deflection of both bodies, (instants, around, along) [m].
 
-    It is the film thickness less that of undeformed bodies. The run starts with undeformed,
-    concentric bodies, so that its first field holds clearance and profile. Lateral displacement x
-    and tilt b of the piston change the gap of undeformed bodies by -(x - b y) sin(theta).
+    It is the film thickness minus that of undeformed bodies. The run starts with undeformed,
+    concentric bodies, so its first field is clearance and profile. Lateral displacement x and
+    tilt b of the piston change the gap of undeformed bodies by -(x - b y) sin(theta).
     """
     port = "bodies.film_thickness"
     profile = results.whole.dataset(port)[0]
@@ -82,7 +82,7 @@ def deflection(results: Results) -> np.ndarray:
 
 
 def findings(results: Results) -> Findings:
-    """Return what the paper's findings are about."""
+    """Return the results that the paper discusses."""
     axis = check_case(results.case, results.path).axes_of("ehd.pressure").first
     friction = sum(
         results.series(f"ehd.friction_force_{kind}").values for kind in ("hydrodynamic", "asperity")

@@ -1,4 +1,4 @@
-"""A ring pack as one participant: what the rings do to the piston, from its motion and the gas."""
+"""Ring pack as one participant: forces of the rings on the piston, from its motion and the gas."""
 
 from dataclasses import dataclass
 from math import exp, hypot, pi, sqrt
@@ -7,14 +7,14 @@ from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import input_variable, output_variable, parameter
 
 PAD = 1.94
-"""C of Eq. (U14): a ring face as a plane pad that closes to half its gap, flooded: load 0.1589
-eta U b^2/h^2 and friction 0.7726 eta U b/h per length, so F' = 0.7726/sqrt(0.1589) sqrt(eta U W').
-"""
+"""C of Eq. (U14). A ring face is a flooded plane pad whose gap closes to one half. Its load is
+0.1589 eta U b^2/h^2 and its friction 0.7726 eta U b/h per length, so F' = 0.7726/sqrt(0.1589)
+sqrt(eta U W')."""
 
 
 @dataclass(frozen=True)
 class State:
-    """A quasi-static pack remembers nothing."""
+    """Empty state of a quasi-static pack."""
 
 
 class RingPack(FieldSlave):
@@ -25,10 +25,11 @@ class RingPack(FieldSlave):
     Eq. (U15):  F_x = -mu_g pi D gas_depth p v/sqrt(v^2 + v_0^2),   v = x_A' - height w
     Eq. (U16):  M = -height F_x
 
-    W' load of all rings on the bore over their length, p gauge pressure of the gas, D bore, V
-    velocity of the piston, v that of the grooves across the bore, where the rings stay; V_0, v_0
-    below which dry friction gives way to creep. Gas presses the rings on the lower flanks of their
-    grooves; their inertia, flutter and blow-by are left out. Valid for p >= 0 (below it is 0).
+    W' is the load of all rings on the bore per length, p the gauge pressure of the gas, D the
+    bore. V is the velocity of the piston, v that of the grooves across the bore, relative to the
+    rings. Below V_0 and v_0, dry friction becomes creep. Gas presses the rings on the lower
+    flanks of their grooves. Inertia, flutter and blow-by are neglected. Valid for p >= 0 (lower
+    values count as 0).
     """
 
     name, description, state_type = "ring_pack", "Quasi-static piston ring pack", State
@@ -67,7 +68,7 @@ class RingPack(FieldSlave):
 
 
 def _forces(of):
-    """Outputs at an instant."""
+    """Return the outputs at an instant."""
     pressure = max(of["cylinder_pressure"], 0.0)
     around = pi * of["bore"]
     climb = of["piston_velocity"]

@@ -1,15 +1,15 @@
-"""A rigid cylinder block on its mounts, under the forces of any number of cylinders.
+"""Rigid cylinder block on its mounts, under the forces of any number of cylinders.
 
 Eq. (U20):  M q'' + C q' + K q = F,   q = (u, rotation) of the middle of the crank axis O, by the
             trapezoidal rule
 Eq. (U21):  M = [m 1, -m c~; m c~, J + m c~^T c~],   c~ v = c x v,  c the centre of mass from O
 Eq. (U22):  K = sum_j G_j^T k_j G_j,  C = tau K,   G_j = [1, -r_j~],  r_j mount j from O
 Eq. (U23):  F = sum_k (f_k, z_k x f_k + M_k z/|z|),   f_k = R(b_k) (force_x, force_y)
-Eq. (U24):  a_k = R(b_k)^T (u'' + rotation'' x z_k),   given back to cylinder k
+Eq. (U24):  a_k = R(b_k)^T (u'' + rotation'' x z_k),   motion of cylinder k
 
-x, y as in a cylinder with bank angle 0, z along the crank; R(b) turns about z by the bank angle.
-Small motions of the block. It starts at rest with its mounts unloaded; forces begin to act in the
-first step.
+x, y are as in a cylinder with bank angle 0, z is along the crank. R(b) rotates about z by the
+bank angle. Motions of the block are small. It starts at rest with its mounts unloaded, and
+forces act from the first step on.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,9 @@ MOTIONS = ("acceleration_x", "acceleration_y", "angular_acceleration", "angular_
 
 @dataclass(frozen=True)
 class State:
-    """position, velocity, acceleration of q [m, rad], force F [N, N m], each (6,); step : length of
+    """State of the block.
+
+    position, velocity, acceleration of q [m, rad], force F [N, N m], each (6,); step : length of
     the last one [s].
     """
 
@@ -47,7 +49,7 @@ class State:
 
 @dataclass(frozen=True)
 class Engine:
-    """M, C, K (6, 6) of Eq. (U20); z [m] and bank angle [rad] of each cylinder."""
+    """Matrices M, C, K (6, 6) of Eq. (U20); z [m] and bank angle [rad] of each cylinder."""
 
     mass: np.ndarray
     damping: np.ndarray
@@ -56,7 +58,7 @@ class Engine:
     bank: np.ndarray
 
     def total(self, force_x, force_y, moment) -> np.ndarray:
-        """F, shape (6,), of all cylinders' forces, each (cylinders,)."""
+        """Return F, shape (6,), of all cylinders' forces, each (cylinders,)."""
         cosine, sine = np.cos(self.bank), np.sin(self.bank)
         x, y = cosine * force_x - sine * force_y, sine * force_x + cosine * force_y
         # Eq. (U23)
@@ -64,7 +66,7 @@ class Engine:
         return np.array([np.sum(x), np.sum(y), 0.0, *turning])
 
     def seen(self, acceleration, velocity) -> np.ndarray:
-        """Motion of each cylinder's place as `MOTIONS` has it, (4, cylinders)."""
+        """Return the motion of each cylinder in the order of `MOTIONS`, (4, cylinders)."""
         cosine, sine = np.cos(self.bank), np.sin(self.bank)
         across, up, _, pitch, yaw, roll = acceleration
         *_, rolling = velocity
@@ -76,12 +78,12 @@ class Engine:
         return np.array([*turned, roll * alike, rolling * alike])
 
     def effective(self, step) -> np.ndarray:
-        """M + h C/2 + h^2 K/4: what end accelerations have to move."""
+        """Return M + h C/2 + h^2 K/4, the effective mass for accelerations at the end of a step."""
         return self.mass + step / 2 * self.damping + step**2 / 4 * self.stiffness
 
 
 class MountedBlock(FieldSlave):
-    """Eqs. (U20) to (U24); build options `cylinders` and `mounts` are numbers."""
+    """Mounted block by Eqs. (U20) to (U24); build options `cylinders` and `mounts` are numbers."""
 
     name, description, state_type = "mounted_block", "Rigid cylinder block on its mounts", State
 
@@ -255,7 +257,7 @@ class MountedBlock(FieldSlave):
 
 
 def cylinders_of(options):
-    """Number of cylinders that the build options say."""
+    """Return the number of cylinders in the build options."""
     return int(options.get("cylinders", CYLINDERS))
 
 
@@ -265,12 +267,12 @@ def words(name):
 
 
 def ports(cylinders, names):
-    """Variables of all cylinders."""
+    """Return the variables of all cylinders."""
     return tuple(f"cylinder_{k}.{name}" for k in range(1, cylinders + 1) for name in names)
 
 
 def named(motions):
-    """Values (4, cylinders) by variable."""
+    """Return values (4, cylinders) by variable."""
     return {
         f"cylinder_{k}.{name}": value
         for name, row in zip(MOTIONS, motions)
@@ -279,24 +281,24 @@ def named(motions):
 
 
 def by_axis(names, values):
-    """The six numbers of two vectors by variable."""
+    """Return the six numbers of two vectors by variable."""
     parts = zip(names, np.reshape(values, (2, 3)))
     return {f"{name}_{axis}": one for name, three in parts for axis, one in zip(AXES, three)}
 
 
 def shaking(force):
-    """F by variable."""
+    """Return F by variable."""
     return by_axis(("shaking_force", "shaking_moment"), force)
 
 
 def cross(vector):
-    """Matrix of v -> vector x v."""
+    """Return the matrix of v -> vector x v."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def engine_of(values):
-    """Matrices of the block from its parameters."""
+    """Return the matrices of the block from its parameters."""
     mass = values["mass"]
     centre = cross([values[f"centre_{axis}"] for axis in AXES])
     inertia = np.diag([values[f"inertia_{axis}"] for axis in AXES])

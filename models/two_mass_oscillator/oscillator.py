@@ -1,5 +1,6 @@
-"""One half of the two-mass oscillator: a mass between a wall and the other mass, its motion exact
-for the input it is told.
+"""One half of the two-mass oscillator: a mass between a wall and the other mass.
+
+Its motion is exact for the given input.
 
 Eq. (U6):  m u'' = -(k_o + k_m) u + k_m v(t),
            v the other mass's displacement, within a step a polynomial up to degree 3
@@ -26,7 +27,7 @@ class State:
 
 
 class Oscillator(FieldSlave):
-    """A mass on two springs, Eqs. (U6) and (U7)."""
+    """Mass on two springs, Eqs. (U6) and (U7)."""
 
     name = "oscillator"
     description = "A mass between a wall and another mass"

@@ -1,5 +1,6 @@
-"""Make the mesh of the rod's small end: small_end.msh.xz (needs gmsh; running the case does not).
-Writes it beside this script:
+"""Make the mesh small_end.msh.xz of the rod's small end next to this script.
+
+It needs gmsh, which running the case does not:
 
 python -m piston_cosim.models.yielding_bosses.make_mesh
 """

@@ -96,8 +96,9 @@ def ssp(
 
 
 def built(case, folder, fmi):
-    """Return the case with FMUs of that FMI version instead of the packages that build them; the
-    FMUs name the case's own run as their default experiment.
+    """Return the case with FMUs of this FMI version instead of the packages that build them.
+
+    Their default experiment is the run of the case.
     """
     usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)

@@ -58,7 +58,7 @@ def _order(field):
 
 
 def summary(participant, fmu):
-    """Yield what a user of the FMU needs first, about ten lines."""
+    """Yield the most important properties of the FMU, about ten lines."""
     model = participant.description
     fields = participant.fields.values()
     yield f"{model.modelName}, FMI {model.fmiVersion}: {model.description or 'no description'}"
