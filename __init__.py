@@ -14,15 +14,15 @@ FMUs        build_fmu, open_fmu
 Citation    cite
 Errors      BadInput, Discard, StepFailed
 
-Each is imported when it is first used. This folder is the installed package. Its rooms:
+Each is imported when it is first used. This folder is the installed package. Its subpackages:
 
-    fmu_ehd     lubrication: knows films; no bodies, no coupling
-    fmu_mfbd    flexible bodies: knows bodies; no films, no coupling
-    master      coupling: knows participants and signals, neither films nor bodies
+    fmu_ehd     lubrication: films, without bodies and coupling
+    fmu_mfbd    flexible bodies, without films and coupling
+    master      coupling: participants and signals, without films and bodies
     models      cases and data
 
-The three parts meet in `master.fmi` alone. Inside the project every import is relative, so that an
-FMU can carry the same tree under a name of its own.
+The three parts share only `master.fmi`. All imports inside the project are relative, so that an FMU
+can contain the same tree under another name.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -83,9 +83,7 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, imported at its first use; `__version__`, asked of the installation: a tree
-    inside an FMU has none.
-    """
+    """Import a public name at its first use; `__version__` is that of the installation."""
     if name == "__version__":
         from importlib.metadata import version
 
@@ -97,7 +95,7 @@ def __getattr__(name: str) -> Any:
 
     place, colon, inside = _PLACES[name].partition(":")
     collects = gc.isenabled()
-    gc.disable()  # modules stay: looking through them for garbage costs a tenth of an import
+    gc.disable()  # modules are permanent: scanning them takes a tenth of an import
     try:
         module = import_module(f"{__name__}.{place}")
     finally:

@@ -106,8 +106,9 @@ def code_at(lines, number):
 
 
 def with_mathematics(code, dedent=0):
-    """Return Python code whose docstrings hold rendered equations as HTML, or a text in Markdown
-    whose equations are blocks indented by `dedent`.
+    """Return Python code or Markdown with its equations rendered as HTML.
+
+    Equations of Python code are in docstrings, those of Markdown are blocks indented by `dedent`.
     """
     lines, made, number = code.split("\n"), [], 0
     while number < len(lines):

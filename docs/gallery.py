@@ -83,8 +83,9 @@ def petroff():
 
 
 def shaking_force():
-    """Return the second order of two slider-cranks 180 degrees apart, as a force upwards:
-    F = -2 m r w^2 (s + s^3/4 + 15 s^5/128) with s = r/L.
+    """Return the second order of the upward force of two slider-cranks 180 degrees apart.
+
+    F = -2 m r w^2 (s + s^3/4 + 15 s^5/128) with s = r/L
     """
     of = parameters("twin", "front")
     ratio = of["crank_radius"] / of["rod_length"]
@@ -95,8 +96,10 @@ def shaking_force():
 
 
 def side_force():
-    """Return the largest side force of the slider-crank of `data_sheet`: F = (p A - m a) tan psi,
-    with the mass of piston and pin, and the reciprocating share of the rod at the pin.
+    """Return the largest side force of the slider-crank of `data_sheet`.
+
+    F = (p A - m a) tan psi, with the mass of piston and pin, and the reciprocating share of the rod
+    at the pin.
     """
     of = parameters("data_sheet", "bodies")
     bore = parameters("data_sheet", "ehd")["bore_radius"]

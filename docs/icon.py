@@ -1,5 +1,4 @@
-"""The project's mark, which FMUs carry as their icon: two surfaces, the oil between them, and the
-pressure in it.
+"""Icon of the project and of its FMUs: two surfaces, the oil between them, and its pressure.
 
 Run: python docs/icon.py    (writes master/fmi/icon.png)
 """

@@ -85,9 +85,7 @@ def part(memory: np.ndarray, k: int) -> np.ndarray:
 
 
 def parts(kind: Any) -> Any:
-    """Return a kernel that gives the parts of a memory by their names, the fields of a named tuple
-    in their order.
-    """
+    """Return a kernel of the parts of a memory by name, as the named tuple `kind`."""
     ends = (f"int(memory[{PARTS_FROM + k}])" for k in range(len(kind._fields) + 1))
     text = ", ".join(f"memory[{begin} : {end}]" for begin, end in pairwise(ends))
     scope = {"kind": kind}
