@@ -56,14 +56,21 @@ from .dynamics.pin_instant import EYE, PinScalars, PinStepEnd, end_of_pin_step, 
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.tables import gas_pressure
-from .geometry import pin_surfaces as pin_block
 from .geometry.film import NodalForces, knot_rule
 from .geometry.grid import cell_centres
-from .geometry.pin import PinForces
-from .geometry.pin_surfaces import CLEARANCE, part_of_pin
-from .geometry.pin_surfaces import NUMBERS as PIN_NUMBERS
+from .geometry.pin import PinForces, PinSurface
 from .geometry.profile import fourier_bore, linear_growth
-from .geometry.surfaces import count_of, in_block, surface_at, with_room
+from .geometry.surfaces import (
+    count_of,
+    in_block,
+    pin_surface_at,
+    pins_in_block,
+    pins_of,
+    put_pin_surface,
+    row_at,
+    surface_at,
+    with_room,
+)
 from .native_block import (
     DIRECTION,
     FAULTS_AT,
@@ -233,7 +240,7 @@ def _begun(slave: Any, options: BuildOptions, piston: ReducedPiston, block: Redu
         block_omega=block.omega,
         wall_above=wall.above,
         wall_at=wall.at,
-        pin_surfaces=pin_block.in_block(pins) if pin else np.zeros(1),
+        pin_surfaces=pins_in_block(pins),
         eye_omega=of_eye,
         settings=np.zeros(len(SETTING)),
         wall_above_now=wall.above,
@@ -364,7 +371,7 @@ def machine(given, p):
 def machine_pins(given, p):
     """Radii and clearances of pin and crank, as `assembly.pin_surfaces`; what has inertia."""
     x = given.constants
-    for k in range(pin_block.pins_of(given.pin_surfaces)):
+    for k in range(pins_of(given.pin_surfaces)):
         radius = pin_radius(x.piston_radius, p)
         clearance = p.boss_clearance if k < EYE else p.small_end_clearance
         if k == EYE + 1 and x.has_big_end:
@@ -373,10 +380,11 @@ def machine_pins(given, p):
         elif k > EYE:
             radius = p.main_bearing_radius
             clearance = p.main_bearing_clearance
-        part_of_pin(given.pin_surfaces, k, PIN_NUMBERS)[0] = radius
-        rows = part_of_pin(given.pin_surfaces, k, CLEARANCE)
-        for j in range(len(rows)):
-            rows[j] = clearance
+        one = pin_surface_at(given.pin_surfaces, k)
+        for j in range(len(one.clearance)):
+            one.clearance[j] = clearance
+        turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
+        put_pin_surface(row_at(given.pin_surfaces, k), turned)
     bodies = pin_system_of(given, system_of(given)).bodies
     keep(given.inertia, inertia(bodies), 1.0)
     keep(given.with_rod, inertia_with_rod(bodies), 1.0)

@@ -12,7 +12,6 @@ import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from .dynamics.arrays import Matrix, Vector
 from .dynamics.assembly import mechanism, pin_spin_inertia
 from .dynamics.contradictions import pin_radius
 from .dynamics.elimination import Factors
@@ -26,8 +25,9 @@ from .dynamics.pin_instant import PinSystem
 from .dynamics.piston_motion import Load
 from .dynamics.quasi_static import StaticModes
 from .dynamics.slider_crank import CrankMotion
+from .geometry.arrays import Matrix, Vector
 from .geometry.pin_shapes import AxisShapes
-from .geometry.pin_surfaces import pins_of
+from .geometry.surfaces import pins_of
 
 Number = Annotated[np.ndarray, "1"]
 """An array of one, for what changes."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from .arrays import Matrix, Vector
+from ..geometry.arrays import Matrix, Vector
 
 
 class Factors(NamedTuple):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .arrays import Matrix, Vector
+from ..geometry.arrays import Matrix, Vector
 
 X = 0
 Y = 1

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from .arrays import Vector
+from ..geometry.arrays import Vector
 
 
 class Coefficients(NamedTuple):

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..geometry.arrays import Matrix
 from ..geometry.film import (
     FilmForces,
     FilmState,
@@ -21,7 +22,6 @@ from ..geometry.film import (
     window_at,
 )
 from ..geometry.surfaces import count_of, surface_at
-from .arrays import Matrix
 from .carrier import FIXED, Carrier, carried
 from .energy import (
     Ledger,

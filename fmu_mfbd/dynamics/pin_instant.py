@@ -35,8 +35,7 @@ from ..geometry.pin import (
     yielded,
 )
 from ..geometry.pin_shapes import AxisShapes
-from ..geometry.pin_surfaces import pin_cells, pin_surface_at, pins_of
-from ..geometry.surfaces import count_of, surface_at
+from ..geometry.surfaces import count_of, pin_surface_at, pins_of, surface_at
 from .elimination import Factors, factorise, substitute
 from .energy import Ledger
 from .floating_pin import (
@@ -314,9 +313,9 @@ def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray
 
 
 @compilable
-def on_film(forces: PinForces, first: int, cells: int) -> PinForces:
-    """Forces of a film of so many cells, which begin with `first` of stacked ones."""
-    last = first + cells
+def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
+    """Return the forces of a film, which begin with `first` of stacked ones."""
+    last = first + surface.outward.shape[1] * len(surface.clearance)
     return PinForces(forces.pressure[first:last], forces.circumferential[first:last])
 
 
@@ -376,8 +375,8 @@ def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnMod
     cell = 0
     for film in range(EYE + 1):
         surface = pin_surface_at(surfaces, film)
-        own = on_film(forces, cell, pin_cells(surfaces, film))
-        cell += pin_cells(surfaces, film)
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
         slopes = slope_push(surface, own.pressure)
         pushes = modal_push(surface, own)
         for n in range(len(slopes)):
@@ -412,8 +411,8 @@ def films_at(
     for k in range(pins_of(surfaces)):
         surface = pin_surface_at(surfaces, k)
         shell = shell_of(mechanism, first, now, crank, k)
-        own = on_film(forces, cell, pin_cells(surfaces, k))
-        cell += pin_cells(surfaces, k)
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
         found = resultants_of(surface, own, shell, shell_modes_of(first, now.position, k))
         if k < EYE:
             both = added(both, found)
@@ -838,8 +837,8 @@ def end_of_pin_step(
     for k in range(pins_of(of.surfaces)):
         surface = pin_surface_at(of.surfaces, k)
         shell = shell_of(mechanism, at, end, crank, k)
-        own = on_film(forces, first, pin_cells(of.surfaces, k))
-        last = first + pin_cells(of.surfaces, k)
+        own = on_film(surface, forces, first)
+        last = first + len(own.pressure)
         stack(gaps, first, gap_of(at, surface, shell, end.position, k))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)

@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces, PinSurface
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
-from ..geometry.pin_surfaces import each_of, in_block
+from ..geometry.surfaces import pins_in_block
 from .build_options import FilmGrid
 from .floating_pin import (
     RIGID_CRANK,
@@ -98,9 +98,9 @@ class PistonOnFloatingPin(PistonInBore):
         self.coordinates = self.layout.size
         self.inertia = inertia(self.bodies)
         with_rod = inertia_with_rod(self.bodies)
-        block = in_block(pins)
+        block = pins_in_block(pins)
         self.floating = PinSystem(self.system, self.bodies, block, self.inertia, with_rod)
-        self.pins = each_of(block)
+        self.pins = pins
         self.grids = grids
         there = {"shapes": len(shapes.mass), "eye": len(eye.stiffness)} | crank._asdict()
         self.left_out = tuple(name for name, what in TOLD_BY.items() if not there[what])

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .arrays import Vector
+from ..geometry.arrays import Vector
 from .carrier import FIXED, Carried, Carrier, carried
 from .floating_frame import (
     TURN,

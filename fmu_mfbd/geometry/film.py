@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from .arrays import Matrix, Vector
 from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
@@ -30,9 +31,9 @@ class Skirt(NamedTuple):
         Modal displacement outwards and along y at the grid points, a rows.
     """
 
-    angle: np.ndarray
-    height: np.ndarray
-    gap: np.ndarray
+    angle: Vector
+    height: Vector
+    gap: Matrix
     radius: float
     pin_offset: float
     radial: ModalField
@@ -56,7 +57,7 @@ class Bore(NamedTuple):
     spacing: float
     radial: ModalField
     axial: ModalField
-    shape: np.ndarray
+    shape: Matrix
 
 
 class FilmSurface(NamedTuple):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from .arrays import Numbers, NumberTable, Singles, Vector
 
 EVEN = 0
 ODD_Z = 1
@@ -53,14 +54,14 @@ class ModalField(NamedTuple):
         1, or 1/2 where two of these are one [-].
     """
 
-    table: np.ndarray
-    mode: np.ndarray
-    kind: np.ndarray
+    table: Singles
+    mode: Numbers
+    kind: Numbers
     modes: int
     classes: int
     part: int
-    image: np.ndarray
-    share: np.ndarray
+    image: NumberTable
+    share: Vector
 
 
 class FourCoordinates(NamedTuple):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from .arrays import Matrix, Vector
 from .film import subtract
 
 PIN_SURFACES = ("boss_left", "boss_right", "small_end")
@@ -33,9 +34,9 @@ class ShellModes(NamedTuple):
         d outward/da, by central differences around [kg^-1/2].
     """
 
-    outward: np.ndarray
-    onward: np.ndarray
-    slope: np.ndarray
+    outward: Matrix
+    onward: Matrix
+    slope: Matrix
 
 
 class Yielding(NamedTuple):
@@ -76,12 +77,12 @@ class PinSurface(NamedTuple):
         shell.
     """
 
-    outward: np.ndarray
-    onward: np.ndarray
+    outward: Matrix
+    onward: Matrix
     radius: float
-    clearance: np.ndarray
+    clearance: Vector
     modes: ShellModes
-    axis: np.ndarray
+    axis: Matrix
 
 
 class PinForces(NamedTuple):

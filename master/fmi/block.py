@@ -12,7 +12,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .compiled import compilable, compiled, standing_for
+from .compiled import compilable, standing_for
 
 
 def leaves(kind: Any, path: str = "tree") -> Iterator[tuple[str, Any]]:
@@ -35,6 +35,10 @@ def element_of(hint: Any) -> Any:
     return get_args(of_array[1])[0] if of_array else np.float64
 
 
+BY_BITS = (np.float32, np.int64)
+"""Elements of arrays that are stored by their bits; only `reader` supports them."""
+
+
 def room(kind: Any, **lengths: int) -> int:
     """Return the length of the longest row of a tree, for the lengths in its annotations."""
     shapes = [shape_of(hint) for _, hint in leaves(kind)]
@@ -45,7 +49,10 @@ def row_of(tree: Any) -> np.ndarray:
     """Return the row of a tree, as its kernel writes it."""
     if isinstance(tree, tuple):
         return np.concatenate([row_of(member) for member in tree])
-    return np.array([*np.shape(tree), *np.ravel(tree)], dtype=float)
+    flat = np.ravel(tree)
+    if np.ndim(tree) and flat.dtype in BY_BITS:
+        flat = np.pad(flat, (0, -flat.nbytes % 8 // flat.itemsize)).view(float)
+    return np.array([*np.shape(tree), *flat], dtype=float)
 
 
 # ---- memory of a participant: a head, then parts
@@ -136,6 +143,14 @@ def read_2(row, at):
 
 
 @compilable
+def read_singles(row, at):
+    """Return the array of two axes of single precision, and the position after it."""
+    n, m = int(row[at]), int(row[at + 1])
+    end = at + 2 + (n * m + 1) // 2
+    return row[at + 2 : end].view(np.float32)[: n * m].reshape((n, m)), end
+
+
+@compilable
 def read_3(row, at):
     """Return the array of three axes at a position of a row, and the position after it."""
     q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2])
@@ -157,33 +172,55 @@ READERS = {f"read_{axes}": one for axes, one in enumerate((read_1, read_2, read_
 def flatten(kind: Any) -> tuple[Any, Any]:
     """Return kernels that write a tree into a row and read it back.
 
-    The first kernel, (row, tree), returns the length that it wrote. The second one is (row). Arrays
-    that are read are views of the row. Arrays of flags are copies.
+    The first kernel, (row, tree), returns the length that it wrote. The second one is `reader`.
 
     Parameters
     ----------
     kind : type
         Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64 or bool.
     """
-    scope = {"write": write, **READERS}
-    writes, reads = ["at = 0"], ["at = 0"]
+    scope = {"write": write}
+    lines = ["at = 0"]
+    for path, hint in leaves(kind):
+        if shape_of(hint):
+            lines.append(f"at = write(row, at, {path})")
+        else:
+            lines += [f"row[at] = {path}", "at += 1"]
+    return _made("row, tree", [*lines, "return at"], scope), reader(kind)
+
+
+def reader(kind: Any) -> Any:
+    """Return the kernel that reads a tree from a row, (row).
+
+    Arrays that are read are views of the row. Arrays of flags are copies.
+
+    Parameters
+    ----------
+    kind : type
+        As of `flatten`, or with arrays of whole numbers, or of two axes of single precision.
+    """
+    scope = {"np": np, "read_singles": read_singles, **READERS}
+    lines = ["at = 0"]
     for path, hint in leaves(kind):
         axes = len(shape_of(hint))
         name = path.replace(".", "_")
         if axes:
-            writes.append(f"at = write(row, at, {path})")
-            reads.append(f"{name}, at = read_{axes}(row, at)")
+            of = "singles" if element_of(hint) is np.float32 else axes
+            lines.append(f"{name}, at = read_{of}(row, at)")
             if element_of(hint) is np.bool_:
-                reads.append(f"{name} = {name} != 0.0")
+                lines.append(f"{name} = {name} != 0.0")
+            if element_of(hint) is np.int64:
+                lines.append(f"{name} = {name}.view(np.int64)")
         else:
-            writes += [f"row[at] = {path}", "at += 1"]
             cast = "" if hint is float else hint.__name__
-            reads += [f"{name} = {cast}(row[at])", "at += 1"]
-    reads.append(f"return {_built(kind, 'tree', scope)}")
-    body = "\n    ".join
-    exec(f"def put(row, tree):\n    {body(writes)}\n    return at", scope)
-    exec(f"def get(row):\n    {body(reads)}", scope)
-    return compiled(scope["put"]), compiled(scope["get"])
+            lines += [f"{name} = {cast}(row[at])", "at += 1"]
+    return _made("row", [*lines, f"return {_built(kind, 'tree', scope)}"], scope)
+
+
+def _made(arguments, lines, scope):
+    """Return the function of these lines, which kernels compile."""
+    exec(f"def made({arguments}):\n    " + "\n    ".join(lines), scope)
+    return compilable(scope["made"])
 
 
 def _built(kind, path, scope):

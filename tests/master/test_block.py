@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from piston_cosim.master.fmi.block import flatten, room, row_of
+from piston_cosim.master.fmi.block import flatten, reader, room, row_of
+from piston_cosim.master.fmi.compiled import compiled
 
 
 class Branch(NamedTuple):
@@ -51,8 +52,8 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     absent = branch(random, n, m)._replace(field=np.zeros((0, 0)))
     tree = Tree(branch(random, n, m), 0.3, absent, random.random((2, n, m)))
     put, get = flatten(Tree)
-    if not is_compiled:
-        put, get = put.py_func, get.py_func
+    if is_compiled:
+        put, get = compiled(put.py_func), compiled(get.py_func)
     length = room(Tree, n=n, m=m)
     row = np.full(length, np.nan)
     end = put(row, tree)
@@ -60,3 +61,25 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     assert same(get(row), tree)
     # the absent array alone leaves room
     assert np.isnan(row).sum() == n * (m + 1)
+
+
+class Table(NamedTuple):
+    """Arrays that are kept by their bits."""
+
+    single: Annotated[NDArray[np.float32], "n, m"]
+    whole: Annotated[NDArray[np.int64], "n, m"]
+    length: float
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+@pytest.mark.parametrize("n, m", [(3, 4), (3, 5)])
+def test_bits_of_single_precision_and_whole_numbers_come_back(n, m, is_compiled):
+    random = np.random.default_rng(m)
+    single = random.random((n, m)).astype(np.float32)
+    table = Table(single, random.integers(-(2**62), 2**62, (n, m)), 0.3)
+    get = reader(Table)
+    if is_compiled:
+        get = compiled(get.py_func)
+    found = get(row_of(table))
+    assert [one.dtype for one in found[:2]] == [np.float32, np.int64]
+    assert same(found, table)

@@ -3,6 +3,10 @@
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 Vector = Annotated[np.ndarray, "n"]
 Matrix = Annotated[np.ndarray, "n, m"]
+Numbers = Annotated[NDArray[np.int64], "n"]
+NumberTable = Annotated[NDArray[np.int64], "n, m"]
+Singles = Annotated[NDArray[np.float32], "n, m"]
