@@ -22,7 +22,7 @@ from .dynamics.assembly import (
     pin_surfaces,
     surfaces,
 )
-from .dynamics.block_force import StepEnd, by_carrier, carried_force, force_at, force_change
+from .dynamics.block_force import by_carrier, carried_force, force_at, force_change
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.contradictions import (
@@ -34,9 +34,8 @@ from .dynamics.contradictions import (
     check,
     pin_radius,
 )
-from .dynamics.drive import Scalars, demand_of, others_of, scalars_of
-from .dynamics.elimination import Factors
-from .dynamics.first_steps import FIRST_STEPS, first_steps
+from .dynamics.drive import End, Scalars, demand_of, others_of, scalars_of
+from .dynamics.elimination import no_factors
 from .dynamics.floating_pin import (
     COORDINATES,
     inertia,
@@ -46,15 +45,23 @@ from .dynamics.floating_pin import (
 )
 from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Motion, coefficients
-from .dynamics.instant import RingForce, end_of_step, linearise, response
+from .dynamics.instant import (
+    RingForce,
+    StepEnd,
+    end_of_step,
+    linearise,
+    response,
+    step_end,
+)
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     Parameters,
     PinParameters,
 )
-from .dynamics.pin_instant import EYE, PinScalars, PinStepEnd, end_of_pin_step, respond_pin
+from .dynamics.pin_instant import EYE, PinScalars, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.slider_crank import CrankMotion, driven
+from .dynamics.state import PistonState, crank_of, motion_of, state_at, step_coefficients
 from .dynamics.tables import gas_pressure
 from .geometry.film import NodalForces, knot_rule
 from .geometry.grid import cell_centres
@@ -85,12 +92,10 @@ from .native_block import (
     Direction,
     FieldPlaces,
     Given,
-    Last,
     OutputPlaces,
     Places,
     ProductPlaces,
     RingPlaces,
-    State,
     direction_of,
     given_of,
     has_pins,
@@ -170,8 +175,8 @@ def given(slave: Any) -> np.ndarray:
     begun = _begun(slave, options, piston, block)
     n = max(len(begun.start_position), len(FIXED))
     lengths = {
-        "state": room(State, n=len(begun.start_position)),
-        "last": room(Last, n=n, m=n),
+        "state": room(PistonState, n=len(begun.start_position), w=0, s=0),
+        "last": room(StepEnd, n=n, m=n),
         "direction": room(Direction, n=n, m=n),
         "faults": ROOM,
     }
@@ -551,14 +556,6 @@ def publish_pin(real, given, bodies, found):
 _, carrier_from = packed(Carrier)
 
 
-class End(NamedTuple):
-    """Of a step: the crank there, the time [s], and whether it is the start."""
-
-    crank: CrankMotion
-    time: float
-    begins: bool
-
-
 @compiled
 def crown_pressure(real, memory, given, p, crank_angle):
     """Gas pressure by input and table [Pa], as `gas_source` says; a remark if it is given twice."""
@@ -595,7 +592,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         carrier_from(carried_at(real, places.carrier)),
     )
     push, drag = forces_at(real, places.skirt, False)
-    factors = Factors(np.zeros((0, 0)), np.zeros(0))
+    factors = no_factors()
     if has_pins(given):
         of = pin_system_of(given, system)
         skirt = NodalForces(push, drag)
@@ -613,16 +610,13 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         return
     scalars = scalars_of(now, crank, p.crank_inertia, system.piston, system.surfaces)
     publish(real, integer, given, now, scalars)
-    state = state_of(memory)
-    steps = 0 if at.begins else state.steps + 1
-    if not at.begins:
-        way = now.position.copy()
-        for k in range(len(way)):
-            way[k] -= before.position[k]
+    state = state_at(now, crank, at.time, at.steps)
+    if at.steps > 0:
+        begun = state_of(memory)
         found = account(
-            (state.kinetic, now.ledger.accounted),
-            way,
-            (state.other_forces, now.other_forces),
+            (begun.kinetic, state.kinetic),
+            state.position - begun.position,
+            (begun.other_forces, state.other_forces),
             scalars.energy_gain,
         )
         real[int(places.scalars[ENERGY_GAIN])] = found.gain
@@ -631,23 +625,15 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     real[places.outputs.side_force_demand] = demand_of(system, others, crank)
     # a tied pin's derivatives follow from the piston alone
     n = len(now.position) if has_pins(given) else RIGID + len(given.piston_omega)
-    motion = Motion(now.position[:n], now.velocity[:n], now.acceleration[:n])
-    last = Last(now.guided, c, now.load, crank, motion, factors)
+    last = step_end(c, now, crank, n, factors)
     put_last(part(memory, LAST), last)
     given.has_linear[0] = 0.0
     if is_mounted(given):
-        force = force_at(end_of(given, system, last))
+        force = force_at(system, p.crank_unbalance, last)
         put_block_force(real, places.outputs, force)
         real[places.outputs.main_bearing_force_x] = force.bearing_x
         real[places.outputs.main_bearing_force_y] = force.bearing_y
-    auxiliary_now = now.auxiliary
-    if steps < FIRST_STEPS:
-        auxiliary_now = np.zeros(len(auxiliary))
-    kept = Motion(now.position, now.kept_velocity, now.kept_acceleration)
-    put_state(
-        part(memory, STATE),
-        State(at.time, crank, now.ledger.accounted, steps, kept, auxiliary_now, now.other_forces),
-    )
+    put_state(part(memory, STATE), state)
 
 
 @compiled
@@ -659,19 +645,12 @@ def put_block_force(real, places, force):
 
 
 @compiled
-def end_of(given, system, last):
-    """What derivatives at the end of the last step, and forces on the block, follow from."""
-    unbalance = settings_of(given).crank_unbalance
-    return StepEnd(system.piston, system.mechanism, unbalance, last.load, last.now, last.crank)
-
-
-@compiled
 def make_direction(memory, given, system, last):
     """Derivatives of the last step of a tied pin that every direction shares, into the memory."""
-    found = linearise(system, last.coefficients, last.load, last.now, last.crank)
+    found = linearise(system, last)
     columns = np.zeros((len(FIXED), 0))
     if is_mounted(given):
-        columns = by_carrier(end_of(given, system, last))
+        columns = by_carrier(system, last)
     put_direction(part(memory, DIRECTION), Direction(found, columns))
     given.has_linear[0] = 1.0
     given.tangents[0] += 1.0
@@ -700,7 +679,7 @@ def change_with_pin(real, given, system, last):
     pin_push, pin_drag = forces_at(real, places.pins, True)
     found = respond_pin(
         pin_system_of(given, system),
-        PinStepEnd(last.coefficients, last.guided, last.now, last.crank, last.factors),
+        last,
         NodalForces(push, drag),
         rings_at(real, places.rings_seed),
         PinForces(pin_push, pin_drag),
@@ -739,7 +718,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     speed = float(real[given.places.crank_speed])
     crank = CrankMotion(crank_angle, speed, 0.0)
     now = coefficients(0.0, p.spectral_radius)
-    solve(real, integer, memory, now, before, at_rest, End(crank, 0.0, True))
+    solve(real, integer, memory, now, before, at_rest, End(crank, 0.0, 0))
 
 
 @compiled
@@ -749,13 +728,10 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     step = numbers[0]
     state = state_of(memory)
     given = given_of(memory)
-    crank = driven(state.crank, step, real[given.places.crank_speed])
-    if state.steps < FIRST_STEPS:
-        c = first_steps(step)
-    else:
-        c = coefficients(step, settings_of(given).spectral_radius)
-    end = End(crank, state.time + step, False)
-    solve(real, integer, memory, c, state.motion, state.auxiliary, end)
+    crank = driven(crank_of(state), step, real[given.places.crank_speed])
+    c = step_coefficients(state, step, settings_of(given).spectral_radius)
+    end = End(crank, state.time + step, state.steps + 1)
+    solve(real, integer, memory, c, motion_of(state), state.auxiliary, end)
 
 
 @compiled
@@ -779,8 +755,8 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     real[products.piston_velocity] = change.piston_velocity
     if is_mounted(given):
         carried = carried_at(real, places.carrier_seed)
-        end = end_of(given, system, last)
-        force = force_change(end, last.coefficients, change, carried)
+        unbalance = settings_of(given).crank_unbalance
+        force = force_change(system, unbalance, last, change, carried)
         put_block_force(real, products, force)
 
 

@@ -14,17 +14,14 @@ from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
 from .dynamics.assembly import mechanism, pin_spin_inertia
 from .dynamics.contradictions import pin_radius
-from .dynamics.elimination import Factors
 from .dynamics.floating_frame import FlexibleBody
 from .dynamics.floating_pin import Bodies, Crankshaft, EyeModes
 from .dynamics.gas_on_bore import BoreWall
-from .dynamics.generalised_alpha import Coefficients, Motion
-from .dynamics.instant import Block, Linear, System
+from .dynamics.instant import Block, Linear, StepEnd, System
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
 from .dynamics.pin_instant import PinSystem
-from .dynamics.piston_motion import Load
 from .dynamics.quasi_static import StaticModes
-from .dynamics.slider_crank import CrankMotion
+from .dynamics.state import PistonState
 from .geometry.arrays import Matrix, Vector
 from .geometry.pin_shapes import AxisShapes
 from .geometry.surfaces import pins_of
@@ -219,29 +216,6 @@ class Given(NamedTuple):
     tangents: Number
 
 
-class State(NamedTuple):
-    """Of `model.State` what there is without Python."""
-
-    time: float
-    crank: CrankMotion
-    kinetic: float
-    steps: int
-    motion: Motion
-    auxiliary: Vector
-    other_forces: Vector
-
-
-class Last(NamedTuple):
-    """What a derivative at the end of the last step asks for; factors : of a floating pin."""
-
-    guided: float
-    coefficients: Coefficients
-    load: Load
-    crank: CrankMotion
-    now: Motion
-    factors: Factors
-
-
 class Direction(NamedTuple):
     """What every direction of a derivative of a tied pin shares.
 
@@ -255,8 +229,8 @@ class Direction(NamedTuple):
 PARTS = ("given", "state", "last", "direction", "faults")
 GIVEN, STATE, LAST, DIRECTION, FAULTS_AT = range(len(PARTS))
 _, _given = flatten(Given)
-put_state, _state = flatten(State)
-put_last, _last = flatten(Last)
+put_state, _state = flatten(PistonState)
+put_last, _last = flatten(StepEnd)
 put_direction, _direction = flatten(Direction)
 
 
@@ -274,7 +248,7 @@ def state_of(memory: np.ndarray):
 
 @compiled
 def last_of(memory: np.ndarray):
-    """Return `Last`."""
+    """Return the end of the last step."""
     return _last(part(memory, LAST))
 
 

@@ -23,7 +23,6 @@ from .dynamics.model import (
     Inputs,
     NotConverged,
     PistonInBore,
-    State,
 )
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
@@ -34,6 +33,7 @@ from .dynamics.parameters import (
     SpaceParameters,
 )
 from .dynamics.pin_model import PistonOnFloatingPin
+from .dynamics.state import PistonState
 from .geometry.pin import PinForces
 from .reduction.reduced_body import (
     ReducedBlock,
@@ -65,7 +65,7 @@ class Mfbd(FieldSlave):
     description = (
         "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
     )
-    state_type = State
+    state_type = PistonState
     _gas_told = False
 
     @cached_property
@@ -106,7 +106,7 @@ class Mfbd(FieldSlave):
         """The table of variables for the options of build.json."""
         return table.variables(BuildOptions.from_json(options))
 
-    def start(self, values: dict[str, Any]) -> tuple[State, dict[str, Any]]:
+    def start(self, values: dict[str, Any]) -> tuple[PistonState, dict[str, Any]]:
         """Load the reduced bodies and begin at rest, or with the motion that the build names;
         returns (state, outputs).
         """
@@ -174,7 +174,7 @@ class Mfbd(FieldSlave):
 
     def _begin(
         self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]
-    ) -> tuple[State, dict[str, Any]]:
+    ) -> tuple[PistonState, dict[str, Any]]:
         """State and outputs at the start."""
         begin = self.built.start
         if not begin:
@@ -191,8 +191,8 @@ class Mfbd(FieldSlave):
         )
 
     def advance(
-        self, state: State, values: dict[str, Any], time: float, step: float
-    ) -> tuple[State, dict[str, Any]]:
+        self, state: PistonState, values: dict[str, Any], time: float, step: float
+    ) -> tuple[PistonState, dict[str, Any]]:
         """One step; returns (state, outputs)."""
         self._tell_of_gas(values)
         try:

@@ -12,8 +12,8 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from .carrier import ALPHA, AX, AY, FIXED, Carrier, W, carried, place
 from .floating_frame import FlexibleBody
-from .generalised_alpha import Coefficients, Motion
-from .instant import Response
+from .generalised_alpha import Motion
+from .instant import Response, StepEnd, System
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
 from .slider_crank import CrankMotion, Mechanism, motion
 
@@ -109,21 +109,12 @@ def _unbalance(mechanism, load, at, px, py):
     return (px + x) / r, (py + y) / r
 
 
-class StepEnd(NamedTuple):
-    """What forces on the block follow from, as of `block_force`."""
-
-    body: FlexibleBody
-    mechanism: Mechanism
-    crank_unbalance: float
-    load: Load
-    now: Motion
-    crank: CrankMotion
-
-
 @compiled
-def force_at(at: StepEnd) -> BlockForce:
-    """Forces on the block at the end of a step."""
-    return block_force(at.body, at.mechanism, at.crank_unbalance, at.load, at.now, at.crank)
+def force_at(system: System, crank_unbalance: float, last: StepEnd) -> BlockForce:
+    """Return the forces on the block at the end of a step."""
+    return block_force(
+        system.piston, system.mechanism, crank_unbalance, last.load, last.now, last.crank
+    )
 
 
 @compiled
@@ -139,7 +130,7 @@ def _carried_by(load, change, share):
 
 
 @compiled
-def by_carrier(at: StepEnd) -> np.ndarray:
+def by_carrier(system: System, last: StepEnd) -> np.ndarray:
     """Change of the forces on the piston's moving coordinates with each of the block's motions,
     shape (4, 2 + k).
 
@@ -147,14 +138,15 @@ def by_carrier(at: StepEnd) -> np.ndarray:
                            differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
     """
     motions = len(FIXED)
-    columns = np.empty((motions, len(at.now.position)))
+    piston, mechanism = system.piston, system.mechanism
+    columns = np.empty((motions, len(last.now.position)))
     for j in range(motions):
         one = np.zeros(motions)
         one[j] = 1.0
-        above = _carried_by(at.load, one, 1.0)
-        below = _carried_by(at.load, one, -1.0)
-        up = imbalance(at.body, at.mechanism, above, at.now, at.crank).residual
-        down = imbalance(at.body, at.mechanism, below, at.now, at.crank).residual
+        above = _carried_by(last.load, one, 1.0)
+        below = _carried_by(last.load, one, -1.0)
+        up = imbalance(piston, mechanism, above, last.now, last.crank).residual
+        down = imbalance(piston, mechanism, below, last.now, last.crank).residual
         for k in range(len(up)):
             columns[j, k] = (down[k] - up[k]) / 2  # Eq. (D19)
     return columns
@@ -169,7 +161,9 @@ def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def force_change(at: StepEnd, c: Coefficients, change: Response, carried: np.ndarray) -> BlockForce:
+def force_change(
+    system: System, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
+) -> BlockForce:
     """Change of the forces on the block.
 
     Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D25) along the change of loads, accelerations
@@ -178,9 +172,10 @@ def force_change(at: StepEnd, c: Coefficients, change: Response, carried: np.nda
 
     Parameters
     ----------
-    at : StepEnd
-    c : Coefficients
-        Of the step.
+    system : System
+    crank_unbalance : float
+        [kg m]
+    last : StepEnd
     change : Response
     carried : ndarray, shape (4,)
         Change of the block's motion, as `Carrier` has it.
@@ -190,8 +185,10 @@ def force_change(at: StepEnd, c: Coefficients, change: Response, carried: np.nda
         size = max(size, abs(one))
     for one in carried:
         size = max(size, abs(one))
-    up = _force_along(at, c, change, carried, 1.0 / size)
-    down = _force_along(at, c, change, carried, -1.0 / size)
+    ahead = _moved_along(last, change, carried, 1.0 / size)
+    behind = _moved_along(last, change, carried, -1.0 / size)
+    up = force_at(system, crank_unbalance, ahead)
+    down = force_at(system, crank_unbalance, behind)
     # Eq. (D20)
     return BlockForce(
         (up.x - down.x) * size / 2,
@@ -203,9 +200,10 @@ def force_change(at: StepEnd, c: Coefficients, change: Response, carried: np.nda
 
 
 @compiled
-def _force_along(at, c, change, carried, s):
-    """Forces on the block a share s along a change."""
-    own = _carried_by(at.load, carried, s)
+def _moved_along(last, change, carried, s):
+    """Return the end of a step a share s along a change."""
+    c = last.coefficients
+    own = _carried_by(last.load, carried, s)
     load = Load(
         own.lateral + s * change.lateral,
         own.axial + s * change.axial,
@@ -214,11 +212,11 @@ def _force_along(at, c, change, carried, s):
         own.modal,
         own.carrier,
     )
-    n = len(at.now.position)
+    n = len(last.now.position)
     moved = Motion(np.empty(n), np.empty(n), np.empty(n))
     for k in range(n):
         a = s * change.acceleration[k]
-        moved.position[k] = at.now.position[k] + c.to_position * a
-        moved.velocity[k] = at.now.velocity[k] + c.to_velocity * a
-        moved.acceleration[k] = at.now.acceleration[k] + a
-    return block_force(at.body, at.mechanism, at.crank_unbalance, load, moved, at.crank)
+        moved.position[k] = last.now.position[k] + c.to_position * a
+        moved.velocity[k] = last.now.velocity[k] + c.to_velocity * a
+        moved.acceleration[k] = last.now.acceleration[k] + a
+    return StepEnd(c, last.guided, load, moved, last.crank, last.factors)

@@ -44,6 +44,14 @@ class Scalars(NamedTuple):
     energy_size: float
 
 
+class End(NamedTuple):
+    """The end of a step: the crank there, the time [s], and how many steps there are up to it."""
+
+    crank: CrankMotion
+    time: float
+    steps: int
+
+
 @compilable
 def others_of(
     gas_area: float, pressure: float, rings: RingForce, land_pressure: float, carrier: Carrier

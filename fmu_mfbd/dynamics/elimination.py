@@ -31,6 +31,12 @@ class Factors(NamedTuple):
 
 
 @compilable
+def no_factors() -> Factors:
+    """Return those of a system that is not solved by elimination."""
+    return Factors(np.zeros((0, 0)), np.zeros(0))
+
+
+@compilable
 def factorise(matrix: np.ndarray) -> Factors:
     """Elimination with exchange of rows.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compilable, compiled
 from ..geometry.arrays import Matrix
 from ..geometry.film import (
     FilmForces,
@@ -23,6 +23,7 @@ from ..geometry.film import (
 )
 from ..geometry.surfaces import count_of, surface_at
 from .carrier import FIXED, Carrier, carried
+from .elimination import Factors
 from .energy import (
     Ledger,
     Moving,
@@ -553,6 +554,39 @@ def _follow(position, velocity, position_before, q, first, step):
         velocity[first + k] = (q[k] - position_before[first + k]) / step if step > 0.0 else 0.0
 
 
+class StepEnd(NamedTuple):
+    """What derivatives at the end of a step, and forces on the block, follow from.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    guided : float
+        Height at which the bore is read [m].
+    load : Load
+    now : Motion
+        Of the piston's moving coordinates, with a floating pin of all.
+    crank : CrankMotion
+    factors : Factors
+        Of the tangent of Eq. (D21) of a floating pin.
+    """
+
+    coefficients: Coefficients
+    guided: float
+    load: Load
+    now: Motion
+    crank: CrankMotion
+    factors: Factors
+
+
+@compilable
+def step_end(
+    c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: Factors
+) -> StepEnd:
+    """Return what is kept of a step's end, of so many coordinates."""
+    motion = Motion(now.position[:moving], now.velocity[:moving], now.acceleration[:moving])
+    return StepEnd(c, now.guided, now.load, motion, crank, factors)
+
+
 class Linear(NamedTuple):
     """The piston's motion at the end of a step, linearised.
 
@@ -598,29 +632,13 @@ class Linear(NamedTuple):
 
 
 @compiled
-def linearise(
-    system: System, c: Coefficients, load: Load, now: Motion, crank: CrankMotion
-) -> Linear:
-    """The piston's motion linearised about the end of a step.
-
-    Parameters
-    ----------
-    system : System
-    c : Coefficients
-        Of the step.
-    load : Load
-    now : Motion
-        Of the piston's moving coordinates.
-    crank : CrankMotion
-
-    Returns
-    -------
-    Linear
-    """
+def linearise(system: System, last: StepEnd) -> Linear:
+    """Return the piston's motion linearised about the end of a step."""
     piston = system.piston
     mechanism = system.mechanism
-    c1 = c.to_velocity
-    c2 = c.to_position
+    load, now, crank = last.load, last.now, last.crank
+    c1 = last.coefficients.to_velocity
+    c2 = last.coefficients.to_position
     lateral = lateral_motion(now)
     angle = now.position[ROCKING]
     slip = now.velocity[ROCKING]
@@ -649,7 +667,7 @@ def linearise(
         x_by_rocking=c2 * ay,
         y_by_rocking=-c2 * ax,
         spin_by_rocking=2 * w * c1,
-        step=c.step,
+        step=last.coefficients.step,
         to_velocity=c1,
         to_position=c2,
     )

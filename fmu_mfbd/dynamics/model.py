@@ -3,22 +3,21 @@ at a time.
 """
 
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 from math import prod
-from typing import NamedTuple
 
 import numpy as np
 
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of
 from .account import account
-from .block_force import StepEnd, by_carrier, carried_force, force_at, force_change
+from .block_force import by_carrier, carried_force, force_at, force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import FilmGrid
 from .carrier import FIXED, Carrier
-from .drive import demand_of, others_of, scalars_of
-from .first_steps import FIRST_STEPS, first_steps
+from .drive import End, demand_of, others_of, scalars_of
+from .elimination import Factors, no_factors
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import (
     NO_RINGS,
@@ -30,10 +29,12 @@ from .instant import (
     end_of_step,
     linearise,
     response,
+    step_end,
 )
-from .piston_motion import LATERAL, RIGID, ROCKING, Load, imbalance
+from .piston_motion import LATERAL, RIGID, ROCKING, imbalance
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
+from .state import PistonState, crank_of, motion_of, state_at, step_coefficients
 from .tables import GasTable, gas_pressure
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
@@ -57,47 +58,6 @@ START_PASSES = 40
 
 class NotConverged(RuntimeError):
     """The step's equations could not be solved; the message says where and how far it got."""
-
-
-@dataclass(frozen=True)
-class State:
-    """Everything that a step starts from; n = 2 + piston modes + block modes.
-
-    Parameters
-    ----------
-    time : float
-        Since the start [s].
-    crank_angle, crank_speed, crank_acceleration : float
-        [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
-    crank_jerk : float
-        By which the acceleration of a free crank changed over the last step [rad/s3]; 0 for
-        another.
-    position, velocity, acceleration, auxiliary : ndarray, shape (n,)
-        [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
-        in time, and the time integrator's auxiliary acceleration.
-    kinetic : float
-        Energy of the motion across the bore, the rod's with it [J].
-    other_forces : ndarray, shape (n,)
-        On that motion, all but the film's [N], [N m], [kg^-1/2 N].
-    steps : int
-        Taken since the start.
-    bore_deflection : ndarray, shape (n, s)
-        That came from outside [m]; of shape (0, 0) where none does.
-    """
-
-    time: float
-    crank_angle: float
-    crank_speed: float
-    crank_acceleration: float
-    crank_jerk: float
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    auxiliary: np.ndarray
-    kinetic: float
-    other_forces: np.ndarray
-    steps: int = 0
-    bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -162,7 +122,7 @@ class Crank:
             return crank_motion(self.table, angle, 0.0, 0.0)
         return CrankMotion(angle, speed, 0.0)
 
-    def turn(self, state: State, step: float, speed: float) -> CrankMotion:
+    def turn(self, state: PistonState, step: float, speed: float) -> CrankMotion:
         """Motion of the crank a step [s] after a state, `speed` [rad/s] being the input's at its
         end.
 
@@ -178,18 +138,7 @@ class Crank:
             speed = state.crank_speed + step * (before + after) / 2
             mean_speed = state.crank_speed + step * (2 * before + after) / 6
             return CrankMotion(state.crank_angle + step * mean_speed, speed, after)
-        before = CrankMotion(state.crank_angle, state.crank_speed, state.crank_acceleration)
-        return driven(before, step, speed)
-
-
-class LastStep(NamedTuple):
-    """What a derivative at the end of the last step starts from."""
-
-    coefficients: Coefficients
-    load: Load
-    end: Motion
-    crank: CrankMotion
-    guided: float
+        return driven(crank_of(state), step, speed)
 
 
 class PistonInBore:
@@ -247,7 +196,7 @@ class PistonInBore:
 
     def start(
         self, crank_angle: float, lateral: float, angle: float, inputs: Inputs
-    ) -> tuple[State, dict]:
+    ) -> tuple[PistonState, dict]:
         """State at rest, undeformed, at a given position, with the accelerations that the forces of
         `inputs` ask for.
 
@@ -259,7 +208,7 @@ class PistonInBore:
 
         Returns
         -------
-        State, dict
+        PistonState, dict
             And its outputs.
         """
         position = np.zeros(self.coordinates)
@@ -269,7 +218,7 @@ class PistonInBore:
 
     def start_moving(
         self, crank_angle: float, position: np.ndarray, velocity: np.ndarray, inputs: Inputs
-    ) -> tuple[State, dict]:
+    ) -> tuple[PistonState, dict]:
         """State at a given motion, with the accelerations that the forces of `inputs` ask for.
 
         Parameters
@@ -277,12 +226,12 @@ class PistonInBore:
         crank_angle : float
             [rad]
         position, velocity : ndarray, shape (n,)
-            As in `State`.
+            As in `PistonState`.
         inputs : Inputs
 
         Returns
         -------
-        State, dict
+        PistonState, dict
             And its outputs.
         """
         crank = self.crank.begin(crank_angle, inputs.crank_speed)
@@ -290,15 +239,15 @@ class PistonInBore:
         start = Motion(position, velocity, at_rest)
         now = coefficients(0.0, self.spectral_radius)
         for _ in range(START_PASSES):
-            state, outputs = self._solve(now, start, at_rest, 0.0, crank, inputs)
+            state, outputs = self._solve(now, start, at_rest, End(crank, 0.0, 0), inputs)
             # Eq. (K9) holds the piston's accelerations, which change with the crank's
             change = state.crank_acceleration - crank.acceleration
             if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
                 break
             crank = crank._replace(acceleration=state.crank_acceleration)
         if self.outside:
-            state = replace(state, bore_deflection=inputs.bore_deflection)
-        return replace(state, auxiliary=at_rest), outputs
+            state = state._replace(bore_deflection=inputs.bore_deflection)
+        return state, outputs
 
     def unyielding(self) -> "PistonInBore":
         """The same without a deformation of the modes that follow statically."""
@@ -312,7 +261,7 @@ class PistonInBore:
         model.system = system._replace(piston_static=piston, block_static=block)
         return model
 
-    def advance(self, state: State, inputs: Inputs, step: float) -> tuple[State, dict]:
+    def advance(self, state: PistonState, inputs: Inputs, step: float) -> tuple[PistonState, dict]:
         """One step of the generalised-alpha method, the first two of backward Euler; equations
         hold at its end, with the forces given for its end.
 
@@ -322,14 +271,14 @@ class PistonInBore:
 
         Parameters
         ----------
-        state : State
+        state : PistonState
         inputs : Inputs
         step : float
             [s], > 0.
 
         Returns
         -------
-        State, dict
+        PistonState, dict
             The new state and the outputs at its time.
 
         Raises
@@ -339,18 +288,13 @@ class PistonInBore:
         crank = self.crank.turn(state, step, inputs.crank_speed)
         if not np.isfinite(crank.angle):
             raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
-        begins = state.steps < FIRST_STEPS
         end, outputs = self._solve(
-            first_steps(step) if begins else coefficients(step, self.spectral_radius),
-            Motion(state.position, state.velocity, state.acceleration),
+            step_coefficients(state, step, self.spectral_radius),
+            motion_of(state),
             state.auxiliary,
-            state.time + step,
-            crank,
+            End(crank, state.time + step, state.steps + 1),
             inputs,
         )
-        steps = state.steps + 1
-        auxiliary = np.zeros_like(end.auxiliary) if steps < FIRST_STEPS else end.auxiliary
-        end = replace(end, steps=steps, auxiliary=auxiliary)
         found = account(
             (state.kinetic, end.kinetic),
             end.position - state.position,
@@ -362,23 +306,26 @@ class PistonInBore:
             taken = self._taken_by_bore(self.outside, state, inputs)
             outputs["energy_gain"] += taken
             outputs["film_work"] += taken
-            end = replace(end, bore_deflection=inputs.bore_deflection)
+            end = end._replace(bore_deflection=inputs.bore_deflection)
         if self.crank.free:
             jerk = (end.crank_acceleration - state.crank_acceleration) / step
-            end = replace(end, crank_jerk=jerk)
+            end = end._replace(crank_jerk=jerk)
         return end, outputs
 
-    def _solve(self, c, before, auxiliary, time, crank, inputs):
-        """State and outputs that fulfil the equations of motion a step after the motion `before`
-        with its auxiliary acceleration.
+    def _solve(
+        self, c: Coefficients, before: Motion, auxiliary: np.ndarray, at: End, inputs: Inputs
+    ) -> tuple[PistonState, dict]:
+        """Return state and outputs that fulfil the equations of motion a step after the motion
+        `before` with its auxiliary acceleration.
         """
+        crank = at.crank
         pressure = inputs.gas_pressure
         if self.gas_table:
             pressure = pressure + gas_pressure(self.gas_table, crank.angle)
         others = others_of(
             self.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier
         )
-        now = self._instant(c, before, auxiliary, crank, others, inputs)
+        now, factors = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
             raise NotConverged(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
@@ -386,21 +333,8 @@ class PistonInBore:
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        state = State(
-            time=time,
-            crank_angle=crank.angle,
-            crank_speed=crank.speed,
-            crank_acceleration=crank.acceleration,
-            crank_jerk=0.0,
-            position=now.position,
-            velocity=now.kept_velocity,
-            acceleration=now.kept_acceleration,
-            auxiliary=now.auxiliary,
-            kinetic=now.ledger.accounted,
-            other_forces=now.other_forces,
-        )
-        end = Motion(now.position, now.velocity, now.acceleration)
-        self._last = LastStep(c, now.load, end, crank, now.guided)
+        state = state_at(now, crank, at.time, at.steps)
+        self._last = step_end(c, now, crank, self.moving, factors)
         self._linear = self._columns = None
         outputs = self._outputs(now, crank) | {
             "cylinder_pressure": pressure,
@@ -417,7 +351,7 @@ class PistonInBore:
         if self.crank.free:
             freed = self._release(crank, outputs["crank_torque"])
             outputs["crank_torque"] = -self.crank.load_torque
-            state = replace(state, crank_acceleration=freed)
+            state = state._replace(crank_acceleration=freed)
         return state, outputs
 
     def _instant(
@@ -428,21 +362,21 @@ class PistonInBore:
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> Instant:
-        """Everything at the end of a step."""
+    ) -> tuple[Instant, Factors]:
+        """Return everything at the end of a step."""
         push = np.ravel(inputs.pressure_force)
         drag = np.ravel(inputs.friction_force)
         system = self.system
         if self.outside:
             system = deflected(system, self.outside, inputs.bore_deflection)
-        return end_of_step(system, c, before, auxiliary, crank, others, push, drag)
+        return end_of_step(system, c, before, auxiliary, crank, others, push, drag), no_factors()
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Forces of all films on the bore's grid at the end of the last step [N]."""
         surfaces, guided = self.film_surfaces, self._last.guided
         return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
 
-    def _taken_by_bore(self, outside: OutsideBore, before: State, inputs: Inputs) -> float:
+    def _taken_by_bore(self, outside: OutsideBore, before: PistonState, inputs: Inputs) -> float:
         """Energy [J] that a bore that deflects from outside took from the films over a step.
 
         Eq. (D50):  W = F_W . (w_1 - w_0),   as Eq. (D11), forces at the end along the way
@@ -450,11 +384,6 @@ class PistonInBore:
         way = inputs.bore_deflection - before.bore_deflection
         force = self._film_on_bore(outside, inputs.pressure_force)
         return float(np.sum(force * way))  # Eq. (D50)
-
-    def _of_piston(self, end):
-        """Motion of the piston's moving coordinates alone."""
-        n = self.moving
-        return Motion(end.position[:n], end.velocity[:n], end.acceleration[:n])
 
     def _release(self, crank, torque):
         """Acceleration [rad/s2] at which the torques on a free crank fulfil its equation.
@@ -467,9 +396,8 @@ class PistonInBore:
 
     def _torque(self, crank):
         """Torque of the drive if the crank turned like this after the last step [N m]."""
-        last = self._last
-        piston = self._of_piston(last.end)
-        return imbalance(self.system.piston, self.system.mechanism, last.load, piston, crank).torque
+        last, system = self._last, self.system
+        return imbalance(system.piston, system.mechanism, last.load, last.now, crank).torque
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Everything the outside sees (units in `variables.py`), by name."""
@@ -494,26 +422,20 @@ class PistonInBore:
     def _on_block(self):
         """Forces on a mounted block, by output."""
         names = (*ON_BLOCK, *BEARINGS)
-        return dict(zip(names, force_at(self._step_end())))
-
-    def _step_end(self) -> StepEnd:
-        """What forces on the block follow from."""
-        last, system = self._last, self.system
-        now = self._of_piston(last.end)
-        unbalance = self.crank_unbalance or 0.0
-        return StepEnd(system.piston, system.mechanism, unbalance, last.load, now, last.crank)
+        return dict(zip(names, force_at(self.system, self.crank_unbalance or 0.0, self._last)))
 
     def _carried_force(self, carried: np.ndarray) -> np.ndarray:
         """Change of the forces on the piston's moving coordinates with the block's motion."""
         if self._columns is None:
-            self._columns = by_carrier(self._step_end())
+            self._columns = by_carrier(self.system, self._last)
         return carried_force(self._columns, carried)
 
     def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
         """Change of the forces on the block, by output."""
         names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
-        c = self._last.coefficients
-        return dict(zip(names, force_change(self._step_end(), c, change, carried)))
+        unbalance = self.crank_unbalance or 0.0
+        found = force_change(self.system, unbalance, self._last, change, carried)
+        return dict(zip(names, found))
 
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
         """A stacked field of all surfaces as one of each, by name."""
@@ -549,8 +471,7 @@ class PistonInBore:
         last = self._last
         mounted = self.crank_unbalance is not None
         if self._linear is None:
-            piston = self._of_piston(last.end)
-            self._linear = linearise(self.system, last.coefficients, last.load, piston, last.crank)
+            self._linear = linearise(self.system, last)
             self.jacobian_evaluations += 1
         change = response(
             self.system,

@@ -70,6 +70,7 @@ from .instant import (
     OtherForces,
     Response,
     RingForce,
+    StepEnd,
     System,
     forces_by_film,
     part_of,
@@ -911,28 +912,6 @@ class PinResponse(NamedTuple):
     circumferential_velocity: np.ndarray
 
 
-class PinStepEnd(NamedTuple):
-    """What a derivative at the end of the last step starts from.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Of the step.
-    guided : float
-        Height at which the bore is read [m].
-    end : Motion
-    crank : CrankMotion
-    factors : Factors
-        Of J, `PinInstant.factors`.
-    """
-
-    coefficients: Coefficients
-    guided: float
-    end: Motion
-    crank: CrankMotion
-    factors: Factors
-
-
 class ShellChange(NamedTuple):
     """Change of a pin's place in space (2,) [m], of its shell's angle [rad], and of the speed at
     which it turns in that [rad/s].
@@ -966,7 +945,7 @@ def _shell_change(mechanism, first, end, moved, crank, k):
 @compiled
 def respond_pin(
     of: PinSystem,
-    last: PinStepEnd,
+    last: StepEnd,
     skirt_forces: NodalForces,
     rings: RingForce,
     forces: PinForces,
@@ -978,7 +957,7 @@ def respond_pin(
     Parameters
     ----------
     of : PinSystem
-    last : PinStepEnd
+    last : StepEnd
     skirt_forces, rings, forces
         Directions; nodal forces stacked [N].
 
@@ -988,7 +967,7 @@ def respond_pin(
     """
     system = of.system
     bodies = of.bodies
-    end = last.end
+    end = last.now
     crank = last.crank
     guided = last.guided
     n = len(end.position)

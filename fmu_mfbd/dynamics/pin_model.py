@@ -12,6 +12,7 @@ from ..geometry.pin import PinForces, PinSurface
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from ..geometry.surfaces import pins_in_block
 from .build_options import FilmGrid
+from .elimination import Factors
 from .floating_pin import (
     RIGID_CRANK,
     RIGID_EYE,
@@ -29,7 +30,6 @@ from .instant import NO_RINGS, Instant, OtherForces, RingForce
 from .model import MOTION, Inputs, PistonInBore
 from .pin_instant import (
     PinInstant,
-    PinStepEnd,
     PinSystem,
     Shell,
     end_of_pin_step,
@@ -95,7 +95,7 @@ class PistonOnFloatingPin(PistonInBore):
         mechanism = self.system.mechanism
         self.bodies = Bodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
         self.layout = layout(self.bodies)
-        self.coordinates = self.layout.size
+        self.coordinates = self.moving = self.layout.size
         self.inertia = inertia(self.bodies)
         with_rod = inertia_with_rod(self.bodies)
         block = pins_in_block(pins)
@@ -113,7 +113,7 @@ class PistonOnFloatingPin(PistonInBore):
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> Instant:
+    ) -> tuple[Instant, Factors]:
         """Everything at the end of a step."""
         on_skirt = _on_skirt(inputs.pressure_force, inputs.friction_force)
         forces = stacked(inputs.pins)
@@ -121,13 +121,13 @@ class PistonOnFloatingPin(PistonInBore):
             self.floating, c, before, auxiliary, crank, others, on_skirt, forces
         )
         self._step = found, forces
-        return found.now
+        return found.now, found.factors
 
     @property
     def _pin(self) -> PinEnd:
         """The end of the last step."""
         step, forces = self._step
-        end, crank = self._last.end, self._last.crank
+        end, crank = self._last.now, self._last.crank
         mechanism = self.bodies.mechanism
         each = range(len(self.pins))
         shells = (shell_of(mechanism, self.layout, end, crank, k) for k in each)
@@ -180,11 +180,9 @@ class PistonOnFloatingPin(PistonInBore):
         pins : tuple of PinForces
             Directions, of all films of the pin [N].
         """
-        step, _ = self._step
-        c, _, end, crank, guided = self._last
         found = respond_pin(
             self.floating,
-            PinStepEnd(c, guided, end, crank, step.factors),
+            self._last,
             _on_skirt(pressure_force, friction_force),
             rings,
             stacked(pins),

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..geometry.film import NodalForces, film_now, opening, sliding
 from ..geometry.space import Levers, levers, slope_around
+from .elimination import Factors, no_factors
 from .energy import Ledger
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
@@ -97,7 +98,7 @@ class PistonInSpace(PistonInBore):
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> Instant:
+    ) -> tuple[Instant, Factors]:
         """Everything at the end of a step, as `instant.end_of_step`."""
         system = self.system
         guided = height(system.mechanism, 0.0, crank.angle)
@@ -169,7 +170,7 @@ class PistonInSpace(PistonInBore):
             crank.angle,
             crank.speed,
         )
-        return Instant(
+        instant = Instant(
             position=end.position,
             velocity=end.velocity,
             acceleration=end.acceleration,
@@ -196,6 +197,7 @@ class PistonInSpace(PistonInBore):
             tangents=solved.evaluations,
             change=solved.change,
         )
+        return instant, no_factors()
 
     def _nodal(self, push: np.ndarray, drag: np.ndarray) -> list[NodalForces]:
         """Stacked forces by surface, on its grid."""

@@ -1,0 +1,93 @@
+"""The state of the bodies, the same in Python and in a native FMU."""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.arrays import Vector
+from .first_steps import FIRST_STEPS, first_steps
+from .generalised_alpha import Coefficients, Motion, coefficients
+from .instant import Instant
+from .slider_crank import CrankMotion
+
+
+class PistonState(NamedTuple):
+    """Everything that a step starts from; n = 2 + piston modes + block modes.
+
+    Parameters
+    ----------
+    time : float
+        Since the start [s].
+    crank_angle, crank_speed, crank_acceleration : float
+        [rad], 0 at firing top dead centre; [rad/s]; [rad/s2].
+    crank_jerk : float
+        By which the acceleration of a free crank changed over the last step [rad/s3]; 0 for
+        another.
+    position, velocity, acceleration, auxiliary : ndarray, shape (n,)
+        [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
+        in time, and the time integrator's auxiliary acceleration.
+    kinetic : float
+        Energy of the motion across the bore, the rod's with it [J].
+    other_forces : ndarray, shape (n,)
+        On that motion, all but the film's [N], [N m], [kg^-1/2 N].
+    steps : int
+        Taken since the start.
+    bore_deflection : ndarray, shape (w, s)
+        That came from outside [m]; of shape (0, 0) where none does.
+    """
+
+    time: float
+    crank_angle: float
+    crank_speed: float
+    crank_acceleration: float
+    crank_jerk: float
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    auxiliary: Vector
+    kinetic: float
+    other_forces: Vector
+    steps: int
+    bore_deflection: Annotated[np.ndarray, "w, s"]
+
+
+@compilable
+def state_at(now: Instant, crank: CrankMotion, time: float, steps: int) -> PistonState:
+    """Return the state at an instant; the first steps remember no auxiliary acceleration."""
+    auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
+    return PistonState(
+        time,
+        crank.angle,
+        crank.speed,
+        crank.acceleration,
+        0.0,
+        now.position,
+        now.kept_velocity,
+        now.kept_acceleration,
+        auxiliary,
+        now.ledger.accounted,
+        now.other_forces,
+        steps,
+        np.zeros((0, 0)),
+    )
+
+
+@compilable
+def motion_of(state: PistonState) -> Motion:
+    """Return the motion of all coordinates."""
+    return Motion(state.position, state.velocity, state.acceleration)
+
+
+@compilable
+def crank_of(state: PistonState) -> CrankMotion:
+    """Return the motion of the crank."""
+    return CrankMotion(state.crank_angle, state.crank_speed, state.crank_acceleration)
+
+
+@compilable
+def step_coefficients(state: PistonState, step: float, spectral_radius: float) -> Coefficients:
+    """Return the coefficients of a step [s] that starts from a state."""
+    if state.steps < FIRST_STEPS:
+        return first_steps(step)
+    return coefficients(step, spectral_radius)
