@@ -3,7 +3,7 @@ covers. The entries put the kernels and functions of `dynamics` together, as `mo
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,14 @@ from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.account import account
 from .dynamics.assembly import (
-    damping_at,
+    ReducedBodies,
+    assemble_system,
+    bands,
+    body_faults,
+    fit_of,
+    load_bodies,
     machined_gap,
     measured,
-    modes_beside_pin,
     pin_surfaces,
     surfaces,
 )
@@ -30,7 +34,6 @@ from .dynamics.contradictions import (
     GIVEN_TWICE,
     NO_ANGLE,
     NOT_SOLVED,
-    Fit,
     check,
     pin_radius,
 )
@@ -43,7 +46,6 @@ from .dynamics.floating_pin import (
     layout,
     of_eye,
 )
-from .dynamics.gas_on_bore import bore_wall
 from .dynamics.generalised_alpha import Motion, coefficients
 from .dynamics.instant import (
     RingForce,
@@ -53,6 +55,7 @@ from .dynamics.instant import (
     response,
     step_end,
 )
+from .dynamics.modal_damping import modal_springs
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     Parameters,
@@ -69,7 +72,6 @@ from .geometry.pin import PinForces, PinSurface
 from .geometry.profile import fourier_bore, linear_growth
 from .geometry.surfaces import (
     count_of,
-    in_block,
     pin_surface_at,
     pins_in_block,
     pins_of,
@@ -91,6 +93,7 @@ from .native_block import (
     Constants,
     Direction,
     FieldPlaces,
+    GasCurve,
     Given,
     OutputPlaces,
     Places,
@@ -108,22 +111,6 @@ from .native_block import (
     state_of,
     system_of,
 )
-from .reduction.reduced_body import (
-    ReducedBlock,
-    ReducedBosses,
-    ReducedPiston,
-    ReducedSmallEnd,
-    load,
-)
-
-
-class GasAtAngle(NamedTuple):
-    """`GasTable`, as kernels know it."""
-
-    angle: np.ndarray
-    pressure: np.ndarray
-    cycle: float
-
 
 COVERED: dict[str, tuple[str, ...] | float] = {"crank_free": 0.0, "quasi_static_frequency": 1e9}
 """The only value of a number that is in the library; all else is free."""
@@ -165,14 +152,10 @@ def given(slave: Any) -> np.ndarray:
         Its resources hold the reduced bodies.
     """
     options: BuildOptions = slave.built
-    piston = load(ReducedPiston, slave.resources / options.piston.file)
-    block = load(ReducedBlock, slave.resources / options.block.file)
-    if piston.radius >= block.radius:
-        raise BadInput(
-            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
-            f"{piston.radius:g} m"
-        )
-    begun = _begun(slave, options, piston, block)
+    bodies = load_bodies(slave.resources, options)
+    if wrong := body_faults(bodies.piston, bodies.block, options, bodies.bosses):
+        raise BadInput(wrong)
+    begun = _begun(slave, options, bodies)
     n = max(len(begun.start_position), len(FIXED))
     lengths = {
         "state": room(PistonState, n=len(begun.start_position), w=0, s=0),
@@ -183,91 +166,51 @@ def given(slave: Any) -> np.ndarray:
     return memory_of({"given": row_of(begun)}, lengths)
 
 
-def _begun(slave: Any, options: BuildOptions, piston: ReducedPiston, block: ReducedBlock) -> Given:
+def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> Given:
     """Return `Given` before a start."""
+    piston, block, bosses, eye = bodies
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
     k, m = len(piston.omega), len(block.omega)
-    wall = bore_wall(block.heights, block.radial, block.radius, 1.0, 1.0)
+    rings = Parameters(top_ring_height=1.0, second_ring_height=1.0)  # of any, for the wall
+    films = with_room(surfaces(piston, block, options, rings), len(block.heights))
     orders = fourier_bore(options.block.orders, angle)[:, None]
     widening = orders + measured(options.block.profiles, angle, block.heights)
     profile = np.broadcast_to(measured(options.piston.profiles, angle, height), options.grid)
     of_films = [profile[:, one.first : one.last].ravel() for one in options.film_surfaces()]
     gas, begin, pin = options.gas, options.start, options.floating_pin
-    bosses = load(ReducedBosses, slave.resources / pin.bosses) if pin and pin.bosses else None
-    eye = load(ReducedSmallEnd, slave.resources / pin.small_end) if pin and pin.small_end else None
-    if pin and (wrong := modes_beside_pin(piston, block, bosses)):
-        raise BadInput(wrong)
     crank = {name: CRANK_PARAMETERS[name]() for name in options.crank_surfaces()}
     pins = pin_surfaces(options, 1.0, PinParameters(), crank, bosses, eye) if pin else ()
-    bands = options.damping_bands
     n = coordinates(options, k, m)
-    of_eye = eye.eye_omega if eye else np.zeros(0)
+    none = np.zeros(0)
     of_inertia = np.zeros((n, n) if pin else (0, 0))
     return Given(
         places=_places(slave),
         constants=Constants(
-            mass=piston.mass,
-            inertia=piston.I0,
-            piston_radius=piston.radius,
-            skirt_lower=piston.skirt_lower,
-            skirt_upper=piston.skirt_upper,
-            pin_offset=options.piston.pin_offset,
             bore_radius=block.radius,
-            spacing=block.heights[1] - block.heights[0],
-            gas_cycle=gas.cycle if gas else 0.0,
-            bands_given=bool(bands),
             start_given=begin is not None,
             start_angle=begin.crank_angle if begin else 0.0,
-            has_big_end="big_end" in crank,
-            has_main_bearing="main_bearing" in crank,
-            boss_radius=bosses.boss_radius if bosses else 0.0,
-            eye_radius=eye.eye_radius if eye else 0.0,
         ),
-        surfaces=_surfaces(piston, block, options),
+        fit=fit_of(piston, block, options, bosses, eye.eye_radius if eye else 0.0),
+        system=assemble_system(piston, block, options, rings, films),
         measured=np.concatenate(of_films),
         heights=block.heights,
         widening=np.broadcast_to(widening, (len(angle), len(block.heights))),
         inverse=knot_rule(len(block.heights)),
-        band_above=np.array([band.above for band in bands] or np.zeros(2)),
-        band_ratio=np.array([band.ratio for band in bands] or np.zeros(2)),
-        gas_angle=gas.angle if gas else np.zeros(0),
-        gas_pressure=gas.pressure if gas else np.zeros(0),
+        bands=bands(options),
+        gas=GasCurve(gas.angle, gas.pressure, gas.cycle) if gas else GasCurve(none, none, 0.0),
         start_position=begin.position() if begin else np.zeros(n),
         start_velocity=begin.velocity() if begin else np.zeros(n),
-        first_moment=piston.S,
-        T=piston.T,
-        b=piston.b,
-        B=piston.B,
-        g=piston.g,
-        G=piston.G,
         piston_omega=piston.omega,
-        gas_force=piston.gas_force,
         block_omega=block.omega,
-        wall_above=wall.above,
-        wall_at=wall.at,
         pin_surfaces=pins_in_block(pins),
-        eye_omega=of_eye,
+        eye_omega=eye.eye_omega if eye else none,
         settings=np.zeros(len(SETTING)),
-        wall_above_now=wall.above,
-        wall_at_now=wall.at,
-        piston_stiffness=piston.omega,
-        piston_damping=piston.omega,
-        block_stiffness=block.omega,
-        block_damping=block.omega,
-        eye_stiffness=of_eye,
-        eye_damping=of_eye,
         inertia=of_inertia,
         with_rod=of_inertia,
         has_linear=np.zeros(1),
         evaluations=np.zeros(1),
         tangents=np.zeros(1),
     )
-
-
-def _surfaces(piston, block, options):
-    """All film surfaces in a block, with room for the widening of the bore that they share."""
-    made = surfaces(piston, block, options, Parameters())
-    return in_block(with_room(made, len(block.heights)))
 
 
 def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> int:
@@ -322,47 +265,12 @@ def _places(slave) -> Places:
 
 
 @compiled
-def fit_of(given, p):
-    """Return what parameters have to fit, as `assembly.fit_of`."""
-    x = given.constants
-    return Fit(
-        x.piston_radius,
-        x.skirt_lower,
-        x.skirt_upper,
-        x.pin_offset,
-        given.heights[0],
-        given.heights[-1],
-        x.boss_radius,
-        x.eye_radius,
-        p.gas_source == GAS_TABLE and len(given.gas_angle) == 0,
-        has_pins(given),
-        x.has_big_end,
-        x.has_main_bearing,
-    )
-
-
-@compiled
-def spring(bands, p, omega, stiffness, damping):
-    """Set stiffness and damping of modes, by the bands that hold their frequencies (Eq. (I5))."""
-    above, ratio = bands
-    for k in range(len(omega)):
-        band = 0
-        for j in range(len(above)):
-            if 2 * np.pi * above[j] <= omega[k]:
-                band = j
-        stiffness[k] = omega[k] ** 2
-        damping[k] = damping_at(
-            omega[k], ratio[band], p.rayleigh_mass_factor, p.rayleigh_stiffness_factor
-        )
-
-
-@compiled
 def machine(given, p):
     """Gaps of all surfaces, as `assembly.skirt_gap`."""
-    x = given.constants
+    x = given.fit
     first = 0
-    for k in range(count_of(given.surfaces)):
-        skirt = surface_at(given.surfaces, k).skirt
+    for k in range(count_of(given.system.surfaces)):
+        skirt = surface_at(given.system.surfaces, k).skirt
         c, a = skirt.gap.shape
         for i in range(c):
             for j in range(a):
@@ -375,7 +283,7 @@ def machine(given, p):
 @compiled
 def machine_pins(given, p):
     """Radii and clearances of pin and crank, as `assembly.pin_surfaces`; what has inertia."""
-    x = given.constants
+    x = given.fit
     for k in range(pins_of(given.pin_surfaces)):
         radius = pin_radius(x.piston_radius, p)
         clearance = p.boss_clearance if k < EYE else p.small_end_clearance
@@ -391,15 +299,15 @@ def machine_pins(given, p):
         turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
         put_pin_surface(row_at(given.pin_surfaces, k), turned)
     bodies = pin_system_of(given, system_of(given)).bodies
-    keep(given.inertia, inertia(bodies), 1.0)
-    keep(given.with_rod, inertia_with_rod(bodies), 1.0)
+    keep(given.inertia, inertia(bodies))
+    keep(given.with_rod, inertia_with_rod(bodies))
 
 
 @compiled
 def widen(given, p):
     """The bore's widening, as `assembly.bore_shape`: of the one bore of all surfaces."""
     heights = given.heights
-    shape = surface_at(given.surfaces, 0).bore.shape
+    shape = surface_at(given.system.surfaces, 0).bore.shape
     knots, c = shape.shape
     for k in range(knots):
         for i in range(c):
@@ -423,17 +331,9 @@ def prepare(real, integer, given):
     p = settings_of(given)
     machine(given, p)
     widen(given, p)
-    gas = 1.0 if p.top_ring_height > 0.0 else 0.0
-    keep(given.wall_above_now, given.wall_above, gas)
-    keep(given.wall_at_now, given.wall_at, gas)
-    if not given.constants.bands_given:
-        given.band_above[1] = p.damping_transition_frequency
-        given.band_ratio[0] = p.damping_ratio
-        given.band_ratio[1] = p.high_frequency_damping_ratio
-    bands = given.band_above, given.band_ratio
-    spring(bands, p, given.piston_omega, given.piston_stiffness, given.piston_damping)
-    spring(bands, p, given.block_omega, given.block_stiffness, given.block_damping)
-    spring(bands, p, given.eye_omega, given.eye_stiffness, given.eye_damping)
+    system = given.system
+    keep(system.piston.damping, modal_springs(given.piston_omega, given.bands, p).damping)
+    keep(system.block.damping, modal_springs(given.block_omega, given.bands, p).damping)
     if has_pins(given):
         machine_pins(given, p)
 
@@ -509,12 +409,12 @@ def is_mounted(given):
 
 
 @compiled
-def keep(to, what, factor):
-    """Copy an array times a factor, in a loop."""
+def keep(to, what):
+    """Copy an array, in a loop."""
     to = to.reshape(to.size)
     what = what.reshape(what.size)
     for k in range(len(to)):
-        to[k] = factor * what[k]
+        to[k] = what[k]
 
 
 @compiled
@@ -560,13 +460,12 @@ _, carrier_from = packed(Carrier)
 def crown_pressure(real, memory, given, p, crank_angle):
     """Gas pressure by input and table [Pa], as `gas_source` says; a remark if it is given twice."""
     by_input = real[given.places.gas_pressure]
-    has_table = len(given.gas_angle) > 0
+    has_table = len(given.gas.angle) > 0
     if has_table and by_input != 0.0 and p.gas_source == GAS_EITHER:
         remark(part(memory, FAULTS_AT), GIVEN_TWICE)
     pressure = 0.0 if p.gas_source == GAS_TABLE else by_input
     if has_table and p.gas_source != GAS_INPUT:
-        table = GasAtAngle(given.gas_angle, given.gas_pressure, given.constants.gas_cycle)
-        pressure += gas_pressure(table, crank_angle)
+        pressure += gas_pressure(given.gas, crank_angle)
     return pressure
 
 
@@ -700,12 +599,13 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     faults[0] = 0.0
     given = given_of(memory)
     prepare(real, integer, given)
-    check(fit_of(given, settings_of(given)), settings_of(given), faults)
+    p = settings_of(given)
+    lacks_gas = p.gas_source == GAS_TABLE and len(given.gas.angle) == 0
+    check(given.fit, p, lacks_gas, faults)
     if faults[0] > 0.0:
         return
     given.evaluations[0] = 0.0
     given.tangents[0] = 0.0
-    p = settings_of(given)
     x = given.constants
     position = given.start_position.copy()
     crank_angle = x.start_angle

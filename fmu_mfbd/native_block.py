@@ -13,14 +13,13 @@ import numpy as np
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
 from .dynamics.assembly import mechanism, pin_spin_inertia
-from .dynamics.contradictions import pin_radius
-from .dynamics.floating_frame import FlexibleBody
-from .dynamics.floating_pin import Bodies, Crankshaft, EyeModes
+from .dynamics.contradictions import Fit, pin_radius
+from .dynamics.floating_pin import Bodies, Crankshaft
 from .dynamics.gas_on_bore import BoreWall
-from .dynamics.instant import Block, Linear, StepEnd, System
+from .dynamics.instant import Linear, StepEnd, System
+from .dynamics.modal_damping import DampingBands, modal_springs
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
 from .dynamics.pin_instant import PinSystem
-from .dynamics.quasi_static import StaticModes
 from .dynamics.state import PistonState
 from .geometry.arrays import Matrix, Vector
 from .geometry.pin_shapes import AxisShapes
@@ -146,69 +145,46 @@ ON_PIN = {
 
 
 class Constants(NamedTuple):
-    """Numbers of the reduced bodies and of the build; radii in the meshes of what yields are 0 of
-    rigid ones.
-    """
+    """Radius of the bore [m], and where a run begins that the build gives its start."""
 
-    mass: float
-    inertia: float
-    piston_radius: float
-    skirt_lower: float
-    skirt_upper: float
-    pin_offset: float
     bore_radius: float
-    spacing: float
-    gas_cycle: float
-    bands_given: bool
     start_given: bool
     start_angle: float
-    has_big_end: bool
-    has_main_bearing: bool
-    boss_radius: float
-    eye_radius: float
+
+
+class GasCurve(NamedTuple):
+    """`tables.GasTable`, empty without one."""
+
+    angle: Vector
+    pressure: Vector
+    cycle: float
 
 
 class Given(NamedTuple):
-    """What a memory begins with; from `settings` on it is made at the start, from the parameters.
+    """What a memory begins with; from `settings` on it is made at the start, from the parameters,
+    and so are gaps and dampers in `system`.
 
-    wall_above, wall_at : of `BoreWall` for gas in the chamber; evaluations, tangents : work so far.
+    system : of any parameters; measured, widening : what is measured of skirt and bore;
+    evaluations, tangents : work so far.
     """
 
     places: Places
     constants: Constants
-    surfaces: Vector
+    fit: Fit
+    system: System
     measured: Vector
     heights: Vector
     widening: Matrix
     inverse: Matrix
-    band_above: Vector
-    band_ratio: Vector
-    gas_angle: Vector
-    gas_pressure: Vector
+    bands: DampingBands
+    gas: GasCurve
     start_position: Vector
     start_velocity: Vector
-    first_moment: Vector
-    T: Matrix
-    b: Vector
-    B: Matrix
-    g: Vector
-    G: Matrix
     piston_omega: Vector
-    gas_force: Vector
     block_omega: Vector
-    wall_above: Matrix
-    wall_at: Matrix
     pin_surfaces: Vector
     eye_omega: Vector
     settings: Vector
-    wall_above_now: Matrix
-    wall_at_now: Matrix
-    piston_stiffness: Vector
-    piston_damping: Vector
-    block_stiffness: Vector
-    block_damping: Vector
-    eye_stiffness: Vector
-    eye_damping: Vector
     inertia: Matrix
     with_rod: Matrix
     has_linear: Number
@@ -272,36 +248,23 @@ def has_pins(given: Given):
 
 @compiled
 def system_of(given: Given) -> System:
-    """Return both bodies, the mechanism and the film, as `assembly.assemble` makes them."""
-    x = given.constants
+    """Return both bodies, the mechanism and the film, as `assembly.assemble_system` makes them."""
     settings = settings_of(given)
-    none = np.zeros(0)
-    static = StaticModes(none, none.reshape((2, 0)), none, none)
+    system = given.system
     return System(
-        FlexibleBody(
-            x.mass,
-            given.first_moment,
-            x.inertia,
-            given.T,
-            given.b,
-            given.B,
-            given.g,
-            given.G,
-            given.piston_stiffness,
-            given.piston_damping,
-        ),
-        static,
-        Block(given.block_stiffness, given.block_damping),
-        static,
-        mechanism(x.piston_radius, x.pin_offset, settings),
-        given.surfaces,
-        x.pin_offset,
-        given.gas_force,
+        system.piston,
+        system.piston_static,
+        system.block,
+        system.block_static,
+        mechanism(given.fit.piston_radius, system.pin_offset, settings),
+        system.surfaces,
+        system.pin_offset,
+        system.gas_force,
         BoreWall(
-            given.heights[0],
-            x.spacing,
-            given.wall_above_now,
-            given.wall_at_now,
+            system.wall.lowest,
+            system.wall.spacing,
+            system.wall.above,
+            system.wall.at,
             settings.top_ring_height,
             settings.second_ring_height,
             settings.land_pressure_share,
@@ -312,7 +275,7 @@ def system_of(given: Given) -> System:
 @compiled
 def pin_system_of(given: Given, system: System) -> PinSystem:
     """Return the same with a floating pin, as `assembly.assemble_floating` makes it."""
-    x = given.constants
+    x = given.fit
     settings = settings_of(given)
     none = np.zeros(0)
     radius = pin_radius(x.piston_radius, settings)
@@ -321,7 +284,7 @@ def pin_system_of(given: Given, system: System) -> PinSystem:
         system.mechanism,
         pin_spin_inertia(settings.pin_mass, radius, settings.pin_inertia),
         AxisShapes(none, none, none, none, none),
-        EyeModes(given.eye_stiffness, given.eye_damping),
+        modal_springs(given.eye_omega, given.bands, settings),
         Crankshaft(
             x.has_big_end,
             x.has_main_bearing,

@@ -11,7 +11,13 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import assemble, assemble_floating, assemble_in_space, faults
+from .dynamics.assembly import (
+    assemble,
+    assemble_floating,
+    assemble_in_space,
+    faults,
+    load_bodies,
+)
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.instant import RingForce
@@ -35,13 +41,6 @@ from .dynamics.parameters import (
 from .dynamics.pin_model import PistonOnFloatingPin
 from .dynamics.state import PistonState
 from .geometry.pin import PinForces
-from .reduction.reduced_body import (
-    ReducedBlock,
-    ReducedBosses,
-    ReducedPiston,
-    ReducedSmallEnd,
-    load,
-)
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
@@ -115,13 +114,8 @@ class Mfbd(FieldSlave):
         if options.gas and values["gas_source"] == "input":
             options = replace(options, gas=None)
         parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
-        piston = load(ReducedPiston, self.resources / options.piston.file)
-        block = load(ReducedBlock, self.resources / options.block.file)
+        piston, block, bosses, eye = load_bodies(self.resources, options)
         pin = options.floating_pin
-        bosses = load(ReducedBosses, self.resources / pin.bosses) if pin and pin.bosses else None
-        eye = (
-            load(ReducedSmallEnd, self.resources / pin.small_end) if pin and pin.small_end else None
-        )
         axis = None
         crank = {
             name: kind(**{one.name: values[one.name] for one in fields(kind)})

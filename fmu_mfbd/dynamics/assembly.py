@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -25,10 +26,10 @@ from ..geometry.profile import (
 from ..geometry.surfaces import in_block, with_room
 from ..reduction.reduced_body import (
     ReducedBlock,
-    ReducedBody,
     ReducedBosses,
     ReducedPiston,
     ReducedSmallEnd,
+    load,
     mode_classes,
 )
 from .bore_from_outside import outside_bore
@@ -36,15 +37,15 @@ from .build_options import (
     BlockOptions,
     BuildOptions,
     CrankBearing,
-    DampingBand,
     FloatingPin,
     PistonOptions,
 )
 from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
-from .floating_pin import RIGID_CRANK, RIGID_EYE, Crankshaft, EyeModes
+from .floating_pin import RIGID_CRANK, Crankshaft
 from .gas_on_bore import bore_wall
-from .instant import Block, System
+from .instant import System
+from .modal_damping import DampingBands, ModalSprings, modal_springs
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
 from .parameters import (
@@ -77,11 +78,24 @@ class PistonParts(NamedTuple):
     static: StaticModes
 
 
-class BlockParts(NamedTuple):
-    """Likewise the block."""
+class ReducedBodies(NamedTuple):
+    """All reduced bodies of an FMU: bosses and small end only if they yield."""
 
-    moving: Block
-    static: StaticModes
+    piston: ReducedPiston
+    block: ReducedBlock
+    bosses: ReducedBosses | None
+    small_end: ReducedSmallEnd | None
+
+
+def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
+    """Read the reduced bodies of an FMU from its folder."""
+    pin = options.floating_pin
+    return ReducedBodies(
+        load(ReducedPiston, folder / options.piston.file),
+        load(ReducedBlock, folder / options.block.file),
+        load(ReducedBosses, folder / pin.bosses) if pin and pin.bosses else None,
+        load(ReducedSmallEnd, folder / pin.small_end) if pin and pin.small_end else None,
+    )
 
 
 def assemble(
@@ -100,29 +114,10 @@ def assemble(
     -------
     PistonInBore
     """
-    piston_parts = parted_piston(piston, modal_damping(piston, options, parameters), parameters)
-    block_parts = parted_block(block, modal_damping(block, options, parameters), parameters)
     films = surfaces(piston, block, options, parameters)
     if options.block.bore_from_outside:
         films = with_room(films, len(block.heights))
-    system = System(
-        piston=piston_parts.moving,
-        piston_static=piston_parts.static,
-        block=block_parts.moving,
-        block_static=block_parts.static,
-        mechanism=mechanism(piston.radius, options.piston.pin_offset, parameters),
-        surfaces=in_block(films),
-        pin_offset=options.piston.pin_offset,
-        gas_force=np.ascontiguousarray(piston.gas_force),
-        wall=bore_wall(
-            block.heights,
-            block.radial,
-            block.radius,
-            parameters.top_ring_height,
-            parameters.second_ring_height,
-            parameters.land_pressure_share,
-        ),
-    )
+    system = assemble_system(piston, block, options, parameters, films)
     crank = Crank(
         free=bool(parameters.crank_free),
         inertia=parameters.crank_inertia,
@@ -146,6 +141,37 @@ def assemble(
     )
 
 
+def assemble_system(
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    parameters: Parameters,
+    films: Sequence[FilmSurface],
+) -> System:
+    """Return both bodies, the mechanism and the films of a skirt."""
+    parts = parted_piston(piston, options, parameters)
+    springs = modal_springs(block.omega, bands(options), parameters)
+    k = _moving(block, parameters)
+    return System(
+        piston=parts.moving,
+        piston_static=parts.static,
+        block=ModalSprings(springs.stiffness[:k], springs.damping[:k]),
+        block_static=standing(springs.stiffness[k:]),
+        mechanism=mechanism(piston.radius, options.piston.pin_offset, parameters),
+        surfaces=in_block(films),
+        pin_offset=options.piston.pin_offset,
+        gas_force=np.ascontiguousarray(piston.gas_force),
+        wall=bore_wall(
+            block.heights,
+            block.radial,
+            block.radius,
+            parameters.top_ring_height,
+            parameters.second_ring_height,
+            parameters.land_pressure_share,
+        ),
+    )
+
+
 def assemble_floating(
     piston: ReducedPiston,
     block: ReducedBlock,
@@ -165,20 +191,15 @@ def assemble_floating(
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
     crank = crank or {}
-    eye = yielding_eye(small_end, options, parameters) if small_end else RIGID_EYE
+    eye_omega = small_end.eye_omega if small_end else np.zeros(0)
+    eye = modal_springs(eye_omega, bands(options), parameters)
     spin = pin_spin_inertia(parameters.pin_mass, radius, pin.pin_inertia)
     shapes = STRAIGHT
     films = pin_surfaces(options, radius, pin, crank, bosses, small_end)
     if axis:
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
-        own_damping = damping(
-            beam.omega,
-            damping_bands(options, parameters),
-            parameters.rayleigh_mass_factor,
-            parameters.rayleigh_stiffness_factor,
-        )
         spin = pin.pin_inertia or beam.pin.spin_inertia()
-        shapes = beam.shapes(own_damping)
+        shapes = beam.shapes(modal_springs(beam.omega, bands(options), parameters).damping)
         films = with_shapes(films, options.floating_pin, bosses, beam, axis)
     return PistonOnFloatingPin(
         assemble(piston, block, options, parameters),
@@ -233,20 +254,6 @@ def with_shapes(
 def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
     """Of a pin about its axis [kg m2]: what is given, else that of a solid cylinder."""
     return given if given > 0.0 else mass * radius**2 / 2
-
-
-def yielding_eye(
-    small_end: ReducedSmallEnd, options: BuildOptions, parameters: Parameters
-) -> EyeModes:
-    """Modes of an eye that yields, damped as those of other bodies."""
-    omega = small_end.eye_omega
-    own = damping(
-        omega,
-        damping_bands(options, parameters),
-        parameters.rayleigh_mass_factor,
-        parameters.rayleigh_stiffness_factor,
-    )
-    return EyeModes(stiffness=omega**2, damping=own)
 
 
 def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
@@ -340,60 +347,11 @@ def assemble_in_space(
     return PistonInSpace(planar, bodies)
 
 
-def damping(
-    omega: np.ndarray,
-    bands: Sequence[DampingBand],
-    mass_factor: float,
-    stiffness_factor: float,
-) -> np.ndarray:
-    """Modal damping by frequency bands, and Rayleigh's two terms besides.
-
-    Eq. (I5):  D = 2 zeta omega + a + b omega^2      zeta the ratio of the band that omega/(2 pi)
-                                                     lies in
-
-    Parameters
-    ----------
-    omega : ndarray, shape (k,)
-        [rad/s]
-    bands : sequence of DampingBand
-        By rising frequency, the first from 0 Hz.
-    mass_factor, stiffness_factor : float
-        a [1/s], b [s].
-
-    Returns
-    -------
-    ndarray, shape (k,)
-        [rad/s]
-    """
-    above = np.array([band.above for band in bands])
-    ratio = np.array([band.ratio for band in bands])
-    zeta = ratio[np.searchsorted(2 * np.pi * above, omega, side="right") - 1]
-    return damping_at(omega, zeta, mass_factor, stiffness_factor)
-
-
-@compilable
-def damping_at(omega, zeta, mass_factor, stiffness_factor):
-    """Damping [rad/s] of a mode at omega [rad/s] by its ratio zeta [-], Eq. (I5)."""
-    return 2 * zeta * omega + mass_factor + stiffness_factor * omega**2  # Eq. (I5)
-
-
-def damping_bands(options: BuildOptions, parameters: Parameters) -> tuple[DampingBand, ...]:
-    """The bands of the build table, else the two of the parameters."""
-    return options.damping_bands or (
-        DampingBand(0.0, parameters.damping_ratio),
-        DampingBand(
-            parameters.damping_transition_frequency, parameters.high_frequency_damping_ratio
-        ),
-    )
-
-
-def modal_damping(body: ReducedBody, options: BuildOptions, parameters: Parameters) -> np.ndarray:
-    """Damping of all modes of a body [rad/s]."""
-    return damping(
-        body.omega,
-        damping_bands(options, parameters),
-        parameters.rayleigh_mass_factor,
-        parameters.rayleigh_stiffness_factor,
+def bands(options: BuildOptions) -> DampingBands:
+    """Return the damping bands of the build table."""
+    each = options.damping_bands
+    return DampingBands(
+        np.array([band.above for band in each]), np.array([band.ratio for band in each])
     )
 
 
@@ -410,7 +368,8 @@ def faults(
     that yields.
     """
     noted = none_yet()
-    check(fit_of(piston, block, options, parameters, bosses, eye_radius), parameters, noted)
+    lacks_gas = parameters.gas_source == "table" and not options.gas
+    check(fit_of(piston, block, options, bosses, eye_radius), parameters, lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
     if noted[1] == ROD_TOO_SHORT and out:
         return out
@@ -424,7 +383,6 @@ def faults(
         if given and parameters.crank_free:
             out.append(f"crank_free: expected 0 with {what}, got 1")
     if pin:
-        out += modes_beside_pin(piston, block, bosses)
         fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
         if fastest > parameters.quasi_static_frequency:
             out.append(
@@ -436,19 +394,13 @@ def faults(
     modes = len(block.omega) + len(piston.omega)
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
-    if piston.radius >= block.radius:
-        out.append(
-            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
-            f"{piston.radius:g} m"
-        )
-    return out
+    return out + body_faults(piston, block, options, bosses)
 
 
 def fit_of(
     piston: ReducedPiston,
     block: ReducedBlock,
     options: BuildOptions,
-    parameters: Parameters,
     bosses: ReducedBosses | None,
     eye_radius: float,
 ) -> Fit:
@@ -463,24 +415,32 @@ def fit_of(
         float(block.heights[-1]),
         bosses.boss_radius if bosses else 0.0,
         eye_radius,
-        parameters.gas_source == "table" and not options.gas,
         options.floating_pin is not None,
         "big_end" in films,
         "main_bearing" in films,
     )
 
 
-def modes_beside_pin(
-    piston: ReducedPiston, block: ReducedBlock, bosses: ReducedBosses | None
+def body_faults(
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    bosses: ReducedBosses | None,
 ) -> list[str]:
-    """Return a sentence about modes that do not go with a floating pin."""
+    """Return sentences about reduced bodies that do not fit each other or the pin."""
+    out = []
     modes = len(block.omega) + (0 if bosses else len(piston.omega))
-    if not modes:
-        return []
-    return [
-        "floating_pin: expected rigid bodies or a piston with modes for its bosses, "
-        f"got {modes} modes"
-    ]
+    if options.floating_pin and modes:
+        out.append(
+            "floating_pin: expected rigid bodies or a piston with modes for its bosses, "
+            f"got {modes} modes"
+        )
+    if piston.radius >= block.radius:
+        out.append(
+            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
+            f"{piston.radius:g} m"
+        )
+    return out
 
 
 def axis_faults(
@@ -508,18 +468,11 @@ def axis_faults(
 
 
 def parted_piston(
-    piston: ReducedPiston, damping: np.ndarray, parameters: Parameters
+    piston: ReducedPiston, options: BuildOptions, parameters: Parameters
 ) -> PistonParts:
-    """The piston with the modes up to the quasi-static frequency, and the faster ones.
-
-    Parameters
-    ----------
-    piston : ReducedPiston
-    damping : ndarray, shape (k,)
-        Of all its modes [rad/s].
-    parameters : Parameters
-    """
+    """Return the piston with the modes up to the quasi-static frequency, and the faster ones."""
     k = _moving(piston, parameters)
+    springs = modal_springs(piston.omega, bands(options), parameters)
     contiguous = np.ascontiguousarray
     moving = FlexibleBody(
         mass=piston.mass,
@@ -530,11 +483,11 @@ def parted_piston(
         B=contiguous(piston.B[:k, :k]),
         g=contiguous(piston.g[:k]),
         G=contiguous(piston.G[:k, :k]),
-        stiffness=piston.omega[:k] ** 2,
-        damping=damping[:k],
+        stiffness=springs.stiffness[:k],
+        damping=springs.damping[:k],
     )
     static = StaticModes(
-        stiffness=piston.omega[k:] ** 2,
+        stiffness=springs.stiffness[k:],
         T=contiguous(piston.T[:, k:]),
         b=contiguous(piston.b[k:]),
         g=contiguous(piston.g[k:]),
@@ -542,16 +495,7 @@ def parted_piston(
     return PistonParts(moving, static)
 
 
-def parted_block(block: ReducedBlock, damping: np.ndarray, parameters: Parameters) -> BlockParts:
-    """The block's modes up to the quasi-static frequency, and the faster ones; as
-    `parted_piston`.
-    """
-    k = _moving(block, parameters)
-    moving = Block(stiffness=block.omega[:k] ** 2, damping=damping[:k])
-    return BlockParts(moving, standing(block.omega[k:] ** 2))
-
-
-def _moving(body: ReducedBody, parameters: Parameters) -> int:
+def _moving(body: ReducedPiston | ReducedBlock, parameters: Parameters) -> int:
     """How many modes have inertia of their own."""
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
 

@@ -86,21 +86,20 @@ class Fit(NamedTuple):
     bore_upper: float
     boss_radius: float
     eye_radius: float
-    lacks_gas: bool
     floats: bool
     has_big_end: bool
     has_main_bearing: bool
 
 
 @compilable
-def check(fit: Fit, p: Parameters, faults: np.ndarray) -> None:
+def check(fit: Fit, p: Parameters, lacks_gas: bool, faults: np.ndarray) -> None:
     """Note parameters that do not fit each other: rod too short, skirt leaving the bore."""
     offset = fit.pin_offset - p.crank_offset
     reach = p.crank_radius + abs(offset)
     if p.rod_length**2 - reach**2 <= 0.0:
         refuse(faults, ROD_TOO_SHORT, 0.0, 0.0, p.rod_length, reach, 0.0)
         return
-    if fit.lacks_gas:
+    if lacks_gas:
         refuse(faults, WITHOUT_TABLE, 0.0, 0.0, 0.0, 0.0, 0.0)
     if p.rod_centre > p.rod_length:
         refuse(faults, CENTRE_BEYOND, 0.0, 0.0, p.rod_centre, p.rod_length, 0.0)

@@ -48,15 +48,15 @@ class FlexibleBody(NamedTuple):
     """
 
     mass: float
-    S: np.ndarray
+    S: Vector
     I0: float
-    T: np.ndarray
-    b: np.ndarray
-    B: np.ndarray
-    g: np.ndarray
-    G: np.ndarray
-    stiffness: np.ndarray
-    damping: np.ndarray
+    T: Matrix
+    b: Vector
+    B: Matrix
+    g: Vector
+    G: Matrix
+    stiffness: Vector
+    damping: Vector
 
 
 class FrameMotion(NamedTuple):

@@ -36,6 +36,7 @@ from .floating_frame import (
     mode_coupling,
 )
 from .generalised_alpha import Motion
+from .modal_damping import ModalSprings
 from .piston_motion import LATERAL, ROCKING, Load
 from .slider_crank import (
     CrankMotion,
@@ -62,17 +63,7 @@ NOWHERE = -1
 """Where a block of coordinates begins that there is none of."""
 
 
-class EyeModes(NamedTuple):
-    """By which the rod's eye yields: squares of their frequencies [rad2/s2], damping [rad/s], (m,).
-
-    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), all in the rod's axes
-    """
-
-    stiffness: np.ndarray
-    damping: np.ndarray
-
-
-RIGID_EYE = EyeModes(np.zeros(0), np.zeros(0))
+RIGID_EYE = ModalSprings(np.zeros(0), np.zeros(0))
 """Of a rigid eye."""
 
 
@@ -108,7 +99,7 @@ class Bodies(NamedTuple):
     mechanism: Mechanism
     spin_inertia: float
     shapes: AxisShapes = STRAIGHT
-    eye: EyeModes = RIGID_EYE
+    eye: ModalSprings = RIGID_EYE
     crank: Crankshaft = RIGID_CRANK
 
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
@@ -395,7 +386,7 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
                 m:      -N + m_r G_x'' + m_c m_x'' + U u_x'' - O_x = 0
                         T + m_r G_y'' + m_c m_y'' + U u_y'' - O_y = 0
                 shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
-                eye:    Eq. (D40)
+                eye:    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), in the rod's axes
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..geometry.arrays import Matrix
 
 
 class WallPressures(NamedTuple):
@@ -43,8 +44,8 @@ class BoreWall(NamedTuple):
 
     lowest: float
     spacing: float
-    above: np.ndarray
-    at: np.ndarray
+    above: Matrix
+    at: Matrix
     top_ring: float
     second_ring: float
     land_share: float = 0.0
@@ -77,7 +78,7 @@ def bore_wall(
     land_share : float
         As of `BoreWall`.
     """
-    around = 2 * np.pi * radius * radial.mean(axis=0) * (top_ring > 0.0)
+    around = 2 * np.pi * radius * radial.mean(axis=0)
     below = np.zeros_like(around)
     if top_ring > 0.0:
         from scipy.interpolate import CubicSpline  # slow to import, and few engines have gas there
@@ -109,6 +110,8 @@ def wall_forces(wall: BoreWall, height_of_A: float, pressures: WallPressures) ->
     pressures : WallPressures
     """
     out = np.zeros(wall.above.shape[1])
+    if wall.top_ring == 0.0:
+        return out
     # Eq. (D18)
     land = pressures.land + wall.land_share * pressures.chamber
     _add_above(out, wall, height_of_A + wall.top_ring, pressures.chamber - land)

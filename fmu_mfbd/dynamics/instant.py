@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..geometry.arrays import Matrix
+from ..geometry.arrays import Matrix, Vector
 from ..geometry.film import (
     FilmForces,
     FilmState,
@@ -37,6 +37,7 @@ from .floating_frame import Arrow, FlexibleBody, mode_coupling
 from .gas_on_bore import BoreWall, WallPressures, wall_forces
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import Inertia, limit_memory
+from .modal_damping import ModalSprings
 from .pin_friction import friction_moment
 from .piston_motion import (
     LATERAL,
@@ -56,15 +57,6 @@ ACROSS, ALONG, ABOUT, RESULTANTS = range(4)
 """Generalised forces of a film: lateral, axial, moment; those on modes follow."""
 
 
-class Block(NamedTuple):
-    """Modal springs of the cylinder block: stiffness omega^2 [rad2/s2] and damping [rad/s], shapes
-    (k',).
-    """
-
-    stiffness: np.ndarray
-    damping: np.ndarray
-
-
 class System(NamedTuple):
     """Both bodies, the mechanism and the geometry of all films.
 
@@ -76,12 +68,12 @@ class System(NamedTuple):
 
     piston: FlexibleBody
     piston_static: StaticModes
-    block: Block
+    block: ModalSprings
     block_static: StaticModes
     mechanism: Mechanism
-    surfaces: np.ndarray
+    surfaces: Vector
     pin_offset: float
-    gas_force: np.ndarray
+    gas_force: Vector
     wall: BoreWall
 
 

@@ -18,7 +18,6 @@ from .floating_pin import (
     RIGID_EYE,
     Bodies,
     Crankshaft,
-    EyeModes,
     inertia,
     inertia_with_rod,
     layout,
@@ -27,6 +26,7 @@ from .floating_pin import (
 )
 from .generalised_alpha import Coefficients, Motion
 from .instant import NO_RINGS, Instant, OtherForces, RingForce
+from .modal_damping import ModalSprings
 from .model import MOTION, Inputs, PistonInBore
 from .pin_instant import (
     PinInstant,
@@ -75,7 +75,7 @@ class PistonOnFloatingPin(PistonInBore):
         Of the pin about its axis [kg m2].
     shapes : AxisShapes
         In which it tilts and bends; `pins` have their values.
-    eye : EyeModes
+    eye : ModalSprings
         Those of the rod's eye.
     crank : Crankshaft
         What of it has films.
@@ -88,7 +88,7 @@ class PistonOnFloatingPin(PistonInBore):
         grids: tuple[FilmGrid, ...],
         spin_inertia: float,
         shapes: AxisShapes = STRAIGHT,
-        eye: EyeModes = RIGID_EYE,
+        eye: ModalSprings = RIGID_EYE,
         crank: Crankshaft = RIGID_CRANK,
     ):
         vars(self).update(vars(tied))

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..geometry.arrays import Matrix, Vector
 
 
 class StaticModes(NamedTuple):
@@ -18,10 +19,10 @@ class StaticModes(NamedTuple):
         How the motion of the body frame loads them, see Eq. (J7); zero where it does not move.
     """
 
-    stiffness: np.ndarray
-    T: np.ndarray
-    b: np.ndarray
-    g: np.ndarray
+    stiffness: Vector
+    T: Matrix
+    b: Vector
+    g: Vector
 
 
 class Ride(NamedTuple):

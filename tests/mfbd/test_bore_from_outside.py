@@ -137,7 +137,7 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
         # what the bore takes of the film's work, by the film's own cells
         way = seen(other.outside, other.film_surfaces, guided, field - before.bore_deflection)
         rest = told["energy_gain"] - way @ push.ravel()
-        plain = other.advance(dataclasses.replace(before, bore_deflection=field), inputs, STEP)[1]
+        plain = other.advance(before._replace(bore_deflection=field), inputs, STEP)[1]
         assert rest == pytest.approx(plain["energy_gain"], rel=1e-9)
         assert told["interface_work_error"] < 1e-13
 

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, damping, damping_bands
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
 from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
+from piston_cosim.fmu_mfbd.dynamics.modal_damping import modal_springs
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import height, rod_turn
@@ -202,7 +203,7 @@ def test_the_step_map_is_symmetric(model):
     state, _ = run(model, size=0.0)
     nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
     model.advance(
-        dataclasses.replace(state, velocity=0 * state.velocity, crank_speed=0.0),
+        state._replace(velocity=0 * state.velocity, crank_speed=0.0),
         Inputs(0.0, 0.0, nothing, nothing),
         STEP,
     )
@@ -391,8 +392,9 @@ def test_damping_by_ratio_band_and_rayleigh(reduced, bodies):
 
     omega = 2 * np.pi * np.array([1e3, 2e4, 3e4])
     plain = reduced[0]
-    two = damping_bands(plain, Parameters())
-    np.testing.assert_allclose(damping(omega, two, 0.0, 0.0), [0.04 * omega[0], omega[1], omega[2]])
+    found = modal_springs(omega, bands(plain), Parameters())
+    np.testing.assert_array_equal(found.stiffness, omega**2)
+    np.testing.assert_allclose(found.damping, [0.04 * omega[0], omega[1], omega[2]])
     folder, options = bodies
     text = [
         {"above": "0 Hz", "ratio": 0.01},
@@ -400,13 +402,20 @@ def test_damping_by_ratio_band_and_rayleigh(reduced, bodies):
         {"above": "25 kHz", "ratio": 1.0},
     ]
     read = read_options(options | {"damping_bands": text}, folder).damping_bands
-    bands = tuple(DampingBand(band.above, band.ratio) for band in read)
-    assert bands == (DampingBand(0, 0.01), DampingBand(5e3, 0.02), DampingBand(25e3, 1.0))
-    banded = dataclasses.replace(plain, damping_bands=bands)
-    assert damping_bands(BuildOptions.from_json(banded.to_json()), Parameters()) == bands
-    np.testing.assert_allclose(damping(omega, bands, 0.0, 0.0) / omega, [0.02, 0.04, 2.0])
-    none = [DampingBand(0.0, 0.0)]
-    np.testing.assert_allclose(damping(omega, none, 3.0, 1e-6), 3.0 + 1e-6 * omega**2)
+    three = tuple(DampingBand(band.above, band.ratio) for band in read)
+    assert three == (DampingBand(0, 0.01), DampingBand(5e3, 0.02), DampingBand(25e3, 1.0))
+    banded = dataclasses.replace(plain, damping_bands=three)
+    again = bands(BuildOptions.from_json(banded.to_json()))
+    found = modal_springs(omega, again, Parameters()).damping
+    np.testing.assert_allclose(found / omega, [0.02, 0.04, 2.0])
+    none = Parameters(
+        damping_ratio=0.0,
+        high_frequency_damping_ratio=0.0,
+        rayleigh_mass_factor=3.0,
+        rayleigh_stiffness_factor=1e-6,
+    )
+    found = modal_springs(omega, bands(plain), none).damping
+    np.testing.assert_allclose(found, 3.0 + 1e-6 * omega**2)
     with pytest.raises(BadInput, match="damping_bands: expected rising bands from 0"):
         read_options(options | {"damping_bands": text[1:]}, folder)
 

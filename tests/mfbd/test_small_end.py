@@ -11,12 +11,12 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
     COORDINATES,
-    EyeModes,
     PinFilms,
     imbalance,
     inertia,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
@@ -251,7 +251,7 @@ def test_rows_of_the_eye_by_hand():
     rigid eye.
     """
     plain = floating_model().bodies
-    own = plain._replace(eye=EyeModes(np.array([7.0, 11.0]), np.array([2.0, 0.5])))
+    own = plain._replace(eye=ModalSprings(np.array([7.0, 11.0]), np.array([2.0, 0.5])))
     rng = np.random.default_rng(2)
     now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 2))))
     rigid = Motion(*(one[:COORDINATES] for one in now))
