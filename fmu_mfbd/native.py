@@ -47,14 +47,7 @@ from .dynamics.floating_pin import (
     of_eye,
 )
 from .dynamics.generalised_alpha import Motion, coefficients
-from .dynamics.instant import (
-    RingForce,
-    StepEnd,
-    end_of_step,
-    linearise,
-    response,
-    step_end,
-)
+from .dynamics.instant import end_of_step
 from .dynamics.modal_damping import modal_springs
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
@@ -63,8 +56,10 @@ from .dynamics.parameters import (
 )
 from .dynamics.pin_instant import EYE, PinScalars, end_of_pin_step, respond_pin
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
+from .dynamics.response import StepEnd, linearise, response, step_end
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.state import PistonState, crank_of, motion_of, state_at, step_coefficients
+from .dynamics.system import RingForce
 from .dynamics.tables import gas_pressure
 from .geometry.film import NodalForces, knot_rule
 from .geometry.grid import cell_centres
@@ -383,7 +378,7 @@ def forces_at(real, places, of_seeds):
     """Normal and tangential forces of films, or their seeds."""
     push = places.push_seed if of_seeds else places.push
     drag = places.drag_seed if of_seeds else places.drag
-    return gathered(real, push, places.cells), gathered(real, drag, places.cells)
+    return NodalForces(gathered(real, push, places.cells), gathered(real, drag, places.cells))
 
 
 @compiled
@@ -490,20 +485,19 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         real[places.land_pressure],
         carrier_from(carried_at(real, places.carrier)),
     )
-    push, drag = forces_at(real, places.skirt, False)
+    skirt = forces_at(real, places.skirt, False)
     factors = no_factors()
     if has_pins(given):
         of = pin_system_of(given, system)
-        skirt = NodalForces(push, drag)
-        push, drag = forces_at(real, places.pins, False)
-        forces = PinForces(push, drag)
+        on_pins = forces_at(real, places.pins, False)
+        forces = PinForces(on_pins.pressure, on_pins.friction)
         found_with_pin = end_of_pin_step(of, c, before, auxiliary, crank, others, skirt, forces)
         now = found_with_pin.now
         factors = found_with_pin.factors
         if now.evaluations > 0:
             publish_pin(real, given, of.bodies, found_with_pin)
     else:
-        now = end_of_step(system, c, before, auxiliary, crank, others, push, drag)
+        now = end_of_step(system, c, before, auxiliary, crank, others, skirt)
     if now.evaluations == 0:
         refuse(part(memory, FAULTS_AT), NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
@@ -565,23 +559,22 @@ def change_of_tied(real, memory, given, system, last):
     on_piston = np.zeros(RIGID + len(given.piston_omega))
     if is_mounted(given):
         on_piston = carried_force(direction.by_carrier, carried_at(real, places.carrier_seed))
-    push, drag = forces_at(real, places.skirt, True)
+    forces = forces_at(real, places.skirt, True)
     rings = rings_at(real, places.rings_seed)
-    return response(system, last.guided, direction.linear, push, drag, rings, on_piston)
+    return response(system, last.guided, direction.linear, forces, rings, on_piston)
 
 
 @compiled
 def change_with_pin(real, given, system, last):
     """Answer of a floating pin to the seeds, that of its films into the variables."""
     places = given.places
-    push, drag = forces_at(real, places.skirt, True)
-    pin_push, pin_drag = forces_at(real, places.pins, True)
+    on_pins = forces_at(real, places.pins, True)
     found = respond_pin(
         pin_system_of(given, system),
         last,
-        NodalForces(push, drag),
+        forces_at(real, places.skirt, True),
         rings_at(real, places.rings_seed),
-        PinForces(pin_push, pin_drag),
+        PinForces(on_pins.pressure, on_pins.friction),
     )
     pins = places.pins
     scatter(real, pins.thickness_product, pins.cells, found.film_thickness)

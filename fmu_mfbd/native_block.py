@@ -16,11 +16,12 @@ from .dynamics.assembly import mechanism, pin_spin_inertia
 from .dynamics.contradictions import Fit, pin_radius
 from .dynamics.floating_pin import Bodies, Crankshaft
 from .dynamics.gas_on_bore import BoreWall
-from .dynamics.instant import Linear, StepEnd, System
 from .dynamics.modal_damping import DampingBands, modal_springs
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
 from .dynamics.pin_instant import PinSystem
+from .dynamics.response import Linear, StepEnd
 from .dynamics.state import PistonState
+from .dynamics.system import System
 from .geometry.arrays import Matrix, Vector
 from .geometry.pin_shapes import AxisShapes
 from .geometry.surfaces import pins_of

@@ -20,7 +20,6 @@ from .dynamics.assembly import (
 )
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
-from .dynamics.instant import RingForce
 from .dynamics.model import (
     MOTION,
     NOT_CARRIED,
@@ -40,6 +39,7 @@ from .dynamics.parameters import (
 )
 from .dynamics.pin_model import PistonOnFloatingPin
 from .dynamics.state import PistonState
+from .dynamics.system import RingForce
 from .geometry.pin import PinForces
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")

@@ -44,7 +44,6 @@ from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .floating_pin import RIGID_CRANK, Crankshaft
 from .gas_on_bore import bore_wall
-from .instant import System
 from .modal_damping import DampingBands, ModalSprings, modal_springs
 from .model import Crank, PistonInBore
 from .motion_in_space import Bodies, SpaceBody, Stop
@@ -61,6 +60,7 @@ from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
+from .system import System
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end

@@ -13,9 +13,10 @@ from ...master.fmi.compiled import compilable, compiled
 from .carrier import ALPHA, AX, AY, FIXED, Carrier, W, carried, place
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Motion
-from .instant import Response, StepEnd, System
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
+from .response import Response, StepEnd
 from .slider_crank import CrankMotion, Mechanism, motion
+from .system import System
 
 
 class BlockForce(NamedTuple):

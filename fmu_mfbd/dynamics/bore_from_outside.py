@@ -16,7 +16,8 @@ from ..geometry.film import FilmSurface, by_rows, knot_rule, on_knots, on_rows
 from ..geometry.grid import cell_centres
 from ..geometry.surfaces import surface_at
 from .gas_on_bore import BoreWall, WallPressures, bore_wall, wall_forces
-from .instant import System, window_of
+from .skirt_films import window_of
+from .system import System
 
 
 class OutsideBore(NamedTuple):

@@ -11,9 +11,10 @@ from ..geometry.surfaces import count_of, surface_at
 from .carrier import Carrier
 from .floating_frame import FlexibleBody
 from .gas_on_bore import WallPressures
-from .instant import Instant, OtherForces, RingForce, System
+from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion, PistonLoad, side_force_demand
+from .system import OtherForces, RingForce, System
 
 
 class Scalars(NamedTuple):

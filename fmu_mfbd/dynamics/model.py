@@ -9,6 +9,7 @@ from math import prod
 
 import numpy as np
 
+from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of
 from .account import account
@@ -19,22 +20,13 @@ from .carrier import FIXED, Carrier
 from .drive import End, demand_of, others_of, scalars_of
 from .elimination import Factors, no_factors
 from .generalised_alpha import Coefficients, Motion, coefficients
-from .instant import (
-    NO_RINGS,
-    Instant,
-    OtherForces,
-    Response,
-    RingForce,
-    System,
-    end_of_step,
-    linearise,
-    response,
-    step_end,
-)
+from .instant import Instant, end_of_step
 from .piston_motion import LATERAL, RIGID, ROCKING, imbalance
+from .response import Response, linearise, response, step_end
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, motion_of, state_at, step_coefficients
+from .system import NO_RINGS, OtherForces, RingForce, System
 from .tables import GasTable, gas_pressure
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
@@ -139,6 +131,11 @@ class Crank:
             mean_speed = state.crank_speed + step * (2 * before + after) / 6
             return CrankMotion(state.crank_angle + step * mean_speed, speed, after)
         return driven(crank_of(state), step, speed)
+
+
+def on_skirt(pressure: np.ndarray, friction: np.ndarray) -> NodalForces:
+    """Return the forces of all films of the skirt, stacked."""
+    return NodalForces(np.ravel(pressure), np.ravel(friction))
 
 
 class PistonInBore:
@@ -364,12 +361,11 @@ class PistonInBore:
         inputs: Inputs,
     ) -> tuple[Instant, Factors]:
         """Return everything at the end of a step."""
-        push = np.ravel(inputs.pressure_force)
-        drag = np.ravel(inputs.friction_force)
+        forces = on_skirt(inputs.pressure_force, inputs.friction_force)
         system = self.system
         if self.outside:
             system = deflected(system, self.outside, inputs.bore_deflection)
-        return end_of_step(system, c, before, auxiliary, crank, others, push, drag), no_factors()
+        return end_of_step(system, c, before, auxiliary, crank, others, forces), no_factors()
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Forces of all films on the bore's grid at the end of the last step [N]."""
@@ -477,8 +473,7 @@ class PistonInBore:
             self.system,
             last.guided,
             self._linear,
-            np.ravel(pressure_force),
-            np.ravel(friction_force),
+            on_skirt(pressure_force, friction_force),
             rings,
             self._carried_force(carried) if mounted else np.zeros(self.moving),
         )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..geometry.film import FilmForces, NodalForces, film_now, opening, sliding
+from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import (
     PIN_SURFACES,
     Bent,
@@ -35,7 +35,7 @@ from ..geometry.pin import (
     yielded,
 )
 from ..geometry.pin_shapes import AxisShapes
-from ..geometry.surfaces import count_of, pin_surface_at, pins_of, surface_at
+from ..geometry.surfaces import pin_surface_at, pins_of
 from .elimination import Factors, factorise, substitute
 from .energy import Ledger
 from .floating_pin import (
@@ -65,22 +65,21 @@ from .floating_pin import (
 )
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
-from .instant import (
-    Instant,
-    OtherForces,
-    Response,
-    RingForce,
-    StepEnd,
-    System,
+from .instant import Instant, load_of
+from .piston_motion import LATERAL, RIGID, ROCKING, Load
+from .response import Response, StepEnd
+from .skirt_films import (
+    Change,
+    FilmChange,
+    Guided,
     forces_by_film,
-    part_of,
+    skirt_changes,
+    skirt_films,
     stack,
     together,
-    window_of,
-    work_error,
 )
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .slider_crank import CrankMotion, Mechanism, height, motion, rod_turn
+from .system import OtherForces, RingForce, System
 
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
@@ -721,6 +720,55 @@ def pin_scalars(
     )
 
 
+class PinFilmsNow(NamedTuple):
+    """All films of pin and crank at an instant.
+
+    Parameters
+    ----------
+    film_thickness, circumferential_velocity, work_error
+        As of `PinInstant`.
+    friction_power : float
+        Of the films of the pin [W].
+    rod_turning : float
+        Angular velocity of the rod [rad/s].
+    """
+
+    film_thickness: np.ndarray
+    circumferential_velocity: np.ndarray
+    work_error: np.ndarray
+    friction_power: float
+    rod_turning: float
+
+
+@compilable
+def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmsNow:
+    """Return all films of pin and crank at an instant."""
+    at = layout(of.bodies)
+    cells = len(forces.pressure)
+    gaps = np.empty(cells)
+    around = np.empty(cells)
+    errors = np.empty(pins_of(of.surfaces))
+    friction_power = 0.0
+    rod_turning = 0.0
+    first = 0
+    for k in range(len(errors)):
+        surface = pin_surface_at(of.surfaces, k)
+        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+        own = on_film(surface, forces, first)
+        last = first + len(own.pressure)
+        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
+        for cell in range(first, last):
+            around[cell] = surface.radius * shell.turning  # Eq. (H7)
+        errors[k] = _work_error(at, surface, own, shell, end, k)
+        if k <= EYE:
+            yields = shell_modes_of(at, end.position, k)
+            friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
+        if k == EYE:
+            rod_turning = shell.own_turning
+        first = last
+    return PinFilmsNow(gaps, around, errors, friction_power, rod_turning)
+
+
 @compiled
 def end_of_pin_step(
     of: PinSystem,
@@ -760,10 +808,10 @@ def end_of_pin_step(
     bodies = of.bodies
     mechanism = system.mechanism
     n = len(before.position)
-    guided = height(mechanism, 0.0, crank.angle)
-    parts = forces_by_film(system, guided.height, skirt_forces.pressure, skirt_forces.friction)
-    skirt = together(system, parts)
-    along_bore = others.gas - others.rings.axial
+    upright = height(mechanism, 0.0, crank.angle)
+    guided = Guided(upright.height, upright.lever * crank.speed)
+    parts = forces_by_film(system, guided.height, skirt_forces)
+    skirt = together(parts)
     at = layout(bodies)
     by = on_modes_of(of.surfaces, at, forces)
     on_modes = np.empty(len(by.on_piston))
@@ -771,14 +819,7 @@ def end_of_pin_step(
     for k in range(len(modal)):
         on_modes[k] = skirt.piston[k] + by.on_piston[k]
         modal[k] = on_modes[k] + others.gas * system.gas_force[k]
-    load = Load(
-        lateral=skirt.lateral + others.rings.lateral,
-        axial=skirt.axial - along_bore,
-        moment=skirt.moment + system.pin_offset * along_bore + others.rings.moment,  # Eq. (D8)
-        guided=along_bore,
-        modal=modal,
-        carrier=others.carrier,
-    )
+    load = load_of(system, skirt, others, modal)
     predicted = predicted_of(c, before, auxiliary)
     reach = reach_of(c, n)
     found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
@@ -791,68 +832,23 @@ def end_of_pin_step(
     rigid = Inertia(piston.mass + mechanism.pin_mass, piston.S[1], piston.I0)
     impact = limit_memory(rigid, before, kept, carried, c.step)
 
-    guided_velocity = guided.lever * crank.speed
     eye = eye_motion(at, end)
     now = height(mechanism, eye.position, crank.angle)
     axial_velocity = now.slope * eye.velocity + now.lever * crank.speed
     axial_velocity += lifted(at, end.velocity)
-    position = _of_skirt(at, end.position)
-    velocity = _of_skirt(at, end.velocity)
-    thickness = np.empty(len(skirt_forces.pressure))
-    sliding_velocity = np.empty(len(skirt_forces.pressure))
-    errors = np.empty(len(parts))
-    on_slopes = 0.0  # axial force of pressure on bores that are not straight
-    first = 0
-    for k in range(count_of(system.surfaces)):
-        surface = surface_at(system.surfaces, k)
-        shape = surface.skirt.gap.shape
-        last = first + surface.skirt.gap.size
-        film = film_now(
-            surface.skirt,
-            surface.bore,
-            window_of(surface, guided.height),
-            NodalForces(
-                skirt_forces.pressure[first:last].reshape(shape),
-                skirt_forces.friction[first:last].reshape(shape),
-            ),
-            axial_velocity,
-            guided_velocity,
-            position,
-            velocity,
-        )
-        stack(thickness, first, film.film_thickness)
-        stack(sliding_velocity, first, film.sliding_velocity)
-        errors[k] = work_error(
-            part_of(system, parts, k), film, axial_velocity, guided_velocity, velocity
-        )
-        on_slopes += film.axial_force
-        first = last
-
-    cells = len(forces.pressure)
-    gaps = np.empty(cells)
-    around = np.empty(cells)
-    pin_errors = np.empty(pins_of(of.surfaces))
-    friction_power = 0.0
-    rod_turning = 0.0
-    first = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(mechanism, at, end, crank, k)
-        own = on_film(surface, forces, first)
-        last = first + len(own.pressure)
-        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
-        for cell in range(first, last):
-            around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        pin_errors[k] = _work_error(at, surface, own, shell, end, k)
-        if k <= EYE:
-            yields = shell_modes_of(at, end.position, k)
-            friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
-        if k == EYE:
-            rod_turning = shell.own_turning
-        first = last
+    on_skirt = skirt_films(
+        system,
+        guided,
+        skirt_forces,
+        parts,
+        axial_velocity,
+        _of_skirt(at, end.position),
+        _of_skirt(at, end.velocity),
+    )
+    on_pins = pin_films(of, forces, end, crank)
     films = found.films
-    driven = skirt.axial * axial_velocity + on_slopes * guided_velocity
-    driven += _along_crank(films, crank, rod_turning)
+    driven = skirt.axial * axial_velocity + on_skirt.on_slopes * guided.velocity
+    driven += _along_crank(films, crank, on_pins.rod_turning)
     all_forces = generalised_forces(at, skirt, films, on_modes)
     others_now = product(of.with_rod, end.acceleration)
     for k in range(n):
@@ -871,23 +867,23 @@ def end_of_pin_step(
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
-            film_thickness=thickness,
-            sliding_velocity=sliding_velocity,
+            film_thickness=on_skirt.film_thickness,
+            sliding_velocity=on_skirt.sliding_velocity,
             piston_position=now.height + lifted(at, end.position),
             piston_velocity=axial_velocity,
             pin_x=found.lack.on_piston[0],
-            pin_y=found.lack.on_piston[1] - on_slopes,
+            pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
             pin_moment=films.bosses.on_shell,
-            torque=found.lack.torque - on_slopes * guided.lever,
-            pin_friction_power=friction_power,
-            work_error=errors,
+            torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
+            pin_friction_power=on_pins.friction_power,
+            work_error=on_skirt.work_error,
             evaluations=found.evaluations,
             tangents=found.evaluations,
             change=found.change,
         ),
-        gaps,
-        around,
-        pin_errors,
+        on_pins.film_thickness,
+        on_pins.circumferential_velocity,
+        on_pins.work_error,
         pin_scalars(bodies.shapes, pin_surface_at(of.surfaces, EYE), at, kept, films),
         found.factors,
     )
@@ -942,6 +938,42 @@ def _shell_change(mechanism, first, end, moved, crank, k):
     return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)
 
 
+@compilable
+def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -> FilmChange:
+    """Return the change of all films of pin and crank with a change of the motion."""
+    at = layout(of.bodies)
+    cells = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        cells += surface.outward.shape[1] * len(surface.clearance)
+    gaps = np.empty(cells)
+    velocities = np.empty(cells)
+    first = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+        by_motion = _shell_change(of.bodies.mechanism, at, end, moved, crank, k)
+        aside = across(shell.place)
+        turn = by_motion.turn
+        way = in_axes(
+            shell.axes,
+            pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
+        )
+        gap = opening_of(surface, way)
+        opened = yielded(surface, shell_modes_of(at, moved.position, k))
+        leans = np.zeros(gap.shape)
+        if surface.axis.shape[1] > 0:
+            more = of_shapes(at, moved.position)
+            leans = leaning(surface, turned_back(shell, shell.bent.position, more, turn))
+        around, along = gap.shape
+        for i in range(around):
+            for j in range(along):
+                gaps[first + i * along + j] = gap[i, j] + opened[i, j] + leans[i, j]
+                velocities[first + i * along + j] = surface.radius * by_motion.turning
+        first += gap.size
+    return FilmChange(gaps, velocities)
+
+
 @compiled
 def respond_pin(
     of: PinSystem,
@@ -971,8 +1003,7 @@ def respond_pin(
     crank = last.crank
     guided = last.guided
     n = len(end.position)
-    push = skirt_forces.pressure
-    skirt = together(system, forces_by_film(system, guided, push, skirt_forces.friction))
+    skirt = together(forces_by_film(system, guided, skirt_forces))
     at = layout(bodies)
     mechanism = bodies.mechanism
     by = on_modes_of(of.surfaces, at, forces)
@@ -1003,64 +1034,13 @@ def respond_pin(
     rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
     rising += lifted(at, moved.velocity)
     none = np.zeros(0)
-    thickness = np.empty(len(push))
-    sliding_velocity = np.empty(len(push))
-    bent = of_modes(at, moved.position)
-    bending = of_modes(at, moved.velocity)
-    first = 0
-    for k in range(count_of(system.surfaces)):
-        surface = surface_at(system.surfaces, k)
-        window = window_of(surface, guided)
-        opened = opening(
-            surface.skirt,
-            surface.bore,
-            window,
-            moved.position[LATERAL],
-            moved.position[ROCKING],
-            bent,
-            none,
-        )
-        slid = sliding(
-            surface.skirt,
-            surface.bore,
-            window,
-            rising,
-            moved.velocity[ROCKING],
-            bending,
-            none,
-        )
-        stack(thickness, first, opened)
-        stack(sliding_velocity, first, slid)
-        first += surface.skirt.gap.size
-    gaps = np.empty(len(forces.pressure))
-    velocities = np.empty(len(forces.pressure))
-    first = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(mechanism, at, end, crank, k)
-        by_motion = _shell_change(mechanism, at, end, moved, crank, k)
-        aside = across(shell.place)
-        turn = by_motion.turn
-        way = in_axes(
-            shell.axes,
-            pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
-        )
-        gap = opening_of(surface, way)
-        opened = yielded(surface, shell_modes_of(at, moved.position, k))
-        leans = np.zeros(gap.shape)
-        if surface.axis.shape[1] > 0:
-            more = of_shapes(at, moved.position)
-            leans = leaning(surface, turned_back(shell, shell.bent.position, more, turn))
-        around, along = gap.shape
-        for i in range(around):
-            for j in range(along):
-                gaps[first + i * along + j] = gap[i, j] + opened[i, j] + leans[i, j]
-                velocities[first + i * along + j] = surface.radius * by_motion.turning
-        first += gap.size
+    bent = Change(_of_skirt(at, moved.position), _of_skirt(at, moved.velocity))
+    on_skirt = skirt_changes(system, guided, rising, bent, Change(none, none))
+    on_pins = pin_changes(of, end, moved, crank)
     return PinResponse(
         Response(
-            thickness,
-            sliding_velocity,
+            on_skirt.film_thickness,
+            on_skirt.sliding_velocity,
             moved.velocity[LATERAL],
             moved.velocity[ROCKING],
             rising,
@@ -1069,6 +1049,6 @@ def respond_pin(
             skirt.axial + rings.axial,
             skirt.moment + rings.moment - rings.axial * system.pin_offset,
         ),
-        gaps,
-        velocities,
+        on_pins.film_thickness,
+        on_pins.sliding_velocity,
     )

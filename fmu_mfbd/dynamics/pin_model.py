@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces, PinSurface
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from ..geometry.surfaces import pins_in_block
@@ -25,9 +24,9 @@ from .floating_pin import (
     of_modes,
 )
 from .generalised_alpha import Coefficients, Motion
-from .instant import NO_RINGS, Instant, OtherForces, RingForce
+from .instant import Instant
 from .modal_damping import ModalSprings
-from .model import MOTION, Inputs, PistonInBore
+from .model import MOTION, Inputs, PistonInBore, on_skirt
 from .pin_instant import (
     PinInstant,
     PinSystem,
@@ -37,6 +36,7 @@ from .pin_instant import (
     shell_of,
 )
 from .slider_crank import CrankMotion
+from .system import NO_RINGS, OtherForces, RingForce
 
 TOLD_BY = {
     "pin_tilt": "shapes",
@@ -115,11 +115,9 @@ class PistonOnFloatingPin(PistonInBore):
         inputs: Inputs,
     ) -> tuple[Instant, Factors]:
         """Everything at the end of a step."""
-        on_skirt = _on_skirt(inputs.pressure_force, inputs.friction_force)
+        skirt = on_skirt(inputs.pressure_force, inputs.friction_force)
         forces = stacked(inputs.pins)
-        found = end_of_pin_step(
-            self.floating, c, before, auxiliary, crank, others, on_skirt, forces
-        )
+        found = end_of_pin_step(self.floating, c, before, auxiliary, crank, others, skirt, forces)
         self._step = found, forces
         return found.now, found.factors
 
@@ -183,7 +181,7 @@ class PistonOnFloatingPin(PistonInBore):
         found = respond_pin(
             self.floating,
             self._last,
-            _on_skirt(pressure_force, friction_force),
+            on_skirt(pressure_force, friction_force),
             rings,
             stacked(pins),
         )
@@ -195,11 +193,6 @@ class PistonOnFloatingPin(PistonInBore):
             **self._by_pin("film_thickness", found.film_thickness),
             **self._by_pin("circumferential_velocity", found.circumferential_velocity),
         }
-
-
-def _on_skirt(pressure: np.ndarray, friction: np.ndarray) -> NodalForces:
-    """Forces of all films of the skirt, stacked."""
-    return NodalForces(np.ravel(pressure), np.ravel(friction))
 
 
 def stacked(pins: tuple[PinForces, ...]) -> PinForces:

@@ -82,3 +82,13 @@ def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.
         load = translation - ride.alpha * modes.g[k] + ride.spin * modes.b[k]
         out[k] = load / modes.stiffness[k]  # Eq. (D6)
     return out
+
+
+@compiled
+def follow(position, velocity, position_before, q, first, step):
+    """Put static modes at their coordinates from `first` on; their velocity is the mean one over
+    the step, 0 at the start.
+    """
+    for k in range(len(q)):
+        position[first + k] = q[k]
+        velocity[first + k] = (q[k] - position_before[first + k]) / step if step > 0.0 else 0.0

@@ -12,18 +12,8 @@ from .elimination import Factors, no_factors
 from .energy import Ledger
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
-from .instant import (
-    NO_RINGS,
-    Instant,
-    OtherForces,
-    RingForce,
-    forces_by_film,
-    part_of,
-    together,
-    window_of,
-    work_error,
-)
-from .model import NOT_CARRIED, Inputs, PistonInBore
+from .instant import Instant
+from .model import NOT_CARRIED, Inputs, PistonInBore, on_skirt
 from .motion_in_space import (
     COORDINATES,
     IN_SPACE,
@@ -41,7 +31,9 @@ from .motion_in_space import (
     with_pin,
 )
 from .piston_motion import LATERAL, RIGID, ROCKING, Load, lateral_motion
+from .skirt_films import forces_by_film, part_of, together, window_of, work_error
 from .slider_crank import CrankMotion, height, motion, rod_turn
+from .system import NO_RINGS, OtherForces, RingForce
 
 PASSES = 60
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
@@ -103,14 +95,13 @@ class PistonInSpace(PistonInBore):
         system = self.system
         guided = height(system.mechanism, 0.0, crank.angle)
         guided_velocity = guided.lever * crank.speed
-        push = np.ravel(inputs.pressure_force)
-        drag = np.ravel(inputs.friction_force)
-        nodal = self._nodal(push, drag)
+        forces = on_skirt(inputs.pressure_force, inputs.friction_force)
+        nodal = self._nodal(forces)
         sides = self._levers(guided.height)
         each = [side.forces(one) for side, one in zip(sides, nodal)]
         across = np.sum(each, axis=0)
-        parts = forces_by_film(system, guided.height, push, drag)
-        skirt = together(system, parts)
+        parts = forces_by_film(system, guided.height, forces)
+        skirt = together(parts)
         along_bore = others.gas - others.rings.axial
         load = SpaceLoad(
             lateral=skirt.lateral + others.rings.lateral,
@@ -134,12 +125,12 @@ class PistonInSpace(PistonInBore):
         errors = []
         on_slopes = 0.0  # axial force of pressure on bores that are not straight
         for k, surface in enumerate(self.film_surfaces):
-            side, forces = sides[k], nodal[k]
+            side, own = sides[k], nodal[k]
             film = film_now(
                 surface.skirt,
                 surface.bore,
                 window_of(surface, guided.height),
-                forces,
+                own,
                 axial_velocity,
                 guided_velocity,
                 end.position[:RIGID],
@@ -148,14 +139,14 @@ class PistonInSpace(PistonInBore):
             slid = side.sliding * shifting[ROLL - SHIFT]
             gaps.append((film.film_thickness + side.opening(shift)).ravel())
             velocities.append((film.sliding_velocity + slid).ravel())
-            on_grid = forces.pressure * side.opening(shifting) + forces.friction * slid
+            on_grid = own.pressure * side.opening(shifting) + own.friction * slid
             work = each[k] * shifting
             size = np.abs(on_grid).sum() + np.abs(work).sum()
             film = film._replace(
                 power=film.power + float(on_grid.sum() - work.sum()),
                 power_size=film.power_size + float(size),
             )
-            part = part_of(system, parts, k)
+            part = part_of(parts, k)
             in_plane = end.velocity[:RIGID]
             errors.append(work_error(part, film, axial_velocity, guided_velocity, in_plane))
             on_slopes += film.axial_force
@@ -199,11 +190,11 @@ class PistonInSpace(PistonInBore):
         )
         return instant, no_factors()
 
-    def _nodal(self, push: np.ndarray, drag: np.ndarray) -> list[NodalForces]:
+    def _nodal(self, forces: NodalForces) -> list[NodalForces]:
         """Stacked forces by surface, on its grid."""
         ends = np.cumsum([one.skirt.gap.size for one in self.film_surfaces])[:-1]
         shapes = [one.skirt.gap.shape for one in self.film_surfaces]
-        fields = (np.split(one, ends) for one in (push, drag))
+        fields = (np.split(one, ends) for one in forces)
         return [
             NodalForces(one.reshape(shape), other.reshape(shape))
             for one, other, shape in zip(*fields, shapes)
@@ -332,10 +323,9 @@ class PistonInSpace(PistonInBore):
         c, solved, crank, guided, sides = self._space
         load, end = solved.load, solved.end
         system = self.system
-        push = np.ravel(pressure_force)
-        drag = np.ravel(friction_force)
-        skirt = together(system, forces_by_film(system, guided, push, drag))
-        nodal = self._nodal(push, drag)
+        forces = on_skirt(pressure_force, friction_force)
+        skirt = together(forces_by_film(system, guided, forces))
+        nodal = self._nodal(forces)
         change = SpaceLoad(
             lateral=skirt.lateral + rings.lateral,
             axial=skirt.axial + rings.axial,

@@ -13,7 +13,6 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, CrankBearing
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import (
     BigEndParameters,
@@ -22,6 +21,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
 )
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
 from piston_cosim.fmu_mfbd.options import Common
 from piston_cosim.fmu_mfbd.variables import variables

@@ -7,9 +7,9 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import SurfaceOptions
-from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput

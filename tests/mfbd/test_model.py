@@ -7,11 +7,11 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
-from piston_cosim.fmu_mfbd.dynamics.instant import RingForce
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import modal_springs
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import height, rod_turn
+from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
 
 SPEED = 314.0
@@ -138,20 +138,20 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     """The check is alive: one percent on the moment shows (the kernel run as plain Python, with a
     wrong transfer inside).
     """
-    from piston_cosim.fmu_mfbd.dynamics import instant
+    from piston_cosim.fmu_mfbd.dynamics import instant, skirt_films
 
     def wrong(*given):
         out = right(*given)
         return out._replace(moment=1.01 * out.moment)
 
-    right = instant.generalised
+    right = skirt_films.generalised
     state, _ = run(model, 5)
     monkeypatch.setattr(
         "piston_cosim.fmu_mfbd.dynamics.model.end_of_step", instant.end_of_step.py_func
     )
-    monkeypatch.setattr(instant, "forces_by_film", instant.forces_by_film.py_func)
+    monkeypatch.setattr(instant, "forces_by_film", skirt_films.forces_by_film.py_func)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] <= 1e-13
-    monkeypatch.setattr(instant, "generalised", wrong)
+    monkeypatch.setattr(skirt_films, "generalised", wrong)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] > 1e-7
 
 

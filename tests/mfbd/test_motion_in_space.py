@@ -20,7 +20,6 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     PistonOptions,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.instant import RingForce, window_of
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     Bodies,
@@ -38,7 +37,9 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
 )
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.dynamics.skirt_films import window_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
 from piston_cosim.fmu_mfbd.native import uncovered

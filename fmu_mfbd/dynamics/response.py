@@ -1,0 +1,304 @@
+"""The derivative at the end of a step of a piston whose pin is tied."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable, compiled
+from ..geometry.arrays import Matrix
+from ..geometry.film import NodalForces
+from .carrier import carried
+from .elimination import Factors
+from .floating_frame import Arrow, in_frame, mode_coupling
+from .generalised_alpha import Coefficients, Motion
+from .instant import Instant
+from .pin_friction import friction_moment
+from .piston_motion import (
+    LATERAL,
+    RIGID,
+    ROCKING,
+    Load,
+    imbalance,
+    lateral_motion,
+    solve_coupled,
+    tangent,
+)
+from .quasi_static import STILL, Ride, follow, static_coordinates
+from .skirt_films import Change, forces_by_film, skirt_changes, together
+from .slider_crank import CrankMotion, motion, rod_turn
+from .system import RingForce, System
+
+
+class StepEnd(NamedTuple):
+    """What derivatives at the end of a step, and forces on the block, follow from.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    guided : float
+        Height at which the bore is read [m].
+    load : Load
+    now : Motion
+        Of the piston's moving coordinates, with a floating pin of all.
+    crank : CrankMotion
+    factors : Factors
+        Of the tangent of Eq. (D21) of a floating pin.
+    """
+
+    coefficients: Coefficients
+    guided: float
+    load: Load
+    now: Motion
+    crank: CrankMotion
+    factors: Factors
+
+
+@compilable
+def step_end(
+    c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: Factors
+) -> StepEnd:
+    """Return what is kept of a step's end, of so many coordinates."""
+    motion = Motion(now.position[:moving], now.velocity[:moving], now.acceleration[:moving])
+    return StepEnd(c, now.guided, now.load, motion, crank, factors)
+
+
+class Linear(NamedTuple):
+    """The piston's motion at the end of a step, linearised.
+
+    Parameters
+    ----------
+    arrow : Arrow
+    coupling : ndarray, shape (k, k)
+        Together the tangent J (`floating_frame.mode_coupling`).
+    slope : float
+        dY/dx_A [-].
+    axial_velocity_slope : float
+        Change of A's velocity along y with x_A [1/s].
+    arm : float
+        Of A from the bore's axis, pin offset + x_A [m].
+    rod_slope : float
+        dpsi/dx_A [1/m].
+    friction_x, friction_y : float
+        Change of the pin's friction moment with the pin force [m].
+    x_by_lateral, y_by_lateral : float
+        Change of A's acceleration in the body frame with x_A'' [-].
+    x_by_rocking, y_by_rocking, spin_by_rocking : float
+        Change of the same [m] and of w^2 [-] with the angular acceleration.
+    step, to_velocity, to_position : float
+        As of `Coefficients`.
+    """
+
+    arrow: Arrow
+    coupling: Matrix
+    slope: float
+    axial_velocity_slope: float
+    arm: float
+    rod_slope: float
+    friction_x: float
+    friction_y: float
+    x_by_lateral: float
+    y_by_lateral: float
+    x_by_rocking: float
+    y_by_rocking: float
+    spin_by_rocking: float
+    step: float
+    to_velocity: float
+    to_position: float
+
+
+@compiled
+def linearise(system: System, last: StepEnd) -> Linear:
+    """Return the piston's motion linearised about the end of a step."""
+    piston = system.piston
+    mechanism = system.mechanism
+    load, now, crank = last.load, last.now, last.crank
+    c1 = last.coefficients.to_velocity
+    c2 = last.coefficients.to_position
+    lateral = lateral_motion(now)
+    angle = now.position[ROCKING]
+    slip = now.velocity[ROCKING]
+    w = slip + load.carrier.w
+    pin = imbalance(piston, mechanism, load, now, crank)
+    rod = rod_turn(mechanism, lateral.position, lateral.velocity, crank.angle, crank.speed)
+    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
+    link = motion(mechanism, lateral, crank)
+    added = carried(mechanism, load.carrier, lateral, crank)
+    across = lateral.acceleration + added.x
+    ax, ay = in_frame(across, link.axial_acceleration + added.y, angle)
+    alpha = now.acceleration[ROCKING] + load.carrier.alpha
+    axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
+    x, y = in_frame(1.0, axial, angle)
+    return Linear(
+        arrow=tangent(piston, mechanism, load, now, crank, c1, c2),
+        coupling=mode_coupling(piston, alpha, w, c1, c2),
+        slope=link.slope,
+        axial_velocity_slope=link.axial_by_velocity / 2,
+        arm=system.pin_offset + lateral.position,
+        rod_slope=rod.slope,
+        friction_x=friction.by_x,
+        friction_y=friction.by_y,
+        x_by_lateral=x,
+        y_by_lateral=y,
+        x_by_rocking=c2 * ay,
+        y_by_rocking=-c2 * ax,
+        spin_by_rocking=2 * w * c1,
+        step=last.coefficients.step,
+        to_velocity=c1,
+        to_position=c2,
+    )
+
+
+class Response(NamedTuple):
+    """Change of the films' geometry and of the piston's motion.
+
+    Parameters
+    ----------
+    film_thickness, sliding_velocity : ndarray, shape (cells,)
+        Of all surfaces, stacked [m], [m/s].
+    lateral_velocity, rocking_velocity, piston_velocity : float
+        [m/s], [rad/s], [m/s]
+    acceleration : ndarray, shape (2 + k,)
+        Of the piston's moving coordinates [m/s2], [rad/s2], [kg^1/2 m/s2].
+    lateral, axial, moment : float
+        Of films and rings on the piston, the moment about A [N], [N m].
+    """
+
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+    lateral_velocity: float
+    rocking_velocity: float
+    piston_velocity: float
+    acceleration: np.ndarray
+    lateral: float
+    axial: float
+    moment: float
+
+
+@compiled
+def response(
+    system: System,
+    guided: float,
+    linear: Linear,
+    forces: NodalForces,
+    rings: RingForce,
+    carried_force: np.ndarray,
+) -> Response:
+    """Change of film and motion at the end of a step with the forces at its end.
+
+    Eq. (D7):  J d(acceleration) = dQ
+               d(position) = c2 d(acceleration),  d(velocity) = c1 d(acceleration)
+               static modes by Eq. (D6)
+
+    Parameters
+    ----------
+    system : System
+    guided : float
+        Height at which the bore is read [m].
+    linear : Linear
+    forces : NodalForces
+        Direction, stacked [N].
+    rings : RingForce
+        Direction.
+    carried_force : ndarray, shape (2 + k,)
+        What else changes dQ: the block's motion.
+
+    Returns
+    -------
+    Response
+    """
+    film_forces = together(forces_by_film(system, guided, forces))
+    acceleration = solve_coupled(  # Eq. (D7)
+        linear.arrow, linear.coupling, _right_side(linear, film_forces, rings, carried_force)
+    )
+    lateral = acceleration[LATERAL]
+    axial_slope = (
+        linear.to_velocity * linear.slope + linear.to_position * linear.axial_velocity_slope
+    )
+    rising = axial_slope * lateral
+    piston = _piston_change(system, linear, acceleration, film_forces.piston)
+    block = _block_change(system, linear, film_forces.block)
+    films = skirt_changes(system, guided, rising, piston, block)
+    return Response(
+        films.film_thickness,
+        films.sliding_velocity,
+        piston.velocity[LATERAL],
+        piston.velocity[ROCKING],
+        rising,
+        acceleration,
+        film_forces.lateral + rings.lateral,
+        film_forces.axial + rings.axial,
+        film_forces.moment + rings.moment - rings.axial * system.pin_offset,
+    )
+
+
+@compiled
+def _right_side(linear, forces, rings, carried_force):
+    """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what film and rings do
+    not; and what the block's motion adds.
+    """
+    lateral = forces.lateral + rings.lateral
+    axial = forces.axial + rings.axial
+    moment = forces.moment + rings.moment - rings.axial * linear.arm  # Eq. (D8)
+    rubbing = -linear.friction_x * lateral - linear.friction_y * axial
+    modes = len(linear.arrow.diagonal)
+    right = np.empty(RIGID + modes)
+    right[LATERAL] = lateral + linear.slope * axial - linear.rod_slope * rubbing
+    right[ROCKING] = moment + rubbing
+    for k in range(modes):
+        right[RIGID + k] = forces.piston[k]
+    for k in range(len(right)):
+        right[k] += carried_force[k]
+    return right
+
+
+@compiled
+def _piston_change(system, linear, acceleration, force):
+    """Changes of the piston's coordinates, static modes included, with those of its accelerations
+    and modal forces.
+    """
+    moving = len(system.piston.stiffness)
+    out = _changes(linear, acceleration, RIGID + len(force))
+    ride = ridden(linear, acceleration[LATERAL], acceleration[ROCKING])
+    q = static_coordinates(system.piston_static, force[moving:], ride)
+    before = np.zeros(len(out.position))
+    follow(out.position, out.velocity, before, q, RIGID + moving, linear.step)
+    return out
+
+
+@compiled
+def _block_change(system, linear, force):
+    """Changes of the block's coordinates, static modes included, with those of its modal forces."""
+    block = system.block
+    moving = len(block.stiffness)
+    acceleration = np.empty(moving)
+    for k in range(moving):
+        damper = linear.to_velocity * block.damping[k]
+        spring = linear.to_position * block.stiffness[k]
+        inertia = 1 + damper + spring
+        acceleration[k] = force[k] / inertia
+    out = _changes(linear, acceleration, len(force))
+    q = static_coordinates(system.block_static, force[moving:], STILL)
+    follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, linear.step)
+    return out
+
+
+@compiled
+def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
+    """Change of the frame's motion with changes of x_A'' [m/s2] and of the angular acceleration
+    [rad/s2].
+    """
+    x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
+    y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
+    return Ride(x, y, rocking, linear.spin_by_rocking * rocking)
+
+
+@compiled
+def _changes(linear, acceleration, size):
+    """Changes of positions and velocities at the end of a step with changes of accelerations there;
+    zeros up to `size`.
+    """
+    out = Change(np.zeros(size), np.zeros(size))
+    for k in range(len(acceleration)):
+        out.position[k] = linear.to_position * acceleration[k]
+        out.velocity[k] = linear.to_velocity * acceleration[k]
+    return out

@@ -1,0 +1,301 @@
+"""All films of the skirt at an instant: forces on the bodies, thickness, sliding velocity, and what
+changes them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compiled
+from ..geometry.film import (
+    FilmForces,
+    FilmState,
+    FilmSurface,
+    NodalForces,
+    Window,
+    film_now,
+    generalised,
+    opening,
+    sliding,
+    window_at,
+)
+from ..geometry.surfaces import count_of, surface_at
+from .piston_motion import LATERAL, RIGID, ROCKING
+from .system import System
+
+
+class Guided(NamedTuple):
+    """Height at which the bore is read: that of A when x_A = 0 [m], and its velocity [m/s]."""
+
+    height: float
+    velocity: float
+
+
+class Change(NamedTuple):
+    """Changes of coordinates and their velocities at the end of a step, shape (k,)."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+@compiled
+def _nodal(surface, forces, first):
+    """Return a surface's part of stacked forces, which begins with `first`, on its grid."""
+    shape = surface.skirt.gap.shape
+    last = first + surface.skirt.gap.size
+    pressure = forces.pressure[first:last].reshape(shape)
+    return NodalForces(pressure, forces.friction[first:last].reshape(shape))
+
+
+@compiled
+def stack(stacked, first, field):
+    """Put a field at its place among those of all surfaces, in a loop."""
+    rows, columns = field.shape
+    for i in range(rows):
+        for j in range(columns):
+            stacked[first + i * columns + j] = field[i, j]
+
+
+@compiled
+def window_of(surface: FilmSurface, guided: float) -> Window:
+    """Where a surface stands in the bore that is read at a height [m]."""
+    return window_at(surface.bore.lowest, surface.bore.spacing, guided, surface.skirt.height)
+
+
+class FilmParts(NamedTuple):
+    """Generalised forces of each film of the skirt, as of `FilmForces`, one row a surface."""
+
+    lateral: np.ndarray
+    axial: np.ndarray
+    moment: np.ndarray
+    piston: np.ndarray
+    block: np.ndarray
+
+
+@compiled
+def forces_by_film(system: System, guided: float, forces: NodalForces) -> FilmParts:
+    """Return the generalised forces of each film.
+
+    Parameters
+    ----------
+    system : System
+    guided : float
+        Height at which the bore is read [m].
+    forces : NodalForces
+        Stacked [N].
+    """
+    modes = len(system.gas_force)
+    of_block = len(system.block.stiffness) + len(system.block_static.stiffness)
+    n = count_of(system.surfaces)
+    parts = FilmParts(
+        np.empty(n), np.empty(n), np.empty(n), np.empty((n, modes)), np.empty((n, of_block))
+    )
+    first = 0
+    for s in range(n):
+        surface = surface_at(system.surfaces, s)
+        nodal = _nodal(surface, forces, first)
+        part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
+        parts.lateral[s] = part.lateral
+        parts.axial[s] = part.axial
+        parts.moment[s] = part.moment
+        for k in range(modes):
+            parts.piston[s, k] = part.piston[k]
+        for k in range(of_block):
+            parts.block[s, k] = part.block[k]
+        first += surface.skirt.gap.size
+    return parts
+
+
+@compiled
+def part_of(parts: FilmParts, s: int) -> FilmForces:
+    """Return the generalised forces of a film."""
+    return FilmForces(
+        parts.lateral[s], parts.axial[s], parts.moment[s], parts.piston[s], parts.block[s]
+    )
+
+
+@compiled
+def together(parts: FilmParts) -> FilmForces:
+    """Return the generalised forces of all films.
+
+    Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
+    """
+    lateral = 0.0
+    axial = 0.0
+    moment = 0.0
+    piston = np.zeros(parts.piston.shape[1])
+    block = np.zeros(parts.block.shape[1])
+    for s in range(len(parts.lateral)):
+        # Eq. (G2)
+        lateral += parts.lateral[s]
+        axial += parts.axial[s]
+        moment += parts.moment[s]
+        for k in range(len(piston)):
+            piston[k] += parts.piston[s, k]
+        for k in range(len(block)):
+            block[k] += parts.block[s, k]
+    return FilmForces(lateral, axial, moment, piston, block)
+
+
+class SkirtFilms(NamedTuple):
+    """All films of the skirt at an instant.
+
+    Parameters
+    ----------
+    film_thickness, sliding_velocity : ndarray, shape (cells,)
+        Stacked [m], [m/s].
+    work_error : ndarray, shape (surfaces,)
+        `work_error` of each film [-].
+    on_slopes : float
+        Axial force of pressure on bores that are not straight [N].
+    """
+
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+    work_error: np.ndarray
+    on_slopes: float
+
+
+@compiled
+def skirt_films(
+    system: System,
+    guided: Guided,
+    forces: NodalForces,
+    parts: FilmParts,
+    axial_velocity: float,
+    position: np.ndarray,
+    velocity: np.ndarray,
+) -> SkirtFilms:
+    """Return all films of the skirt at an instant.
+
+    Parameters
+    ----------
+    system : System
+    guided : Guided
+    forces : NodalForces
+        Stacked [N].
+    parts : FilmParts
+        Of these forces.
+    axial_velocity : float
+        Of A [m/s].
+    position, velocity : ndarray, shape (n,)
+        Of x_A, rocking angle, modes of piston and block.
+    """
+    thickness = np.empty(len(forces.pressure))
+    sliding_velocity = np.empty(len(forces.pressure))
+    errors = np.empty(len(parts.lateral))
+    on_slopes = 0.0
+    first = 0
+    for k in range(len(errors)):
+        surface = surface_at(system.surfaces, k)
+        film = film_now(
+            surface.skirt,
+            surface.bore,
+            window_of(surface, guided.height),
+            _nodal(surface, forces, first),
+            axial_velocity,
+            guided.velocity,
+            position,
+            velocity,
+        )
+        stack(thickness, first, film.film_thickness)
+        stack(sliding_velocity, first, film.sliding_velocity)
+        errors[k] = work_error(part_of(parts, k), film, axial_velocity, guided.velocity, velocity)
+        on_slopes += film.axial_force
+        first += surface.skirt.gap.size
+    return SkirtFilms(thickness, sliding_velocity, errors, on_slopes)
+
+
+class FilmChange(NamedTuple):
+    """Change of thickness [m] and sliding velocity [m/s] of all films, stacked, (cells,)."""
+
+    film_thickness: np.ndarray
+    sliding_velocity: np.ndarray
+
+
+@compiled
+def skirt_changes(
+    system: System, guided: float, rising: float, piston: Change, block: Change
+) -> FilmChange:
+    """Return the change of all films of the skirt with the bodies' coordinates.
+
+    Parameters
+    ----------
+    system : System
+    guided : float
+        Height at which the bore is read [m].
+    rising : float
+        Change of A's axial velocity [m/s].
+    piston, block : Change
+        Of [x_A, rocking angle, modes], and of the block's modes.
+    """
+    films = count_of(system.surfaces)
+    cells = 0
+    for s in range(films):
+        cells += surface_at(system.surfaces, s).skirt.gap.size
+    out = FilmChange(np.empty(cells), np.empty(cells))
+    first = 0
+    for s in range(films):
+        surface = surface_at(system.surfaces, s)
+        window = window_of(surface, guided)
+        opened = opening(
+            surface.skirt,
+            surface.bore,
+            window,
+            piston.position[LATERAL],
+            piston.position[ROCKING],
+            piston.position[RIGID:],
+            block.position,
+        )
+        slid = sliding(
+            surface.skirt,
+            surface.bore,
+            window,
+            rising,
+            piston.velocity[ROCKING],
+            piston.velocity[RIGID:],
+            block.velocity,
+        )
+        stack(out.film_thickness, first, opened)
+        stack(out.sliding_velocity, first, slid)
+        first += surface.skirt.gap.size
+    return out
+
+
+@compiled
+def work_error(
+    forces: FilmForces,
+    film: FilmState,
+    axial_velocity: float,
+    guided_velocity: float,
+    velocity: np.ndarray,
+) -> float:
+    """Power of the interface forces on the grid minus that in the coordinates, by the sum of all
+    terms' sizes [-]. Both describe the same work, so that anything above round-off is an error in
+    the transfer of forces.
+
+    Parameters
+    ----------
+    forces : FilmForces
+    film : FilmState
+    axial_velocity, guided_velocity : float
+        Velocity of A, and of the height at which the bore is read [m/s].
+    velocity : ndarray, shape (n,)
+        Of all coordinates.
+    """
+    work = forces.axial * axial_velocity + film.axial_force * guided_velocity
+    size = abs(forces.axial * axial_velocity) + abs(film.axial_force * guided_velocity)
+    size += film.power_size
+    first = RIGID + len(forces.piston)
+    for k in range(len(velocity)):
+        if k == LATERAL:
+            force = forces.lateral
+        elif k == ROCKING:
+            force = forces.moment
+        elif k < first:
+            force = forces.piston[k - RIGID]
+        else:
+            force = forces.block[k - first]
+        work += force * velocity[k]
+        size += abs(force * velocity[k])
+    return abs(film.power - work) / size if size > 0.0 else 0.0

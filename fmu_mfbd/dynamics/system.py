@@ -1,0 +1,68 @@
+"""Bodies, mechanism and films of the skirt together, and what acts on them besides the films."""
+
+from typing import NamedTuple
+
+from ..geometry.arrays import Vector
+from .carrier import FIXED, Carrier
+from .floating_frame import FlexibleBody
+from .gas_on_bore import BoreWall, WallPressures
+from .modal_damping import ModalSprings
+from .quasi_static import StaticModes
+from .slider_crank import Mechanism
+
+
+class System(NamedTuple):
+    """Both bodies, the mechanism and the geometry of all films.
+
+    Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
+    s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
+    skirt's axis [m]. All film surfaces are one block (`geometry.surfaces`). Fields of all of them
+    are stacked: the cells of the first, (c, a) in C order, then those of the second.
+    """
+
+    piston: FlexibleBody
+    piston_static: StaticModes
+    block: ModalSprings
+    block_static: StaticModes
+    mechanism: Mechanism
+    surfaces: Vector
+    pin_offset: float
+    gas_force: Vector
+    wall: BoreWall
+
+
+class RingForce(NamedTuple):
+    """What the rings do to the piston.
+
+    lateral : float
+        Along x, towards the thrust side [N].
+    axial : float
+        Along y, towards the head, on the bore's axis [N].
+    moment : float
+        About A, about +z, beside that of `axial` [N m].
+    """
+
+    lateral: float
+    axial: float
+    moment: float
+
+
+NO_RINGS = RingForce(0.0, 0.0, 0.0)
+
+
+class OtherForces(NamedTuple):
+    """What acts on the piston beside the film and the pin.
+
+    gas : float
+        Along -y on the crown [N].
+    rings : RingForce
+    wall : WallPressures
+        Of gas on the bore.
+    carrier : Carrier
+        Motion of the block.
+    """
+
+    gas: float
+    rings: RingForce
+    wall: WallPressures
+    carrier: Carrier = FIXED
