@@ -2,6 +2,7 @@
 
 from dataclasses import fields
 from math import pi
+from typing import Any
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
@@ -11,6 +12,232 @@ from .dynamics.parameters import (
     Parameters,
     PinParameters,
     SpaceParameters,
+)
+
+Rows = tuple[tuple[Any, ...], ...]
+"""Name, unit, description and numbers of variables, as `input_variable` and `output_variable` take
+them.
+"""
+
+SKIRT_INPUTS: Rows = (
+    (
+        "nodal_pressure_force",
+        "N",
+        "Pressure force on a grid cell; positive separates skirt and bore",
+        0.0,
+        1.0,
+    ),
+    (
+        "nodal_friction_force",
+        "N",
+        "Axial force of the film on the skirt in a grid cell; the opposite force acts on the bore",
+        0.0,
+        0.1,
+    ),
+)
+PIN_INPUTS: Rows = (
+    (
+        "nodal_pressure_force",
+        "N",
+        "Pressure force on a grid cell; positive separates pin and shell",
+        0.0,
+        1.0,
+    ),
+    (
+        "nodal_friction_force",
+        "N",
+        "Axial force of the film on the pin; it has no effect, because the pin does not move "
+        "axially",
+        0.0,
+        0.1,
+    ),
+    (
+        "nodal_circumferential_force",
+        "N",
+        "Circumferential force of the film on the pin, positive with ascending i; the opposite "
+        "force acts on the shell",
+        0.0,
+        0.1,
+    ),
+)
+OTHER_INPUTS: Rows = (
+    (
+        "gas_pressure",
+        "Pa",
+        "Gauge pressure on the piston crown and on the bore above the top ring; gas_source "
+        "combines it with the built-in table",
+        0.0,
+        1e6,
+    ),
+    ("land_pressure", "Pa", "Gauge pressure on the bore between the rings", 0.0, 1e5),
+    (
+        "ring_side_force",
+        "N",
+        "Force of the rings on the piston towards the thrust side",
+        0.0,
+        1e2,
+    ),
+    (
+        "ring_axial_force",
+        "N",
+        "Force of the rings on the piston towards the head, along the bore axis",
+        0.0,
+        1e2,
+    ),
+    (
+        "ring_moment",
+        "N.m",
+        "Moment of the rings on the piston about +z at pin point A, in addition to that of their "
+        "axial force",
+        0.0,
+        1.0,
+    ),
+)
+SKIRT_OUTPUTS: Rows = (
+    (
+        "film_thickness",
+        "m",
+        "Radial distance from skirt to bore; negative where they overlap",
+        1e-5,
+    ),
+    ("sliding_velocity", "m/s", "Axial velocity of the skirt relative to the bore", 1.0),
+)
+PIN_OUTPUTS: Rows = (
+    (
+        "film_thickness",
+        "m",
+        "Radial distance from pin to shell; negative where they overlap",
+        1e-5,
+    ),
+    ("sliding_velocity", "m/s", "Axial velocity of the pin relative to the shell; always 0", 1.0),
+    (
+        "circumferential_velocity",
+        "m/s",
+        "Circumferential velocity of the pin relative to the shell, positive with ascending i",
+        1.0,
+    ),
+)
+MOTION: Rows = (
+    ("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
+    ("rotation_speed", "rad/s", "Current speed of the crank", 300.0),
+    ("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
+    ("piston_velocity", "m/s", "Velocity of pin point A towards the head", 10.0),
+    (
+        "lateral_displacement",
+        "m",
+        "Displacement of pin point A from its concentric position towards the thrust side",
+        1e-5,
+    ),
+    ("rocking_angle", "rad", "Rotation of the piston about the pin axis +z", 1e-3),
+    ("lateral_velocity", "m/s", "Velocity of pin point A towards the thrust side", 1e-2),
+    ("rocking_velocity", "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0),
+    (
+        "side_force",
+        "N",
+        "Force of the piston on the bore through the film, positive on the thrust side",
+        1e3,
+    ),
+    (
+        "side_force_demand",
+        "N",
+        "Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore",
+        1e3,
+    ),
+    ("crank_torque", "N.m", "Torque of the drive on the crank in its direction of rotation", 10.0),
+    ("cylinder_pressure", "Pa", "Current gauge pressure on the crown", 1e6),
+    ("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
+    ("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
+    ("pin_friction_moment", "N.m", "Friction moment of the pin on the piston about +z", 0.1),
+    ("pin_friction_power", "W", "Friction power at the pin", 10.0),
+)
+PIN_MOTION: Rows = (
+    (
+        "pin_displacement_x",
+        "m",
+        "Displacement of the pin axis from the axis of the bosses along x",
+        1e-5,
+    ),
+    (
+        "pin_displacement_y",
+        "m",
+        "Displacement of the pin axis from the axis of the bosses along y",
+        1e-5,
+    ),
+    (
+        "small_end_displacement_x",
+        "m",
+        "Displacement of the pin axis from the axis of the small end along x",
+        1e-5,
+    ),
+    (
+        "small_end_displacement_y",
+        "m",
+        "Displacement of the pin axis from the axis of the small end along y",
+        1e-5,
+    ),
+    ("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
+    ("pin_rotation_speed", "rad/s", "Angular velocity of the pin about +z", 10.0),
+    ("small_end_force_x", "N", "Force of the pin on the rod along x", 1e3),
+    ("small_end_force_y", "N", "Force of the pin on the rod along y", 1e3),
+    ("small_end_friction_moment", "N.m", "Friction moment of the pin on the rod about +z", 0.1),
+)
+"""Motion of a floating pin and its forces on the rod."""
+ENERGIES: Rows = (
+    (
+        "kinetic_energy",
+        "J",
+        "Kinetic energy of the motion across the bore, including rocking and modes",
+        1e-3,
+    ),
+    (
+        "piston_kinetic_energy",
+        "J",
+        "Kinetic energy of the piston alone in lateral translation and rocking",
+        1e-3,
+    ),
+    (
+        "lower_edge_velocity",
+        "m/s",
+        "Velocity of the lower edge of the films on the skirt towards the thrust side",
+        1e-2,
+    ),
+    (
+        "upper_edge_velocity",
+        "m/s",
+        "Velocity of the upper edge of the films on the skirt towards the thrust side",
+        1e-2,
+    ),
+    ("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
+    ("film_work", "J", "Work of the film on the bodies over the step", 1e-3),
+    (
+        "energy_error",
+        "J",
+        "Energy that time integration creates in the motion across the bore; negative: lost",
+        1e-3,
+    ),
+    (
+        "energy_gain",
+        "J",
+        "Energy that the bodies received from the film over the step, computed from their motion",
+        1e-3,
+    ),
+    (
+        "energy_size",
+        "J",
+        "Kinetic energy across the bore, including the rod, plus the energy exchanged with forces "
+        "other than the film over the step",
+        1e-3,
+    ),
+)
+MODES: Rows = (
+    (
+        "modal_coordinate",
+        "1",
+        "Mass-normalised modal coordinates [kg^(1/2) m], those of the piston first, then of the "
+        "block",
+        1e-6,
+    ),
+    ("modal_velocity", "1/s", "Time derivatives of the modal coordinates [kg^(1/2) m/s]", 1e-2),
 )
 
 
@@ -47,64 +274,10 @@ def signals(options: BuildOptions) -> list[Variable]:
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
     """Return the inputs of the bodies. `pins` are the films of a floating pin."""
-    of_films = [
-        (
-            input_variable(
-                f"{film.prefix}nodal_pressure_force",
-                "N",
-                "Pressure force on a grid cell; positive separates skirt and bore",
-                0.0,
-                1.0,
-                film.shape,
-            ),
-            input_variable(
-                f"{film.prefix}nodal_friction_force",
-                "N",
-                "Axial force of the film on the skirt in a grid cell; the opposite force acts "
-                "on the bore",
-                0.0,
-                0.1,
-                film.shape,
-            ),
-        )
-        for film in films
-    ]
     return [
-        *(one for pair in of_films for one in pair),
-        *(one for pin in pins for one in _on_pin(pin)),
-        input_variable(
-            "gas_pressure",
-            "Pa",
-            "Gauge pressure on the piston crown and on the bore above the top ring; "
-            "gas_source combines it with the built-in table",
-            0.0,
-            1e6,
-        ),
-        input_variable(
-            "land_pressure", "Pa", "Gauge pressure on the bore between the rings", 0.0, 1e5
-        ),
-        input_variable(
-            "ring_side_force",
-            "N",
-            "Force of the rings on the piston towards the thrust side",
-            0.0,
-            1e2,
-        ),
-        input_variable(
-            "ring_axial_force",
-            "N",
-            "Force of the rings on the piston towards the head, along the bore axis",
-            0.0,
-            1e2,
-        ),
-        input_variable(
-            "ring_moment",
-            "N.m",
-            "Moment of the rings on the piston about +z at pin point A, in addition to "
-            "that of their axial force",
-            0.0,
-            1.0,
-        ),
+        *(one for film in films for one in on_grid(input_variable, film, SKIRT_INPUTS)),
+        *(one for pin in pins for one in on_grid(input_variable, pin, PIN_INPUTS)),
+        *(input_variable(*row) for row in OTHER_INPUTS),
         Variable(
             "crank_speed",
             "rad/s",
@@ -118,172 +291,19 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
     ]
 
 
-def _on_pin(film: FilmGrid) -> list[Variable]:
-    """Return the inputs from a film of the floating pin."""
-    return [
-        input_variable(
-            f"{film.prefix}nodal_pressure_force",
-            "N",
-            "Pressure force on a grid cell; positive separates pin and shell",
-            0.0,
-            1.0,
-            film.shape,
-        ),
-        input_variable(
-            f"{film.prefix}nodal_friction_force",
-            "N",
-            "Axial force of the film on the pin; it has no effect, because the pin does "
-            "not move axially",
-            0.0,
-            0.1,
-            film.shape,
-        ),
-        input_variable(
-            f"{film.prefix}nodal_circumferential_force",
-            "N",
-            "Circumferential force of the film on the pin, positive with ascending i; the "
-            "opposite force acts on the shell",
-            0.0,
-            0.1,
-            film.shape,
-        ),
-    ]
-
-
-def _of_pin(film: FilmGrid) -> list[Variable]:
-    """Return the outputs to a film of the floating pin."""
-    return [
-        output_variable(
-            f"{film.prefix}film_thickness",
-            "m",
-            "Radial distance from pin to shell; negative where they overlap",
-            1e-5,
-            film.shape,
-        ),
-        output_variable(
-            f"{film.prefix}sliding_velocity",
-            "m/s",
-            "Axial velocity of the pin relative to the shell; always 0",
-            1.0,
-            film.shape,
-        ),
-        output_variable(
-            f"{film.prefix}circumferential_velocity",
-            "m/s",
-            "Circumferential velocity of the pin relative to the shell, positive with ascending i",
-            1.0,
-            film.shape,
-        ),
-    ]
-
-
-PIN_MOTION = (
-    output_variable(
-        "pin_displacement_x",
-        "m",
-        "Displacement of the pin axis from the axis of the bosses along x",
-        1e-5,
-    ),
-    output_variable(
-        "pin_displacement_y",
-        "m",
-        "Displacement of the pin axis from the axis of the bosses along y",
-        1e-5,
-    ),
-    output_variable(
-        "small_end_displacement_x",
-        "m",
-        "Displacement of the pin axis from the axis of the small end along x",
-        1e-5,
-    ),
-    output_variable(
-        "small_end_displacement_y",
-        "m",
-        "Displacement of the pin axis from the axis of the small end along y",
-        1e-5,
-    ),
-    output_variable("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
-    output_variable("pin_rotation_speed", "rad/s", "Angular velocity of the pin about +z", 10.0),
-    output_variable("small_end_force_x", "N", "Force of the pin on the rod along x", 1e3),
-    output_variable("small_end_force_y", "N", "Force of the pin on the rod along y", 1e3),
-    output_variable(
-        "small_end_friction_moment", "N.m", "Friction moment of the pin on the rod about +z", 0.1
-    ),
-)
-"""Motion of a floating pin and its forces on the rod."""
+def on_grid(make: Any, film: FilmGrid, rows: Rows) -> list[Variable]:
+    """Return the variables of a film, one of each row."""
+    return [make(f"{film.prefix}{name}", *rest, film.shape) for name, *rest in rows]
 
 
 def outputs(
     films: tuple[FilmGrid, ...], modes: int, pins: tuple[FilmGrid, ...] = ()
 ) -> list[Variable]:
     """Return the outputs of the bodies. `pins` are the films of a floating pin."""
-    of_films = [
-        (
-            output_variable(
-                f"{film.prefix}film_thickness",
-                "m",
-                "Radial distance from skirt to bore; negative where they overlap",
-                1e-5,
-                film.shape,
-            ),
-            output_variable(
-                f"{film.prefix}sliding_velocity",
-                "m/s",
-                "Axial velocity of the skirt relative to the bore",
-                1.0,
-                film.shape,
-            ),
-        )
-        for film in films
-    ]
-    out = [
-        *(one for pair in of_films for one in pair),
-        *(one for pin in pins for one in _of_pin(pin)),
-        output_variable("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
-        output_variable("rotation_speed", "rad/s", "Current speed of the crank", 300.0),
-        output_variable("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
-        output_variable("piston_velocity", "m/s", "Velocity of pin point A towards the head", 10.0),
-        output_variable(
-            "lateral_displacement",
-            "m",
-            "Displacement of pin point A from its concentric position towards the thrust side",
-            1e-5,
-        ),
-        output_variable(
-            "rocking_angle", "rad", "Rotation of the piston about the pin axis +z", 1e-3
-        ),
-        output_variable(
-            "lateral_velocity", "m/s", "Velocity of pin point A towards the thrust side", 1e-2
-        ),
-        output_variable(
-            "rocking_velocity", "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0
-        ),
-        output_variable(
-            "side_force",
-            "N",
-            "Force of the piston on the bore through the film, positive on the thrust side",
-            1e3,
-        ),
-        output_variable(
-            "side_force_demand",
-            "N",
-            "Side-force demand of gas, rings and inertia, for a rigid piston in the "
-            "middle of the bore",
-            1e3,
-        ),
-        output_variable(
-            "crank_torque",
-            "N.m",
-            "Torque of the drive on the crank in its direction of rotation",
-            10.0,
-        ),
-        output_variable("cylinder_pressure", "Pa", "Current gauge pressure on the crown", 1e6),
-        output_variable("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
-        output_variable("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
-        output_variable(
-            "pin_friction_moment", "N.m", "Friction moment of the pin on the piston about +z", 0.1
-        ),
-        output_variable("pin_friction_power", "W", "Friction power at the pin", 10.0),
+    return [
+        *(one for film in films for one in on_grid(output_variable, film, SKIRT_OUTPUTS)),
+        *(one for pin in pins for one in on_grid(output_variable, pin, PIN_OUTPUTS)),
+        *(output_variable(*row) for row in MOTION),
         *(
             output_variable(
                 f"{film.prefix}interface_work_error",
@@ -293,50 +313,8 @@ def outputs(
             )
             for film in (*films, *pins)
         ),
-        *(PIN_MOTION if pins else ()),
-        output_variable(
-            "kinetic_energy",
-            "J",
-            "Kinetic energy of the motion across the bore, including rocking and modes",
-            1e-3,
-        ),
-        output_variable(
-            "piston_kinetic_energy",
-            "J",
-            "Kinetic energy of the piston alone in lateral translation and rocking",
-            1e-3,
-        ),
-        *(
-            output_variable(
-                f"{edge}_edge_velocity",
-                "m/s",
-                f"Velocity of the {edge} edge of the films on the skirt towards the thrust side",
-                1e-2,
-            )
-            for edge in ("lower", "upper")
-        ),
-        output_variable("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
-        output_variable("film_work", "J", "Work of the film on the bodies over the step", 1e-3),
-        output_variable(
-            "energy_error",
-            "J",
-            "Energy that time integration creates in the motion across the bore; negative: lost",
-            1e-3,
-        ),
-        output_variable(
-            "energy_gain",
-            "J",
-            "Energy that the bodies received from the film over the step, computed from "
-            "their motion",
-            1e-3,
-        ),
-        output_variable(
-            "energy_size",
-            "J",
-            "Kinetic energy across the bore, including the rod, plus the energy exchanged "
-            "with forces other than the film over the step",
-            1e-3,
-        ),
+        *(output_variable(*row) for row in PIN_MOTION if pins),
+        *(output_variable(*row) for row in ENERGIES),
         output_variable(
             "residual_evaluations",
             "1",
@@ -349,26 +327,8 @@ def outputs(
             "Number of Jacobian evaluations of the equations of motion so far (NJAC)",
             start=0,
         ),
+        *(output_variable(*one, shape=(modes,)) for one in MODES if modes),
     ]
-    if modes:
-        out += [
-            output_variable(
-                "modal_coordinate",
-                "1",
-                "Mass-normalised modal coordinates [kg^(1/2) m], those of the piston first, "
-                "then of the block",
-                1e-6,
-                (modes,),
-            ),
-            output_variable(
-                "modal_velocity",
-                "1/s",
-                "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
-                1e-2,
-                (modes,),
-            ),
-        ]
-    return out
 
 
 def block_inputs() -> list[Variable]:
