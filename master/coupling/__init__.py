@@ -11,7 +11,6 @@ ledger         energy that participants took from one another (W2)
 negotiation    whose own derivatives are those of a step
 freezing       everything a further step depends on, as bytes
 coupled        a whole system as one slave
-native         the same as machine code: its entries; native_stepping, native_newton, native_krylov,
-               native_calls what they are made of, native_block their memory, native_given what it
-               begins with
+native         the same as machine code: its entries, made of native_stepping, native_newton and
+               native_system; native_block lays out their memory, native_given that of a case
 """

@@ -10,24 +10,11 @@ import numpy as np
 from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, read_each, write_each
+from .evaluation import Evaluation
 from .wiring import Wire, is_unknown, rms
 
 SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
-
-
-class Evaluation(NamedTuple):
-    """What one step of every participant says of an iterate.
-
-    used, outputs, residual : ndarray, shape (size,)
-        What the inputs were set to, what the outputs are at the end of the step, and how far the
-        iterate is off: outputs - used on the feedback wires; used - iterate on the others, which
-        agree by the order of stepping but may have moved since.
-    """
-
-    used: np.ndarray
-    outputs: np.ndarray
-    residual: np.ndarray
 
 
 class Last(NamedTuple):

@@ -1,256 +1,351 @@
-"""Memory of a coupled slave without Python: one row of float64 numbers whose parts Python lays out
-(`native_given`), so that no kernel counts lengths.
-
-It begins with a head, then what is given; then the participants' own memories, then the state in
-one piece: what the participants stand at, the predictor's past, what the Krylov method remembers.
+"""Memory of a coupled slave without Python: rows of named tuples (`master.fmi.block`), which Python
+lays out from `Given` and kernels read by name.
 """
 
-from collections.abc import Iterable, Mapping
+from collections import namedtuple
+from collections.abc import Sequence
+from itertools import accumulate
+from math import inf
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..fmi.block import memory_of, part
-from ..fmi.compiled import compiled
+from ..fmi.block import flatten, memory_of, parts, room, row_of
+from ..fmi.compiled import compilable, compiled
+from ..fmi.noted import ROOM
+from .methods.krylov import KEPT, Pairs
 
-"""The head: lengths that `native_size` tells, then where parts begin."""
+Array = np.ndarray
+Vector = Annotated[Array, "n"]
+Matrix = Annotated[Array, "n, m"]
+Number = Annotated[Array, "1"]
+"""An array of one, for what changes."""
 
-GIVEN = ("counts", "constants", "order", "starting", "rows", "wires", "exposed", "contents")
-WORK = ("inside", "saved")
-STATE = ("standing", "times", "past", "oldest", "images", "differences", "gram")
-LAST = ("before", "marks", "last", "last_inputs", "last_outputs", "trail", "failures", "faults")
-PARTS = (*GIVEN, *WORK, *STATE, *LAST)
-(
-    COUNTS,
-    CONSTANTS,
-    ORDER,
-    STARTING,
-    ROWS,
-    WIRES,
-    EXPOSED,
-    CONTENTS,
-    INSIDE,
-    SAVED,
-    STANDING,
-    TIMES,
-    PAST,
-    OLDEST,
-    IMAGES,
-    DIFFERENCES,
-    GRAM,
-    BEFORE,
-    MARKS,
-    LAST_NUMBERS,
-    LAST_INPUTS,
-    LAST_OUTPUTS,
-    TRAIL,
-    FAILURES,
-    FAULTS_AT,
-) = range(len(PARTS))
+NOWHERE = -1
 
-COUNTED = (
-    "participants",
-    "wires",
-    "size",
-    "unknowns",
-    "kept",
-    "past",
-    "iterations",
-    "space",
-    "halvings",
-    "exposed",
-)
-(
-    PARTICIPANTS,
-    WIRE_COUNT,
-    SIZE,
-    UNKNOWNS,
-    KEPT,
-    REMEMBERED,
-    ITERATIONS,
-    SPACE,
-    HALVINGS,
-    EXPOSED_COUNT,
-) = range(len(COUNTED))
+SENTENCES = {
+    "no_halving": "t = {a} s, step {b} s, and no halving is left",
+    "not_finite": "a participant's output is not finite",
+    "grows": "the residual grows: {a} of what is allowed after {i} iterations, {b} at best",
+    "too_many": "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
+    "no_memory": "there is not enough memory for a participant's step",
+    "no_step": "there was no step to take a derivative of",
+    "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
+}
+FAULT = namedtuple("Fault", SENTENCES)(*map(float, range(len(SENTENCES))))
+"""Numbers of the coupling's own sentences."""
+WIRE_SENTENCES = ("worst", "must_be_finite", "out_of_range")
+ON_WIRE = namedtuple("OnWire", WIRE_SENTENCES)(*map(float, range(len(WIRE_SENTENCES))))
+"""Numbers of the sentences on a wire, behind its first one."""
 
-CONSTANT = ("step", "lenience", "accuracy", "forcing", "noise", "nudge")
-STEP, LENIENCE, ACCURACY, FORCING, NOISE, NUDGE = range(len(CONSTANT))
-
-OF_ROW = (
-    "code",
-    "real",
-    "reals",
-    "integer",
-    "integers",
-    "memory",
-    "memories",
-    "first_state",
-    "states",
-    "first_fault",
-    "sentence",
-    "variables",
-    "contents",
-    "given",
-    "standing",
-)
-"""A participant: which code it is; where its real and integer variables and its memory lie in the
-whole, and how many; in its own memory the state and faults; first of its sentences; how many real
-variables are no seeds or products; where its contents lie, how much of them its memory begins
-with; where it stands in `standing` and `saved`.
-"""
-(
-    CODE,
-    REAL,
-    REALS,
-    INTEGER,
-    INTEGERS,
-    MEMORY,
-    MEMORIES,
-    OWN_STATE,
-    OWN_STATES,
-    OWN_FAULT,
-    SENTENCE,
-    VARIABLES,
-    CONTENT,
-    CONTENT_OF_MEMORY,
-    STANDS,
-) = range(len(OF_ROW))
-
-OF_WIRE = (
-    "source",
-    "source_place",
-    "target",
-    "target_place",
-    "elements",
-    "first",
-    "unknown",
-    "nominal",
-    "tolerance",
-    "largest_decrease",
-    "seed",
-    "product",
-    "low",
-    "high",
-    "columns",
-    "sentence",
-)
-"""A wire: both participants and places among their real variables, elements, the first of them in
-the vector and among the unknowns (-1: it runs along the order), norms, places of seed and product
-(-1: there is none), range of the input, elements of the last index, first of its sentences.
-"""
-(
-    SOURCE,
-    SOURCE_PLACE,
-    TARGET,
-    TARGET_PLACE,
-    ELEMENTS,
-    FIRST,
-    UNKNOWN,
-    NOMINAL,
-    TOLERANCE,
-    LARGEST_DECREASE,
-    WIRE_SEED,
-    WIRE_PRODUCT,
-    LOW,
-    HIGH,
-    COLUMNS,
-    WIRE_SENTENCE,
-) = range(len(OF_WIRE))
-NOWHERE = -1.0
-
-OF_EXPOSED = (
-    "integral",
-    "place",
-    "owner",
-    "own_place",
-    "length",
-    "causality",
-    "reserved",
-    "nominal",
-    "kept",
-)
-"""A variable seen from outside: its place there, whose it is, its place there; place of its seed or
-product (-1: it has none), where the last step's value lies in `last_inputs` or `last_outputs`.
-"""
-(
-    INTEGRAL,
-    PLACE,
-    OWNER,
-    OWN_PLACE,
-    LENGTH,
-    CAUSALITY,
-    RESERVED,
-    OUTER_NOMINAL,
-    KEPT_AT,
-) = range(len(OF_EXPOSED))
-IS_PARAMETER, IS_INPUT, IS_OUTPUT = range(3)
-
-OF_LAST = ("kind", "time", "step", "print")
-LAST_KIND, LAST_TIME, LAST_STEP, LAST_PRINT = range(len(OF_LAST))
-NOTHING, A_START, A_STEP = range(3)
-
-OF_TRAIL = ("evaluations", "products")
-"""What a macro step took; behind it the measures of every wire, by evaluation as far as there is
-room.
-"""
-EVALUATIONS, PRODUCTS = range(len(OF_TRAIL))
-
-FOUND = 2
-"""Of the numbers that the entry `iterate` is called with: whether it found the fixed point."""
-
-OF_PARTICIPANT, OF_WIRES, OF_SENTENCES = len(OF_ROW), len(OF_WIRE), 3
-
-OWN_FAULTS = (
-    "t = {a} s, step {b} s, and no halving is left",
-    "a participant's output is not finite",
-    "the residual grows: {a} of what is allowed after {i} iterations, {b} at best",
-    "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
-    "there is not enough memory for a participant's step",
-    "there was no step to take a derivative of",
-    "step size = {a} s: more than {b} macro steps of {c} s",
-)
-NO_HALVING, NOT_FINITE, GROWS, TOO_MANY, NO_MEMORY, NO_STEP, TOO_LONG = range(len(OWN_FAULTS))
-WORST, MUST_BE_FINITE, OUT_OF_RANGE = range(OF_SENTENCES)
-"""Sentences of a wire, by their place behind its first."""
+# ---- what is given
 
 
-def given(contents: Mapping[str, np.ndarray], lengths: Mapping[str, int]) -> np.ndarray:
-    """Return what the memory begins with, by `GIVEN` and by the lengths of all other parts."""
-    parts = {name: np.ravel(contents[name]).astype(float) for name in GIVEN[:-1]}
-    parts[GIVEN[-1]] = contents[GIVEN[-1]]
-    return memory_of(parts, {name: lengths[name] for name in PARTS if name not in parts}, STATE)
+class ParticipantRow(NamedTuple):
+    """A participant; front/parts.c and front/fmi_parts.c read the first seven.
+
+    code : which code it is, or the address of its `Instance`;
+    real, reals, integer, integers, memory, memories : where in the part `inside` its variables and
+    its own memory begin, and how many numbers they are;
+    first_state, states, first_fault : in its own memory;
+    sentence : first of its sentences;
+    variables : real variables that are no seeds or products;
+    given, contents : how much its memory begins with, and where in `Given.contents` that is;
+    standing : where it begins in `State.standing` and in the part `saved`.
+    """
+
+    code: int
+    real: int = 0
+    reals: int = 0
+    integer: int = 0
+    integers: int = 0
+    memory: int = 0
+    memories: int = 0
+    first_state: int = 0
+    states: int = 0
+    first_fault: int = 0
+    sentence: int = 0
+    variables: int = 0
+    given: int = 0
+    contents: int = 0
+    standing: int = 0
 
 
-def in_order(rows: Iterable[Mapping[str, float]], names: tuple[str, ...]) -> np.ndarray:
-    """Rows of named numbers as one array."""
-    return np.array([[row[name] for name in names] for row in rows], dtype=float).ravel()
+class WireRow(NamedTuple):
+    """A wire: both participants and places among their real variables; places of seed and product
+    (NOWHERE: there is none); its elements; the first among the unknowns (NOWHERE: it runs along the
+    order) and in the vector; norms; range of the input; elements of the last index; first of its
+    sentences.
+    """
+
+    source: int
+    source_place: int
+    target: int
+    target_place: int
+    seed: int
+    product: int
+    elements: int
+    unknown: int
+    nominal: float
+    tolerance: float
+    largest_decrease: float
+    low: float = -inf
+    high: float = inf
+    columns: int = 1
+    first: int = 0
+    sentence: int = 0
+
+
+class ExposedRow(NamedTuple):
+    """A variable seen from outside: its place there, whose it is and its place there; place of its
+    seed or product (NOWHERE: it has none); where `Last` keeps its value (NOWHERE: it does not).
+    """
+
+    is_integer: bool
+    place: int
+    owner: int
+    own_place: int
+    length: int
+    reserved: int
+    nominal: float
+    kept: int
+
+
+class Rules(NamedTuple):
+    """How macro steps are taken and iterated, as `Coupled`, `Stepper` and `Newton` do.
+
+    predicted : vectors that the predictor knows at most; trail : evaluations whose measures are
+    kept.
+    """
+
+    step: float
+    lenience: float
+    nudge: float
+    predicted: int
+    halvings: int
+    iterations: int
+    space: int
+    accuracy: float
+    forcing: float
+    trail: int
+
+
+class Exposed(NamedTuple):
+    """Rows of the variables seen from outside."""
+
+    parameters: Matrix
+    inputs: Matrix
+    outputs: Matrix
+
+
+class Given(NamedTuple):
+    """What the memory begins with.
+
+    inside, standing, size, unknowns, pairs : numbers of all participants; elements of `standing`,
+    of the vector and of its unknowns; pairs of GMRES. order, starting : participants; participants,
+    wires : rows; contents : of participants' memories and variables.
+    """
+
+    rules: Rules
+    inside: int
+    standing: int
+    size: int
+    unknowns: int
+    pairs: int
+    order: Vector
+    starting: Vector
+    participants: Matrix
+    wires: Matrix
+    exposed: Exposed
+    contents: Vector
+
+
+def lay_out(
+    rules: Rules,
+    participants: Sequence[ParticipantRow],
+    wires: Sequence[WireRow],
+    order: Sequence[int],
+    exposed: Sequence[Sequence[ExposedRow]] = ((), (), ()),
+    starting: Sequence[int] = (),
+    contents: np.ndarray | None = None,
+) -> np.ndarray:
+    """Return what the memory begins with.
+
+    Parameters
+    ----------
+    participants, wires
+        Where they begin, one behind the other, is filled in here.
+    exposed
+        Parameters, inputs and outputs seen from outside.
+    """
+    participants, wires = list(participants), list(wires)
+    inside = filled = standing = size = unknowns = 0
+    for k, one in enumerate(participants):
+        ends = (one.reals, one.integers, one.memories)
+        real, integer, memory, inside = accumulate(ends, initial=inside)
+        participants[k] = one._replace(
+            real=real, integer=integer, memory=memory, contents=filled, standing=standing
+        )
+        filled += one.given + one.reals + one.integers
+        standing += one.variables + one.states
+    for k, wire in enumerate(wires):
+        is_unknown = wire.unknown != NOWHERE
+        wires[k] = wire._replace(
+            first=size,
+            unknown=unknowns if is_unknown else NOWHERE,
+            sentence=len(SENTENCES) + k * len(WIRE_SENTENCES),
+        )
+        size += wire.elements
+        unknowns += wire.elements if is_unknown else 0
+    pairs = min(KEPT, unknowns)
+    given = Given(
+        rules,
+        *(inside, standing, size, unknowns, pairs),
+        np.array(order, float),
+        np.array(starting, float),
+        _matrix(participants),
+        _matrix(wires),
+        Exposed(*map(_matrix, exposed)),
+        np.zeros(0) if contents is None else contents,
+    )
+    n = dict(standing=standing, predicted=rules.predicted, size=size, unknowns=unknowns)
+    state = room(State, pairs=pairs, **n)
+    kept = [sum(one.length for one in rows if one.kept != NOWHERE) for rows in exposed]
+    lengths = dict(
+        inside=inside,
+        state=state,
+        saved=standing,
+        before=state,
+        marks=pairs,
+        last=room(Last, inputs=kept[1], outputs=kept[-1]),
+        trail=room(Trail, trail=rules.trail, wires=len(wires)),
+        failures=ROOM,
+        faults=ROOM,
+    )
+    return memory_of({"given": row_of(given)}, lengths)
+
+
+def _matrix(rows):
+    """Return rows of numbers as one array."""
+    return np.array([np.array(row, float) for row in rows]).reshape(len(rows), -1 if rows else 0)
+
+
+# ---- what changes
+
+
+class State(NamedTuple):
+    """What a step goes on from.
+
+    standing : variables and states of all participants; times, past : of accepted vectors, the
+    oldest first, as many as are `known`.
+    """
+
+    standing: Annotated[Array, "standing"]
+    known: Number
+    times: Annotated[Array, "predicted"]
+    past: Annotated[Array, "predicted, size"]
+    pairs: Pairs
+
+
+class Last(NamedTuple):
+    """What a derivative of the last step, or of the start, begins with.
+
+    is_there : whether there was one; step : 0 of a start; print : `native_stepping.print_of`;
+    inputs, outputs : those that are real.
+    """
+
+    is_there: bool
+    time: float
+    step: float
+    print: float
+    inputs: Annotated[Array, "inputs"]
+    outputs: Annotated[Array, "outputs"]
+
+
+class Trail(NamedTuple):
+    """What a macro step took; the measures of every wire by evaluation, as far as there is room."""
+
+    evaluations: Number
+    products: Number
+    measures: Annotated[Array, "trail, wires"]
+
+
+class Parts(NamedTuple):
+    """Parts of the memory: rows of `Given`, `State`, `Last` and `Trail`, and others.
+
+    inside : variables and memories of the participants; saved : as `State.standing`; before : the
+    state when the step began; marks : of each pair, whether it is there already.
+    """
+
+    given: Vector
+    inside: Vector
+    state: Vector
+    saved: Vector
+    before: Vector
+    marks: Vector
+    last: Vector
+    trail: Vector
+    failures: Vector
+    faults: Vector
+
+
+parts_of = parts(Parts)
+_, participant_from = flatten(ParticipantRow)
+_, wire_from = flatten(WireRow)
+_, exposed_from = flatten(ExposedRow)
+_, given_from = flatten(Given)
+put_state, state_from = flatten(State)
+put_last, last_from = flatten(Last)
+put_trail, trail_from = flatten(Trail)
+
+
+@compilable
+def nothing_yet(given: Given):
+    """Return `State` and `Trail` before a start."""
+    n = given.pairs
+    of_vectors = np.zeros((2, n, given.unknowns))
+    state = State(
+        np.zeros(given.standing),
+        np.zeros(1),
+        np.zeros(given.rules.predicted),
+        np.zeros((given.rules.predicted, given.size)),
+        Pairs(of_vectors[0], of_vectors[1], np.zeros((n, n)), np.zeros(1)),
+    )
+    measures = np.zeros((given.rules.trail, len(given.wires)))
+    return state, Trail(np.zeros(1), np.zeros(1), measures)
 
 
 @compiled
-def count(memory, k):
-    """One of `COUNTED`."""
-    return int(part(memory, COUNTS)[k])
+def given_of(memory: np.ndarray):
+    """Return `Given`."""
+    return given_from(parts_of(memory).given)
 
 
 @compiled
-def row_of(memory, p):
-    """What is given of a participant, `OF_ROW`."""
-    return part(memory, ROWS)[p * OF_PARTICIPANT : (p + 1) * OF_PARTICIPANT]
+def rules_of(memory: np.ndarray):
+    """Return `Rules`: what a kernel needs no more of compiles sooner."""
+    return given_of(memory).rules
 
 
 @compiled
-def wire_of(memory, w):
-    """What is given of a wire, `OF_WIRE`."""
-    return part(memory, WIRES)[w * OF_WIRES : (w + 1) * OF_WIRES]
+def exposed_of(memory: np.ndarray):
+    """Return `Exposed`."""
+    return given_of(memory).exposed
 
 
 @compiled
-def exposed_of(memory, k):
-    """What is given of a variable seen from outside, `OF_EXPOSED`."""
-    return part(memory, EXPOSED)[k * len(OF_EXPOSED) : (k + 1) * len(OF_EXPOSED)]
+def faults_of(memory: np.ndarray):
+    """Return the faults."""
+    return parts_of(memory).faults
 
 
 @compiled
-def clear(to):
-    """Set all to zero, in a loop."""
-    for k in range(len(to)):
-        to[k] = 0.0
+def state_of(memory: np.ndarray):
+    """Return `State`."""
+    return state_from(parts_of(memory).state)
+
+
+@compiled
+def last_of(memory: np.ndarray):
+    """Return `Last`."""
+    return last_from(parts_of(memory).last)

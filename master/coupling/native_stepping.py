@@ -4,99 +4,78 @@ and `coupled`.
 
 import numpy as np
 
-from ..fmi.block import keep, part
+from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
-from .native_block import (
-    CONSTANTS,
-    DIFFERENCES,
-    FAILURES,
-    FAULTS_AT,
-    GRAM,
-    HALVINGS,
-    IMAGES,
-    KEPT,
-    LENIENCE,
-    NO_HALVING,
-    OLDEST,
-    PAST,
-    REMEMBERED,
-    SAVED,
-    SIZE,
-    STEP,
-    TIMES,
-    TOO_LONG,
-    clear,
-    count,
-)
-from .native_journal import overwrite
-from .native_newton import converge, moved, restore, save
+from .native_block import FAULT, State, faults_of, rules_of, state_of
+from .native_newton import converge, overwrite
+from .native_system import System, moved, restore, save, system_of
 
 MOST_STEPS = 1e6
 """In one communication step: 1400 cycles of the shipped cases."""
 
 
 @compiled
+def print_of(memory: np.ndarray):
+    """A number that tells what is remembered from what another step would: all inner products,
+    each with a weight of its own.
+    """
+    gram = state_of(memory).pairs.gram
+    return gram.reshape(gram.size) @ np.arange(1.0, gram.size + 1.0)
+
+
+@compiled
 def forget_products(memory: np.ndarray):
-    """Begin the Krylov method's memory anew."""
-    overwrite(memory, count(memory, KEPT))
-    for which in (OLDEST, IMAGES, DIFFERENCES, GRAM):
-        clear(part(memory, which))
+    """Begin the memory of GMRES anew."""
+    pairs = state_of(memory).pairs
+    overwrite(memory, len(pairs.gram))
+    nothing = np.zeros(max(pairs.images.shape))
+    for row in range(len(pairs.gram)):
+        keep(pairs.images[row], nothing)
+        keep(pairs.differences[row], nothing)
+        keep(pairs.gram[row], nothing)
+    pairs.oldest[0] = 0.0
 
 
 @compiled
-def past_of(memory, k):
-    """The k-th of the accepted vectors, the oldest first."""
-    n = count(memory, SIZE)
-    return part(memory, PAST)[k * n : (k + 1) * n]
-
-
-@compiled
-def accept(memory: np.ndarray, time: float, x: np.ndarray):
-    """Note an accepted vector; `times` begins with how many there are."""
-    times = part(memory, TIMES)
-    known = int(times[0])
-    if known == count(memory, REMEMBERED):
+def accept(state: State, time: float, x: np.ndarray):
+    """Note an accepted vector."""
+    known = int(state.known[0])
+    if known == len(state.times):
         for k in range(1, known):
-            times[k] = times[k + 1]
-            keep(past_of(memory, k - 1), past_of(memory, k))
+            state.times[k - 1] = state.times[k]
+            keep(state.past[k - 1], state.past[k])
         known -= 1
-    times[known + 1] = time
-    keep(past_of(memory, known), x)
-    times[0] = known + 1.0
+    state.times[known] = time
+    keep(state.past[known], x)
+    state.known[0] = known + 1.0
 
 
 @compiled
-def forget_past(memory):
+def forget_past(state: State):
     """Forget all accepted vectors but the last."""
-    times = part(memory, TIMES)
-    last = int(times[0]) - 1
-    if last > 0:
-        times[1] = times[last + 1]
-        keep(past_of(memory, 0), past_of(memory, last))
-    times[0] = 1.0
+    last = int(state.known[0]) - 1
+    state.times[0] = state.times[last]
+    keep(state.past[0], state.past[last])
+    state.known[0] = 1.0
 
 
 @compiled
-def predicted(memory: np.ndarray, time: float):
+def predicted(system: System, state: State, time: float):
     """Guess at `time` [s], as `Predictor`, no further from the last vector than is allowed."""
-    times = part(memory, TIMES)
-    known = int(times[0])
-    last = past_of(memory, known - 1)
-    change = np.zeros(len(last))
+    known = int(state.known[0])
+    times = state.times[:known]
+    last = state.past[known - 1]
     if known == 1:
         return last.copy()
+    guess = np.zeros(len(last))
     for a in range(known):
         weight = 1.0
         for b in range(known):
-            if times[b + 1] != times[a + 1]:
-                weight *= (time - times[b + 1]) / (times[a + 1] - times[b + 1])
-        x = past_of(memory, a)
-        for k in range(len(change)):
-            change[k] += x[k] * weight
-    for k in range(len(change)):
-        change[k] -= last[k]
-    return moved(memory, last, change)
+            if times[b] != times[a]:
+                weight *= (time - times[b]) / (times[a] - times[b])
+        keep(guess, guess + state.past[a] * weight)
+    return moved(system, last, guess - last)
 
 
 @compiled
@@ -104,7 +83,9 @@ def macro_step(memory: np.ndarray, time: float, step: float):
     """One macro step or halves of it, as `Stepper._step`; False where no halving is left, why put
     down among the faults.
     """
-    halvings = count(memory, HALVINGS)
+    system = system_of(memory)
+    state = state_of(memory)
+    halvings = rules_of(memory).halvings
     begins = np.empty(halvings + 2)
     lengths = np.empty(halvings + 2)
     left = np.empty(halvings + 2)
@@ -112,25 +93,23 @@ def macro_step(memory: np.ndarray, time: float, step: float):
     lengths[0] = step
     left[0] = halvings
     waiting = 1
-    numbers = np.zeros(4)
-    x = np.empty(count(memory, SIZE))
-    failures = part(memory, FAILURES)
+    x = np.empty(state.past.shape[1])
     while waiting > 0:
         waiting -= 1
         begin = begins[waiting]
         length = lengths[waiting]
-        numbers[0] = length
-        numbers[1] = begin
-        failures[0] = 0.0
-        save(memory, SAVED)
-        if converge(memory, predicted(memory, begin + length), numbers, x):
-            accept(memory, begin + length, x)
+        system.failures[0] = 0.0
+        save(system, system.saved)
+        guess = predicted(system, state, begin + length)
+        if converge(memory, guess, begin, length, x):
+            accept(state, begin + length, x)
             continue
-        restore(memory, SAVED)
-        forget_past(memory)
+        restore(system, system.saved)
+        forget_past(state)
         forget_products(memory)
         if left[waiting] == 0.0:
-            report(memory, begin, length)
+            refuse(system.faults, FAULT.no_halving, 0.0, 0.0, begin, length, 0.0)
+            take_over(system.faults, system.failures, 0.0)
             return False
         left[waiting] -= 1.0
         left[waiting + 1] = left[waiting]
@@ -143,24 +122,14 @@ def macro_step(memory: np.ndarray, time: float, step: float):
 
 
 @compiled
-def report(memory, time, step):
-    """Why a macro step failed, among the faults."""
-    faults = part(memory, FAULTS_AT)
-    failures = part(memory, FAILURES)
-    refuse(faults, float(NO_HALVING), 0.0, 0.0, time, step, 0.0)
-    take_over(faults, failures, 0.0)
-
-
-@compiled
 def reach(memory: np.ndarray, time: float, step: float):
     """Macro steps up to time + step, as `Coupled.advance`; False where one of them failed, or where
     there would be more than can be meant.
     """
-    constants = part(memory, CONSTANTS)
-    asked = np.ceil(step / constants[STEP] / (1.0 + constants[LENIENCE]))
+    rules = rules_of(memory)
+    asked = np.ceil(step / rules.step / (1.0 + rules.lenience))
     if not asked <= MOST_STEPS:
-        faults = part(memory, FAULTS_AT)
-        refuse(faults, float(TOO_LONG), 0.0, 0.0, step, float(MOST_STEPS), constants[STEP])
+        refuse(faults_of(memory), FAULT.too_long, 0.0, 0.0, step, float(MOST_STEPS), rules.step)
         return False
     steps = int(asked)
     for k in range(steps):

@@ -19,7 +19,7 @@ FUNCTIONS = (
 
 
 ADVANCE = 2
-"""Entry of a step, as in coupling/native_calls.py; other entries are derivatives."""
+"""Entry of a step, as in coupling/native_system.py; other entries are derivatives."""
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64)
 

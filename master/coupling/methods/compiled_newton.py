@@ -16,31 +16,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...fmi.block import part
-from ...fmi.noted import ROOM
+from ...fmi.block import row_of
 from ..interface import Interface
 from ..native_block import (
-    CONSTANT,
-    COUNTED,
-    DIFFERENCES,
-    EVALUATIONS,
-    FOUND,
-    GRAM,
-    IMAGES,
     NOWHERE,
-    OF_LAST,
-    OF_ROW,
-    OF_TRAIL,
-    OF_WIRE,
-    OLDEST,
-    PRODUCTS,
-    STATE,
-    TRAIL,
-    given,
-    in_order,
+    ParticipantRow,
+    Rules,
+    WireRow,
+    given_from,
+    lay_out,
+    nothing_yet,
+    parts_of,
+    state_from,
+    trail_from,
 )
 from ..wiring import System
-from .krylov import KEPT, NOISE, Pairs, RecycledGmres
+from .krylov import RecycledGmres
 from .newton import Newton
 from .solution import MacroStep, Method, Solution, Tried
 
@@ -157,9 +148,13 @@ class Called(NamedTuple):
         return sum(self.inputs.values()) + sum(self.outputs.values())
 
     @property
-    def inside(self) -> int:
-        """Numbers that it takes; the last is how many faults it has noted, which is none."""
-        return 2 * self.variables + 1
+    def row(self) -> ParticipantRow:
+        """Its row; its memory is that no fault was noted. Its state is its own, which is put back
+        before every step: there is none here.
+        """
+        return ParticipantRow(
+            self.address, reals=2 * self.variables, memories=2, variables=self.variables
+        )
 
 
 class Ends(NamedTuple):
@@ -194,141 +189,49 @@ class Iteration:
         ends: Sequence[Ends],
     ):
         self.interface = interface
-        self.library = library
-        self.called = called
-        self.ends = ends
-        contents = self._contents(newton)
-        lengths = self._lengths(newton.max_iterations)
-        # participants lie behind all that is given
-        self.first = len(given(contents, lengths))
-        contents["rows"] = in_order(self._rows(self.first), OF_ROW)
-        head = given(contents, lengths)
+        rules = Rules(
+            *(0.0, 0.0, 0.0, 0, 0),  # Python steps
+            newton.max_iterations,
+            newton.largest_krylov_space,
+            newton.accuracy,
+            newton.forcing,
+            newton.max_iterations,
+        )
+        wires = [
+            self._wire(k, called[one.source], called[one.target], one) for k, one in enumerate(ends)
+        ]
+        head = lay_out(rules, [one.row for one in called], wires, range(len(called)))
         self.block = np.zeros(int(head[0]))
         self.block[: len(head)] = head
+        self.parts = parts_of(self.block)
+        state, trail = nothing_yet(given_from.py_func(self.parts.given))
+        self.parts.state[:] = self.parts.before[:] = row_of(state)
+        self.parts.trail[:] = row_of(trail)
+        self.pairs = state_from.py_func(self.parts.state).pairs
+        self.trail = trail_from.py_func(self.parts.trail)
         self.x = np.empty(interface.size)
         self.numbers = np.zeros(4)
         self._run = library.call(self.x, self.block, self.numbers)
-        pairs = (self.kept, self.unknowns)
-        self.pairs = Pairs(
-            self._part(IMAGES).reshape(pairs),
-            self._part(DIFFERENCES).reshape(pairs),
-            self._part(GRAM).reshape(self.kept, self.kept),
-            self._part(OLDEST),
+
+    def _wire(self, k: int, source: Called, target: Called, ends: Ends) -> WireRow:
+        """Return the row of a wire."""
+        wire, span = self.interface.wires[k], self.interface.parts[k]
+        source_place = sum(source.inputs.values()) + place(source.outputs, ends.output)
+        target_place = place(target.inputs, ends.input)
+        decrease = wire.largest_decrease
+        return WireRow(
+            source=ends.source,
+            source_place=source_place,
+            target=ends.target,
+            target_place=target_place,
+            seed=target.variables + target_place,
+            product=source.variables + source_place,
+            elements=span.stop - span.start,
+            unknown=0 if self.interface.feedback[span.start] else NOWHERE,
+            nominal=wire.nominal,
+            tolerance=wire.tolerance,
+            largest_decrease=NOWHERE if decrease is None else decrease,
         )
-        self.trail = self._part(TRAIL)
-
-    @property
-    def unknowns(self) -> int:
-        """Elements that are unknowns."""
-        return int(self.interface.feedback.sum())
-
-    @property
-    def kept(self) -> int:
-        """Pairs that the Krylov method remembers."""
-        return min(KEPT, self.unknowns)
-
-    def _part(self, which: int) -> np.ndarray:
-        return part(self.block, which)
-
-    # ---- the block of memory
-
-    def _contents(self, newton: Newton) -> dict[str, np.ndarray]:
-        """Parts that are given."""
-        counts = dict.fromkeys(COUNTED, 0.0) | {
-            "participants": len(self.called),
-            "wires": len(self.interface.wires),
-            "size": self.interface.size,
-            "unknowns": self.unknowns,
-            "kept": self.kept,
-            "iterations": newton.max_iterations,
-            "space": newton.largest_krylov_space,
-        }
-        constants = dict.fromkeys(CONSTANT, 0.0) | {
-            "accuracy": newton.accuracy,
-            "forcing": newton.forcing,
-            "noise": NOISE,
-        }
-        return {
-            "counts": in_order([counts], COUNTED),
-            "constants": in_order([constants], CONSTANT),
-            "order": np.arange(len(self.called), dtype=float),
-            "starting": np.zeros(0),
-            "rows": in_order(self._rows(0), OF_ROW),
-            "wires": in_order(self._wires(), OF_WIRE),
-            "exposed": np.zeros(0),
-            "contents": np.zeros(0),
-        }
-
-    def _lengths(self, evaluations: int) -> dict[str, int]:
-        """Of the parts that are not given."""
-        states = dict.fromkeys(STATE, 0) | {
-            "oldest": 1,
-            "images": self.kept * self.unknowns,
-            "differences": self.kept * self.unknowns,
-            "gram": self.kept**2,
-        }
-        return {
-            "inside": sum(one.inside for one in self.called),
-            "saved": 0,
-            **states,
-            "before": sum(states.values()),
-            "marks": self.kept,
-            "last": len(OF_LAST),
-            "last_inputs": 0,
-            "last_outputs": 0,
-            "trail": len(OF_TRAIL) + evaluations * len(self.interface.wires),
-            "failures": ROOM,
-            "faults": ROOM,
-        }
-
-    def _rows(self, behind: int) -> list[dict[str, float]]:
-        """`OF_ROW` of every participant, the first of them `behind` so many numbers. Its state is
-        its own, which is put back before every step: there is none here.
-        """
-        rows = []
-        for one in self.called:
-            row = dict.fromkeys(OF_ROW, 0.0) | {
-                "code": one.address,
-                "real": behind,
-                "reals": one.inside - 1,
-                "memory": behind + one.inside - 1,
-                "memories": 1,
-                "variables": one.variables,
-            }
-            rows.append(row)
-            behind += one.inside
-        return rows
-
-    def _wires(self) -> list[dict[str, float]]:
-        """`OF_WIRE` of every wire."""
-        rows = []
-        unknown = 0
-        for wire, span, ends in zip(self.interface.wires, self.interface.parts, self.ends):
-            source, target = self.called[ends.source], self.called[ends.target]
-            source_place = sum(source.inputs.values()) + place(source.outputs, ends.output)
-            target_place = place(target.inputs, ends.input)
-            is_against = bool(self.interface.feedback[span.start])
-            decrease = wire.largest_decrease
-            row = dict.fromkeys(OF_WIRE, 0.0) | {
-                "source": ends.source,
-                "source_place": source_place,
-                "target": ends.target,
-                "target_place": target_place,
-                "elements": span.stop - span.start,
-                "first": span.start,
-                "unknown": unknown if is_against else NOWHERE,
-                "nominal": wire.nominal,
-                "tolerance": wire.tolerance,
-                "largest_decrease": NOWHERE if decrease is None else decrease,
-                "seed": target.variables + target_place,
-                "product": source.variables + source_place,
-                "low": -np.inf,
-                "high": np.inf,
-                "columns": 1,
-            }
-            rows.append(row)
-            unknown += span.stop - span.start if is_against else 0
-        return rows
 
     # ---- a macro step
 
@@ -350,25 +253,23 @@ class Iteration:
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()
             raise fault
-        return self._solution() if self.numbers[FOUND] else None
+        return self._solution() if self.numbers[-1] else None
 
     def _solution(self) -> Solution:
         """What was found; the interface is told the measures of the wires."""
         measures = self._measures()
         self.interface.trail += measures
         history = tuple(map(max, measures))
-        return Solution(self.x.copy(), history, len(history) - 1, int(self.trail[PRODUCTS]))
+        return Solution(self.x.copy(), history, len(history) - 1, int(self.trail.products[0]))
 
     def _measures(self) -> list[list[float]]:
         """Of every wire, by evaluation."""
-        wires = len(self.interface.wires)
-        count = int(self.trail[EVALUATIONS]) * wires
-        return self.trail[len(OF_TRAIL) :][:count].reshape(-1, wires).tolist()
+        return self.trail.measures[: int(self.trail.evaluations[0])].tolist()
 
     def _adopt(self, memory: RecycledGmres) -> None:
         """Let a memory lie in the block, where the machine code has it."""
         if memory.pairs is not self.pairs:
-            for own, known in zip(self.pairs, memory.pairs_of(self.unknowns)):
+            for own, known in zip(self.pairs, memory.pairs_of(self.pairs.images.shape[1])):
                 own[...] = known
             memory.pairs = self.pairs
 
@@ -429,10 +330,9 @@ class ByPython(Iteration):
             [Called(self.asked.address, sizes, sizes)],
             [Ends(0, k, 0, k) for k in sizes],
         )
-        n = interface.size
-        self.given, self.said, self.seeds, self.products = self.block[self.first :][
-            : 4 * n
-        ].reshape(4, n)
+        self.given, self.said, self.seeds, self.products = self.parts.inside[
+            : 4 * interface.size
+        ].reshape(4, -1)
 
     def _answer(self, entry: int) -> None:
         """An entry, from where the machine code has put what is given to where it looks."""

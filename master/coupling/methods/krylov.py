@@ -125,7 +125,7 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
     null = np.zeros(most + 1)
     keep(basis[0], right / size)
     null[0] = 1.0
-    count = 0
+    count = min(most, 0)  # numba compiles `product` anew for a literal
     while count < most:
         direction = space.directions[count]
         precondition(pairs, inverse, basis[count], space.projected[count], direction)

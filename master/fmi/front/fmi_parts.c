@@ -12,8 +12,8 @@
 #define EXPORT __attribute__((visibility("default")))
 
 enum { WARNING = 1 };                   /* fmi2Warning: what is worse ends the iteration */
-enum { ADVANCE = 2, TANGENT };          /* as in master/coupling/native_calls.py */
-enum { CODE, REAL };                    /* as `OF_ROW` in master/coupling/native_block.py begins */
+enum { ADVANCE = 2, TANGENT };          /* as in master/coupling/native_system.py */
+enum { CODE, REAL };                    /* as `ParticipantRow` in master/coupling/native_block.py begins */
 enum { SET_STATE = 1, SET, STEP, GET, DERIVE };
 
 /* As `Instance` in master/participants/pointers.py. */

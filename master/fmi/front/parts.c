@@ -19,7 +19,7 @@ PARTS
 static Entering *const entries[][4] = {PARTS};
 #undef PART
 
-/* As `OF_ROW` in master/coupling/native_block.py begins. */
+/* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
 
 /* Entry of a participant on its part of the whole memory; 0, or an exception was raised. Called within `pool_run`. */
