@@ -8,7 +8,7 @@ from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import NO_NUMBERS
 from .keys import declared_variables
-from .machine_code import of_machine_code
+from .machine_code import native_choice
 from .schema import reduced
 from .times import record_interval, start_time, times
 from .values import given_values
@@ -16,7 +16,7 @@ from .wires import check_sources, field_of, wire_of
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredParticipant:
     """Participant before its FMU is built, with the variables that its part declares."""
 
     name: str
@@ -51,7 +51,7 @@ def faults_ahead(case, folder):
     for name, table in case.participants.items():
         if not table.host and (fault := missing_file(table, folder)):
             faults.append(f"participants.{name}.{fault}")
-    faults += of_machine_code(case, folder, parameters)[1]
+    faults += native_choice(case, folder, parameters)[1]
     if declared.keys() == case.participants.keys():
         check_ports(case, declared, faults)
         check_time(case, parameters, faults)
@@ -63,11 +63,11 @@ def run_ahead(case, folder):
 
     The clock is None if the variables of the participant with the angular speed are not declared.
     """
-    unheard = []
-    declared = declared_participants(case, folder, unheard)
-    parameters = parameters_ahead(case, declared, unheard)
+    ignored = []
+    declared = declared_participants(case, folder, ignored)
+    parameters = parameters_ahead(case, declared, ignored)
     joined = [
-        wire_of(table, declared, case.coupling, unheard)
+        wire_of(table, declared, case.coupling, ignored)
         for table in case.wires
         if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys()
     ]
@@ -75,7 +75,7 @@ def run_ahead(case, folder):
     turning = case.time.angular_speed
     if turning and port_of(turning)[0] not in declared:
         return None, wires
-    clock, _ = check_time(case, parameters, unheard)
+    clock, _ = check_time(case, parameters, ignored)
     return clock, wires
 
 
@@ -93,7 +93,7 @@ def declared_participants(case, folder, faults):
             continue
         if variables is not None:
             fields = {one.name: _as_fmu(one) for one in variables}
-            declared[name] = Declared(name, Path(table.package), fields)
+            declared[name] = DeclaredParticipant(name, Path(table.package), fields)
     return declared
 
 
@@ -113,9 +113,9 @@ def _as_fmu(variable):
 
 def native_participants(case, folder):
     """Return the names of the participants that are built as machine code."""
-    unheard = []
-    declared = declared_participants(case, folder, unheard)
-    return of_machine_code(case, folder, parameters_ahead(case, declared, unheard))[0]
+    ignored = []
+    declared = declared_participants(case, folder, ignored)
+    return native_choice(case, folder, parameters_ahead(case, declared, ignored))[0]
 
 
 def check_time(case, parameters, faults):

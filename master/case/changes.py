@@ -50,7 +50,7 @@ def value_at(tree: Tree, key: str, folder: Path) -> Any:
     """Return the value at a key of a case's tree; raise `KeyError` if there is none."""
     node: Any = tree
     try:
-        for part in place(tree, key, folder):
+        for part in key_parts(tree, key, folder):
             node = node[int(part) if isinstance(node, list) else part]
     except (BadInput, KeyError, IndexError, TypeError, ValueError):
         raise KeyError(key) from None
@@ -63,7 +63,7 @@ def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
     Missing tables that a case may have are created. Entries of lists are counted from 0.
     """
     try:
-        *parents, last = place(tree, key, folder)
+        *parents, last = key_parts(tree, key, folder)
     except BadInput as error:
         return str(error)
     node: Any = tree
@@ -93,10 +93,12 @@ def whole_key(tree: Tree, key: str, folder: Path) -> str:
     BadInput
         If no key or several keys match.
     """
-    return ".".join(part if "." not in part else f'"{part}"' for part in place(tree, key, folder))
+    return ".".join(
+        part if "." not in part else f'"{part}"' for part in key_parts(tree, key, folder)
+    )
 
 
-def place(tree: Tree, key: str, folder: Path) -> list[str]:
+def key_parts(tree: Tree, key: str, folder: Path) -> list[str]:
     """Return the parts of the dotted path of a key.
 
     A short key is the last part of a path, optionally with some of the parts before it:

@@ -90,8 +90,8 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     faults = faults_ahead(case, folder)
     previews = _previews(case, folder)
     for owner, one in previews.items():
-        told = [f"participants.{owner}, {line}" for line in one.faults]
-        faults += [line for line in told if line not in faults]
+        lines = [f"participants.{owner}, {line}" for line in one.faults]
+        faults += [line for line in lines if line not in faults]
     faults += _disagreements(case, folder, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     found = _loops(case, folder, faults) if not faults else []

@@ -181,7 +181,7 @@ def players(tree: dict, role: str) -> list[str]:
     return said or [name for name in tables if name == usual]
 
 
-def in_place_of(tree: dict, role: str, text: str) -> tuple[str, str]:
+def replaced_participant(tree: dict, role: str, text: str) -> tuple[str, str]:
     """Return participant and model of a `--ROLE` option "FILE" or "PARTICIPANT=FILE".
 
     Raises
@@ -250,8 +250,8 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
         }
         if len(shapes) > 1:
             of = f" of {one.removesuffix('.')}" if one else ""
-            told = ", ".join(map(str, sorted(shapes)))
-            breaches.append(f"fields{of}: expected equal shapes, got {told}")
+            got = ", ".join(map(str, sorted(shapes)))
+            breaches.append(f"fields{of}: expected equal shapes, got {got}")
     return role, breaches, remarks
 
 
@@ -304,7 +304,7 @@ def swap_all(
         if text is None:
             continue
         first = next(iter(trees.values()))
-        name, model = in_place_of(first, role, text)
+        name, model = replaced_participant(first, role, text)
         fmu = fmu_of_model(role, model, first["participants"][name], say)
         pairs = {label: swap(tree, name, fmu) for label, tree in trees.items()}
         trees = {label: tree for label, (tree, _) in pairs.items()}

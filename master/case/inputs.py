@@ -75,7 +75,7 @@ def slopes(case, participants, wires, step):
     return found
 
 
-def able(case, participants, faults):
+def with_one_way(case, participants, faults):
     """Return the participants, with wrappers for those that cannot save their state.
 
     If a local error determines the steps, these are faults.

@@ -226,7 +226,7 @@ def _moved(node: Any, before: str) -> None:
 
 def _property(variable: Variable) -> dict[str, Any]:
     """Return a parameter as a JSON schema property; one with a unit is a string."""
-    described: dict[str, Any] = {"description": f"{variable.description}. {_told(variable)}"}
+    described: dict[str, Any] = {"description": f"{variable.description}. {_range_text(variable)}"}
     if variable.choices:
         return described | {"enum": list(variable.choices), "default": variable.start}
     if variable.unit != "1":
@@ -236,7 +236,7 @@ def _property(variable: Variable) -> dict[str, Any]:
     return described | {"type": ["number", "string"], "default": variable.start} | given
 
 
-def _told(variable: Variable) -> str:
+def _range_text(variable: Variable) -> str:
     """Return default, unit and range as a sentence."""
     key = _key(variable, "")
     unit = f" {key.unit}" if key.unit else ""

@@ -7,7 +7,7 @@ from ..fmi.errors import BadInput, unknown
 from .keys import declared_variables
 
 
-def of_machine_code(
+def native_choice(
     case: Any, folder: Path, given: dict[str, dict[str, Any]]
 ) -> tuple[set[str], list[str]]:
     """Return the participants to build as machine code, and the faults of those that cannot be.

@@ -8,7 +8,7 @@ from ..participants.substeps import Substeps
 from .ahead import angular_speed, check_ports, check_time, faults_ahead, native_participants
 from .contract import starting_order
 from .given import build_options, masks
-from .inputs import able, check_fixed, interpolating, slopes
+from .inputs import check_fixed, interpolating, slopes, with_one_way
 from .opening import open_participant
 from .times import record_interval
 from .values import given_values
@@ -72,7 +72,7 @@ def open_system(case, folder, progress, own=None):
     held = [wire for wire in handed if wire.target not in of_clocks]
     conversions = {} if faults else conversions_of(reals, participants)
     in_units_of_wires(parameters, conversions)
-    participants = able(case, converting(participants, conversions), faults)
+    participants = with_one_way(case, converting(participants, conversions), faults)
     participants = interpolating(case, participants, {wire.target for wire in wires}, faults)
     try:
         conjugates(wires, case.wires)
@@ -120,7 +120,7 @@ def open_system(case, folder, progress, own=None):
 def _as_they_start(participants, wires, progress):
     """Return the participants in the order in which they start; report a changed order."""
     order = starting_order(participants, wires)
-    late = [name for name, told in zip(participants, order) if name != told]
+    late = [name for name, first in zip(participants, order) if name != first]
     if late:
         progress(f"participants start in the order {', '.join(order)}: films after their bodies")
     return {name: participants[name] for name in order}

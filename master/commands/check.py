@@ -39,8 +39,8 @@ def print_checked(found: CheckedCase, picture: Path):
         for figure in preview.figures:
             groups.setdefault(figure.group, []).append(figure)
         for group, figures in groups.items():
-            told = "   ".join(map(_told, figures))
-            console.print(f"  {group:10s} {told}", highlight=False, markup=False, soft_wrap=True)
+            text = "   ".join(map(_figure_text, figures))
+            console.print(f"  {group:10s} {text}", highlight=False, markup=False, soft_wrap=True)
     for line in found.loop_table():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for line in found.remarks:
@@ -52,13 +52,13 @@ def print_checked(found: CheckedCase, picture: Path):
     console.print("[green]no faults[/]")
 
 
-def _told(figure: Figure) -> str:
+def _figure_text(figure: Figure) -> str:
     """Return a figure as text with its name."""
     note = f" ({figure.note})" if figure.note else ""
-    return f"{figure.name.replace('_', ' ')} {_shown(figure)}{note}"
+    return f"{figure.name.replace('_', ' ')} {_value_text(figure)}{note}"
 
 
-def _shown(figure: Figure) -> str:
+def _value_text(figure: Figure) -> str:
     """Return its value as text: lengths in mm or um, shares in percent, volumes in cm^3."""
     if figure.unit == "m":
         size = abs(figure.value)

@@ -165,9 +165,9 @@ def _run(label, system, case, tree, file, live, log):
     """Run a variant in this process."""
     with (
         watching(console, label) as watch,
-        _shown(live, case, system, watch) as (shown, told),
+        _shown(live, case, system, watch) as (shown, observer),
     ):
-        summary = run_system(system, shown, tree, file, told, say=say, log=log)
+        summary = run_system(system, shown, tree, file, observer, say=say, log=log)
     return Outcome(summary | state_truncation(tree, Path(system.folder), file, say), watch.first)
 
 

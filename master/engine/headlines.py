@@ -17,7 +17,7 @@ from ..results.judgement import mean_over
 from .impacts import impacts
 from .oil_balance import oil_balance
 from .peaks import ABOVE, BESIDE, side_peaks
-from .places import Place, film_body, highest_place, thinnest_place
+from .places import CellPosition, film_body, highest_position, thinnest_position
 
 
 class Headline(NamedTuple):
@@ -55,8 +55,8 @@ def headlines(case, results) -> list[Headline]:
     runs = [Run(case, results, film, bodies[0]) for film in films]
     pistons = [Run(case, results, films[0], body) for body in bodies]
     lines = [
-        *_of_each(runs, "minimum film", lambda run: _told(thinnest(run))),
-        *_of_each(runs, "maximum pressure", lambda run: _told(highest(run))),
+        *_of_each(runs, "minimum film", lambda run: _extreme_text(thinnest(run))),
+        *_of_each(runs, "maximum pressure", lambda run: _extreme_text(highest(run))),
         *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
         *_of_each(runs, "asperity contact", _asperities),
@@ -96,11 +96,11 @@ def _at(run, k):
     return f"at {np.degrees(crank.angle[k]):.4g} deg"
 
 
-def _where(place: Place | None):
+def _where(place: CellPosition | None):
     return f", {place.brief}" if place else ""
 
 
-class Located(NamedTuple):
+class Extreme(NamedTuple):
     """Extreme value in its SI unit, with its instant and position in words."""
 
     value: float
@@ -108,27 +108,27 @@ class Located(NamedTuple):
     where: str
 
 
-def thinnest(run) -> Located | None:
+def thinnest(run) -> Extreme | None:
     """Return the minimum film thickness, or None if the run lacks it."""
     values = run.values(f"{run.film}.minimum_film_thickness")
     if values is None:
         return None
     k = int(values.argmin())
-    place = thinnest_place(run.case, run.results, run.film)
-    return Located(float(values[k]), "m", f"{_at(run, k)}{_where(place)}")
+    place = thinnest_position(run.case, run.results, run.film)
+    return Extreme(float(values[k]), "m", f"{_at(run, k)}{_where(place)}")
 
 
-def highest(run) -> Located | None:
+def highest(run) -> Extreme | None:
     """Return the maximum pressure, or None if the run lacks it."""
     values = run.values(f"{run.film}.maximum_pressure")
     if values is None:
         return None
     k = int(values.argmax())
-    place = highest_place(run.case, run.results, run.film)
-    return Located(float(values[k]), "Pa", f"{_at(run, k)}{_where(place)}")
+    place = highest_position(run.case, run.results, run.film)
+    return Extreme(float(values[k]), "Pa", f"{_at(run, k)}{_where(place)}")
 
 
-def _told(located):
+def _extreme_text(located):
     return f"{short(located.value, located.unit)} {located.where}" if located else ""
 
 
@@ -299,8 +299,8 @@ def _rocking(run):
     return _range(turn, lambda x: f"{np.degrees(x):.3g} deg")
 
 
-def _range(values, told):
-    return "" if values is None else f"{told(values.min())} to {told(values.max())}"
+def _range(values, as_text):
+    return "" if values is None else f"{as_text(values.min())} to {as_text(values.max())}"
 
 
 def _oil(run):

@@ -526,7 +526,7 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
         trim_blocks=True,
     )
 
-    def told(size: str) -> str:
+    def origin(size: str) -> str:
         """Return the origin of a size."""
         if size in found.given:
             return "given"
@@ -539,7 +539,7 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
     return templates.get_template("engine.toml").render(
         name=name,
         e=found,
-        told=told,
+        origin=origin,
         mm=lambda value: shown(1e3 * value, "mm"),
         um=lambda value: shown(1e6 * value, "um"),
         grams=lambda value: shown(1e3 * value, "g"),

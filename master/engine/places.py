@@ -8,7 +8,7 @@ from ..case.contract import interface
 
 
 @dataclass(frozen=True)
-class Place:
+class CellPosition:
     """Cell in which a field takes its extreme value.
 
     side : the nearest mark of the axis, "" without marks; around, along : positions, with the
@@ -36,14 +36,14 @@ class Place:
         return f"{side}{self.around}, {self.along_label} {self.along}"
 
 
-def highest_place(case, results, film) -> Place | None:
+def highest_position(case, results, film) -> CellPosition | None:
     """Return the position of the highest pressure of a film; None if the run lacks it."""
-    return _place_of(case, results, film, f"{film}.pressure", "maximum_pressure")
+    return _extreme_position(case, results, film, f"{film}.pressure", "maximum_pressure")
 
 
-def thinnest_place(case, results, film) -> Place | None:
+def thinnest_position(case, results, film) -> CellPosition | None:
     """Return the position of the minimum film thickness; None if the run lacks it."""
-    return _place_of(case, results, film, gap_port(results, film), "minimum_film_thickness")
+    return _extreme_position(case, results, film, gap_port(results, film), "minimum_film_thickness")
 
 
 def gap_port(results, film) -> str:
@@ -64,7 +64,7 @@ def film_surface(results, film) -> str:
     return other.surface if other else ""
 
 
-def _place_of(case, results, film, port, extreme):
+def _extreme_position(case, results, film, port, extreme):
     """Return the cell whose envelope value is nearest to the extreme of a film's output.
 
     Bodies have a gap also outside the skirt, so the minimum of the film's output identifies the
@@ -77,10 +77,10 @@ def _place_of(case, results, film, port, extreme):
     values = results.series(f"{film}.{extreme}").values
     wanted = values.min() if envelope.kind == "min" else values.max()
     index = np.unravel_index(np.abs(envelope.values - wanted).argmin(), envelope.values.shape)
-    return _place(case.axes_of(f"{film}.pressure"), index, envelope.values.shape)
+    return _cell_position(case.axes_of(f"{film}.pressure"), index, envelope.values.shape)
 
 
-def _place(axes, index, shape):
+def _cell_position(axes, index, shape):
     """Return a cell with the labels of the case's axes."""
     i, j = map(int, index)
     cells_around, cells_along = shape
@@ -90,7 +90,7 @@ def _place(axes, index, shape):
     turn = high - low
     marks = axes.first.marks
     apart = {word: abs((around - at + turn / 2) % turn - turn / 2) for word, at in marks.items()}
-    return Place(
+    return CellPosition(
         side=min(apart, key=lambda word: apart[word]) if apart else "",
         around=f"{around:.4g} {axes.first.unit}".strip(),
         around_label=axes.first.label,

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
-from ..results.instants import told
-from .places import highest_place, thinnest_place
+from ..results.instants import instant_text
+from .places import highest_position, thinnest_position
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
@@ -199,7 +199,7 @@ def _of_film(case, results, name):
         values = results.series(thinnest).values
         k = int(values.argmin())
         film = f"The minimum film thickness is {short(values[k], 'm')} "
-        film += f"at {told(results, results.time[k])}"
+        film += f"at {instant_text(results, results.time[k])}"
         rough = to_si(given.get("roughness_rms", "0 m"), "m")
         if rough > 0.0:
             ratio = values[k] / rough
@@ -207,18 +207,19 @@ def _of_film(case, results, name):
             film += f", {ratio:.3g} times the roughness (limit {LAMBDA_AMBER:g})"
         else:
             colour = "red" if values[k] <= 0.0 else "green"
-        place = thinnest_place(case, results, name)
+        place = thinnest_position(case, results, name)
         yield Verdict(colour, "film", f"{film}.{place.clause if place else ''}")
     # the limit applies to skirts, and only bearings have a friction torque
     if highest in results.ports and f"{name}.friction_torque" not in results.ports:
         values = results.series(highest).values
         k = int(values.argmax())
-        place = highest_place(case, results, name)
+        place = highest_position(case, results, name)
         yield Verdict(
             _colour(values[k], PRESSURE_AMBER, PRESSURE_RED),
             "pressure",
-            f"The maximum pressure is {short(values[k], 'Pa')} at {told(results, results.time[k])} "
-            f"(limit {short(PRESSURE_AMBER, 'Pa')}).{place.clause if place else ''}",
+            f"The maximum pressure is {short(values[k], 'Pa')} at "
+            f"{instant_text(results, results.time[k])} (limit {short(PRESSURE_AMBER, 'Pa')})."
+            f"{place.clause if place else ''}",
         )
 
 

@@ -21,7 +21,7 @@ PLAIN = (str, int, float)
 Asked = TypeVar("Asked", bound=Callable[..., Any])
 
 
-def kept_answers(library: str) -> Callable[[Asked], Asked]:
+def cached_results(library: str) -> Callable[[Asked], Asked]:
     """Return a decorator that caches the results of a function in the user's cache.
 
     The cache is valid until `library` or the source file of the function changes. Exceptions are
@@ -33,7 +33,7 @@ def kept_answers(library: str) -> Callable[[Asked], Asked]:
         def ask(*asked):
             if not all(isinstance(one, PLAIN) for one in asked):
                 return function(*asked)
-            kept = _answers(library, function.__code__.co_filename)
+            kept = _results(library, function.__code__.co_filename)
             key = json.dumps([function.__name__, *asked])
             if key not in kept:
                 kept[key] = function(*asked)
@@ -45,7 +45,7 @@ def kept_answers(library: str) -> Callable[[Asked], Asked]:
 
 
 @cache
-def _answers(library, source):
+def _results(library, source):
     """Return the results of the functions in one file, by question; saved when the process ends."""
     of = find_spec(library)
     stamp = Path(of.origin).stat() if of and of.origin else None

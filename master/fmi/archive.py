@@ -36,13 +36,13 @@ def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
             raise BadInput(f"{path}: expected files inside it, got path {member.filename!r}")
 
 
-def heal(path: Path, folder: Path) -> list[str]:
+def restore_files(path: Path, folder: Path) -> list[str]:
     """Restore the files of an unpacked archive that are missing or changed; return their names."""
-    healed = []
+    restored = []
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
             target = folder / member.filename
-            if member.is_dir() or _is_whole(target, member):
+            if member.is_dir() or _is_intact(target, member):
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             handle, fresh = tempfile.mkstemp(dir=target.parent)
@@ -50,11 +50,11 @@ def heal(path: Path, folder: Path) -> list[str]:
                 file.write(archive.read(member))
             os.chmod(fresh, 0o755)
             os.replace(fresh, target)
-            healed.append(member.filename)
-    return healed
+            restored.append(member.filename)
+    return restored
 
 
-def _is_whole(target: Path, member: zipfile.ZipInfo) -> bool:
+def _is_intact(target: Path, member: zipfile.ZipInfo) -> bool:
     """Return whether a file has the size and the checksum of the archive's member."""
     try:
         if target.stat().st_size != member.file_size:

@@ -215,7 +215,7 @@ def build_native_fmu(
         "libraries": repr([library_name((package,), one, version) for one in platforms]).encode(),
         "version": f"{version_of('piston-cosim')} {version} {experiment!r}".encode(),
     }
-    fmu = _place_of(package, made_of)
+    fmu = _cached_path(package, made_of)
     if not fmu.exists():
         inside = slave_inside(package, part, resolved, files)
         inside.slave.experiment = experiment or inside.slave.experiment
@@ -262,7 +262,7 @@ def pack_native_fmu(
     """
     made = libraries((package, *participants), platforms, version, progress)
     members = _members(inside, made, version)
-    fmu = _place_of(name, members)
+    fmu = _cached_path(name, members)
     if not fmu.exists():
         _write(fmu, members, progress)
     return fmu
@@ -280,7 +280,7 @@ def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[st
     return members
 
 
-def _place_of(name: str, made_of: Mapping[str, bytes]) -> Path:
+def _cached_path(name: str, made_of: Mapping[str, bytes]) -> Path:
     """Return the path in the cache of an FMU with this content."""
     digest = sha256()
     for member in sorted(made_of):

@@ -32,7 +32,7 @@ def compilable(function):
 
     Models use it for code between their kernels, which native FMUs compile.
     """
-    return WithinKernels(function, {})
+    return CompilableFunction(function, {})
 
 
 def standing_for(kernel):
@@ -40,7 +40,7 @@ def standing_for(kernel):
 
     Both have the same arguments, some of which are objects in Python.
     """
-    return partial(StandIn, kernel=kernel)
+    return partial(ReplacedFunction, kernel=kernel)
 
 
 def packed(kind: Any, *others: str):
@@ -118,14 +118,14 @@ class Kernel:
         return self.callee._numba_type_
 
 
-class WithinKernels(Kernel):
+class CompilableFunction(Kernel):
     """Function that is compiled inside kernels only."""
 
     def __call__(self, *arguments, **named):
         return self.py_func(*arguments, **named)
 
 
-class StandIn:
+class ReplacedFunction:
     """Function that kernels replace by another one."""
 
     def __init__(self, function, kernel: Kernel):

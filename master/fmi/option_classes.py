@@ -72,11 +72,11 @@ def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
 
 def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:
     """Return the faults of an option class, "KEY: expected X, got Y; hint" each."""
-    told: dict[str, list[str]] = {}
+    by_key: dict[str, list[str]] = {}
     for fault in error.errors():
         for sentence in _sentences(fault, kind):
-            told.setdefault(where_of(fault) if _of_choice(fault) else sentence, []).append(sentence)
-    return [_either(several) for several in told.values()]
+            by_key.setdefault(key_of(fault) if _of_choice(fault) else sentence, []).append(sentence)
+    return [_either(several) for several in by_key.values()]
 
 
 OPTION = re.compile(r"(str|bool|int|float|(list|dict|tuple|constrained|function)[\[-].*)")
@@ -86,7 +86,7 @@ OPTION = re.compile(r"(str|bool|int|float|(list|dict|tuple|constrained|function)
 EXPECTED = re.compile(r"(.*?: expected )(.*)(, got .*)")
 
 
-def where_of(fault: Any) -> str:
+def key_of(fault: Any) -> str:
     """Return the dotted key of a pydantic fault."""
     return ".".join(str(part) for part in takewhile(is_key, fault["loc"]))
 
@@ -112,7 +112,7 @@ def _either(sentences: list[str]) -> str:
 
 def _sentences(fault: Any, kind: type[BaseModel]) -> list[str]:
     """Return a pydantic fault as sentences; those of a validator may begin with a key."""
-    where = where_of(fault)
+    where = key_of(fault)
     if fault["type"] == "value_error":
         return [
             f"{where}{': ' if line.startswith('expected ') else '.'}{line}".removeprefix(".")

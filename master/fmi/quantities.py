@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
-from .answers import kept_answers
+from .answers import cached_results
 from .cache import cache_folder
 from .errors import BadInput
 
@@ -86,7 +86,7 @@ def _not_a_quantity(value, unit):
     return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
 
 
-@kept_answers("pint")
+@cached_results("pint")
 def _by_pint(value, unit):
     """Convert a user's value to SI.
 
@@ -118,7 +118,7 @@ def _by_pint(value, unit):
     return float(quantity.to(target).magnitude)
 
 
-@kept_answers("pint")
+@cached_results("pint")
 def from_si(value: float, si: str, unit: str) -> float:
     """Convert a value from the SI unit `si` to another unit, as pint writes it.
 
@@ -132,7 +132,7 @@ def from_si(value: float, si: str, unit: str) -> float:
         raise ValueError(f"expected a unit of {si}, got {unit!r}") from error
 
 
-@kept_answers("pint")
+@cached_results("pint")
 def worth(unit: str, other: str) -> str:
     """Return the kind of the product of two FMI units: "energy", "power", or its unit."""
     product = registry()(pint_unit(unit)) * registry()(pint_unit(other))
@@ -158,7 +158,7 @@ def is_angle(text: str) -> bool:
     return _without_pint(text, "s") is None and _is_angle(text)
 
 
-@kept_answers("pint")
+@cached_results("pint")
 def _is_angle(text: str) -> bool:
     try:
         units = registry().Quantity(text).units
@@ -167,7 +167,7 @@ def _is_angle(text: str) -> bool:
     return units.is_compatible_with("rad") and str(units) != "dimensionless"
 
 
-@kept_answers("pint")
+@cached_results("pint")
 def is_known(unit: str) -> bool:
     """Return whether pint knows a unit; FMUs may use any name."""
     try:

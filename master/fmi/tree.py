@@ -38,26 +38,26 @@ def slave_class(path: str) -> type:
     `import piston_cosim...` in its module refers to this tree too.
     """
     module, _, name = path.partition(":")
-    with _under_the_installed_name():
+    with _as_installed():
         return getattr(import_part(module), name)
 
 
 @contextmanager
-def _under_the_installed_name():
+def _as_installed():
     """Inside an FMU, give this tree the name of the installed one, which is hidden meanwhile."""
     if ROOT == INSTALLED:
         yield
         return
     for name in FOR_USERS:
         import_module(f"{ROOT}.{name}")
-    hidden = _taken_out(INSTALLED)
+    hidden = _remove_modules(INSTALLED)
     sys.modules.update(
         {INSTALLED + name.removeprefix(ROOT): sys.modules[name] for name in _names(ROOT)}
     )
     try:
         yield
     finally:
-        _taken_out(INSTALLED)
+        _remove_modules(INSTALLED)
         sys.modules.update(hidden)
 
 
@@ -66,7 +66,7 @@ def _names(package):
     return [name for name in sys.modules if name == package or name.startswith(package + ".")]
 
 
-def _taken_out(package):
+def _remove_modules(package):
     """Remove a package from the loaded modules; return them, name to module."""
     return {name: sys.modules.pop(name) for name in _names(package)}
 
@@ -97,7 +97,7 @@ def _imported(file):
     return [path.resolve() for path in found if path.is_file()]
 
 
-def _kept(find):
+def _cached(find):
     """Cache the results of a function of a source, because parsing takes a fifth of a start."""
 
     def known(source):
@@ -115,7 +115,7 @@ def _kept(find):
     return known
 
 
-@_kept
+@_cached
 def _relative_imports(source):
     """Return level, module and names of each relative import of a source."""
     return [
@@ -125,7 +125,7 @@ def _relative_imports(source):
     ]
 
 
-@_kept
+@_cached
 def code_digest(source):
     """Return the digest of a source's code, without comments, docstrings and empty lines."""
     text = source.decode()

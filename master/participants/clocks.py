@@ -171,7 +171,7 @@ class ClockedFmu3(Fmu3Participant):
             self._tick(active)
         except FMICallException as failure:
             self._broken = True
-            raise ParticipantFault(f"{self.name}: {self._words(failure)}") from None
+            raise ParticipantFault(f"{self.name}: {self._message(failure)}") from None
 
     def _tick(self, active):
         self._fmu.enterEventMode()
@@ -193,7 +193,7 @@ class ClockedFmu3(Fmu3Participant):
         if not self._running:
             self._begin()
         for _ in range(LARGEST_ITERATION):
-            self._hear(active)
+            self._read_ticks(active)
             self._ask_intervals()
             again, end, *_ = self._fmu.updateDiscreteStates()
             active = ()
@@ -202,7 +202,7 @@ class ClockedFmu3(Fmu3Participant):
                 return end
         raise Discard(f"{self.name}: an event without end")
 
-    def _hear(self, active):
+    def _read_ticks(self, active):
         """Save the output clocks that tick, and the outputs of all clocks that tick."""
         ticking = set(active)
         if self._announced:
@@ -267,10 +267,10 @@ class ClockedFmu3(Fmu3Participant):
         super()._do_step(time, step)
         self._now = time + step
 
-    def _meet(self, reached, end, step):
+    def _handle_event(self, reached, end, step):
         """Handle an event inside a step; raise `Ticked` if others must receive it now."""
         self._now = reached
-        finished = super()._meet(reached, end, step)
+        finished = super()._handle_event(reached, end, step)
         inside = end - step + WHOLE * step < reached < end - WHOLE * step
         if inside and not self._stops.isdisjoint(self._work.ticked):
             raise Ticked(self.name, reached)

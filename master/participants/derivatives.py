@@ -179,7 +179,9 @@ def objection(
         for k in range(INSTANTS):
             for moved in MOVED:
                 try:
-                    verdict = _tried(participant, (begin + k * step, step), inputs, outputs, moved)
+                    verdict = _agrees_at(
+                        participant, (begin + k * step, step), inputs, outputs, moved
+                    )
                 except Discard:
                     continue  # the FMU discards the step for these inputs
                 if verdict:
@@ -198,7 +200,7 @@ def objection(
         participant.free(saved)
 
 
-def _tried(
+def _agrees_at(
     participant: Participant,
     this_step: tuple[float, float],
     inputs: Sequence[str],

@@ -18,14 +18,14 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..fmi.archive import check_archive, heal
+from ..fmi.archive import check_archive, restore_files
 from ..fmi.cache import cache_folder
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault, file_fault
 from ..fmi.fields import VENDOR, gather_fields
 from ..fmi.notebook import html_table
 from .derivatives import difference
+from .description_cache import cache_description, cached_description
 from .exits import guard_exit
-from .kept import keep_description, kept_description
 from .participant import read_each, write_each
 from .printf import Logger, printed
 
@@ -61,7 +61,7 @@ class FmuParticipant:
     version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
     event_mode = True
-    _is_kept = True  # whether the description is cached
+    _is_cached = True  # whether the description is cached
     _whole_numbers = {
         "Integer": "fmi2GetInteger",
         "Enumeration": "fmi2GetInteger",
@@ -72,18 +72,18 @@ class FmuParticipant:
     def __init__(self, name, path, sizes=None, elements=()):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
         self.elements = frozenset(elements)
-        self._is_kept = self._is_kept and not self.elements
-        if self._is_kept and (kept := kept_description(self.path)):
+        self._is_cached = self._is_cached and not self.elements
+        if self._is_cached and (kept := cached_description(self.path)):
             self.description, self.fields = kept
         else:
             self._read_description()
         self.folder = unpack(self.path)
         self.log = []
         root = self._before_the_variables()
-        self._vectors: dict[str, Block] = {}
-        self._pairs: dict[tuple[str, tuple[str, ...]], Block] = {}
+        self._vectors: dict[str, TransferBlock] = {}
+        self._pairs: dict[tuple[str, tuple[str, ...]], TransferBlock] = {}
         self._input_values: dict[str, np.ndarray] = {}
-        self._written: Block | None = None
+        self._written: TransferBlock | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
         self._functions: Any = None  # `Functions` of an instance
@@ -137,8 +137,8 @@ class FmuParticipant:
             self.fields = gather_fields(self.description, self.sizes, self.elements)
         except ValueError as error:
             raise BadInput(f"{one}: {error}") from None
-        if self._is_kept:
-            keep_description(self.path, self.description, self.fields)
+        if self._is_cached:
+            cache_description(self.path, self.description, self.fields)
 
     @property
     def has_derivatives(self):
@@ -193,7 +193,7 @@ class FmuParticipant:
         self.log.clear()
         self._forget_inputs()
         self._begun = self._broken = False
-        with self._refusing():
+        with self._raise_logged():
             self._instantiate(start_time, stop_time)
             self._configure()
             for name, value in parameters.items():
@@ -203,7 +203,7 @@ class FmuParticipant:
 
     def leave(self):
         """Run the second half of `start`: leave Initialization Mode."""
-        with self._refusing():
+        with self._raise_logged():
             self._fmu.exitInitializationMode()
         self._begun = True
 
@@ -223,15 +223,15 @@ class FmuParticipant:
         return list(dict.fromkeys(text for status, text in self.log if status == WARNING))
 
     @contextmanager
-    def _refusing(self):
+    def _raise_logged(self):
         """Raise the errors that the FMU logs at its start."""
         try:
             yield
         except Exception as error:
-            raise self._refusal() or BadInput(
+            raise self._logged_error() or BadInput(
                 f"participants.{self.name}: expected a start, got {error}{self._hint}"
             ) from error
-        if refusal := self._refusal():
+        if refusal := self._logged_error():
             raise refusal
 
     _hint = ""  # what to try if it does not start
@@ -263,7 +263,7 @@ class FmuParticipant:
     def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode()
 
-    def _refusal(self):
+    def _logged_error(self):
         """Return the exception for the errors in the log: a fault, bad input, or None."""
         if any(text.startswith("Traceback") for _, text in self.log):
             return ParticipantFault(f"{self.name}: {self.log[-1][1]}")
@@ -476,7 +476,7 @@ class FmuParticipant:
         try:
             self._do_step(time, step)
         except FMICallException as failure:
-            text = self._words(failure)
+            text = self._message(failure)
             if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
                 self._broken = True
                 raise ParticipantFault(f"{self.name}: {text}") from None
@@ -515,7 +515,7 @@ class FmuParticipant:
         """
         self._call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), TRUE)
 
-    def _words(self, failure):
+    def _message(self, failure):
         """Return the FMU's log of the failed call, or the call's name and status."""
         return "\n".join(text for _, text in self.log) or str(failure)
 
@@ -574,7 +574,7 @@ class FmuParticipant:
         try:
             self._derive(known, unknown)
         except FMICallException as failure:
-            raise ParticipantFault(f"{self.name}: {self._words(failure)}") from None
+            raise ParticipantFault(f"{self.name}: {self._message(failure)}") from None
         return self._cut(unknown)
 
     def _derive(self, known, unknown):
@@ -622,7 +622,7 @@ class FmuParticipant:
         if function not in ("fmi2DoStep", "fmi2GetDirectionalDerivative"):
             return failure
         self._broken |= function == "fmi2DoStep"
-        return ParticipantFault(f"{self.name}: {self._words(failure)}")
+        return ParticipantFault(f"{self.name}: {self._message(failure)}")
 
     def _pair(self, names, use="read"):
         """Return the block of several fields, created once for each use."""
@@ -674,7 +674,7 @@ class FmuParticipant:
 
     def _reserved_references(self, root):
         """Return the blocks of all seeds and all products, from the FMU's vendor annotation."""
-        blocks: dict[str, Block] = {}
+        blocks: dict[str, TransferBlock] = {}
         for kind in ("seed", "product"):
             nodes = root.findall(
                 f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}"
@@ -707,7 +707,7 @@ class FmuParticipant:
             if self._begun and not self._broken:
                 fmu.terminate()
         except FMICallException as failure:
-            words = self._words(failure)
+            words = self._message(failure)
             raise ParticipantFault(f"{self.name}: at its end: {words}") from None
         finally:
             if fmu.component:
@@ -717,7 +717,7 @@ class FmuParticipant:
 
 
 @dataclass(frozen=True)
-class Block:
+class TransferBlock:
     """Fields that one call transfers.
 
     references : C array of value references; count : their number; pointer : to `values`; parts
@@ -758,7 +758,7 @@ def _block(fields):
         name: slice(int(end) - field.size, int(end))
         for (name, field), end in zip(fields.items(), ends)
     }
-    return Block(
+    return TransferBlock(
         (ctypes.c_uint * len(references))(*references),
         len(references),
         values,
@@ -772,10 +772,8 @@ def unpack(path):
     digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
     folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
     if folder.exists():
-        if healed := heal(path, folder):
-            warnings.warn(
-                f"{folder}: was damaged and is whole again: {', '.join(healed)}", stacklevel=2
-            )
+        if restored := restore_files(path, folder):
+            warnings.warn(f"{folder}: was damaged; restored {', '.join(restored)}", stacklevel=2)
     else:
         partial = Path(tempfile.mkdtemp(dir=folder.parent))
         with zipfile.ZipFile(path) as archive:

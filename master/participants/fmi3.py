@@ -17,7 +17,7 @@ class Fmu3Participant(FmuParticipant):
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
     _whole_numbers = {}
-    _is_kept = False  # the size of arrays depends on `sizes`
+    _is_cached = False  # the size of arrays depends on `sizes`
 
     @property
     def can_interpolate(self) -> bool:
@@ -72,7 +72,7 @@ class Fmu3Participant(FmuParticipant):
         """Leave Initialization Mode, and the Event Mode that follows it in FMUs that have one."""
         super().leave()
         if self._has_events:
-            with self._refusing():
+            with self._raise_logged():
                 self._settle_events()
                 self._fmu.enterStepMode()
 
@@ -124,7 +124,7 @@ class Fmu3Participant(FmuParticipant):
             self._call("fmi3DoStep", *times, ctypes.c_bool(True), *references)
             event, finished, early = (flag.value for flag in flags)
             if event and self._has_events and not finished:
-                finished = self._meet(reached.value, end, step)
+                finished = self._handle_event(reached.value, end, step)
             if finished:
                 self._end(reached.value, end, step)
                 return
@@ -134,7 +134,7 @@ class Fmu3Participant(FmuParticipant):
                 raise Discard(f"{self.name}: returns early at t = {at:.6g} s and does not go on")
             at = reached.value
 
-    def _meet(self, reached, end, step):
+    def _handle_event(self, reached, end, step):
         """Handle an event at time `reached` of a step to `end` [s]; return whether the FMU ends."""
         self._fmu.enterEventMode()
         finished = self._settle_events()

@@ -124,12 +124,12 @@ class InterpolatedParticipant(FieldByField):
 
     def step(self, time, step):
         """Take a step [s] with interpolated inputs."""
-        self._tell_courses(time, step)
+        self._set_courses(time, step)
         self.participant.step(time, step)
         self._set_ends()
 
     def begin_step(self, time, step):
-        self._tell_courses(time, step)
+        self._set_courses(time, step)
         self.participant.begin_step(time, step)
 
     def end_step(self):
@@ -142,7 +142,7 @@ class InterpolatedParticipant(FieldByField):
             if kind == "mean":
                 self.participant.set(name, self.now[name])
 
-    def _tell_courses(self, time, step):
+    def _set_courses(self, time, step):
         """Set the courses of all interpolated inputs for the next step."""
         self._last_step = time, step
         begin = self._begin[1]

@@ -47,10 +47,10 @@ class OneWayParticipant:
         try:
             yield
         except Discard as refusal:
-            raise ParticipantFault(f"{refusal}; {self._words}") from None
+            raise ParticipantFault(f"{refusal}; {self._message}") from None
 
     @property
-    def _words(self):
+    def _message(self):
         return "it cannot save and restore its state, so the step cannot be taken again"
 
     def save(self):
@@ -62,7 +62,7 @@ class OneWayParticipant:
     def restore(self, saved):
         """Do nothing if no step was taken since; else raise `ParticipantFault`."""
         if saved != self._steps:
-            raise ParticipantFault(f"{self.name}: {self._words}")
+            raise ParticipantFault(f"{self.name}: {self._message}")
 
     def free(self, saved):
         """Do nothing, because nothing is saved."""

@@ -45,7 +45,7 @@ class Instance(ctypes.Structure):
     ]
 
 
-class Words(list):
+class CallLog(list):
     """Log of an FMU that compiled code calls, limited to the last step or derivative."""
 
     def __init__(self, instance: Instance):
@@ -117,7 +117,7 @@ class Pointed:
     def __init__(self, participant: FmuParticipant, inputs: Sequence[str], outputs: Sequence[str]):
         self.participant = participant
         self.instance = Instance()
-        self.words = Words(self.instance)
+        self.words = CallLog(self.instance)
         self.instance.inputs, self.instance.input_count = participant.references(inputs)
         self.instance.outputs, self.instance.output_count = participant.references(outputs)
 
@@ -143,7 +143,7 @@ class Pointed:
         one.begin = saved
         one.spent = one.carried = 0.0
         one.failed = one.status = one.calls = 0
-        self.words = Words(one)
+        self.words = CallLog(one)
         self.participant.log = self.words
 
     def end(self, saved: Any, time: float, step: float) -> None:

@@ -87,7 +87,7 @@ class RemoteParticipant(IsolatedParticipant):
         made = (RemoteFmu, self.name, Path(self.path).name, data, recipe)
         place = {"workers": [self._worker], "actor": True, "pure": False}
         self._kept = self._process.submit(*made, **place)  # the actor lives as long as its future
-        self._actor = self._found(self._kept)
+        self._actor = self._result(self._kept)
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
@@ -114,11 +114,11 @@ class RemoteParticipant(IsolatedParticipant):
             self._coming = self._actor.run(queue)
 
     def _fetch(self):
-        raised, answer, said = self._found(self._coming)
-        self._values |= {name: np.asarray(value) for name, value in said.items()}
+        raised, answer, fields_read = self._result(self._coming)
+        self._values |= {name: np.asarray(value) for name, value in fields_read.items()}
         return raised, answer
 
-    def _found(self, future: Any):
+    def _result(self, future: Any):
         """Return the result of a future; raise `ParticipantFault` if it fails."""
         try:
             return future.result(timeout=self.timeout)
@@ -141,8 +141,8 @@ class RemoteFmu:
 
     def run(self, queue):
         """Run commands; return whether one raised, the last result or exception, and fields."""
-        self.server.said = {}
-        return (*answered(self.server, queue), self.server.said)
+        self.server.fields_read = {}
+        return (*answered(self.server, queue), self.server.fields_read)
 
 
 class FarServer(Server):
@@ -150,15 +150,15 @@ class FarServer(Server):
 
     def __init__(self, participant):
         self.participant, self.saved, self.read_ahead = participant, {}, set()
-        self.said: dict[str, Any] = {}
+        self.fields_read: dict[str, Any] = {}
 
     def read(self, name):
-        self.said[name] = self.participant.get(name)
+        self.fields_read[name] = self.participant.get(name)
         self.read_ahead.add(name)
 
     def step(self, time, step):
         self.participant.step(time, step)
-        self.said |= {name: self.participant.get(name) for name in self.read_ahead}
+        self.fields_read |= {name: self.participant.get(name) for name in self.read_ahead}
         return self.participant.ended
 
     def derivative(self, seeds, products):

@@ -12,7 +12,7 @@ from .derivatives import put_back
 
 STEPS = 2
 """Number of steps to compare. A missing part of the state may affect only the second one."""
-TRUSTED = 1e-12
+TOLERANCE = 1e-12
 """Largest difference of an output, relative to its size: round-off of a step."""
 
 
@@ -48,7 +48,7 @@ def rollback_fault(
     one = _second_instance(participant, inputs)
     if one is not None:
         try:
-            fault = _compared(one, inputs, step, begin)
+            fault = _compare(one, inputs, step, begin)
         finally:
             with suppress(ParticipantFault):
                 one.close()
@@ -66,7 +66,7 @@ def rollback_fault(
     except (FMICallException, ParticipantFault) as error:
         return f"its state cannot be saved: {error}"
     values = {name: participant.get(name) for name in inputs}
-    fault = _compared(participant, inputs, step, begin)
+    fault = _compare(participant, inputs, step, begin)
     with suppress(FMICallException, ParticipantFault):
         put_back(participant, saved, values)
         participant.free(saved)
@@ -92,7 +92,7 @@ def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
     return one
 
 
-def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str | None:
+def _compare(one: Any, inputs: Sequence[str], step: float, begin: float) -> str | None:
     """Return the difference between steps with and without saved states, or None."""
     values = {name: one.get(name) for name in one.fields.keys() & inputs}
     try:
@@ -101,28 +101,28 @@ def _compared(one: Any, inputs: Sequence[str], step: float, begin: float) -> str
         return f"its state cannot be saved: {error}"
     times = [begin + k * step for k in range(STEPS)]
     try:
-        plain = [_outcome(one, time, step) for time in times]
+        plain = [_step_outputs(one, time, step) for time in times]
     except (Discard, ParticipantFault, Finished):
         return None
     try:
         put_back(one, first, values)
-        repeated = [_repeated(one, time, step, values) for time in times]
+        repeated = [_repeat(one, time, step, values) for time in times]
         one.free(first)
     except (FMICallException, Discard, ParticipantFault, Finished) as error:
         return f"a step from a saved state fails: {error}"
     return _difference(plain, repeated)
 
 
-def _repeated(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
+def _repeat(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
     """Return the real outputs after a step that is taken, undone and repeated."""
     saved = one.save()
     one.step(time, step)
     put_back(one, saved, values)
     one.free(saved)
-    return _outcome(one, time, step)
+    return _step_outputs(one, time, step)
 
 
-def _outcome(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
+def _step_outputs(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
     """Return the real outputs after a step."""
     one.step(time, step)
     return _outputs(one)
@@ -141,7 +141,7 @@ def _difference(
     plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
 ) -> str | None:
     """Return a message about the output that differs most, or None."""
-    worst, words = TRUSTED, None
+    worst, words = TOLERANCE, None
     for k, (before, after) in enumerate(zip(plain, repeated), 1):
         for name, value in before.items():
             other = after[name]

@@ -16,7 +16,7 @@ from .instants import crank_angle
 
 
 @dataclass(frozen=True)
-class Block:
+class ExportedField:
     """One quantity over instants and grid points.
 
     Parameters
@@ -67,7 +67,7 @@ def read_block(results, expression):
     values = np.sum(sets, axis=0) if sign == "+" else np.prod(sets, axis=0)
     unit = units[0] if sign == "+" else ".".join(unit for unit in units if unit != "1") or "1"
     i, j = (np.arange(1, size + 1) for size in values.shape[1:])
-    return Block(expression, unit, results.instants, i, j, values)
+    return ExportedField(expression, unit, results.instants, i, j, values)
 
 
 def chosen(block, time=None, i=None, j=None):
@@ -92,7 +92,7 @@ def chosen(block, time=None, i=None, j=None):
     return block
 
 
-class Place(NamedTuple):
+class Positions(NamedTuple):
     """Positions of a block's values by one measure.
 
     positions : shape that broadcasts to (t, a, b).
@@ -103,7 +103,7 @@ class Place(NamedTuple):
     positions: np.ndarray
 
 
-def places(case, results, port, block):
+def grid_positions(case, results, port, block):
     """Return the crank angle of a block's instants and the positions of its grid points.
 
     The positions are along the case's axes of the field `port`. Unknown ones are omitted.
@@ -111,18 +111,18 @@ def places(case, results, port, block):
     found = []
     if crank := crank_angle(results):
         angle = np.degrees(np.interp(block.times, crank.time, crank.angle))
-        found.append(Place("crank angle", "deg", angle[:, None, None]))
+        found.append(Positions("crank angle", "deg", angle[:, None, None]))
     axes = case.axes_of(port)
     if axes is not NEUTRAL:
         around, along = results.dataset(port).shape[1:]
         first = axes.first.positions(around)[block.i - 1]
         second = axes.second.positions(along)[block.j - 1]
-        found.append(Place(axes.first.label, axes.first.unit or "1", first[None, :, None]))
-        found.append(Place(axes.second.label, axes.second.unit or "1", second[None, None, :]))
+        found.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
+        found.append(Positions(axes.second.label, axes.second.unit or "1", second[None, None, :]))
     return found
 
 
-def write_csv(blocks, path, places=()):
+def write_csv(blocks, path, positions=()):
     """Write a row for each instant and grid point: time, i, j, positions and quantities."""
     times, i, j = np.meshgrid(blocks[0].times, blocks[0].i, blocks[0].j, indexing="ij")
     with open(path, "w", newline="") as file:
@@ -130,12 +130,12 @@ def write_csv(blocks, path, places=()):
         writer.writerow(
             [
                 *("time [s]", "i", "j"),
-                *(f"{one.name} [{one.unit}]" for one in places),
+                *(f"{one.name} [{one.unit}]" for one in positions),
                 *(f"{block.name} [{block.unit}]" for block in blocks),
             ]
         )
         shape = times.shape
-        columns = [np.broadcast_to(one.positions, shape).ravel().round(9) for one in places]
+        columns = [np.broadcast_to(one.positions, shape).ravel().round(9) for one in positions]
         writer.writerows(
             zip(
                 *(times.ravel(), i.ravel(), j.ravel(), *columns),
@@ -144,14 +144,17 @@ def write_csv(blocks, path, places=()):
         )
 
 
-def write_hdf5(blocks, path, places=()):
+def write_hdf5(blocks, path, positions=()):
     """Write `time`, `i`, `j`, positions, and a dataset (instants, i, j) for each quantity."""
     with h5py.File(path, "w") as file:
         for name, values, unit in (
             ("time", blocks[0].times, "s"),
             ("i", blocks[0].i, "1"),
             ("j", blocks[0].j, "1"),
-            *((one.name.replace("/", "over"), one.positions.ravel(), one.unit) for one in places),
+            *(
+                (one.name.replace("/", "over"), one.positions.ravel(), one.unit)
+                for one in positions
+            ),
             *((block.name, block.values, block.unit) for block in blocks),
         ):
             file[name] = values

@@ -97,7 +97,7 @@ def _moved(wanted, results, values):
     return float(begin + (wanted - begin) % (end - begin))
 
 
-def told(results, time: float) -> str:
+def instant_text(results, time: float) -> str:
     """Return an instant [s] as text: "18 ms, 648 deg"."""
     crank = crank_angle(results)
     shown = f"{time * 1e3:.6g} ms"

@@ -11,16 +11,16 @@ from ..case.schema import Case
 from ..fmi.errors import BadInput, names_of, unknown
 from .figures import with_palette
 from .file import Results
-from .instants import told
+from .instants import instant_text
 from .pictures import (
     MapRow,
     colour_norm,
     draw_values,
     labelled,
     map_figure,
+    masked,
     name_of,
     scaled,
-    where_there,
 )
 
 PER_SECOND = 15
@@ -84,9 +84,9 @@ def write_movie(
     for port in ports:
         dataset = results.dataset(port)
         values, unit = scaled(dataset[:][chosen], dataset.attrs["unit"], units.get(port))
-        images = [where_there(image, results.there(port)) for image in values]
+        images = [masked(image, results.there(port)) for image in values]
         rows[port] = MapRow(labelled(name_of(port), unit), images, colour_norm(images))
-    titles = [told(results, float(time)) for time in results.instants[chosen]]
+    titles = [instant_text(results, float(time)) for time in results.instants[chosen]]
     WRITERS[path.suffix](path, _frames(case, rows, titles))
     return chosen
 

@@ -28,7 +28,7 @@ from .figures import (
     stack,
     subplots,
 )
-from .instants import instant, told
+from .instants import instant, instant_text
 
 PALETTE_DARK = ("#2f8fd0", "#f27d33", "#12c494", "#e59ac4", "#f2c14e", "#a6d8f7", "#e8ecef")
 """Lighter colours for a dark background."""
@@ -305,7 +305,7 @@ def draw_maps(case, picture, runs):
         shown = [shown_field(results, port, picture.time) for results in runs.values()]
         wanted = picture.units.get(port)
         images = [
-            where_there(scaled(field.values, field.unit, wanted)[0], results.there(port))
+            masked(scaled(field.values, field.unit, wanted)[0], results.there(port))
             for field, results in zip(shown, runs.values())
         ]
         label = labelled(name_of(port), unit_shown(shown[0].unit, wanted))
@@ -328,7 +328,7 @@ def shown_field(results, port, time) -> ShownField:
     """Return a field at the recorded instant nearest to the time of a picture, or its envelope."""
     if time != ENVELOPE:
         field = results.field(port, instant(results, time))
-        return ShownField(field.values, field.unit, told(results, field.time))
+        return ShownField(field.values, field.unit, instant_text(results, field.time))
     envelope = results.envelope(port)
     steps = "all steps" if envelope.every_step else "recorded instants"
     return ShownField(envelope.values, envelope.unit, f"extremes of {steps} of the last period")
@@ -357,7 +357,7 @@ def map_figure(case, rows):
     return figure, panels
 
 
-def where_there(image, there):
+def masked(image, there):
     """Mask the cells that the field does not have."""
     return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
 
@@ -456,7 +456,7 @@ def draw_sections(case, picture, runs):
                 color=colour,
                 lw=1.2,
                 ms=4,
-                label=f"{label}, {told(results, field.time)}",
+                label=f"{label}, {instant_text(results, field.time)}",
             )
         panel.set_ylabel(labelled(name_of(port), unit))
         panel.set_xlim(begin, end)

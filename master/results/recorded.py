@@ -68,7 +68,7 @@ def _span(values: np.ndarray, unit: str) -> str:
     return f"{shape} values from {values.min():.4g} to {values.max():.4g} {unit}".rstrip()
 
 
-class Later:
+class TrimmedDataset:
     """Rows of an h5py.Dataset from `first` on, read when it is sliced."""
 
     def __init__(self, dataset: Any, first: int):
@@ -295,7 +295,7 @@ class Recorded:
         It is sliced like an h5py.Dataset, and read when it is sliced.
         """
         dataset = self.file["fields/" + dataset_path(port)]
-        return Later(dataset, self._first_instant) if self._since else dataset
+        return TrimmedDataset(dataset, self._first_instant) if self._since else dataset
 
     def field(self, port: str, time: float) -> RecordedField:
         """Return the recorded field nearest to `time` [s]."""

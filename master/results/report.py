@@ -137,7 +137,7 @@ def write_report(
         "report.html",
         page_data(case, runs, special),
         case=case,
-        runs=[summarised(case, label, results) for label, results in runs.items()],
+        runs=[run_text(case, label, results) for label, results in runs.items()],
         answers=answers or {},
         names=list(
             dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
@@ -227,7 +227,7 @@ def checks(judged) -> list[Check]:
 
 
 @dataclass(frozen=True)
-class Summarised:
+class RunText:
     """Text about one run.
 
     summary : empty if the run has not finished; loops : name -> work with its unit; versions :
@@ -245,10 +245,10 @@ class Summarised:
     digest: str
 
 
-def summarised(case, label, results) -> Summarised:
+def run_text(case, label, results) -> RunText:
     """Return the text about one run."""
     summary = results.summary
-    return Summarised(
+    return RunText(
         label=label,
         summary=summary or {},
         finished=summary is not None,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..case.contract import Curve, contract, fmu_of_model, in_place_of, swap
+from ..case.contract import Curve, contract, fmu_of_model, replaced_participant, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
 from .figures import PALETTE, add_legend, save, stack
@@ -73,7 +73,7 @@ def rivals_of(
     BadInput
         If they are for different participants, or the role's own FMU has no choice of models.
     """
-    pairs = [in_place_of(tree, role, model) for model in models]
+    pairs = [replaced_participant(tree, role, model) for model in models]
     if len({name for name, _ in pairs}) > 1:
         names = " and ".join(dict.fromkeys(name for name, _ in pairs))
         raise BadInput(f"--{role}: expected models of one participant, got {names}")

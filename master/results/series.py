@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .fields_export import Block, write_collection
+from .fields_export import ExportedField, write_collection
 from .solids import Solid, Stand, about_z, moved
 
 
@@ -33,7 +33,7 @@ class Film:
     """
 
     name: str
-    blocks: list[Block]
+    blocks: list[ExportedField]
     points: np.ndarray
     cells: np.ndarray
     motion: np.ndarray | None = None

@@ -22,10 +22,10 @@ class Interrupted(Stopped):
     """Stop of a run by a signal, with a checkpoint."""
 
     def __init__(self, output, time):
-        super().__init__(f"interrupted at t = {time:.6g} s; {kept(output)}")
+        super().__init__(f"interrupted at t = {time:.6g} s; {checkpoint_message(output)}")
 
 
-def kept(output):
+def checkpoint_message(output):
     """Return a message about the checkpoint of a stopped run."""
     checkpoint = Checkpoint.path(output)
     if not checkpoint.exists():
@@ -109,7 +109,7 @@ class Checkpoint:
         """Replace the last checkpoint next to the results file in a single step."""
         target = self.path(output)
         partial = target.with_name(target.name + ".part")
-        data = pack(vars(self) | {"account": _bounded(self.account)}, ACCOUNTS)
+        data = pack(vars(self) | {"account": _with_counts(self.account)}, ACCOUNTS)
         with open(partial, "wb") as file:
             file.write(MAGIC + VERSION.to_bytes(4, "little") + sha256(data).digest())
             file.write(data)
@@ -140,19 +140,19 @@ class Checkpoint:
             raise BadInput(f"{path}: expected an intact checkpoint, got another checksum")
         try:
             checkpoint = Checkpoint(**unpack(data, ACCOUNTS))
-            _unbounded(checkpoint.account)
+            _with_list(checkpoint.account)
         except (NotPlain, TypeError, AttributeError, KeyError):
             raise BadInput(f"{path}: expected a checkpoint, got other content") from None
         return checkpoint
 
 
-def _bounded(account):
+def _with_counts(account):
     """Return the account with a count of macro steps by iterations, instead of a list."""
     counted = dict(Counter(account.counters.iterations))
     return replace(account, counters=replace(account.counters, iterations=counted))
 
 
-def _unbounded(account):
+def _with_list(account):
     """Restore the list of iterations, whose order has no effect."""
     counted = account.counters.iterations
     account.counters.iterations = [int(k) for k, count in counted.items() for _ in range(count)]

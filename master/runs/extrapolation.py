@@ -101,11 +101,11 @@ class Extrapolation:
             members = {name: value for (one, name), value in moved.items() if one == owner}
             _restore(participants[owner], with_members(self.kept[owner], members))
         self.made += 1
-        told = (
+        factors = (
             f"{'.'.join(port)} by {_size(value - self.ended[port]) / _size(self.changes[port]):.2g}"
             for port, value in moved.items()
         )
-        return f"extrapolated by multiples of the last period's change: {', '.join(told)}"
+        return f"extrapolated by multiples of the last period's change: {', '.join(factors)}"
 
     def _take_back(self, participants):
         for owner, data in self.kept.items():

@@ -14,7 +14,7 @@ from functools import partial
 from ..participants.worker import Worker
 from .signals import follow_command
 
-TOLD = None
+INTERMEDIATE = None
 """Value that replaces the flag of an exception in intermediate messages of a call."""
 
 
@@ -50,7 +50,7 @@ class LocalPool(Executor):
         """Return a `Future` of `fn(*args, **kwargs)`."""
         return self._submit(None, fn, args, kwargs)
 
-    def share(self, told, fn, calls):
+    def share(self, listener, fn, calls):
         """Return completed `Future`s of `fn(tell, argument)`, by label.
 
         This process makes the first call, because it has already imported what the call needs.
@@ -67,15 +67,15 @@ class LocalPool(Executor):
         first, *others = calls
         here: Future = Future()
         self._shared = [
-            self._submit(partial(told, label), fn, (calls[label],), {}) for label in others
+            self._submit(partial(listener, label), fn, (calls[label],), {}) for label in others
         ]
-        here.set_result(fn(partial(told, first), calls[first]))
+        here.set_result(fn(partial(listener, first), calls[first]))
         wait(self._shared)
         return dict(zip(calls, [here, *self._shared]))
 
-    def _submit(self, told, *work):
+    def _submit(self, listener, *work):
         future: Future = Future()
-        self._calls.put((future, told, work))
+        self._calls.put((future, listener, work))
         return future
 
     def send_signal(self, number):
@@ -104,7 +104,7 @@ class LocalPool(Executor):
         """Run calls in a separate process, as the work of a thread."""
         process = None
         while (call := self._calls.get()) is not None:
-            future, told, work = call
+            future, listener, work = call
             if self._closed.is_set() or not future.set_running_or_notify_cancel():
                 continue
             try:
@@ -113,7 +113,7 @@ class LocalPool(Executor):
                 if self._closed.is_set():  # `shutdown` may not know a process that has just started
                     self._end(process)
                     raise PointDied("the process was ended with the others")
-                self._answer(future, told, work, process)
+                self._answer(future, listener, work, process)
             except Exception as error:
                 future.set_exception(error)
         if process is not None:
@@ -131,17 +131,17 @@ class LocalPool(Executor):
             raise PointDied("the process could not be started") from None
         return process
 
-    def _answer(self, future, told, work, process):
+    def _answer(self, future, listener, work, process):
         try:
-            process.pipe.send((told is not None, *work))
+            process.pipe.send((listener is not None, *work))
             if not process.pipe.poll(self.time_limit):
                 self._end(process)
                 raise PointDied(
                     f"time limit of {self.time_limit:g} s exceeded; the process was ended"
                 )
             raised, answer = process.pipe.recv()
-            while raised is TOLD:
-                told(answer)
+            while raised is INTERMEDIATE:
+                listener(answer)
                 raised, answer = process.pipe.recv()
         except (EOFError, OSError):
             self._end(process)
@@ -163,14 +163,14 @@ def _serve(pipe):
     pipe.send("up")
     while True:
         try:
-            is_told, function, arguments, named = pipe.recv()
+            has_listener, function, arguments, named = pipe.recv()
         except (EOFError, OSError):
             return
         try:
-            told = (partial(_tell, pipe, threading.Lock()),) if is_told else ()
-            answer = False, function(*told, *arguments, **named)
+            listener = (partial(_tell, pipe, threading.Lock()),) if has_listener else ()
+            answer = False, function(*listener, *arguments, **named)
         except Exception as error:
-            if is_told:  # a bug: shared calls return faults
+            if has_listener:  # a bug: shared calls return faults
                 traceback.print_exc()
             answer = True, RuntimeError(f"{type(error).__name__}: {error}")
         pipe.send(answer)
@@ -178,4 +178,4 @@ def _serve(pipe):
 
 def _tell(pipe, lock, data):
     with lock, suppress(OSError):  # the command may have ended
-        pipe.send((TOLD, data))
+        pipe.send((INTERMEDIATE, data))

@@ -38,8 +38,8 @@ from .checkpoint import (
     Account,
     Checkpoint,
     Interrupted,
+    checkpoint_message,
     fingerprints,
-    kept,
     source_hashes,
 )
 from .envelopes import envelopes
@@ -54,7 +54,7 @@ USUAL_CHECKPOINTS = 50
 """Default number of macro steps between checkpoints."""
 CHECKPOINT_SHARE = 0.02
 """Largest share of the time for writing checkpoints, by default."""
-WORTH_KEEPING = 5.0
+FIRST_CHECKPOINT = 5.0
 """Run time before the first checkpoint, which reads all FMUs, by default [s]."""
 VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
@@ -127,14 +127,14 @@ def run(
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
             negotiated = by_differences(system, objected)
-            told = Told(watch, log)
-            march = March(negotiated, case, tree, output, told, begin_at, objected)
+            callbacks = Callbacks(watch, log)
+            active = ActiveRun(negotiated, case, tree, output, callbacks, begin_at, objected)
             try:
-                return march.go(heard)
+                return active.go(heard)
             finally:
-                march.close()
+                active.close()
         except (StepFailed, ParticipantFault, CannotWrite) as stop:
-            stop.add_note(kept(output))
+            stop.add_note(checkpoint_message(output))
             raise
 
 
@@ -161,27 +161,27 @@ def _warnings(system):
             yield from (f"{name}: {text}" for text in warned())
 
 
-class Told(NamedTuple):
+class Callbacks(NamedTuple):
     """Callbacks of a run: `watch` after every step, `log` after every period; see `run`."""
 
     watch: Callable[..., None]
     log: Callable[[str], None]
 
 
-class March:
+class ActiveRun:
     """Run in progress; see `run` for the arguments.
 
     `account` contains its counters and sums, and `objected` why derivatives are not the
     participants' own (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, told, begin_at, objected):
+    def __init__(self, system, case, tree, output, callbacks, begin_at, objected):
         self.objected = objected
         self.system = system
         self.case = case
         self.tree = tree
         self.output = output
-        self.watch, self.log_period = told
+        self.watch, self.log_period = callbacks
         self.steps = round((system.stop - system.begin) / system.step)
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
@@ -227,7 +227,7 @@ class March:
         ]
         self.exchanged = None
         self.begin = clock.perf_counter() - self.account.wall_time
-        self.kept_until = self.begin + WORTH_KEEPING
+        self.next_checkpoint = self.begin + FIRST_CHECKPOINT
         with writing(output):
             self.recorder = self._recorder()
             self.log = CouplingLog(output, system.wires, self.account.counters)
@@ -309,7 +309,7 @@ class March:
             if hold := getattr(self.watch, "hold", None):
                 hold(heard)
             if heard.signal or self.is_due(k + 1):
-                self.keep()
+                self.write_checkpoint()
             if heard.signal and k + 1 < end:
                 raise Interrupted(self.output, after)
         return ""
@@ -373,7 +373,7 @@ class March:
         self.recorder.flush()
         self.account.rows = self.recorder.rows = self.account.began_rows
         if self.case.record.checkpoint_every != 0:
-            self.keep()
+            self.write_checkpoint()
         self.recorder.close()
         with writing(self.output):
             self.recorder = self._recorder()
@@ -392,7 +392,7 @@ class March:
         every = self.case.record.checkpoint_every
         if every is not None:
             return bool(every) and steps % every == 0
-        return steps % USUAL_CHECKPOINTS == 0 and clock.perf_counter() >= self.kept_until
+        return steps % USUAL_CHECKPOINTS == 0 and clock.perf_counter() >= self.next_checkpoint
 
     def attempted(self, time, step, trail, failure):
         """Log an attempt at a macro step."""
@@ -442,7 +442,7 @@ class March:
             self.exchanged = solution, (y, found)
         return self.exchanged[1]
 
-    def keep(self):
+    def write_checkpoint(self):
         """Write a checkpoint, if all participants can serialise their states."""
         if not all(participant.can_serialise for participant in self.system.participants.values()):
             return
@@ -462,7 +462,7 @@ class March:
                 self.sources,
             ).write(self.output)
         end = clock.perf_counter()
-        self.kept_until = end + (end - begin) / CHECKPOINT_SHARE
+        self.next_checkpoint = end + (end - begin) / CHECKPOINT_SHARE
         self.account.spent["recording"] += end - begin
 
     @cached_property

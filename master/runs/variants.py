@@ -71,7 +71,7 @@ def run_variants(
     """
     said = set()
 
-    def told(label, message):
+    def receive(label, message):
         kind, *data = message
         if kind == "show":
             heard.stepped |= data[0] > 0.0
@@ -83,7 +83,7 @@ def run_variants(
             say(data[0])
 
     with bars(console) as show, forwarding(pool.send_signal) as heard:
-        futures = pool.share(told, _run, variants)
+        futures = pool.share(receive, _run, variants)
     outcomes = {label: _outcome(future) for label, future in futures.items()}
     stopped = {label: one for label, one in outcomes.items() if one.lines}
     if stopped:

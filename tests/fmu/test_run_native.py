@@ -8,7 +8,7 @@ import pytest
 
 from piston_cosim.master.case.ahead import faults_ahead
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.machine_code import of_machine_code
+from piston_cosim.master.case.machine_code import native_choice
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi import builder_native
@@ -177,4 +177,4 @@ def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
 
 def chosen(*changes):
     case, _ = case_of(*changes)
-    return of_machine_code(case, PATH.parent, {})[0]
+    return native_choice(case, PATH.parent, {})[0]

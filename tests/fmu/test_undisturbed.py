@@ -168,7 +168,7 @@ def test_damaged_files_of_the_cache_are_named_and_whole_again(folder, monkeypatc
             library_there.unlink()
         else:
             library_there.write_bytes(damaged)
-        with pytest.warns(UserWarning, match="was damaged and is whole again: .*counter.so"):
+        with pytest.warns(UserWarning, match="was damaged; restored .*counter.so"):
             unpack(folder / "a.fmu")
         assert library_there.read_bytes() == whole
 
@@ -210,6 +210,7 @@ def test_a_description_is_read_once_and_again_where_what_was_kept_is_damaged(fol
 def test_where_no_description_can_be_kept_it_is_read_each_time(folder, monkeypatch):
     fields = open_fmu("a", folder / "a.fmu").fields
     monkeypatch.setattr(
-        "piston_cosim.master.participants.kept.cache_folder", lambda kind: folder / "not" / "there"
+        "piston_cosim.master.participants.description_cache.cache_folder",
+        lambda kind: folder / "not" / "there",
     )
     assert open_fmu("a", folder / "a.fmu").fields == fields

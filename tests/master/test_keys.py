@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from piston_cosim.master.case.ahead import faults_ahead
-from piston_cosim.master.case.changes import place, whole_key
+from piston_cosim.master.case.changes import key_parts, whole_key
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
 from piston_cosim.master.case.reading import case_names, find_case, read_tree
@@ -134,7 +134,7 @@ def test_short_names(short, whole):
 )
 def test_short_names_that_are_none(short, message):
     with pytest.raises(BadInput, match=message):
-        place(read_tree(PATH), short, FOLDER)
+        key_parts(read_tree(PATH), short, FOLDER)
 
 
 def test_short_names_in_a_file(tmp_path):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.fields_export import Block, cylinder_cells, pin_cells
+from piston_cosim.master.results.fields_export import ExportedField, cylinder_cells, pin_cells
 from piston_cosim.master.results.gltf import RATE, write_gltf
 from piston_cosim.master.results.series import Film, write_series
 from piston_cosim.master.results.solids import Solid, Stand
@@ -102,7 +102,9 @@ def test_a_model_needs_bodies_and_instants(tmp_path):
 def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
     bodies = solids()
     pressure = np.arange(4 * 8 * 2.0).reshape(4, 8, 2)
-    block = Block("ehd.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure)
+    block = ExportedField(
+        "ehd.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure
+    )
     upright = bodies[0].motion * [0, 1, 0]
     films = [Film("ehd", [block], *cylinder_cells((8, 2), 0.7, (-0.5, 1.5)), upright)]
     path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
@@ -161,7 +163,7 @@ def test_every_cylinder_of_a_model_stands_at_its_place(tmp_path):
 
 def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):
     bodies = in_line()
-    block = Block(
+    block = ExportedField(
         "low.pressure", "Pa", INSTANTS, np.arange(1, 5), np.arange(1, 3), np.ones((4, 4, 2))
     )
     surface = cylinder_cells((4, 2), 0.7, (0.25, 0.5))

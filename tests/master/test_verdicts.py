@@ -16,7 +16,7 @@ from piston_cosim.master.engine.headlines import (
     headlines,
 )
 from piston_cosim.master.engine.oil_balance import oil_balance
-from piston_cosim.master.engine.places import thinnest_place
+from piston_cosim.master.engine.places import thinnest_position
 from piston_cosim.master.engine.verdicts import euler_error, verdicts
 from piston_cosim.master.results.file import Results
 
@@ -286,7 +286,7 @@ def test_where_there_is_no_film_the_gap_is_not_looked_at(tmp_path):
     with h5py.File(tmp_path / "run.h5", "a") as file:
         file["fields/bodies/film_thickness"][1, 5, 5] = 1e-6
     with Results(tmp_path / "run.h5") as results:
-        place = thinnest_place(check_case(results.case, PATH), results, "ehd")
+        place = thinnest_position(check_case(results.case, PATH), results, "ehd")
     assert place.index == (30, 9)
 
 

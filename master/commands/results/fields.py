@@ -47,5 +47,5 @@ def command(
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     write = exports.write_csv if output.suffix == ".csv" else exports.write_hdf5
     port = field[0].partition("+")[0].partition("*")[0].strip()
-    write(blocks, output, exports.places(case, results, port, blocks[0]))
+    write(blocks, output, exports.grid_positions(case, results, port, blocks[0]))
     console.print(f"fields   {output}", highlight=False, soft_wrap=True)

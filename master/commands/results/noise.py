@@ -47,7 +47,7 @@ def command(file: Path, /, *, case: str | None = None, output: OutputFolder | No
         console.print(
             f"{owner}: {level(mean):.1f} dB re 1 pW on average ({mean:.3g} W), at most "
             f"{level(found.total[worst]):.1f} dB at {np.degrees(found.angle[worst]):.0f} deg; "
-            f"strongest at {found.frequency[loudest]:.0f} Hz, told up to "
+            f"strongest at {found.frequency[loudest]:.0f} Hz, resolved up to "
             f"{found.frequency[-1]:.0f} Hz",
             highlight=False,
             soft_wrap=True,

@@ -5,7 +5,7 @@ from pathlib import Path
 from ...api.bodies import OFFLINE, build_table
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
-from ...results.instants import instant, told
+from ...results.instants import instant, instant_text
 from ..common import OutputFolder, case_folder, console, open_runs, say
 
 PORT = "{}.modal_coordinate"
@@ -57,7 +57,7 @@ def command(
         for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
             stress = "" if body.largest_stress is None else stress_in_words(body.largest_stress)
             console.print(
-                f"{told(results, recorded.time)}  {body.name}: displacement up to "
+                f"{instant_text(results, recorded.time)}  {body.name}: displacement up to "
                 f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}",
                 highlight=False,
                 soft_wrap=True,

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...fmi.errors import BadInput, unknown
 from ...results.file import open_results
-from ...results.instants import instant, told
+from ...results.instants import instant, instant_text
 from ..common import OutputFile, console
 
 
@@ -54,5 +54,7 @@ def command(file: Path, /, *, participant: str, output: OutputFile, time: str | 
         }
     output.write_text(json.dumps(values, indent=1))
     console.print(
-        f"snapshot {output}   t = {told(results, instants[k])}", highlight=False, soft_wrap=True
+        f"snapshot {output}   t = {instant_text(results, instants[k])}",
+        highlight=False,
+        soft_wrap=True,
     )

@@ -17,22 +17,22 @@ from ..fmi import fields
 from ..fmi.cache import cache_folder, write_whole
 
 
-def kept_description(path: Path) -> tuple[Any, dict[str, fields.Field]] | None:
+def cached_description(path: Path) -> tuple[Any, dict[str, fields.Field]] | None:
     """Return the cached description without its variables, and their fields; else None."""
     with suppress(Exception):  # whatever a damaged pickle raises
-        return pickle.loads(_place(path).read_bytes())
+        return pickle.loads(_cached_path(path).read_bytes())
     return None
 
 
-def keep_description(path: Path, description: Any, gathered: dict[str, fields.Field]) -> None:
+def cache_description(path: Path, description: Any, gathered: dict[str, fields.Field]) -> None:
     """Remove the variables from a description, and cache it with the fields if possible."""
     for name in ("modelVariables", "outputs", "derivatives", "initialUnknowns"):
         getattr(description, name).clear()
     with suppress(OSError):
-        write_whole(_place(path), pickle.dumps((description, gathered)))
+        write_whole(_cached_path(path), pickle.dumps((description, gathered)))
 
 
-def _place(path):
+def _cached_path(path):
     """Return the path of the cached description."""
     digest = sha256(Path(path).read_bytes() + _readers()).hexdigest()[:24]
     return cache_folder("descriptions") / f"{Path(path).stem}-{digest}.pickle"
