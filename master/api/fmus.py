@@ -101,7 +101,9 @@ def compile_code(path: Path, say: Callable[[str], object]) -> None:
         one.start({}, 0.0, float(usual.stopTime))
         one.step(0.0, float(usual.stepSize))
     except (BadInput, Discard):
-        log.info("%s does not start by its own values: its code is not compiled yet", path.name)
+        log.info(
+            "%s does not start with its default values, so its code is not compiled yet", path.name
+        )
     finally:
         one.close()
 

@@ -93,7 +93,7 @@ def wire_of(table, participants, coupling, faults):
             "build both FMUs with the same grid"
         )
     if source.type == "Clock" and _clock_kind(table.target, participants) != "triggered":
-        faults.append(f"{where}: expected a triggered clock, got one with an interval of its own")
+        faults.append(f"{where}: expected a triggered clock, got one with an interval")
     if source.type != "Real" or getattr(target, "clocked", False):
         return _held_wire(table, source, target, where, faults)
     named = source
@@ -182,7 +182,7 @@ def _conversion(source, target):
     if "1" in (source.unit, target.unit):
         raise ValueError("")
     if not (is_known(source.unit) and is_known(target.unit)):
-        raise ValueError("; neither FMU says how to convert")
+        raise ValueError("; no FMU declares the conversion")
     unit = registry().Unit(pint_unit(source.unit))
     wanted = registry().Unit(pint_unit(target.unit))
     if not unit.is_compatible_with(wanted):

@@ -44,7 +44,7 @@ def print_checked(found: CheckedCase, picture: Path):
     for line in found.loop_table():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for line in found.remarks:
-        console.print(f"[yellow]look[/]  {line}", highlight=False, soft_wrap=True)
+        console.print(f"[yellow]remark[/]  {line}", highlight=False, soft_wrap=True)
     for file in found.draw(picture):
         console.print(f"picture  {file}", highlight=False, soft_wrap=True)
     if found.faults:

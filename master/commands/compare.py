@@ -61,7 +61,7 @@ def command(
     rivals = rivals_of(read_tree(path, parse_changes(set_)), role, lubrication, say)
     for label, keys in rivals.left_out.items():
         if keys:
-            say(f"{label} has no variable for, and goes without: {', '.join(keys)}")
+            say(f"{label} lacks the variables of these keys: {', '.join(keys)}")
     cases = {label: check_case(tree, path) for label, tree in rivals.trees.items()}
     folder = output or Path("results") / f"{path.parent.name}_models"
     summaries = {}

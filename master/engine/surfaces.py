@@ -50,7 +50,7 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
         length = to_si(given.get("skirt_length", "1 m"), "m")
         placed = _placed(results, name, (shape[1:], radius, length), piston, own[0])
         if placed is None:
-            say(f"{name}: where it lies is not known, it is left out")
+            say(f"{name}: omitted, because its position is unknown")
             continue
         points, cells, motion = placed
         stand = piston.stand if piston else Stand()

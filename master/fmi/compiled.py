@@ -147,5 +147,5 @@ def first_start() -> str:
     if not KERNELS or any(next(folder.glob("*.nbi"), None) for folder in stores):
         return ""
     can_keep = any(one.store for one in KERNELS)
-    kept = "kept for the starts to come" if can_keep else "again at each start: nothing can be kept"
-    return f"compiling the code of this FMU, which takes about a minute; {kept}"
+    later = "later starts reuse it" if can_keep else "repeated at each start without a cache"
+    return f"compiling the code of this FMU, which takes about a minute; {later}"

@@ -115,4 +115,4 @@ class Stopped(RuntimeError):
 class ParticipantFault(Stopped):
     """Fault inside a participant, with its logged traceback, or a process that hung or ended."""
 
-    headline = "an FMU reports a fault of its own"
+    headline = "an FMU failed"

@@ -487,7 +487,7 @@ class FmuParticipant:
 
     def _end(self, reached, end, step):
         """End the simulation for the FMU; raise `Finished` if this step is incomplete."""
-        self.ended = f"{self.name}: asks for the end at t = {reached:.6g} s"
+        self.ended = f"{self.name}: ends the simulation at t = {reached:.6g} s"
         if end - reached > WHOLE * step:
             raise Finished(self.ended)
 

@@ -131,7 +131,7 @@ class Fmu3Participant(FmuParticipant):
             if not early or end - reached.value <= WHOLE * step:
                 return
             if not reached.value > at:
-                raise Discard(f"{self.name}: returns early at t = {at:.6g} s and does not go on")
+                raise Discard(f"{self.name}: returns early at t = {at:.6g} s without progress")
             at = reached.value
 
     def _handle_event(self, reached, end, step):

@@ -99,7 +99,7 @@ class IsolatedParticipant:
             self._queue.append(("set", (name, value)))
 
     def set_course(self, name, course):
-        self._fresh = set()  # an output may follow its input at once
+        self._fresh = set()  # an output may follow its input immediately
         self._queue.append(("set_course", (name, course)))
 
     def get(self, name):

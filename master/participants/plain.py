@@ -82,11 +82,11 @@ class _Packer:
         if type(thing) in self.names:
             content = {name: self.node(value) for name, value in attributes(thing).items()}
             return {"class": self.names[type(thing)], "attributes": content}
-        raise NotPlain(f"{type(thing).__name__} is no plain data")
+        raise NotPlain(f"{type(thing).__name__} is not plain data")
 
     def _array(self, thing):
         if thing.dtype.kind not in NUMBERS:
-            raise NotPlain(f"an array of {thing.dtype} is no plain data")
+            raise NotPlain(f"an array of {thing.dtype} is not plain data")
         kind = "array" if isinstance(thing, np.ndarray) else "scalar"
         order = _order(thing)
         blob = self._blob(thing.tobytes(order))
@@ -135,7 +135,7 @@ class _Reader:
     def _array(self, node):
         dtype = np.dtype(str(node["dtype"]))
         if dtype.kind not in NUMBERS:
-            raise NotPlain(f"an array of {dtype} is no plain data")
+            raise NotPlain(f"an array of {dtype} is not plain data")
         data = self._blob(node["array"] if "array" in node else node["scalar"])
         order = "F" if node["order"] == "F" else "C"
         array = np.frombuffer(data, dtype).reshape(node["shape"], order=order).copy(order)

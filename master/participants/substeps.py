@@ -87,7 +87,7 @@ class Substeps(FieldByField):
         count = round(step / self.length)
         if count < 1 or abs(step - count * self.length) > EXACT * self.length:
             raise Discard(
-                f"{self.name}: takes steps of {self.length:g} s alone, {step:g} s is no multiple"
+                f"{self.name}: expected a multiple of {self.length:g} s, got a step of {step:g} s"
             )
         return count
 

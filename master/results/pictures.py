@@ -90,7 +90,7 @@ def left_out(case, runs):
                 if without:
                     reasons[picture.file] = f"{label} has no envelope of {', '.join(without)}"
             elif picture.time and not _is_passed(results, picture.time):
-                reasons[picture.file] = f"{label} does not come by {picture.time}"
+                reasons[picture.file] = f"{label} does not reach {picture.time}"
     return reasons
 
 

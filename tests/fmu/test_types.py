@@ -191,4 +191,4 @@ def test_an_fmu_may_ask_for_the_end(folder, tmp_path, ends_at, last, own):
     case, tree, system = opened(folder, a=f"ends_at = {ends_at}", own=own)
     summary = run(system, case, tree, tmp_path / "o.h5")
     assert Results(tmp_path / "o.h5").time[-1] == pytest.approx(last)
-    assert summary["ended_early"] == f"a: asks for the end at t = {ends_at:g} s"
+    assert summary["ended_early"] == f"a: ends the simulation at t = {ends_at:g} s"

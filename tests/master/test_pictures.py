@@ -152,8 +152,8 @@ def test_a_turn_is_closed():
     [
         ("ehd.pressure", "1 s", None),
         ("ehd.heat", "1 s", "base has not recorded ehd.heat; name it in record.fields"),
-        ("ehd.pressure", "1.1 s", "base does not come by 1.1 s"),
-        ("ehd.pressure", "24 deg", "base does not come by 24 deg"),  # it says no crank angle
+        ("ehd.pressure", "1.1 s", "base does not reach 1.1 s"),
+        ("ehd.pressure", "24 deg", "base does not reach 24 deg"),  # it says no crank angle
         ("ehd.pressure", "envelope", None),
         ("ehd.film_fraction", "envelope", "base has no envelope of ehd.film_fraction"),
     ],

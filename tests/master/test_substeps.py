@@ -60,7 +60,7 @@ def test_one_step_length_is_kept_to_the_bit():
     substeps = Substeps(note, 0.1, fixed=True)
     substeps.step(0.0, 0.30000000000000004)
     assert [step for _, step in note.steps] == [0.1, 0.1, 0.1]
-    with pytest.raises(Discard, match="steps of 0.1 s alone"):
+    with pytest.raises(Discard, match="a multiple of 0.1 s"):
         substeps.step(0.0, 0.25)
 
 

@@ -131,7 +131,7 @@ def test_a_film_of_a_place_that_is_not_known_is_left_out_aloud():
     said = []
     found = films_of(results({"rigid": {}}), [piston(*SIDES, {"other": (0.0, 1.0)})], said.append)
     assert [one.name for one in found] == ["left", "right", "eye"]
-    assert said == ["low: where it lies is not known, it is left out"]
+    assert said == ["low: omitted, because its position is unknown"]
 
 
 @pytest.mark.parametrize("said", ["parameters", "build"])

@@ -62,7 +62,7 @@ def command(
         shown = special(described, runs, body_skins(runs, case)).solids.get(label, [])
         solids = [solid for solid in shown if not solid.schematic]
         if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):
-            say("no wire says where the cylinders stand: they are drawn one beside the other")
+            say("positions of the cylinders unknown: they are drawn next to each other")
             solids = side_by_side(solids)
         if target.suffix == ".glb":
             write_gltf(solids, results.instants, times, target)
