@@ -4,10 +4,12 @@ They show strokes, motion of the skirt's edges, forces and friction by side, fil
 minimum, envelopes and wear.
 """
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.integrate import trapezoid
@@ -47,12 +49,8 @@ CRANK = "crank angle [deg]"
 Runs = dict[str, Results]
 
 
-class Line(NamedTuple):
-    """Line of a chart: name, port, and factor of its SI value."""
-
-    name: str
-    port: str
-    factor: float = 1.0
+CHARTS = tomllib.loads((Path(__file__).parent / "templates/charts.toml").read_text("utf-8"))
+"""Charts over the crank angle, by section; the head of the file explains them."""
 
 
 def special(
@@ -118,27 +116,10 @@ def _view(runs, body, film, films) -> FilmView:
         "fraction": f"{film}.film_fraction",
         "contact": f"{film}.asperity_pressure",
     }
-    charts = [
-        *_chart(
-            runs,
-            "Minimum film thickness",
-            "[µm]",
-            Line("film", f"{film}.minimum_film_thickness", 1e6),
-        ),
-        *_chart(runs, "Maximum pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)),
-    ]
-    orbit = None
-    if _is_bearing(runs, film):
-        torque = Line("torque", f"{film}.friction_torque")
-        charts += _chart(runs, "Friction torque", "[N m]", torque)
-        charts += _chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power"))
-        orbit = _orbit(runs, body, film_surface(first, film).rstrip("."))
-    else:
-        lateral = Line("pin", f"{body}.lateral_displacement", 1e6)
-        charts += _chart(runs, "Lateral displacement of the pin's axis", "[µm]", lateral)
-        charts += _chart(
-            runs, "Rocking angle", "[mrad]", Line("rocking", f"{body}.rocking_angle", 1e3)
-        )
+    bearing = _is_bearing(runs, film)
+    own = "view_of_bearing" if bearing else "view_of_skirt"
+    charts = _charts(runs, "view", own, body=body, film=film)
+    orbit = _orbit(runs, body, film_surface(first, film).rstrip(".")) if bearing else None
     return FilmView(film if films > 1 else "Film", layers, charts, orbit)
 
 
@@ -187,7 +168,7 @@ def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
     sections = [
         _friction(runs, body, film),
         _films(case, runs, film, gap),
-        _oil(runs, film),
+        Section("Oil", _charts(runs, "oil", film=film)),
         _envelopes(case, runs, body, film, gap),
     ]
     if films == 1:
@@ -304,60 +285,44 @@ def _degrees(results):
     return np.degrees(crank.angle)
 
 
-def _chart(runs: Runs, title: str, y: str, *lines: Line, points=False) -> list[Chart]:
-    """Return a chart of ports over the crank angle, runs by colour; [] if all are zero."""
-    drawn = {
-        line.port
-        for line in lines
-        for results in runs.values()
-        if line.port in results.ports and results.series(line.port).values.any()
-    }
-    curves = [
-        Curve(
-            label if len(lines) == 1 else f"{label}, {line.name}",
-            k,
-            _degrees(results),
-            results.series(line.port).values * line.factor,
-            dash,
-            points,
-        )
-        for k, (label, results) in enumerate(runs.items())
-        for dash, line in zip(DASHES, lines)
-        if line.port in drawn and line.port in results.ports
+def _charts(runs: Runs, *sections: str, **names: str) -> list[Chart]:
+    """Return the charts of sections over the crank angle, without those that are zero."""
+    found = []
+    for given in (chart for section in sections for chart in CHARTS[section]):
+        lines = {name: port.format(**names) for name, port in given["lines"].items()}
+        if curves := _curves(runs, lines, given["unit"]):
+            title = given["title"].format(**names)
+            found.append(Chart(title, CRANK, f"[{given['unit']}]", curves, cursor=True))
+    return found
+
+
+def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
+    """Return a curve for each run and port that is not zero in all runs."""
+    wanted = None if unit == "-" else unit
+    known = [(results, {*results.ports}) for results in runs.values()]
+    drawn = [
+        (dash, name, port)
+        for dash, (name, port) in zip(DASHES, lines.items())
+        if any(port in ports and results.series(port).values.any() for results, ports in known)
     ]
-    return [Chart(title, CRANK, y, curves, cursor=True)] if curves else []
+    curves = []
+    for k, (label, (results, ports)) in enumerate(zip(runs, known)):
+        for dash, name, port in drawn:
+            if port in ports:
+                told = label if len(lines) == 1 else f"{label}, {name}"
+                series = results.series(port)
+                shown, _ = scaled(series.values, series.unit, wanted)
+                curves.append(Curve(told, k, _degrees(results), shown, dash))
+    return curves
 
 
 def _motion(runs, body, skirt):
-    drawn: list[Drawn] = []
     if skirt is not None:
-        drawn += _eccentricity(runs, body, skirt)
+        drawn = _eccentricity(runs, body, skirt)
     else:
-        drawn += _chart(
-            runs,
-            "Eccentricity of the pin's axis, positive towards thrust",
-            "[µm]",
-            Line("pin", f"{body}.lateral_displacement", 1e6),
-        )
-    drawn += _chart(runs, "Rocking angle", "[mrad]", Line("tilt", f"{body}.rocking_angle", 1e3))
-    drawn += _chart(
-        runs,
-        "Lateral velocity of the pin's axis",
-        "[mm/s]",
-        Line("velocity", f"{body}.lateral_velocity", 1e3),
-    )
-    drawn += _chart(
-        runs, "Tilting velocity", "[rad/s]", Line("tilting", f"{body}.rocking_velocity")
-    )
-    drawn += _chart(
-        runs,
-        "Kinetic energy of the piston's lateral and rocking motion",
-        "[mJ]",
-        Line("kinetic", f"{body}.piston_kinetic_energy", 1e3),
-    )
-    drawn += _chart(runs, "Elastic energy", "[mJ]", Line("elastic", f"{body}.elastic_energy", 1e3))
-    drawn += _slaps(runs, body)
-    return Section("Motion of the piston", drawn)
+        drawn = _charts(runs, "pin_eccentricity", body=body)
+    charts = _charts(runs, "motion", body=body)
+    return Section("Motion of the piston", [*drawn, *charts, *_slaps(runs, body)])
 
 
 def _slaps(runs, body) -> list[Drawn]:
@@ -393,32 +358,13 @@ def _eccentricity(runs, body, skirt) -> list[Drawn]:
 
 
 def _forces(runs, body, films):
-    drawn = [
-        *(chart for film in films for chart in _radial(runs, film, len(films))),
-        *_chart(runs, "Side force on the bore", "[N]", Line("side", f"{body}.side_force")),
-        *_chart(
-            runs,
-            "Force of the pin on the piston",
-            "[kN]",
-            Line("across", f"{body}.pin_force_x", 1e-3),
-            Line("along the bore", f"{body}.pin_force_y", 1e-3),
-        ),
-        *_chart(
-            runs, "Gas pressure, gauge", "[MPa]", Line("gas", f"{body}.cylinder_pressure", 1e-6)
-        ),
-        *_over_position(runs, body),
-    ]
-    return Section("Forces", drawn)
-
-
-def _radial(runs, film, films):
-    """Return a chart of a film's radial force, with its name if there are several."""
-    of = "the film" if films == 1 else film
-    sides = [
-        Line(side, f"{film}.radial_force_{side.replace('-', '_')}_side")
-        for side in ("thrust", "anti-thrust")
-    ]
-    return _chart(runs, f"Radial force of {of} by side", "[N]", *sides)
+    drawn: list[Drawn] = []
+    for film in films:
+        of = "the film" if len(films) == 1 else film
+        drawn += _charts(runs, "radial_force", film=film, of=of)
+    return Section(
+        "Forces", [*drawn, *_charts(runs, "forces", body=body), *_over_position(runs, body)]
+    )
 
 
 def _over_position(runs, body) -> list[Drawn]:
@@ -445,47 +391,9 @@ def _is_bearing(runs, film):
 
 def _friction(runs, body, film):
     if _is_bearing(runs, film):
-        drawn = [
-            *_chart(
-                runs,
-                "Friction torque on the shell",
-                "[N m]",
-                Line("torque", f"{film}.friction_torque"),
-            ),
-            *_chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power")),
-            *_chart(
-                runs,
-                "Contact area fraction of the bearing",
-                "[-]",
-                Line("area", f"{film}.contact_area_fraction"),
-            ),
-        ]
-        return Section("Friction", drawn)
-    drawn = [
-        *_chart(
-            runs,
-            "Friction on the skirt by mechanism",
-            "[N]",
-            Line("film", f"{film}.friction_force_hydrodynamic"),
-            Line("contact", f"{film}.friction_force_asperity"),
-        ),
-        *_chart(
-            runs,
-            "Friction on the skirt by side",
-            "[N]",
-            Line("thrust", f"{film}.friction_force_thrust_side"),
-            Line("anti-thrust", f"{film}.friction_force_anti_thrust_side"),
-        ),
-        *_chart(runs, "Friction power", "[W]", Line("power", f"{film}.friction_power")),
-        *_chart(
-            runs,
-            "Contact area fraction of the skirt",
-            "[-]",
-            Line("area", f"{film}.contact_area_fraction"),
-        ),
-        *_stribeck(runs, body, film),
-    ]
-    return Section("Friction", drawn)
+        return Section("Friction", _charts(runs, "friction_of_bearing", film=film))
+    charts = _charts(runs, "friction_of_skirt", film=film)
+    return Section("Friction", [*charts, *_stribeck(runs, body, film)])
 
 
 def _cycles(case, runs) -> list[Drawn]:
@@ -536,22 +444,9 @@ def _stribeck(runs, body, film) -> list[Drawn]:
 
 
 def _films(case, runs, film, gap):
-    thickness = f"{film}.minimum_film_thickness"
-    by_side = (
-        Line("thrust", f"{thickness}_thrust_side", 1e6),
-        Line("anti-thrust", f"{thickness}_anti_thrust_side", 1e6),
-    )
-    title, lines = "Minimum film thickness by side", by_side
-    if _is_bearing(runs, film):
-        title, lines = "Minimum film thickness", (Line("film", thickness, 1e6),)
-    drawn = [
-        *_chart(runs, title, "[µm]", *lines),
-        *_chart(
-            runs, "Maximum film pressure", "[MPa]", Line("p", f"{film}.maximum_pressure", 1e-6)
-        ),
-        *_place_of_thinnest(case, runs, gap),
-    ]
-    return Section("Film", drawn)
+    thickness = "film_of_bearing" if _is_bearing(runs, film) else "film_of_skirt"
+    charts = _charts(runs, thickness, "film_pressure", film=film)
+    return Section("Film", [*charts, *_place_of_thinnest(case, runs, gap)])
 
 
 def _place_of_thinnest(case, runs, port) -> list[Drawn]:
@@ -581,28 +476,6 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
         ),
         Chart(title + axes.second.label, CRANK, f"[{axes.second.unit or '-'}]", along, cursor=True),
     ]
-
-
-def _oil(runs, film):
-    drawn = [
-        *_chart(
-            runs,
-            "Oil flow into the film",
-            "[cm³/s]",
-            Line("lower edge", f"{film}.flow_lower_edge", 1e6),
-            Line("upper edge", f"{film}.flow_upper_edge", 1e6),
-            Line("cut-outs", f"{film}.flow_openings", 1e6),
-        ),
-        *_chart(
-            runs,
-            "Oil",
-            "[mm³]",
-            Line("in the film", f"{film}.oil_in_film", 1e9),
-            Line("on the bore", f"{film}.oil_on_bore", 1e9),
-            Line("supplied", f"{film}.oil_supplied", 1e9),
-        ),
-    ]
-    return Section("Oil", drawn)
 
 
 def _instants(results):

@@ -47,7 +47,10 @@ OUTPUT = {
         )
     ],
     "fmu_ehd/step.py": [
-        ("    friction_torque: float\n", "    friction_torque: float\n    twice_the_power: float\n"),
+        (
+            "    friction_torque: float\n",
+            "    friction_torque: float\n    twice_the_power: float\n",
+        ),
         (
             "        whole.contact_area,\n        torque,\n",
             "        whole.contact_area,\n        torque,\n        2.0 * acting.powers.friction,\n",

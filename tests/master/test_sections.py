@@ -32,10 +32,33 @@ def of_one_period(**recorded):
     return results
 
 
+UNITS = {
+    "side_force": "N",
+    "cylinder_pressure": "Pa",
+    "pin_force_x": "N",
+    "pin_force_y": "N",
+    "lateral_displacement": "m",
+    "lateral_velocity": "m/s",
+    "rocking_angle": "rad",
+    "rocking_velocity": "rad/s",
+    "piston_kinetic_energy": "J",
+    "elastic_energy": "J",
+    "piston_velocity": "m/s",
+    "piston_position": "m",
+    "friction_torque": "N.m",
+    "friction_power": "W",
+    "minimum_film_thickness": "m",
+    "maximum_pressure": "Pa",
+}
+
+
 def run(angles, **ports):
     """Results of a run: crank angles [deg], and ports of `bodies` at the same instants."""
     time = np.arange(len(angles)) * 1e-3
-    series = {f"bodies.{name}": Series(np.array(own), "", "") for name, own in ports.items()}
+    series = {
+        f"bodies.{name}": Series(np.array(own), UNITS.get(name, "1"), "")
+        for name, own in ports.items()
+    }
     series["bodies.crank_angle"] = Series(np.radians(angles), "rad", "")
     return of_one_period(
         case={"participants": BODIES},
@@ -197,7 +220,10 @@ def bearing_run():
         "minimum_film_thickness": [2e-6, 3e-6],
         "maximum_pressure": [25.8e6, 1e6],
     }
-    series = {f"ehd.{name}": Series(np.array(own), "", "") for name, own in of_film.items()}
+    series = {
+        f"ehd.{name}": Series(np.array(own), UNITS.get(name, "1"), "")
+        for name, own in of_film.items()
+    }
     old = results.series
     results.series = lambda port: series.get(port) or old(port)
     results.ports += list(series)
