@@ -123,8 +123,7 @@ def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray
 def rod_turn(results: Results, body: str | None) -> np.ndarray:
     """Return the rotation of the rod about z at the recorded instants [rad].
 
-    Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: offset of the pin minus that of the
-    crank
+    Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: pin offset minus crank offset
     """
     table = results.case["participants"][body]
     given = table["parameters"]

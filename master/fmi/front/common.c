@@ -1,4 +1,4 @@
-/* What every front does alike, whether a slave is Python or machine code. See front.h. */
+/* Common parts of all fronts, for slaves in Python and in machine code. See front.h. */
 
 #include "front.h"
 
@@ -16,7 +16,7 @@ void front_log(Instance *I, int status, const char *format, ...)
     I->send(I, status, status == DISCARD ? "logStatusDiscard" : "logStatusError", text);
 }
 
-/* First line of a file or of a command's output; empty if there is none. */
+/* Read the first line of a file or of a command's output; empty if there is none. */
 void front_first_line(FILE *stream, char *line, int size)
 {
     if (!fgets(line, size, stream))
@@ -24,7 +24,7 @@ void front_first_line(FILE *stream, char *line, int size)
     line[strcspn(line, "\n")] = 0;
 }
 
-/* Whether the token is that of the FMU; says so if not. An FMU without its resources is refused later, by name. */
+/* Return whether the token is that of the FMU; log it if not. An FMU without its resources fails later, with its name. */
 int front_is_own(Instance *I, const char *token)
 {
     char path[8192], own[128] = "";
@@ -45,8 +45,8 @@ int front_is_own(Instance *I, const char *token)
 
 enum { NO_DEPENDENCE = -1, UNKNOWN = -2 };
 
-/* Index into `real` that is reserved for the seed or product of a reference; NO_DEPENDENCE for a variable without;
-   UNKNOWN, logged, where there is no such variable. */
+/* Return the index into `real` that is reserved for the seed or product of a reference; NO_DEPENDENCE for a variable
+   without one; UNKNOWN, logged, if there is no such variable. */
 static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Reference reference)
 {
     for (int64_t k = 0; k < count; k++)

@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 for co-simulation, answered by the slave behind front.h. */
+/* The functions of FMI 2.0 for co-simulation, for the slave of front.h. */
 
 #include "front.h"
 
@@ -13,7 +13,7 @@ typedef struct { Logger *logger; void *allocate, *release, *finished, *environme
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
-/* A printf-like logger must not find a conversion in a message: every % is doubled. */
+/* Double every %, because a printf-like logger must not find a conversion in a message. */
 static void send(Instance *I, int status, const char *category, const char *text)
 {
     if (!I->logger)
@@ -31,7 +31,7 @@ static void send(Instance *I, int status, const char *category, const char *text
     free(safe);
 }
 
-/* Path of a URI: scheme and authority dropped, %XX decoded. */
+/* Return the path of a URI, without scheme and authority and with %XX decoded. */
 static char *path_of(const char *location)
 {
     const char *c = strncmp(location, "file:", 5) ? location : location + 5;
@@ -102,7 +102,8 @@ static int unknown(Instance *I, const char *where, Reference reference)
     return ERROR;
 }
 
-/* A function that does `action` at each place in a storage whose `number` references begin at `first`, after `before`. */
+/* Define a function that does `action` at each position in a storage whose `number` references begin at `first`, after
+   `before`. */
 #define EACH(name, constant, type, first, number, before, action)                             \
     EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
     {                                                                                         \
@@ -132,7 +133,7 @@ EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const c
     return status == OK ? front_get_texts(I, vr, count, value) : status;
 }
 
-/* Derivatives of inputs at the beginning of the step to come, which the slave then does not hold but follows. */
+/* Set the derivatives of inputs at the beginning of the next step, which the slave then interpolates. */
 EXPORT int fmi2SetRealInputDerivatives(Instance *I, const Reference *vr, size_t count, const int *order, const double *value)
 {
     enum { HIGHEST = 3 };
@@ -149,7 +150,7 @@ EXPORT int fmi2SetRealInputDerivatives(Instance *I, const Reference *vr, size_t 
     return OK;
 }
 
-/* Seeds in, products out, in the slave's own storage: the step-map derivative of the interface contract. */
+/* Copy seeds in and products out of the slave's storage: the step-map derivative of the interface contract. */
 EXPORT int fmi2GetDirectionalDerivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known,
                                         size_t knowns, const double *seed, double *product)
 {
@@ -177,7 +178,7 @@ EXPORT int fmi2DeSerializeFMUstate(Instance *I, const char *bytes, size_t size, 
     return front_state_from_bytes(I, bytes, size, state);
 }
 
-/* ---- what this FMU does not offer, as its model description says ------------------------------------------------ */
+/* ---- features that this FMU does not have, as its model description states -------------------------------------- */
 
 static int not_offered(Instance *I, const char *name)
 {
@@ -191,7 +192,7 @@ EXPORT int fmi2GetStatus(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetIntegerStatus(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2GetStringStatus(Instance *I) { return not_offered(I, __func__); }
 
-/* model exchange: importers that bind every function of the standard want to find the names */
+/* model exchange: some importers bind every function of the standard */
 EXPORT int fmi2EnterEventMode(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2NewDiscreteStates(Instance *I) { return not_offered(I, __func__); }
 EXPORT int fmi2EnterContinuousTimeMode(Instance *I) { return not_offered(I, __func__); }

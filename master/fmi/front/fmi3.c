@@ -69,8 +69,8 @@ EXPORT int fmi3DoStep(Instance *I, double time, double step, bool keeps_no_state
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */
 
-/* Whether all references are variables of the type, or time where it may be, and their elements are as many as values;
-   says what is wrong. */
+/* Return whether all references are variables of the type (or time, if allowed) with as many elements as values; log
+   the fault if not. */
 static bool fits(Instance *I, const char *where, int type, bool with_time, const Reference *vr, size_t count, size_t values)
 {
     size_t elements = 0;
@@ -110,7 +110,7 @@ EXPORT int fmi3GetFloat64(Instance *I, const Reference *vr, size_t count, double
     return status;
 }
 
-/* Integers are Int32, choices Enumerations, which travel as Int64. */
+/* Integers are Int32. Choices are Enumerations, which are passed as Int64. */
 #define WHOLE(set, get, type, kind)                                                                        \
     EXPORT int set(Instance *I, const Reference *vr, size_t count, const type *value, size_t values)       \
     {                                                                                                      \
@@ -161,7 +161,7 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
 
 /* ---- derivatives ------------------------------------------------------------------------------------------------ */
 
-/* Places in `real` of all elements of the variables. */
+/* Return the positions in `real` of all elements of the variables. */
 static Reference *elements(Instance *I, const Reference *vr, size_t count, size_t values)
 {
     Reference *all = malloc(values * sizeof *all + 1), *next = all;
@@ -211,7 +211,7 @@ EXPORT int fmi3DeserializeFMUState(Instance *I, const char *bytes, size_t size, 
     return front_state_from_bytes(I, bytes, size, state);
 }
 
-/* ---- what this FMU does not offer, as its model description says ------------------------------------------------ */
+/* ---- features that this FMU does not have, as its model description states -------------------------------------- */
 
 EXPORT void *fmi3InstantiateModelExchange(void) { return NULL; }
 EXPORT void *fmi3InstantiateScheduledExecution(void) { return NULL; }

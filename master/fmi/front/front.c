@@ -1,4 +1,4 @@
-/* Finds or starts Python, imports the slave, calls its methods. See front.h. */
+/* Start Python, import the slave and call its methods. See front.h. */
 
 #include "front.h"
 
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- the part of Python's C interface that is used, fetched by name --------------------------------------------- */
+/* ---- functions of Python's C interface, fetched by name --------------------------------------------------------- */
 
 typedef void PyObject;
 
@@ -39,7 +39,7 @@ typedef void PyObject;
 static struct { PYTHON(MEMBER) } py;
 static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
 
-/* Name of the first function that `library` lacks, NULL if it has all. */
+/* Return the name of the first function that `library` lacks, NULL if it has all. */
 static const char *fetch(void *library)
 {
 #define FETCH(result, name, arguments) if (!(*(void **)&py.name = dlsym(library, #name))) return #name;
@@ -47,9 +47,9 @@ static const char *fetch(void *library)
     return NULL;
 }
 
-/* ---- finding a Python ------------------------------------------------------------------------------------------- */
+/* ---- search for Python ------------------------------------------------------------------------------------------ */
 
-/* A libpython that the host loaded for itself alone is made visible to extension modules. */
+/* Make a libpython that the host loaded privately visible to extension modules. */
 static int promote(struct dl_phdr_info *info, size_t size, void *found)
 {
     (void)size;
@@ -69,7 +69,7 @@ static void *python_in_process(void)
     return library;
 }
 
-/* Appends `text` in single quotes, as a shell reads it. */
+/* Append `text` in single quotes for a shell. */
 static void quote(char *command, size_t size, const char *text)
 {
     size_t end = strlen(command);
@@ -77,7 +77,7 @@ static void quote(char *command, size_t size, const char *text)
         end += (size_t)sprintf(command + end, "%s", *c == '\'' ? "'\\''" : (char[]){*c, 0});
 }
 
-/* Asks an interpreter for its shared library; "library PATH", or a sentence on what it lacks. */
+/* Ask an interpreter for its shared library: "library PATH", or a sentence on what it lacks. */
 static void probe(const char *interpreter, const char *resources, char *answer, int size)
 {
     char command[16384] = "'";
@@ -95,7 +95,7 @@ static void probe(const char *interpreter, const char *resources, char *answer, 
         snprintf(answer, (size_t)size, "does not run");
 }
 
-/* Where the builder of FMUs says which Python it ran in: python.txt in the user's cache. */
+/* Path of the Python that last built an FMU: python.txt in the user's cache. */
 static void record_of_python(char *path, size_t size)
 {
     const char *own = getenv("PISTON_COSIM_CACHE"), *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
@@ -107,8 +107,8 @@ static void record_of_python(char *path, size_t size)
         snprintf(path, size, "%s/.cache/piston-cosim/python.txt", home ? home : "");
 }
 
-/* Starts the first Python that has all the slave needs: $PISTON_COSIM_PYTHON, that of $VIRTUAL_ENV, the one that last
-   built an FMU on this machine, python3. */
+/* Start the first suitable Python: $PISTON_COSIM_PYTHON, that of $VIRTUAL_ENV, the one that last built an FMU on this
+   machine, python3. */
 static void *start_first_python(Instance *I)
 {
     char recorded[4096] = "", environment[8192] = "", path[8192], answer[8192], refusals[16384] = "";
@@ -138,8 +138,8 @@ static void *start_first_python(Instance *I)
             front_log(I, ERROR, "%s: %s", library, lacking);
             return NULL;
         }
-        py.Py_SetProgramName(py.Py_DecodeLocale(executable, NULL));   /* tells Python its venv */
-        py.Py_InitializeEx(0);                                        /* 0: the signal handlers stay the host's */
+        py.Py_SetProgramName(py.Py_DecodeLocale(executable, NULL));   /* gives Python its venv */
+        py.Py_InitializeEx(0);                                        /* 0: keep the host's signal handlers */
         py.PyEval_SaveThread();
         return handle;
     }
@@ -147,8 +147,7 @@ static void *start_first_python(Instance *I)
     return NULL;
 }
 
-/* The same with PYTHONHOME out of the way: it is that of another Python, the host's, and a Python started under it does
-   not come up. */
+/* Start Python without PYTHONHOME, which belongs to the host's Python and would break the start of another one. */
 static void *start_python(Instance *I)
 {
     char *home = getenv("PYTHONHOME") ? strdup(getenv("PYTHONHOME")) : NULL;
@@ -177,9 +176,9 @@ static int have_python(Instance *I)
     return ready;
 }
 
-/* ---- calling the slave (the interpreter is held) ---------------------------------------------------------------- */
+/* ---- calls of the slave (the interpreter is held) --------------------------------------------------------------- */
 
-/* Logs the exception that has just been raised and clears it. */
+/* Log the current exception and clear it. */
 static int raised(Instance *I, const char *where)
 {
     PyObject *type = NULL, *value = NULL, *trace = NULL;
@@ -204,7 +203,7 @@ static PyObject *invoke(PyObject *owner, const char *method, PyObject *arguments
     return result;
 }
 
-/* Sends what the slave has logged; its verdict on the call just made. */
+/* Send the slave's log messages; return the status of the last call. */
 static int verdict(Instance *I)
 {
     PyObject *verdict = invoke(I->slave, "verdict", py.Py_BuildValue("()"));
@@ -224,7 +223,7 @@ static int verdict(Instance *I)
     return (int)status;
 }
 
-/* Calls a method; its result, or NULL where it failed, the reason logged. */
+/* Call a method; return its result, or NULL after logging its error. */
 static PyObject *ask(Instance *I, const char *method, PyObject *arguments, int *status)
 {
     PyObject *result = invoke(I->slave, method, arguments);
@@ -235,7 +234,7 @@ static PyObject *ask(Instance *I, const char *method, PyObject *arguments, int *
     return result;
 }
 
-/* Calls a method without a result, arguments as for Py_BuildValue; a status. */
+/* Call a method without a result, arguments as for Py_BuildValue; return a status. */
 static int call(Instance *I, const char *method, const char *format, ...)
 {
     va_list list;
@@ -268,7 +267,7 @@ int front_show(Instance *I) { return I->initialising ? call(I, "show_start", "()
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
-/* Copies `count` records of `width` numbers and moves the cursor behind them. */
+/* Copy `count` records of `width` numbers and advance the cursor. */
 static void *take(const int64_t **cursor, int64_t count, int64_t width)
 {
     size_t size = (size_t)(count * width) * sizeof(int64_t);
@@ -288,7 +287,7 @@ static void forget_layout(Instance *I)
     I->variable = NULL;
 }
 
-/* Learns where the slave's numbers lie. */
+/* Read the addresses of the slave's numbers. */
 static int read_layout(Instance *I)
 {
     char *bytes;

@@ -1,5 +1,5 @@
-/* A slave of machine code behind front.h: its variables, its memory, its states. What it is like stands in one file of
-   the FMU, resources/slave.bin, which builder_native.py writes. */
+/* A slave of machine code for front.h: its variables, its memory, its states. One file of the FMU describes it,
+   resources/slave.bin, which builder_native.py writes. */
 
 #include "front.h"
 #include "native.h"
@@ -15,13 +15,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MARK[8] = "PCNATIV2";      /* the last figure is the version of the file */
+static const char MARK[8] = "PCNATIV2";      /* the last digit is the version of the file */
 
 enum { REAL, INTEGER, STRING, CHOICE };                     /* types of a variable, as in front.h */
 enum { PARAMETER, INPUT, CONSTANT, OUTPUT };
 enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
 
-/* What the file says of a variable: numbers, then ranges; texts apart. */
+/* Description of a variable in the file: numbers, then ranges; texts are separate. */
 typedef struct { int64_t type, offset, size, causality, extent[3], choices, covered; } Row;
 typedef struct { double low, high, covered_low, covered_high; } Range;
 typedef struct { const char *name, *unit; const char **choice; } Words;
@@ -29,7 +29,7 @@ typedef struct { const char *name, *unit; const char **choice; } Words;
 typedef struct { int64_t reals, first_integer, integers, seeds, products, variables, given, faults, texts; } Head;
 
 typedef struct {
-    char *file;                         /* all that lies in it; what follows points into it */
+    char *file;                         /* its content, into which the following pointers point */
     const Head *head;
     const Row *row;
     const Range *range;
@@ -41,17 +41,17 @@ typedef struct {
     double *real;                       /* variables, then seeds and products */
     int64_t *integer;
     double *memory;
-    double *shown, *started;            /* variables that outputs were shown for; those of the last start */
+    double *shown, *started;            /* variables of the last published outputs; of the last start */
     int64_t *shown_integer, *started_integer;
     int is_shown, has_state, was_started;
-    uint64_t remarked;                  /* warnings that were logged, a bit each */
-    char refused[LONGEST];              /* why there is no state, empty if nothing is wrong */
+    uint64_t remarked;                  /* logged warnings, one bit each */
+    char refused[LONGEST];              /* why there is no state, empty if there is one */
     Pool *pool;
 } Native;
 
-/* ---- what hosts hold ---------------------------------------------------------------------------------------------- */
+/* ---- addresses that hosts hold ------------------------------------------------------------------------------------ */
 
-/* Addresses handed out, of all instances in this process: what is freed already, or was never ours, is refused. */
+/* Addresses given to hosts by all instances in this process. Freed and unknown addresses are rejected. */
 typedef struct { void **at; size_t count, room; } Held;
 
 static Held instances, states;
@@ -60,7 +60,7 @@ static atomic_flag busy = ATOMIC_FLAG_INIT;
 static size_t place_of(const Held *held, const void *address)
 {
     size_t k = held->count;
-    while (k && held->at[k - 1] != address)     /* the newest are asked for most */
+    while (k && held->at[k - 1] != address)     /* the newest are used most */
         k--;
     return k;
 }
@@ -71,7 +71,7 @@ static void begin_alone(void)
         ;
 }
 
-/* Whether there was memory for it. */
+/* Return whether there was memory for it. */
 static int hold(Held *held, void *address)
 {
     begin_alone();
@@ -96,7 +96,7 @@ static int is_held(const Held *held, const void *address)
     return place > 0;
 }
 
-/* Whether it was held until now. */
+/* Return whether it was held. */
 static int let_go(Held *held, const void *address)
 {
     begin_alone();
@@ -113,7 +113,7 @@ static int let_go(Held *held, const void *address)
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
 
-/* Paths of the standard are UTF-8, on Windows too. */
+/* Paths of the standard are UTF-8, also on Windows. */
 static FILE *open_file(const char *path)
 {
 #ifdef _WIN32
@@ -141,7 +141,7 @@ static char *read_whole(const char *path, size_t *size)
     return bytes;
 }
 
-/* `count` things of a size from the file, the cursor moved behind them; NULL where the file ends before. */
+/* Return `count` items of a size from the file and advance the cursor; NULL if the file is too short. */
 static const void *take(const char **cursor, const char *end, int64_t count, size_t size)
 {
     const char *at = *cursor;
@@ -160,7 +160,7 @@ static const char *take_text(const char **cursor, const char *end)
 
 typedef struct { uint64_t first, second; } Sums;
 
-/* Of words, and of their sums so far: what is cut short, changed or moved has others. */
+/* Sum of words, and sum of the running sums, which detect truncated, changed and moved content. */
 static Sums sums_of(const char *words, size_t size)
 {
     Sums sums = {0, 0};
@@ -172,7 +172,7 @@ static Sums sums_of(const char *words, size_t size)
     return sums;
 }
 
-/* Whether the sums behind the mark are those of all that follows. */
+/* Return whether the sums after the mark match the content. */
 static int is_whole(const char *file, size_t size)
 {
     Sums told, found;
@@ -184,7 +184,7 @@ static int is_whole(const char *file, size_t size)
     return told.first == found.first && told.second == found.second;
 }
 
-/* Points into the file; NULL, or what is wrong with it. What its numbers mean is the builder's, once it is whole. */
+/* Set the pointers into the file; return NULL or the fault. The numbers of an intact file are valid. */
 static const char *lay_out(Native *N, const char *path)
 {
     const char *damaged = "is cut short or damaged", *scarce = "asks for more memory than there is";
@@ -239,7 +239,7 @@ static void append(char *text, const char *more)
     snprintf(text + length, LONGEST - length, "%s", more);
 }
 
-/* A number as Python's {:g}, whatever the host's language has for a decimal point. */
+/* Format a number as Python's {:g}, independent of the host's locale. */
 static void append_number(char *text, double number)
 {
     char written[40];
@@ -262,7 +262,7 @@ static void append_value(char *text, double number, const char *unit)
     }
 }
 
-/* A sentence with {i} {j} {a} {b} {c} replaced by the numbers of a fault. */
+/* Replace {i} {j} {a} {b} {c} in a sentence by the numbers of a fault. */
 static void append_fault(char *text, const char *sentence, const double *fault)
 {
     for (char one[2] = {0}; *sentence; sentence++) {
@@ -278,7 +278,7 @@ static void append_fault(char *text, const char *sentence, const double *fault)
     }
 }
 
-/* All faults that an entry has noted. */
+/* Append all faults that an entry has noted. */
 static void append_faults(Native *N, char *text, const char *between)
 {
     const double *fault = N->memory + N->first_fault;
@@ -308,7 +308,7 @@ static void append_element(Native *N, char *text, int64_t variable, int64_t elem
     append(text, index);
 }
 
-/* Adds a sentence where a choice has a number that none of them has, or none that the machine code covers. */
+/* Append a sentence if a choice has an invalid number, or one that the machine code does not cover. */
 static int choice_fault(Native *N, int64_t variable, char *text)
 {
     const Row *v = N->row + variable;
@@ -339,7 +339,7 @@ static int choice_fault(Native *N, int64_t variable, char *text)
     return 1;
 }
 
-/* Adds a sentence on the first element of a number that is not finite or out of range. */
+/* Append a sentence for the first element of a number that is not finite or out of range. */
 static int number_fault(Native *N, int64_t variable, char *text)
 {
     const Row *v = N->row + variable;
@@ -371,7 +371,7 @@ static int number_fault(Native *N, int64_t variable, char *text)
     return 0;
 }
 
-/* Adds a sentence for every variable of the causalities asked for that is out of range; how many. */
+/* Append a sentence for every variable of these causalities that is out of range; return their number. */
 static int range_faults(Native *N, int inputs_alone, char *text)
 {
     int count = 0;
@@ -386,7 +386,7 @@ static int range_faults(Native *N, int inputs_alone, char *text)
 
 /* ---- calls -------------------------------------------------------------------------------------------------------- */
 
-/* Runs an entry; adds its faults to `text`. Whether it went well. */
+/* Run an entry and append its faults to `text`; return whether it succeeded. */
 static int run(Native *N, Entering *entry, double step, double time, char *text, const char *between)
 {
     double numbers[4] = {step, time, 0.0, 0.0};
@@ -408,7 +408,7 @@ static void remember(Native *N, double *real, int64_t *integer)
     memcpy(integer, N->integer, integer_bytes(N));
 }
 
-/* Logs what a start or step that went well has remarked: a sentence below 0 where the first fault would be. Each once. */
+/* Log the warning of a successful start or step once. It is a negative number at the first fault. */
 static void log_remark(Instance *I)
 {
     Native *N = I->slave;
@@ -420,7 +420,7 @@ static void log_remark(Instance *I)
     front_log(I, WARNING, "%s", N->fault[(int64_t)(-1.0 - remark)]);
 }
 
-/* State at the start with its outputs published; a fault is logged, and every later step refused. */
+/* Compute the start state and publish its outputs. A fault is logged, and every later step is rejected. */
 static int checked_start(Instance *I)
 {
     Native *N = I->slave;
@@ -437,7 +437,7 @@ static int checked_start(Instance *I)
     return ERROR;
 }
 
-/* Whether parameters are those of the last start. */
+/* Return whether the parameters are those of the last start. */
 static int same_parameters(Native *N)
 {
     for (int64_t k = 0; k < N->head->variables; k++) {
@@ -459,7 +459,7 @@ int front_initialise(Instance *I, int enters)
     return enters ? OK : checked_start(I);
 }
 
-/* In Initialization Mode: outputs follow what is set, where that is allowed. */
+/* In Initialization Mode, let outputs follow the inputs if these are valid. */
 int front_show(Instance *I)
 {
     Native *N = I->slave;
@@ -523,7 +523,7 @@ int front_get_texts(Instance *I, const Reference *reference, size_t count, const
 
 /* ---- instances ---------------------------------------------------------------------------------------------------- */
 
-/* Variables at their start values, no state. */
+/* Set variables to their start values, without a state. */
 static void begin(Instance *I)
 {
     Native *N = I->slave;
@@ -536,7 +536,7 @@ static void begin(Instance *I)
     I->initialising = 0;
 }
 
-/* Why the slave of these resources cannot be had; NULL if it can. */
+/* Return why the slave of these resources cannot be created; NULL if it can. */
 static const char *make(Instance *I)
 {
     char path[8192];
@@ -642,9 +642,8 @@ int front_reset(Instance *I)
 
 /* ---- states ------------------------------------------------------------------------------------------------------- */
 
-/* A state as it is kept and as it is written: this head, variables, integers, the memory's state. Numbers lie as on all
-   systems that these FMUs are made for, the lowest byte first, so that a state may go from one to the other. The sums are
-   those of what follows the head, where it is written. */
+/* A state in memory and as bytes: this head, variables, integers, the memory's state. Numbers are little endian as on
+   all supported systems, so states can be exchanged between them. The sums are those of the bytes after the head. */
 typedef struct { char mark[8]; int64_t reals, integers, states, has_state; Sums sums; } Saved;
 
 static size_t saved_size(Native *N)
@@ -659,7 +658,7 @@ static Saved head_of(Native *N)
     return s;
 }
 
-/* Whether a head is one of this FMU's states. */
+/* Return whether a head is that of a state of this FMU. */
 static int is_like(Native *N, const Saved *given)
 {
     Saved own = head_of(N);
@@ -667,7 +666,7 @@ static int is_like(Native *N, const Saved *given)
     return !memcmp(&own, given, sizeof own) && (given->has_state == 0 || given->has_state == 1);
 }
 
-/* Whether it is a state that this FMU has handed out; says so if not. */
+/* Return whether it is a state that this FMU has given to the host; log it if not. */
 static int is_own_state(Instance *I, const void *state)
 {
     int own = is_held(&states, state) && is_like(I->slave, state);
@@ -701,7 +700,7 @@ int front_get_state(Instance *I, void **state)
     return OK;
 }
 
-/* Variables of a kept state; of the integers its choices alone: the others count work, which nothing undoes. */
+/* Restore the variables of a saved state. Of the integers, only choices are restored, because the others count work. */
 static void restore(Native *N, const char *at)
 {
     memcpy(N->real, at, real_bytes(N));

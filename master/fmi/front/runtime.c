@@ -1,5 +1,4 @@
-/* What machine code of numba asks of its surroundings: counted blocks of memory, and the shape of an array told anew.
-   See native.h. */
+/* Functions that numba's machine code needs: counted blocks of memory, and new shapes of arrays. See native.h. */
 
 #include "native.h"
 
@@ -20,12 +19,12 @@
 
 /* ---- memory ------------------------------------------------------------------------------------------------------- */
 
-/* As numba knows it: code reads `count` and `data`. */
+/* Layout as in numba: code reads `count` and `data`. */
 typedef struct { size_t count; void *destructor, *told, *data; size_t size; void *allocator; } Counted;
 
 typedef struct Piece {
     Counted counted;
-    struct Piece *free_next, *next;     /* of the same size and free; of all */
+    struct Piece *free_next, *next;     /* free pieces of the same size; all pieces */
     int power;
 } Piece;
 
@@ -33,13 +32,13 @@ enum { SMALLEST = 8, POWERS = 48, ALIGNMENT = 64 };     /* pieces of 2^8 bytes a
 
 struct Pool { Piece *free[POWERS], *all; };
 
-static _Thread_local Pool *pool;        /* of the call that this thread is in */
+static _Thread_local Pool *pool;        /* pool of the current call of this thread */
 
 #ifdef __x86_64__
 INTERNAL int native_wide;               /* whether the processor has vectors of four numbers (native_code.in_two_versions) */
 
 /* Set `native_wide`: the processor has AVX2, and the system saves its registers. __builtin_cpu_supports would need the
-   compiler's run-time library, which release libraries do without. */
+   compiler's run-time library, which release libraries do not use. */
 static void look_at_processor(void)
 {
     enum { VECTOR_STATE = 6 };
@@ -75,7 +74,7 @@ int pool_run(Pool *p, Entering *entry, double *real, int64_t *integer, double *m
     Pool *outer = pool;
     fenv_t host;
     fegetenv(&host);
-    fesetenv(FE_DFL_ENV);               /* a host may round otherwise, or flush small numbers to zero */
+    fesetenv(FE_DFL_ENV);               /* a host may have another rounding mode, or flush small numbers to zero */
     pool = p;
     int status = entry(&result, &raised, real, integer, memory, numbers, lengths);
     pool = outer;
@@ -107,7 +106,7 @@ INTERNAL void *NRT_MemInfo_alloc_aligned(size_t size, uint32_t alignment)
     return piece;
 }
 
-/* Of a block that nobody counts on any more. */
+/* Free a block without references. */
 INTERNAL void NRT_MemInfo_call_dtor(void *counted)
 {
     Piece *piece = counted;
@@ -117,11 +116,11 @@ INTERNAL void NRT_MemInfo_call_dtor(void *counted)
 
 /* ---- products ----------------------------------------------------------------------------------------------------- */
 
-/* Four numbers at once, at any address. A processor with vectors of two takes them in two parts: the bits are the same,
-   for lanes are added up in one order and nothing is fused (-ffp-contract=off). */
+/* Vectors of four numbers, at any address. A processor with vectors of two splits them, with the same bits, because
+   lanes are summed in one order and nothing is fused (-ffp-contract=off). */
 typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
 
-enum { LANES = 8, TOGETHER = 4 };       /* sums side by side of a product; vectors whose products are taken at once */
+enum { LANES = 8, TOGETHER = 4 };       /* parallel sums of a product; vectors that are multiplied together */
 
 #define EVERYWHERE static inline __attribute__((always_inline))
 
@@ -148,7 +147,7 @@ EVERYWHERE double dot(int64_t n, const double *a, const double *b)
     return added(low, high, rest);
 }
 
-/* As `dot` of each of TOGETHER columns. */
+/* `dot` for each of TOGETHER columns. */
 EVERYWHERE void dots(int64_t n, const double *a, int64_t lead, const double *b, double *out)
 {
     const double *c = a + lead, *d = c + lead, *e = d + lead;
@@ -240,7 +239,7 @@ INTERNAL void native_times(char turned, int64_t m, int64_t n, const double *a, i
 
 /* ---- shapes ------------------------------------------------------------------------------------------------------- */
 
-/* Strides of an array in its new shape. All arrays of the entries that are told a new one are contiguous. */
+/* Strides of an array in its new shape. All arrays that get a new shape are contiguous. */
 INTERNAL int numba_attempt_nocopy_reshape(ptrdiff_t old_count, const ptrdiff_t *old_shape, const ptrdiff_t *old_strides,
                                           ptrdiff_t count, const ptrdiff_t *shape, ptrdiff_t *strides, ptrdiff_t item,
                                           int by_columns)
