@@ -21,6 +21,7 @@ from ..results.charts import (
     DASHES,
     Chart,
     Curve,
+    Dash,
     Drawn,
     Phase,
     Section,
@@ -300,7 +301,7 @@ def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
     """Return a curve for each run and port that is not zero in all runs."""
     wanted = None if unit == "-" else unit
     known = [(results, {*results.ports}) for results in runs.values()]
-    drawn = [
+    drawn: list[tuple[Dash, str, str]] = [
         (dash, name, port)
         for dash, (name, port) in zip(DASHES, lines.items())
         if any(port in ports and results.series(port).values.any() for results, ports in known)
