@@ -10,5 +10,5 @@ it:
     case          a case, from its file to participants and wires; SSP; the contract
     coupling      macro steps, and the methods that iterate them
     participants  one FMU under the master, in all forms
-    fmi           common parts of both ends of the standard: variables, slaves, building FMUs
+    fmi           common parts of both ends of the standard: variables, model classes, FMUs
 """

@@ -1,7 +1,7 @@
 """Parametric meshes of pistons, blocks and a rod's small end, by gmsh.
 
 One quarter of a body (x >= 0, z >= 0) is meshed with 10-node tetrahedra and mirrored twice. The
-mesh is therefore symmetric to the bit about the thrust plane z = 0 and about x = 0. Lengths are
+mesh is therefore exactly symmetric about the thrust plane z = 0 and about x = 0. Lengths are
 in millimetres here, in metres in the files. Axes: x thrust, y towards the head, z along the pin.
 The origin of a piston is pin point A. That of a block is on the crank axis, that of a small end
 on the axis of its eye.

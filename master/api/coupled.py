@@ -150,7 +150,7 @@ def _is_slave(origin: Origin) -> TypeGuard["type[FieldSlave]"]:
 
 
 def in_process(name: str, slave: "type[FieldSlave]", options: Mapping[str, Any]) -> Any:
-    """Return a participant of a slave in this process, without an FMU."""
+    """Return a participant of a model class in this process, without an FMU."""
     from ..participants.local import LocalParticipant
 
     with tempfile.TemporaryDirectory() as folder:  # read for its options only, immediately

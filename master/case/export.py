@@ -28,7 +28,7 @@ from .system import open_system
 COUPLED = "master.coupling.coupled"
 """Part of the master inside the FMU, with all its imports."""
 MASTER = "master.coupling"
-"""Package with the entries of a native coupled slave."""
+"""Package with the entries of a native coupled FMU."""
 
 
 def export_fmu(case, folder, progress, version="2.0", platforms=()):
@@ -211,7 +211,7 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
 
 
 def _coupled_slave(options):
-    """Return the coupled slave in Python, with its variables and their positions."""
+    """Return the coupled model in Python, with its variables and their positions."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options, sort_keys=True))
         return Coupled(instance_name="native", resources=scratch)

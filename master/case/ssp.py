@@ -38,7 +38,7 @@ OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/
 """Namespace of OMSimulator's annotations."""
 
 SYSTEM = "case"
-"""Name of the system and of its own parameters."""
+"""Name of the system and of its parameters."""
 
 LEFT = ("participants", "variants", "beside")
 """Tables of a case that SSP represents in another way or not at all."""

@@ -1,6 +1,6 @@
 """Both ends of the FMI standard, and the code that every FMU contains.
 
-slave           base class of every FMU
+slave           base class of model classes, the implementations of FMUs
 variables       declaration of variables
 description     modelDescription.xml of FMI 2.0 (description3: of FMI 3.0)
 documentation   page and licences inside an FMU

@@ -32,7 +32,7 @@ EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
 OF_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
-"""Modules of pythonfmu that a running slave needs; its builder is not among them."""
+"""Modules of pythonfmu that a running FMU needs; its builder is not among them."""
 
 PYTHONFMU = '''"""The part of pythonfmu, under its own licence, that a running slave needs."""
 
@@ -109,7 +109,7 @@ class Entry(Fmi2Slave):
 
 
 class Code(NamedTuple):
-    """Code of a slave inside an FMU.
+    """Code of a model class inside an FMU.
 
     name : package name, the hash of its content; slave : "module:class" in the package; files :
     content by path in the package.
@@ -121,7 +121,7 @@ class Code(NamedTuple):
 
 
 def slave_of(package):
-    """Return the slave of a participant package as "module:class".
+    """Return the model class of a participant package as "module:class".
 
     fmu_ehd -> fmu_ehd.slave:Ehd, fmu_mfbd.monoblock -> fmu_mfbd.monoblock.slave:Monoblock.
     """
@@ -130,16 +130,16 @@ def slave_of(package):
 
 
 def code_of(package):
-    """Return the code that the slave of a participant package needs.
+    """Return the code that the model class of a participant package needs.
 
-    For a part of this project it is the slave's module and all its imports, for others the package.
+    For a part of this project it is the module and all its imports, for others the package.
     """
     own = import_part(package).__name__.startswith(f"{ROOT}.")
     return code_with(slave_of(package), f"{package}.slave" if own else package)
 
 
 def code_with(slave, part):
-    """Return the code that the slave "module:class" needs.
+    """Return the code that the model class "module:class" needs.
 
     `part` is a package, or a module by its path in the project ("master.coupling.coupled"). The
     required modules of `master.fmi` are added automatically.
@@ -171,7 +171,7 @@ def build_fmu(
     version : {"2.0", "3.0"}
         Version of FMI. 3.0 needs a C compiler.
     experiment : Experiment, optional
-        Default experiment in the description. Default: that of the slave.
+        Default experiment in the description. Default: that of the model class.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"
 def pack_fmu(
     name, code, options, files, progress, version="2.0", *, participants=(), experiment=None
 ):
-    """Return the FMU of a slave, from the cache if it was packed before.
+    """Return the FMU of a model class, from the cache if it was packed before.
 
     Parameters
     ----------
@@ -243,10 +243,10 @@ def pack_fmu(
     files : dict of str to bytes
         Further resources.
     participants : iterable of Code
-        Codes of the slaves inside this one. They are the same packages as in their separate FMUs,
+        Codes of the models inside this one. They are the same packages as in their separate FMUs,
         so both share compiled kernels.
     experiment : Experiment, optional
-        Default experiment in the description. Default: that of the slave.
+        Default experiment in the description. Default: that of the model class.
     """
     if version == "3.0" and not compiler():
         raise BadInput("fmi: expected a C compiler, cc or $CC, for FMI 3.0, got none")
@@ -322,7 +322,7 @@ def _digest(contents):
 
 
 def _pack(contents, entry, fmu, version, experiment):
-    """Lay out the resources in a scratch folder, describe the slave, and write the FMU."""
+    """Lay out the resources in a scratch folder, describe the model, and write the FMU."""
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
             path = Path(scratch) / name
@@ -393,7 +393,7 @@ def _xml(root):
 
 
 def _instance(entry, resources):
-    """Return an instance of the packed slave, and remove its modules from this process."""
+    """Return an instance of the packed model class, and remove its modules from this process."""
     before = set(sys.modules)
     sys.path.insert(0, resources)
     try:

@@ -1,7 +1,7 @@
 """Build an FMU that needs no Python: one library for each platform.
 
 The library consists of the participant's entries and the C front. The FMU also contains the
-model description and a file that describes the slave. The library does not depend on the grid,
+model description and a file that describes the model. The library does not depend on the grid,
 so all FMUs of a participant have the same one. A release contains the libraries of all platforms
 (`.ci/release`). If the library is missing, it is linked in a second from cached object files.
 """
@@ -131,7 +131,7 @@ AHEAD = Path(__file__).parent / "libraries"
 
 SOURCES = ("native.c", "runtime.c", "common.c")
 OF_COUPLED = "parts.c"
-"""Additional source of a coupled slave, whose entries call those of its participants."""
+"""Additional source of a coupled FMU, whose entries call those of its participants."""
 ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 NEW_PASSES = (0, 44)
@@ -225,10 +225,10 @@ def build_native_fmu(
 
 
 class Inside(NamedTuple):
-    """Slave from which a native FMU is made.
+    """Model instance from which a native FMU is made.
 
     slave : instance in Python, with the variables and their positions; given : first part of the
-    slave's memory.
+    model's memory.
     """
 
     slave: FieldSlave
@@ -246,7 +246,7 @@ def pack_native_fmu(
     package: str,
     participants: Sequence[str],
 ) -> Path:
-    """Return the native FMU of a coupled slave, from the cache if it was packed before.
+    """Return the native FMU of a coupled model, from the cache if it was packed before.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def pack_native_fmu(
     progress, version, platforms
         As for `build_native_fmu`.
     package : str
-        Package with the entries of the slave.
+        Package with the entries of the model.
     participants : sequence of str
         Packages whose entries they call.
     """
@@ -364,7 +364,7 @@ def too_old() -> list[str]:
 def slave_inside(
     package: str, part: NativePart, options: Mapping[str, Any], files: Sequence[Path]
 ) -> Inside:
-    """Return the slave of a package with checked build options and the files that they name."""
+    """Return the model of a package with checked build options and the files that they name."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
         for file in files:
@@ -389,7 +389,7 @@ def libraries(
     Parameters
     ----------
     packages : sequence of str
-        The package of the slave, then those of the participants inside it.
+        The package of the model, then those of the participants inside it.
     platforms, version, progress
         As for `build_native_fmu`.
     """
@@ -555,7 +555,7 @@ def _file_of(module):
 def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
     """Return the compiler options that connect the front to the entries of a package.
 
-    They also connect the entries of a coupled slave to those of its participants.
+    They also connect the entries of a coupled FMU to those of its participants.
     """
     own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
     inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
@@ -565,7 +565,7 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
 def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
     """Return the library of a platform, linked from object files by package.
 
-    The package of the slave's entries is first, then those of the participants inside it.
+    The package of the model's entries is first, then those of the participants inside it.
 
     Raises
     ------
@@ -604,14 +604,14 @@ def newer_symbols(library: bytes) -> list[str]:
     return [f"GLIBC_{'.'.join(map(str, v))}" for v in sorted(versions) if v > OLDEST_GLIBC]
 
 
-# ---- the file that describes the slave
+# ---- the file that describes the model
 
 
 def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
     """Return the content of resources/slave.bin, which front/native.c reads.
 
     It contains positions, ranges and start values of the variables, the choices that are
-    covered, the first part of the slave's memory, and sentences.
+    covered, the first part of the model's memory, and sentences.
     """
     given = np.asarray(given, dtype="<f8")
     blocks = [

@@ -3,7 +3,7 @@
 By default numba makes every kernel callable from Python, although most kernels run only inside
 others. That takes half of a first start. Here, a callee stays LLVM code, and the entry that
 links it is optimised and translated as a whole. Nothing is reordered or fused, so results are
-the same to the bit.
+bit for bit the same.
 """
 
 from typing import Any

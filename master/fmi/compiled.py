@@ -2,7 +2,7 @@
 
 Division by zero gives inf as in numpy (a film that is not finite is rejected by its solver). No
 fast mathematics: sums run in the written order and no multiply-add is fused. Results are therefore
-the same to the bit in every process, for cached and for fresh kernels, and inside any kernel.
+bit for bit the same in every process, for cached and for fresh kernels, and inside any kernel.
 
 numba validates its cache by the kernel's own file. A kernel also contains its callees, so this
 cache uses that file and all files of the project that it imports. Unreadable kernels are

@@ -56,7 +56,7 @@ unit have "1"."""
 
 
 def model_description(slave, any_host, platforms=()):
-    """Return the XML tree of a slave's model description. The GUID is the hash of its content.
+    """Return the XML tree of an FMU's model description. The GUID is the hash of its content.
 
     Parameters
     ----------

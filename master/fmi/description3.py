@@ -17,7 +17,7 @@ TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration
 
 
 def model_description_3(slave, platforms=()):
-    """Return the XML tree of a slave's model description for FMI 3.0.
+    """Return the XML tree of an FMU's model description for FMI 3.0.
 
     The instantiation token is the hash of its content. `platforms` are those of an FMU that
     needs no Python.

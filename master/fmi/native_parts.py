@@ -9,13 +9,13 @@ from .compiled import compiled
 from .variables import Variable
 
 CALL = "native_part"
-"""Function that runs an entry of a participant inside a coupled slave, front/parts.c."""
+"""Function that runs an entry of a participant inside a coupled FMU, front/parts.c."""
 
 
 class Entry(NamedTuple):
     """Kernel of four arrays without result, (real, integer, memory, numbers).
 
-    They are real and integer variables of the slave, its memory, and a few numbers of the call.
+    They are real and integer variables of the FMU, its memory, and a few numbers of the call.
     """
 
     kernel: Any  # compiled.Kernel
@@ -41,14 +41,14 @@ def symbol(package: str, name: str) -> str:
 
 
 class NativePart(NamedTuple):
-    """The compiled side of a slave.
+    """The compiled side of a model class.
 
     Attributes
     ----------
     entries : tuple of Entry
         size, start, advance and tangent, `front/native.h`.
     given : callable
-        Returns the first part of a slave's memory, ndarray of float64.
+        Returns the first part of an FMU's memory, ndarray of float64.
     uncovered : callable
         Yields faults of checked build options that the library does not cover.
     covered : mapping

@@ -61,7 +61,7 @@ class Experiment:
 
 
 class FieldSlave(Fmi2Slave):
-    """Base class of every slave; the module docstring describes its storage.
+    """Base class of every model class; the module docstring describes its storage.
 
     A participant defines
 

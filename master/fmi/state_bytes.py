@@ -1,12 +1,12 @@
-"""State of a slave as bytes: a head that names its arrays, and the arrays.
+"""State of an FMU as bytes: a head that names its arrays, and the arrays.
 
 Layout
     8 bytes     length of the head, little endian
-    head        JSON: `arrays`, name, dtype and shape of each; further entries of the slave
+    head        JSON: `arrays`, name, dtype and shape of each; further entries of the FMU
     arrays      consecutive, in the order of the head
 
-The slave's entry `slow` names members that change little between cycles of a repeated run. They
-may be set to other values at the end of a cycle, where the state is one from which the slave can
+The FMU's entry `slow` names members that change little between cycles of a repeated run. They
+may be set to other values at the end of a cycle, where the state is one from which the FMU can
 continue. Members whose values are all at least 0 must stay so.
 """
 
@@ -42,7 +42,7 @@ def split(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 
 def slow_members(data: bytes) -> dict[str, np.ndarray]:
-    """Return the slow members of a serialised state; empty for slaves of other projects."""
+    """Return the slow members of a serialised state; empty for FMUs of other projects."""
     try:
         head, arrays = split(data)
     except ValueError:

@@ -20,7 +20,7 @@ ROOT = __name__.removesuffix(".master.fmi.tree")
 """Package name of this tree: INSTALLED, or that of an FMU."""
 
 FOR_USERS = ("master.fmi.errors", "master.fmi.variables", "master.fmi.slave")
-"""Modules that a slave outside the project imports."""
+"""Modules that a model class outside the project imports."""
 
 _OWN_SOURCE = Path(__file__).read_bytes()
 

@@ -4,7 +4,7 @@ participant   protocol of participants
 open          an FMU of either version
 fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
 pointers      calls from compiled code
-local         a slave in this process, without FMI
+local         a model class in this process, without FMI
 clocks        an FMI 3.0 FMU with clocks (P7, P8)
 isolated      in a separate process
 remote        on a worker of a Dask cluster

@@ -1,4 +1,4 @@
-"""Slave as a participant without FMI, for models inside one FMU or in this process."""
+"""Model class as a participant without FMI, for models inside one FMU or in this process."""
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
@@ -28,7 +28,7 @@ class LocalParticipant:
         )
 
     def start(self, parameters, start_time, stop_time):
-        """Initialise with `parameters` in SI; raise `BadInput` with the faults of the slave."""
+        """Initialise with `parameters` in SI; raise `BadInput` with the faults of the model."""
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
@@ -75,7 +75,7 @@ class LocalParticipant:
         return view.copy() if self.fields[name].shape else view.item()
 
     def step(self, time, step):
-        """Take a step [s]; raise `Discard` or `ParticipantFault` with the slave's last message."""
+        """Take a step [s]; raise `Discard` or `ParticipantFault` with the model's last message."""
         if self.slave.do_step(time, step):
             return
         status, messages = self.slave.verdict()

@@ -270,7 +270,7 @@ _DATA: dict[type, Any] = {Chart: _chart_data, StillMap: _map_data}
 
 
 def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
-    """Return the frames of a field for every run; None for a run without it.
+    """Return the frames of a field for every run; None for a run that lacks it.
 
     Parameters
     ----------

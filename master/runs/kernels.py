@@ -15,7 +15,7 @@ from .working import REFRESH, Compilation, bars, every
 
 
 class Rehearsal(NamedTuple):
-    """Single step of a participant on its own, with its variables on wires."""
+    """Step of a single participant, with its variables on wires."""
 
     path: Path
     name: str

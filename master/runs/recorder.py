@@ -100,7 +100,7 @@ class Schedule:
     def instant(self, row: int, time: float) -> float | None:
         """Return the instant of the record of a row [s], None if there is none.
 
-        It is the multiple that `time` reaches, the same to the bit for all divisions of steps,
+        It is the multiple that `time` reaches, bit for bit the same for all divisions of steps,
         or `time`. Call it for the rows in order.
         """
         if not self.interval:
