@@ -386,12 +386,13 @@ def imbalance(bodies: Bodies, load: Load, now: Motion, crank: CrankMotion, films
                 m:      -N + m_r G_x'' + m_c m_x'' + U u_x'' - O_x = 0
                         T + m_r G_y'' + m_c m_y'' + U u_y'' - O_y = 0
                 shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
-                eye:    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), in the rod's axes
+                eye:    Eq. (D40)
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y
                 N = f1 T + rod - psi1 M_rod        f1, rod, psi1 of Eqs. (K2) to (K4) at x_S
                 rod += k m_r (delta_x'' + f1 delta_y'')      where the big end has play (Eq. (K25))
+    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), in the rod's axes
     B, E: force of the films in bosses and eye on the pin; C, O: of those in big end and main
     bearing on the crank, of mass m_c and unbalance U; M_piston, M_rod: their moments on the shells;
     M_pin: of all of them on the pin. The drive holds the crank's speed against their moments on
