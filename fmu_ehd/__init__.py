@@ -1,5 +1,6 @@
-"""Lubrication: transient Reynolds equation, cavitation, asperity contact and friction on a
-skirt grid.
+"""Lubrication of piston skirts and journal bearings on a film grid.
+
+Transient Reynolds equation, cavitation, asperity contact and friction.
 
 Kernels, pure functions on arrays, each file with its numbered equations:
 

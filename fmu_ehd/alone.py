@@ -1,5 +1,6 @@
-"""A film alone, stepped by hand in Python: `piston_cosim.Film`. Units are read here; the model
-inside is that of the FMU.
+"""Film alone, stepped by hand in Python: `piston_cosim.Film`.
+
+Units are converted here; the model inside is that of the FMU.
 """
 
 from collections.abc import Mapping
@@ -289,9 +290,10 @@ class Film:
         dsliding_velocity: Array | float = 0.0,
         dcircumferential_velocity: Array | float | None = None,
     ) -> tuple[Array, ...]:
-        """Change of `nodal_pressure_force` and `nodal_friction_force` [N], of a bearing also of
-        `nodal_circumferential_force`, at the end of the last step for a change of the inputs there
-        [m], [m/s]; exact.
+        """Return the exact change of the nodal forces for a change of the inputs of the last step.
+
+        The inputs change at its end [m], [m/s]. The result holds `nodal_pressure_force` and
+        `nodal_friction_force` [N], of a bearing also `nodal_circumferential_force`.
         """
         turning = dcircumferential_velocity
         if turning is None and self._is_bearing:
@@ -323,7 +325,7 @@ class Film:
         return self._field(sliding), None
 
     def _field(self, values: Array | float) -> Array:
-        """An array of the grid."""
+        """Return an array of the grid."""
         array = np.asarray(values, dtype=float)
         if array.shape not in ((), self.grid):
             raise BadInput(f"array: expected shape {self.grid}, got {array.shape}")

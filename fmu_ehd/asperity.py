@@ -114,7 +114,7 @@ def gaussian_integral(order: float, separation: Any) -> Any:
 
 
 def fitted_integral(separation: Any) -> tuple[Any, Any]:
-    """The usual power fit of F_5/2, Eq. (A5), for H >= 0; its slope too."""
+    """Return the usual power fit of F_5/2 and its slope, Eq. (A5), for H >= 0."""
     reach = np.maximum(FIT_REACH - separation, 0.0)
     value = FIT_FACTOR * reach**FIT_POWER  # Eq. (A5)
     slope = -FIT_FACTOR * FIT_POWER * reach ** (FIT_POWER - 1.0)
@@ -123,8 +123,9 @@ def fitted_integral(separation: Any) -> tuple[Any, Any]:
 
 @cache
 def contact_table(law: str = "greenwood_tripp_1970") -> Array:
-    """Values and slopes of F_5/2, F_2 and int_H^inf F_5/2 on a uniform grid of H from 0 to
-    `TABLE_END`.
+    """Return a table of F_5/2, F_2 and int_H^inf F_5/2 with their slopes.
+
+    The grid of H is uniform from 0 to `TABLE_END`.
 
     Parameters
     ----------

@@ -93,8 +93,7 @@ def _invert_four(pivot):
 
 @compiled
 def invert_in_place(a: Array, pivots: NDArray[np.int64]):
-    """Invert the square part of [F X] and multiply the rest by it: [F^-1 F^-1 X], by Gauss-Jordan
-    elimination without pivoting.
+    """Replace [F X] by [F^-1 F^-1 X] with Gauss-Jordan elimination without pivoting.
 
     Four pivots and two rows at a time: each element then costs a load and a store for four
     operations. Written out in one function, because a call a row costs a third of the time.
@@ -147,8 +146,9 @@ def invert_in_place(a: Array, pivots: NDArray[np.int64]):
 
 @compiled
 def _sort_cells(stencil, ahead, station, before, order):
-    """Cells of a station into `order`: those whose column has more than a diagonal, then the
-    others; how many of the first.
+    """Sort the cells of a station into `order`, coupled cells first; return their number.
+
+    The column of a coupled cell has more than a diagonal.
     """
     n = stencil.shape[1]
     m = 0
@@ -172,8 +172,9 @@ def _sort_cells(stencil, ahead, station, before, order):
 
 @compiled
 def _schur(stencil, ascending, k, before, factors, row_of, s):
-    """Columns of the coupled cells of S_j, Eq. (B2), at the k-th station: row a of `s` is the
-    column of the a-th coupled cell, along it [F' -(E^-1 G)'] of Eq. (B4).
+    """Assemble the columns of the coupled cells of S_j, Eq. (B2), at the k-th station.
+
+    Row a of `s` is the column of the a-th coupled cell, followed by [F' -(E^-1 G)'] of Eq. (B4).
 
     `before`: the station eliminated before, -1 for none. `row_of` says which row of its columns of
     S_{j-1}^-1 is that of a cell, -1 where the column has nothing but its diagonal.
@@ -346,7 +347,7 @@ def substitute(factors: Factors, stencil: Array, ascending: bool, right: Array):
 
 @compiled
 def substitute_one(factors: Factors, stencil: Array, right: Array):
-    """The same for one right-hand side, shape (n_c, n_a), in its place."""
+    """Solve for one right-hand side of shape (n_c, n_a), in place."""
     n_c, n_a = right.shape
     substitute(factors, stencil, factors.direction[0] > 0.0, right.reshape((1, n_c, n_a)))
     return right
@@ -356,8 +357,9 @@ def substitute_one(factors: Factors, stencil: Array, right: Array):
 def substitute_together(
     factors: Factors, stencil: Array, ascending: bool, right: Array, work: Array
 ):
-    """As `substitute`, all right-hand sides through a station at once, by matrix products; `work`
-    as large as `right`.
+    """Solve for all right-hand sides of a station at once, by matrix products.
+
+    The array `work` is as large as `right`.
     """
     columns, diagonals, orders, counts, _ = factors
     back = stencil[SOUTH] if ascending else stencil[NORTH]

@@ -82,8 +82,9 @@ def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[
 def prepare(
     options: Mapping[str, Any], folder: Path, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], list[Path]]:
-    """Check the build options and read the oil and the mask; the lubrication FMU needs no offline
-    work.
+    """Check the build options and read oil and mask.
+
+    The lubrication FMU needs no offline work.
 
     Parameters
     ----------

@@ -49,8 +49,9 @@ LIMIT = 1000  # iterations in all
 
 
 class NotConverged(RuntimeError):
-    """A step that has no solution, or none that was reached; the message says what, where and by
-    how much.
+    """Step without a solution, or whose solution was not reached.
+
+    The message says what, where and by how much.
     """
 
 
@@ -109,7 +110,7 @@ def interpret(model: Cavitation, unknown: Array, full: Flags):
 
 @compiled
 def shares(model: Cavitation, unknown: Array, full: Flags):
-    """Derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
+    """Return the derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
     of_pressure = np.zeros_like(unknown)
     of_fraction = np.zeros_like(unknown)
     for i in range(full.shape[0]):
@@ -123,8 +124,9 @@ def shares(model: Cavitation, unknown: Array, full: Flags):
 
 @compiled
 def without_pressure(full: Flags, stencil: Array):
-    """Take the pressure of cells outside the pattern out of their neighbours' balance, Eq. (C3); in
-    place.
+    """Remove the pressure of cavitated cells from the balance of their neighbours, Eq. (C3).
+
+    The stencil changes in place.
 
     Parameters
     ----------
@@ -178,7 +180,8 @@ def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: 
 
 @compilable
 def at_once(n_c: int, n_a: int) -> int:
-    """Iterations in which all cells switch together: a full region may spread by a cell in each,
-    and across all of the film.
+    """Return the number of iterations in which all cells switch together.
+
+    A full region may spread by one cell in each, and across the whole film.
     """
     return max(ALL_AT_ONCE, min(n_c + n_a, LIMIT // 2))

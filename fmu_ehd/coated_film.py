@@ -196,7 +196,7 @@ def solve(
 
 @compilable
 def _counted(found: FilmSolution, iterations: int) -> FilmSolution:
-    """The same solution with the factorisations of all iterations."""
+    """Return the solution with the factorisations of all iterations."""
     return FilmSolution(
         found.unknown,
         found.pressure,

@@ -89,8 +89,9 @@ def yielding(c: float, contact_slope: Array):
 def linear_deflection(
     c: float, deflection: Array, contact: Contact, under: TruePressure, reduced: Array
 ):
-    """Change of the deflection as a linear function of the (reduced) pressure of the step, Eq.
-    (L3).
+    """Return the change of the deflection as a linear function of the pressure, Eq. (L3).
+
+    The pressure is the reduced one of the step.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ class Yielded(NamedTuple):
 
 @compiled
 def yielded(deflection: Array, softness: Softness, reduced: Array, film_thickness: Array):
-    """`Yielded` by the pressure that was found.
+    """Return the coating that yields to the pressure found.
 
     Far from the solution Newton's method closes films, which then carry pressures that no later
     iteration finds back from: each film is left its size but for a share of it. Near the solution
@@ -217,7 +218,9 @@ def yielded(deflection: Array, softness: Softness, reduced: Array, film_thicknes
 
 @compiled
 def pushed(weight: Array, by_contact: Array, film_thickness: Array):
-    """Changes of the film without the pressure's part: the asperities yield, shape (m, n_c, n_a).
+    """Return the change of the film without the part of the pressure, shape (m, n_c, n_a).
+
+    The asperities yield.
 
     Parameters
     ----------
@@ -237,7 +240,7 @@ def pushed(weight: Array, by_contact: Array, film_thickness: Array):
 
 @compiled
 def deflection_changes(weight: Array, by_contact: Array, pressure_share: Array, unknown: Array):
-    """Changes of the deflection, Eq. (L3), shape (m, n_c, n_a) [m].
+    """Return the change of the deflection, Eq. (L3), shape (m, n_c, n_a) [m].
 
     Parameters
     ----------

@@ -73,8 +73,9 @@ def neighbour(k, i, j, n_c, n_a):
 
 @compiled(inline="always")
 def _shares(x, before_there, after_there):
-    """Shares of the cells before and behind in the gap at x of a cell, Eq. (A7); what is left is
-    the cell's own.
+    """Return the shares of both neighbours in the gap at x of a cell, Eq. (A7).
+
+    The rest is the share of the cell.
     """
     if before_there and after_there:
         return 0.5 * x * (x - 1.0), 0.5 * x * (x + 1.0)
@@ -103,8 +104,9 @@ def _is_step(before, jump, after, least):
 
 @compiled
 def step_to(k, i, j, film_thickness, open_cells, least, ring):
-    """Change of the gap from cell (i, j) to entry k of its stencil if it is a step, Eq. (A12); 0
-    otherwise, and where a jump before or behind is missing.
+    """Return the step of the gap from cell (i, j) to entry k of its stencil, Eq. (A12).
+
+    It is 0 if the change is smooth, or if a jump before or behind is missing.
     """
     n_c, n_a = film_thickness.shape
     back = OPPOSITE[k]
@@ -126,8 +128,9 @@ def step_to(k, i, j, film_thickness, open_cells, least, ring):
 
 @compiled
 def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
-    """Whether a land or groove is one cell wide: the gap steps by more than the roughness to both
-    sides of a cell, Eq. (A12).
+    """Return whether a land or groove is one cell wide.
+
+    The gap then steps by more than the roughness to both sides of a cell, Eq. (A12).
     """
     n_c, n_a = film_thickness.shape
     if roughness_rms <= 0.0:
@@ -153,8 +156,9 @@ def contact(
     constants: ContactConstants,
     ring: bool,
 ):
-    """Asperity pressure, contact area fraction, boundary shear stress and elastic energy of the
-    cells, Eqs. (A7), (A8).
+    """Return pressure, area fraction, boundary shear stress and elastic energy of the asperities.
+
+    They are means over each cell, Eqs. (A7), (A8).
 
     Parameters
     ----------
@@ -227,7 +231,7 @@ def contact(
 
 @compiled
 def contact_changes(slope: Array, film_thickness: Array, deflection: Array):
-    """Changes of a contact's pressure or stress with film thickness and deflection.
+    """Return the changes of a pressure or stress of contact with film thickness and deflection.
 
     Parameters
     ----------

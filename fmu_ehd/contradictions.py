@@ -42,9 +42,11 @@ FULL_TURN = 2.0 * np.pi
 
 
 class Supply(NamedTuple):
-    """Oil at the edges and in openings, by parameters and conditions: gauge pressures [Pa], film
-    fractions [-]; own : whether openings have a supply of their own; from_bore : whether oil comes
-    from the bore; conserving : whether the cavitation model conserves oil.
+    """Oil supply at the edges and in openings.
+
+    Pressures are gauge [Pa], film fractions [-]; own : whether openings have a supply of their own;
+    from_bore : whether oil comes from the bore; conserving : whether the cavitation model conserves
+    oil.
     """
 
     cavitation_pressure: float
@@ -60,8 +62,10 @@ class Supply(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """Of a film, whatever supplies it: whether it is a bearing's, has cut-outs, oil from the bore,
-    flow factors and an oil by two viscosities; numbers as in `parameters`.
+    """Kind of a film, without its supply.
+
+    It says whether the film is that of a bearing, and whether it has cut-outs, oil from the bore,
+    flow factors and an oil by two viscosities. Numbers are as in `parameters`.
     """
 
     bearing: bool
@@ -76,8 +80,9 @@ class Kind(NamedTuple):
 
 
 class Outside(NamedTuple):
-    """Pressures around a film: cavitation pressure p_c, and above it that at lower edge, upper
-    edge and openings [Pa].
+    """Pressures around a film [Pa].
+
+    The cavitation pressure p_c, and the pressures above it at lower edge, upper edge and openings.
     """
 
     cavitation: float
@@ -123,7 +128,7 @@ def _check_edge(
 def _check_edge_on_bore(
     least: float, pressure: float, fraction: float, apart: float, follows: float, faults: Array
 ) -> None:
-    """The same where oil comes from the bore."""
+    """Note the faults of an edge whose oil comes from the bore."""
     if pressure != least:
         refuse(faults, apart, 0, 0, pressure, least, 0.0)
     if fraction != 1.0:

@@ -19,7 +19,7 @@ CONDITION = "condition"
 def declared(
     unit: str, start: float, low: float, high: float, description: str, condition: bool = False
 ) -> Any:
-    """A number.
+    """Declare a number.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def declared(
 
 
 def choice(description: str, allowed: Iterable[str]) -> Any:
-    """A law by its name; the first of those allowed is the default."""
+    """Declare the choice of a law by name; the first name is the default."""
     names = tuple(allowed)
     variable = Variable("", "1", "parameter", description, names[0], choices=names)
     return field(default=names[0], metadata={VARIABLE: variable, ALLOWED: names, CONDITION: False})
@@ -63,7 +63,7 @@ def variables_of(declaration: type, condition: bool = False) -> list[Variable]:
 
 
 def choices_of(declaration: type) -> dict[str, tuple[str, ...]]:
-    """Allowed values of the fields that choose a law, by name."""
+    """Return the allowed values of the fields that choose a law, by name."""
     return {
         entry.name: entry.metadata[ALLOWED]
         for entry in fields(declaration)

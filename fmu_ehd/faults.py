@@ -1,5 +1,6 @@
-"""What a step is refused for: kernels note it by number, cell and up to three numbers; the sentence
-is made outside.
+"""Faults of a step.
+
+Kernels note a fault by number, cell and up to three numbers. The sentence is made outside.
 """
 
 from ..master.fmi.compiled import compiled

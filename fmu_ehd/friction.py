@@ -75,8 +75,9 @@ class ShearInputs(NamedTuple):
 
 
 class ShearForces(NamedTuple):
-    """Axial forces on the skirt, along +y [N], each ndarray of shape (n_c, n_a); their opposites
-    act on the bore.
+    """Axial forces on the skirt along +y [N], each ndarray of shape (n_c, n_a).
+
+    The opposite forces act on the bore.
 
     viscous : of the film; boundary : of the asperities.
     """
@@ -101,8 +102,9 @@ class ShearSlopes(NamedTuple):
 
 
 class ForceSlopes(NamedTuple):
-    """Derivatives of both nodal forces, but for contact, that every direction shares; arrays of
-    shape (n_c, n_a).
+    """Derivatives of both nodal forces without contact, the same in every direction.
+
+    Arrays have the shape (n_c, n_a).
 
     shear : ShearSlopes;
     area : lubricated area [m2];
@@ -205,7 +207,9 @@ def viscous_force(inputs: ShearInputs):
 
 @compiled
 def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Array):
-    """Derivatives of the total axial force of each cell, Eqs. (F1), (F2), its boundary stress held.
+    """Return the derivatives of the total axial force of each cell, Eqs. (F1), (F2).
+
+    The boundary stress is held.
 
     Parameters
     ----------
@@ -270,7 +274,7 @@ def force_changes(
     normal: Array,
     shear: Array,
 ):
-    """Changes of both nodal forces, but for contact.
+    """Compute the changes of both nodal forces without contact.
 
     Parameters
     ----------

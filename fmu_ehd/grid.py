@@ -35,8 +35,9 @@ class Cells(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Oil supply at the edges in the order lower, upper, first, last (these two unused on a ring),
-    and in openings.
+    """Oil supply at the edges and in openings.
+
+    The order is lower, upper, first, last, openings; first and last are unused on a ring.
 
     pressure : ndarray, shape (5,), above cavitation pressure [Pa], >= 0.
     film_fraction : ndarray, shape (5,), film fraction of the oil that sliding drags in [-], 0 to 1;
@@ -74,8 +75,9 @@ def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
 
 @compiled
 def keep(place: Array, values: np.ndarray):
-    """Copy an array into one of the same shape that is in one piece, in a loop: what numpy says of
-    unequal shapes would call Python.
+    """Copy an array into a contiguous one of the same shape, in a loop.
+
+    The error of numpy about unequal shapes would need Python.
     """
     to = place.reshape(place.size)
     of = values.reshape(values.size)

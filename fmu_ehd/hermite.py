@@ -1,5 +1,6 @@
-"""Tables of functions on a uniform grid, interpolated by cubic Hermite polynomials with a
-consistent slope.
+"""Tables of functions on a uniform grid, by cubic Hermite interpolation.
+
+The slope is consistent with the values.
 """
 
 from ..master.fmi.compiled import compiled

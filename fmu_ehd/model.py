@@ -76,8 +76,10 @@ class LubricationModel:
         circumferential_velocity: Array | None = None,
         **conditions: Any,
     ) -> tuple[Memory, dict[str, Any]]:
-        """State and outputs at the start: a full film, reduced pressure linear between the edges;
-        or one filled in part, without pressure.
+        """Return state and outputs at the start.
+
+        The film is full, with the reduced pressure linear between the edges; or it is filled in
+        part and has no pressure.
 
         Parameters
         ----------
@@ -161,8 +163,9 @@ class LubricationModel:
         dsliding_velocity: Array,
         dcircumferential_velocity: Array | None = None,
     ) -> tuple[Array, ...]:
-        """Change of the forces at the end of the last step for changed inputs there, its state at
-        the beginning held.
+        """Return the change of the forces at the end of the last step for changed inputs there.
+
+        The state at its beginning is held.
 
         Parameters
         ----------
@@ -228,7 +231,7 @@ class LubricationModel:
     def _inputs(
         self, motion: tuple[Array, Array, Array | None], length: float, conditions
     ) -> Inputs:
-        """What a step is given, whatever stands in cells without a film."""
+        """Return the inputs of a step, without values in cells that have no film."""
         film, sliding, turning = motion
         around = self._surroundings(conditions) if conditions else self._given
         if turning is None:
@@ -238,14 +241,14 @@ class LubricationModel:
         )
 
     def _surroundings(self, conditions: dict[str, Any]) -> Surroundings:
-        """What is around the skirt, whatever the temperature in cells without a film."""
+        """Return the surroundings, without temperatures in cells that have no film."""
         field = conditions.get("oil_temperature")
         if field is not None:
             conditions = conditions | dict(oil_temperature=self._filled(field))
         return surroundings(self.parameters, conditions)
 
     def _filled(self, field: Array) -> Array:
-        """A field (..., n_c, n_a), whatever it says in cells without a film."""
+        """Return a field (..., n_c, n_a) with values in cells that have no film."""
         if not self.fixed.domain.has_openings:
             return field
         given = np.ascontiguousarray(field, dtype=float)
@@ -253,7 +256,7 @@ class LubricationModel:
         return openings.filled(self._beside, stacked).reshape(given.shape)
 
     def _outputs(self, fields: Fields, scalars: Scalars, iterations: int) -> dict[str, Any]:
-        """Outputs by their names, those of the other surface left out."""
+        """Return the outputs by name, without those of the other surface."""
         outputs = fields._asdict() | scalars._asdict() | dict(solver_iterations=iterations)
         if self._bearing:
             return {k: v for k, v in outputs.items() if not k.endswith("_thrust_side")}

@@ -1,5 +1,4 @@
-"""The lubrication slave as a library that needs no Python: its entries, the memory they work on,
-and what it covers.
+"""Lubrication FMU that needs no Python: its entries, its memory and its limits.
 
 An entry takes the slave's real and integer variables, as `master.fmi.slave` lays them out, and its
 memory of float64 numbers (`native_step`).
@@ -70,7 +69,7 @@ WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
 
 
 def given(slave: Any) -> Array:
-    """What the block of a slave begins with.
+    """Return the constant part of the memory of an FMU.
 
     Parameters
     ----------
@@ -156,14 +155,14 @@ def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
 
 @compiled
 def _field(real, place, shape):
-    """A field among the variables."""
+    """Return a field among the variables."""
     n_c, n_a = shape
     return real[place : place + n_c * n_a].reshape((n_c, n_a))
 
 
 @compiled
 def _input(real, block, place, domain):
-    """An input field, whatever stands in cells without a film."""
+    """Return an input field, without values in cells that have no film."""
     n_c, n_a = block.mask.shape
     field = _field(real, place, block.mask.shape)
     return filled(block, field.reshape((1, n_c, n_a)), domain)[0]
@@ -187,8 +186,9 @@ def inputs_of(real, block, domain, length):
 
 @compiled
 def take_numbers(real, integer, block, length, faults):
-    """Take parameters from the variables, for a step of a length [s] those alone that are inputs;
-    note what contradicts.
+    """Take parameters from the variables, and note what contradicts.
+
+    For a step of a length [s] only inputs are taken.
     """
     places = block.places
     all_of_them = length == 0.0
@@ -216,7 +216,7 @@ def take_numbers(real, integer, block, length, faults):
 
 @compiled
 def publish(fields, scalars, iterations, real, integer, places):
-    """Outputs into the variables."""
+    """Write the outputs into the variables."""
     shape = fields[0].shape
     for k in range(len(fields)):
         if places.fields[k] >= 0.0:
@@ -254,8 +254,9 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
 
 @compiled
 def advance(real: Array, integer: Array, memory: Array, numbers: Array):
-    """One step; numbers: its length [s]. Where it is refused the fault is noted and the state
-    stays.
+    """Take a step; the first of `numbers` is its length [s].
+
+    If the step is rejected, the fault is noted and the state stays.
     """
     faults = part(memory, FAULTS_AT)
     faults[0] = 0.0

@@ -217,7 +217,7 @@ def fixed_of(block: Block, bores: float):
 
 @compiled
 def roughen(block: Block):
-    """The table of the flow factors, into the block."""
+    """Write the table of the flow factors into the memory."""
     x = numbers_from(block.numbers)
     if chosen_from(block.chosen).flow_factors == PATIR_CHENG_1978:
         fill_factor_table(
@@ -331,7 +331,7 @@ def warm_by_edges(block: Block):
 
 @compiled
 def warm_by_field(block: Block, temperature: Array):
-    """The same for a temperature of each, shape (n_c, n_a) [K]."""
+    """Set the temperature of every cell, shape (n_c, n_a) [K], and what follows from it."""
     oil = low_shear_of(block)
     for i in range(temperature.shape[0]):
         for j in range(temperature.shape[1]):
@@ -342,7 +342,7 @@ def warm_by_field(block: Block, temperature: Array):
 
 @compiled
 def thicken(block: Block):
-    """The pressure law for the viscosity of the cells, into the block."""
+    """Write the pressure law for the viscosity of the cells into the memory."""
     kind = int(chosen_from(block.chosen).pressure_viscosity_law) - 1
     alpha = numbers_from(block.numbers).pressure_viscosity_coefficient
     put_law(block.law, pressure_law(kind, alpha, block.viscosity, np.zeros(LAW_TABLE)))

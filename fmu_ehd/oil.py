@@ -127,8 +127,9 @@ def walther_viscosity(a: float, m: float, temperature: Any) -> Any:
 def vogel_constants(
     viscosities: Sequence[float], temperatures: Sequence[float]
 ) -> tuple[float, float, float]:
-    """K [Pa s], B and C [K] of Eq. (O1) through three dynamic viscosities [Pa s] at three
-    temperatures [K].
+    """Return K [Pa s], B and C [K] of Eq. (O1) from three dynamic viscosities.
+
+    The viscosities [Pa s] belong to three temperatures [K].
 
     The ratio of the two logarithmic viscosity steps is linear in C; B and K follow.
     """
@@ -186,7 +187,7 @@ def _cross_1965(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def _carreau_1972(n: float, ratio: Any) -> tuple[Any, Any]:
-    """The same by Eq. (O8)."""
+    """Return the factor of Eq. (O8) and its derivative to g/g_c."""
     factor = (1.0 + ratio**2) ** ((n - 1.0) / 2.0)  # Eq. (O8)
     return factor, (n - 1.0) * ratio * factor / (1.0 + ratio**2)
 
@@ -199,8 +200,9 @@ def _critical_shear_rate(law: Thinning, temperature: Any) -> Any:
 
 @compilable
 def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any]:
-    """mu/mu_0 [-] and its derivative [s] at a shear rate [1/s] and temperature [K], Eqs. (O7) to
-    (O9), of a law that is not none.
+    """Return mu/mu_0 [-] and its derivative [s], Eqs. (O7) to (O9).
+
+    Shear rate [1/s], temperature [K]; the law is not none.
     """
     critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
@@ -223,7 +225,7 @@ def _cross_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def _carreau_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
-    """The same for the F of `_carreau_1972`."""
+    """Return d(x F)/dx and its derivative for the F of `_carreau_1972` and x = g/g_c."""
     square = 1.0 + ratio**2
     factor = square ** ((n - 1.0) / 2.0)
     share = (1.0 + n * ratio**2) / square
@@ -250,8 +252,9 @@ def tangent_thinning(law: Thinning, shear_rate: float, temperature: float) -> tu
 
 @dataclass(frozen=True)
 class Oil:
-    """An oil by its laws and their constants. Each is declared here, once: unit, default, range
-    and meaning.
+    """Oil by its laws and their constants.
+
+    Each constant is declared here, once: unit, default, range and meaning.
     """
 
     viscosity_law: str = choice("Dependence of the viscosity on temperature", VISCOSITY_LAWS)
@@ -314,7 +317,7 @@ class Oil:
 
     @property
     def thinning(self) -> Thinning:
-        """The law of shear thinning."""
+        """Law of shear thinning."""
         return thinning_law(SHEAR_THINNING_LAWS.index(self.shear_thinning_law), self)
 
     def low_shear_viscosity(self, temperature: Array) -> Array:
@@ -323,7 +326,7 @@ class Oil:
         return low_shear_viscosity(low_shear_law(kind, self), temperature)
 
     def pressure_law(self, low_shear_viscosity: Array) -> PressureLaw:
-        """The pressure law of an oil whose mu_0 is given [Pa s]."""
+        """Return the pressure law of an oil with a given mu_0 [Pa s]."""
         kind = PRESSURE_VISCOSITY_LAWS.index(self.pressure_viscosity_law)
         table = np.empty(TABLE)
         return pressure_law(kind, self.pressure_viscosity_coefficient, low_shear_viscosity, table)

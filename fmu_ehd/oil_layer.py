@@ -111,8 +111,9 @@ class OilLayer(NamedTuple):
 
 
 class Passed(NamedTuple):
-    """Volumes of a step [m3]: F into the film over the edges, shape (n_e, n_c), and W, shape (n_c,
-    n_a).
+    """Volumes of a step [m3].
+
+    F into the film over the edges, shape (n_e, n_c), and W, shape (n_c, n_a).
     """
 
     inflow: Array
@@ -182,7 +183,10 @@ def skirt_edges(open_cells: Flags) -> Array:
 
 @compilable
 def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
-    """The bore of a film of n_a cells along it; without cells beyond where no oil is followed."""
+    """Return the bore of a film with n_a axial cells.
+
+    It has no cells beyond the film if the oil is not followed.
+    """
     n_e, n_c = faces.shape
     beyond = int(np.ceil(supply.stroke / cells.dy)) if supply.followed else 0
     heights = np.empty((n_e, n_c, 1))
@@ -199,7 +203,7 @@ def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
 
 @compilable
 def start(bore: Bore, velocity: Array) -> OilLayer:
-    """An even layer where the bore is bare, and nothing at the edges.
+    """Return an even layer on the bare bore, with no oil at the edges.
 
     Parameters
     ----------
@@ -244,8 +248,10 @@ def covered(
     splash: float,
     faults: Array,
 ) -> OilLayer:
-    """The layer after the skirt has moved on and taken up what it covers, before the film has taken
-    any, Eqs. (T21), (T26); a fault is noted where the skirt moves farther than `stroke`.
+    """Return the layer after the skirt has moved and taken up what it covers.
+
+    The film has not taken any oil yet, Eqs. (T21), (T26). A fault is noted if the skirt moves
+    farther than `stroke`.
 
     Parameters
     ----------
@@ -340,7 +346,7 @@ def left(
     velocity: float,
     length: float,
 ) -> OilLayer:
-    """The layer at the end of a step, Eqs. (T23) to (T26), (T28).
+    """Return the layer at the end of a step, Eqs. (T23) to (T26), (T28).
 
     Parameters
     ----------
@@ -394,7 +400,7 @@ def left(
 
 @compilable
 def _holding(layer: OilLayer, held: float) -> OilLayer:
-    """The same layer with what it holds."""
+    """Return the layer with the oil that it holds."""
     return OilLayer(
         layer.bore,
         layer.reservoir,
@@ -410,8 +416,9 @@ def _holding(layer: OilLayer, held: float) -> OilLayer:
 
 @compilable
 def inflow(bore: Bore, passed: Array) -> Array:
-    """Volume that came in over the edges [m3], shape (n_e, n_c), from what passed the axial faces
-    with ascending j, shape (n_c, n_a + 1).
+    """Return the volume that came in over the edges [m3], shape (n_e, n_c).
+
+    `passed`, shape (n_c, n_a + 1), holds what passed the axial faces with ascending j.
     """
     n_e, n_c = bore.faces.shape
     flow = np.zeros((n_e, n_c))
@@ -453,7 +460,7 @@ def _spill(bore: Bore, oil: Array, spilled: Array, height: float) -> None:
 
 @compilable
 def _exposed(bore: Bore, height: float) -> Exposed:
-    """What a skirt at `height` [m] leaves bare."""
+    """Return the part of the bore that a skirt at `height` [m] leaves bare."""
     heights = bore.heights
     n_e, n_c, _ = heights.shape
     beyond = np.empty((n_e, n_c, bore.bottom.size))

@@ -20,8 +20,9 @@ FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
 
 @compiled
 def nearest(open_cells: Flags, dx: float, dy: float):
-    """Nearest cell with a film, from centre to centre; of two at one distance the lower j, then the
-    one that comes first around.
+    """Return the nearest cell with a film, from centre to centre.
+
+    Of two at one distance it is the one with the lower j, then the first one around.
 
     Parameters
     ----------
@@ -91,8 +92,9 @@ def close(open_cells: Flags, faces: Faces):
 
 @compiled
 def spilled(open_cells: Flags, filling: Filling, faces: Faces):
-    """Flow into each opening from the films beside it around the circumference, Eq. (E2), shape
-    (n_c, n_a) [m3/s]; 0 elsewhere.
+    """Return the flow into each opening from its neighbours around the circumference, Eq. (E2).
+
+    The shape is (n_c, n_a) [m3/s]; it is 0 elsewhere.
     """
     pressure, fraction, _ = filling
     n_c, n_a = open_cells.shape

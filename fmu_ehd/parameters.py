@@ -21,8 +21,9 @@ SURFACES = ("skirt", "bearing")
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is fixed for a run. Each number is declared here, once: unit, default, range and
-    meaning.
+    """Parameters of a film, constant during a run.
+
+    Each number is declared here, once: unit, default, range and meaning.
 
     Pressures are gauge, on one datum, edges not below cavitation, `edge_faults`.
 
@@ -239,8 +240,9 @@ def supply_of(parameters: Parameters, conditions: Mapping[str, float]) -> Supply
 
 
 def supply_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
-    """What is wrong with the oil supply at the edges and in openings, one sentence a fault; of
-    `conditions`, as for `supply_of`.
+    """Return the faults of the oil supply at the edges and in openings, one sentence each.
+
+    `conditions` are those of `supply_of`.
     """
     noted = none_yet()
     check_supply(supply_of(parameters, conditions), noted)
@@ -248,7 +250,7 @@ def supply_faults(parameters: Parameters, conditions: Mapping[str, float]) -> li
 
 
 def faults(parameters: Parameters) -> list[str]:
-    """What is wrong between parameters that are each in range.
+    """Return the contradictions between parameters that are each in range.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
-"""Viscosity by pressure, and the reduced pressure in which the film balance is linear: barus_1893
-and roelands_1966.
+"""Viscosity by pressure: barus_1893 and roelands_1966.
+
+The film balance is linear in the reduced pressure q.
 
 Eq. (O4):  mu = mu_0 exp(alpha p)
 Eq. (O5):  mu = mu_0 exp{(ln mu_0 + 9.67) [(1 + p / 1.96e8)^Z - 1]},
@@ -74,7 +75,7 @@ class TruePressure(NamedTuple):
 
 @compilable
 def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> PressureLaw:
-    """The pressure law of an oil.
+    """Return the pressure law of an oil.
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ def _roelands_1966(alpha, viscosity, table):
 
 @compiled
 def _fill_table(law):
-    """The table of Eq. (O5), q by Gauss points in each cell."""
+    """Fill the table of Eq. (O5), with q by Gauss points in each cell."""
     step = law.limit / TABLE_CELLS
     half = 0.5 * step
     reduced = 0.0
@@ -260,8 +261,7 @@ def _true_pressure(law, reduced):
 
 @compilable
 def raised(quantities: Array, ratio: Array) -> Array:
-    """Quantities of a film, or their derivatives, with the viscosity of shear under pressure:
-    Couette stress times mu/mu_0.
+    """Return quantities of a film, or their derivatives, with the Couette stress times mu/mu_0.
 
     Parameters
     ----------

@@ -1,6 +1,4 @@
-"""What the lubrication FMU will be, seen from its build options and parameters before it is
-built.
-"""
+"""Preview of a lubrication FMU from its build options and parameters."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -61,5 +59,5 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
 
 
 def _of(variables, given):
-    """What is given of some variables."""
+    """Return the given values of some variables."""
     return {one.name: given[one.name] for one in variables if one.name in given}

@@ -1,5 +1,6 @@
-"""Average flow between rough surfaces: average gap and the flow and shear stress factors of Patir
-and Cheng.
+"""Average flow between rough surfaces by Patir and Cheng.
+
+Average gap, flow factors and shear stress factors.
 
 With H = h/sigma and Gaussian heights:
 
@@ -87,8 +88,10 @@ FACTORS = 6
 
 
 class Row(NamedTuple):
-    """Published coefficients for one Peklenik number gamma [-]; names as in Eqs. (R2) to (R6), the
-    s of Eq. (R6) as s1; `lowest` is the smallest published H of Eq. (R2).
+    """Published coefficients for one Peklenik number gamma [-].
+
+    Names are as in Eqs. (R2) to (R6), with the s of Eq. (R6) as s1; `lowest` is the smallest
+    published H of Eq. (R2).
     """
 
     gamma: float
@@ -194,7 +197,7 @@ def _pressure_stress(row, separation):
 
 @compiled
 def _place(gamma):
-    """The published Peklenik number below, and the share of the next one, linear in ln gamma."""
+    """Return the published Peklenik number below, and the share of the next one in ln gamma."""
     x = np.log(gamma)
     k = 0
     while k < LOGARITHMS.size - 2 and LOGARITHMS[k + 1] < x:
@@ -210,8 +213,9 @@ def _between(low, high, weight):
 
 @compiled
 def pressure_flow_factor(separation: float, gamma: float):
-    """Pressure flow factor phi_x along sliding, Eq. (R2), for H [-] and Peklenik number gamma from
-    1/9 to 9.
+    """Return the pressure flow factor phi_x along sliding, Eq. (R2).
+
+    H [-], Peklenik number gamma from 1/9 to 9.
     """
     k, weight = _place(gamma)
     low = _pressure_flow(COEFFICIENTS[k], separation)
@@ -267,9 +271,7 @@ def shear_stress_factor(separation: float):
 
 @compiled
 def sliding_stress_factor(separation: float, gamma: float):
-    """Factor Phi_fs of the roughness-induced stress of one rough surface, Eq. (R5), 0 in
-    overlap.
-    """
+    """Return the factor Phi_fs of one rough surface, Eq. (R5); 0 in overlap."""
     k, weight = _place(gamma)
     low = _sliding_stress(COEFFICIENTS[k], separation)
     return _between(low, _sliding_stress(COEFFICIENTS[k + 1], separation), weight)
@@ -288,7 +290,7 @@ def pressure_stress_factor(separation: float, gamma: float):
 
 @compiled
 def _put(table, k, factor, limit, factor_of):
-    """A factor and its slope less the limit of smooth surfaces, as node k of function `factor`."""
+    """Write a factor without the limit of smooth surfaces, and its slope, as node k."""
     table[k, 2 * factor] = factor_of.value - limit
     table[k, 2 * factor + 1] = factor_of.slope
 
@@ -319,7 +321,9 @@ def _drag(h, sliding):
 
 @compiled
 def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table: Array):
-    """The functions of the table on a uniform grid of H from `TABLE_START` to `TABLE_END`.
+    """Fill the table of the factors on a uniform grid of H.
+
+    It goes from `TABLE_START` to `TABLE_END`.
 
     Parameters
     ----------
@@ -352,7 +356,7 @@ def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table
 
 @cache
 def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
-    """The table of `fill_factor_table`."""
+    """Return the table of `fill_factor_table`."""
     table = np.empty(TABLE)
     fill_factor_table(share, gamma_skirt, gamma_bore, table)
     return table

@@ -28,8 +28,9 @@ from .variables import (
 
 
 class Ehd(FieldSlave):
-    """Transient lubrication of a piston skirt or of a journal bearing: mass-conserving cavitation,
-    asperity contact, friction.
+    """Transient lubrication of a piston skirt or a journal bearing.
+
+    Mass-conserving cavitation, asperity contact, friction.
     """
 
     name = "fmu_ehd"
@@ -111,7 +112,7 @@ class Ehd(FieldSlave):
             self.log(text, Fmi2Status.warning)
 
     def _conditions(self, values):
-        """Inputs that stand in for parameters."""
+        """Return the inputs that replace parameters."""
         return {name: values[name] for name in self.built.inputs}
 
     def directional_derivative(self, seeds: Mapping[str, Any]) -> dict[str, Any]:
@@ -120,7 +121,7 @@ class Ehd(FieldSlave):
         return dict(zip(self.derivative_outputs, self.model.tangent(*motions)))
 
     def _shown(self, outputs):
-        """Outputs without the diagnostic fields if the FMU was built so."""
+        """Return the outputs, without diagnostic fields if the FMU was built without them."""
         if not self.built.no_fields:
             return outputs
         return {k: v for k, v in outputs.items() if k not in DIAGNOSTIC_FIELDS}

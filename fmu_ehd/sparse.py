@@ -1,5 +1,6 @@
-"""Sparse direct solvers with the interface of `blocks.BlockTridiagonal`, and the choice among them
-all.
+"""Sparse direct solvers with the interface of `blocks.BlockTridiagonal`.
+
+`linear_solver` selects among all solvers.
 """
 
 from typing import Any, Protocol
@@ -14,12 +15,17 @@ class LinearSolver(Protocol):
     """What a step of the film asks of a solver of Eq. (B1)."""
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
-        """Factorise the stencil, shape (5, n_c, n_a), of which only the columns of the axial
-        stations from the first to the last of `stations` changed since the last call.
+        """Factorise the stencil, shape (5, n_c, n_a).
+
+        Only columns of the axial stations from the first to the last of `stations` have changed
+        since the last call.
         """
 
     def solve(self, right: Array) -> Array:
-        """Solution for right-hand sides of shape (m, n_c, n_a), which may be overwritten."""
+        """Return the solution for right-hand sides of shape (m, n_c, n_a).
+
+        The right-hand sides may be overwritten.
+        """
         ...
 
 
@@ -79,23 +85,22 @@ class SuperLU:
         self._factors: Any = None
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
-        """Factorise anew, whatever changed."""
+        """Factorise the whole stencil."""
         from scipy.sparse.linalg import splu  # slow to import
 
         self._factors = splu(self._pattern.matrix(stencil))
 
     def solve(self, right: Array) -> Array:
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
-        alone.
-        """
+        """Return the solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
         columns = right.reshape(right.shape[0], -1).T
         solution = self._factors.solve(np.asfortranarray(columns))
         return np.ascontiguousarray(solution.T).reshape(right.shape)
 
 
 class Pardiso:
-    """Factorisation by PARDISO of the MKL through pypardiso; the ordering is worked out once,
-    for the sparsity never changes.
+    """Factorisation by PARDISO of the MKL through pypardiso.
+
+    The ordering is computed once, because the sparsity never changes.
 
     One thread, so that a repeated step gives the same bits.
 
@@ -128,7 +133,7 @@ class Pardiso:
         self._scale = np.empty(0)
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
-        """Factorise anew, whatever changed."""
+        """Factorise the whole stencil."""
         first = self._matrix is None
         self._matrix = self._pattern.matrix(stencil)
         # columns of pressure and of film fraction differ by orders of magnitude
@@ -138,9 +143,7 @@ class Pardiso:
             self._call(phase, np.zeros((self._matrix.shape[0], 1)))
 
     def solve(self, right: Array) -> Array:
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which are left
-        alone.
-        """
+        """Return the solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a)."""
         columns = np.asfortranarray(right.reshape(right.shape[0], -1).T)
         return (self._call(self.SOLVE, columns).T / self._scale).reshape(right.shape)
 
@@ -164,8 +167,9 @@ LARGEST_DENSE = 2e9  # bytes of dense blocks that are still acceptable where the
 
 
 def linear_solver(shape: tuple[int, int]) -> LinearSolver:
-    """The fastest solver at hand for a grid: dense blocks, else PARDISO if installed, else blocks
-    while they fit, else SuperLU.
+    """Return the fastest available solver for a grid.
+
+    It is dense blocks, else PARDISO if installed, else blocks while they fit, else SuperLU.
 
     Parameters
     ----------

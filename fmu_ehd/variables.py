@@ -92,7 +92,7 @@ def film_variables(surface: str) -> list[Variable]:
 
 
 def _interface(shape):
-    """What film and bodies exchange."""
+    """Return the variables that film and bodies exchange."""
     return [
         input_variable(
             "film_thickness",
@@ -129,7 +129,7 @@ def _interface(shape):
 
 
 def _turning(shape):
-    """What a bearing exchanges besides."""
+    """Return the variables that a bearing exchanges in addition."""
     return [
         input_variable(
             TURNING_INPUT,
@@ -152,7 +152,7 @@ def _turning(shape):
 
 
 def _diagnostics(shape):
-    """The fields of `DIAGNOSTIC_FIELDS`."""
+    """Return the fields of `DIAGNOSTIC_FIELDS`."""
     return [
         output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
         output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
