@@ -156,15 +156,11 @@ def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Arra
     """
     w = turning.velocity
     inputs = acted.shear
-    carried = carried_power(inputs, turning, thickness)
     turned = around.viscous + around.boundary
+    carried = carried_power(inputs, turning, thickness)
     friction = acted.summary.power - sum_of_products(turned, w) + carried  # Eq. (F8)
     boundary = acted.boundary_power - sum_of_products(around.boundary, w)
-    couette = inputs.area * inputs.shearing * inputs.film[COUETTE]
-    # as Eq. (F5) with W; of what pressure carries half shears the journal back: what turns it is
-    # heat, Eq. (F8)
-    rubbing = acted.rubbing_power + sum_of_products(couette, w * w) + carried / 2
-    return Powers(friction, boundary, rubbing + boundary)
+    return Powers(friction, boundary)
 
 
 @compilable

@@ -393,8 +393,7 @@ def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting
     )
     acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
     if not fixed.bearing:
-        heat = acted.rubbing_power + acted.boundary_power
-        powers = parts.Powers(acted.summary.power, acted.boundary_power, heat)
+        powers = parts.Powers(acted.summary.power, acted.boundary_power)
         return Acting(acted, inputs.turning, powers)
     turning = turning_of(fixed, inputs)
     around = circumferential.shear_forces(acted.shear, turning)
@@ -495,7 +494,18 @@ def start(
     content = fraction * film[STORED]
     no_flow = np.zeros((n_c, n_a + 1))
     before = parts.Before(
-        unknown, unknown, content, still, still, still, film, film, no_flow, no_flow, 0.0
+        unknown,
+        unknown,
+        under.pressure,
+        content,
+        still,
+        still,
+        still,
+        film,
+        film,
+        no_flow,
+        no_flow,
+        0.0,
     )
     layer = oil_layer.none_followed()
     if fixed.bore.supply.followed:
@@ -605,9 +615,15 @@ def end(
         remark(faults, BEYOND_PRESSURE_LAW)
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)
-    outside = inputs.around.outside
     account = parts.account(
-        memory.totals, acted, acting.powers, found, went.passed, outside, length
+        before,
+        memory.totals,
+        acted,
+        acting.powers,
+        found,
+        went.growth,
+        fixed.surfaces.cavitation_pressure,
+        length,
     )
     layer = begun.covered
     if fixed.bore.supply.followed:
@@ -626,6 +642,7 @@ def end(
     after = parts.Before(
         found.unknown,
         before.unknown,
+        under.pressure,
         found.content,
         went.growth,
         before.growth,

@@ -10,7 +10,6 @@ from ..master.fmi.compiled import compiled
 from . import friction, storage, transport
 from .asperity import ContactConstants
 from .contact import Contact, contact, contact_changes
-from .contradictions import Outside
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .film_step import Domain, FilmSolution
 from .films import COUETTE, FilmSlopes, Quantities
@@ -28,7 +27,8 @@ class Before(NamedTuple):
     """What a film remembers at the beginning of a step.
 
     unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
-    starts the next one, so that a repeat takes the same path; content, growth, growth_before :
+    starts the next one, so that a repeat takes the same path; pressure : at the end of the last
+    step, above cavitation pressure [Pa]; content, growth, growth_before :
     film fraction times stored film [m], and its growth over the last step and the one before
     [m/s], `storage.Past`; deflection : of the coating [m]; film, film_before : quantities of
     `films` at the end of the last two steps; passed, travel : volume that passed the axial faces
@@ -38,6 +38,7 @@ class Before(NamedTuple):
 
     unknown: Field
     unknown_before: Field
+    pressure: Field
     content: Field
     growth: Field
     growth_before: Field
@@ -174,7 +175,6 @@ class Forces(NamedTuple):
     contact : contact.Contact; touching : whether any cell is in contact;
     shear : friction.ShearInputs; summary : summary.Summary;
     boundary_power : of asperity friction along the axis [W];
-    rubbing_power : heat that shear by sliding makes in the film, asperities apart [W];
     stored : elastic energy of asperities and coating [J];
     volume : between the surfaces [m3].
     """
@@ -187,7 +187,6 @@ class Forces(NamedTuple):
     shear: ShearInputs
     summary: Summary
     boundary_power: float
-    rubbing_power: float
     stored: float
     volume: float
 
@@ -214,11 +213,9 @@ def shear_inputs(film: Film, touching: Contact, surfaces: Surfaces, domain: Doma
 def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
     """Contact, forces and sums of a solved film; a fault is noted where they are not finite.
 
-    Eq. (F5):  P = sum over cells of  A f c V^2
     Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
 
-    The part of - force x velocity by Eq. (F1) that is heat whatever the pressure does, and what is
-    stored: e by area, Eq. (A9), delta deflection of the coating and C its compliance.
+    What is stored: e by area, Eq. (A9), delta deflection of the coating and C its compliance.
 
     Returns
     -------
@@ -237,7 +234,6 @@ def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
     absolute = np.empty((n_c, n_a))
     thickness = np.empty((n_c, n_a))
     boundary_power = 0.0
-    rubbing = 0.0
     stored = 0.0
     volume = 0.0
     touches = False
@@ -248,10 +244,7 @@ def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
             absolute[i, j] = film.pressure[i, j] + surfaces.cavitation_pressure
             normal[i, j] = (absolute[i, j] + touching.pressure[i, j]) * area[i, j]
             along[i, j] = viscous[i, j] + boundary[i, j]
-            v = velocity[i, j]
-            couette = film.quantities[COUETTE, i, j]
-            rubbing += area[i, j] * shear.shearing[i, j] * couette * (v * v)  # Eq. (F5)
-            boundary_power -= boundary[i, j] * v  # Eq. (F3)
+            boundary_power -= boundary[i, j] * velocity[i, j]  # Eq. (F3)
             energy = touching.energy[i, j]
             if surfaces.compliance > 0.0:
                 delta = film.deflection[i, j]
@@ -280,7 +273,6 @@ def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
         shear,
         whole,
         boundary_power,
-        rubbing,
         stored,
         volume,
     )
@@ -353,11 +345,10 @@ def passage(
 
 
 class Powers(NamedTuple):
-    """Power that sliding costs, the asperities' part of it, and all that is heat [W]."""
+    """Power that sliding costs, and the asperities' part of it [W]."""
 
     friction: float
     boundary: float
-    rubbing: float
 
 
 class Totals(NamedTuple):
@@ -388,53 +379,64 @@ class Account(NamedTuple):
 
 @compiled
 def account(
-    before: Totals,
+    before: Before,
+    totals: Totals,
     acted: Forces,
     powers: Powers,
     found: FilmSolution,
-    passed: Array,
-    outside: Outside,
+    growth: Array,
+    cavitation_pressure: float,
     step: float,
 ):
-    """Sums at the end of a step, with the work that the pressure around the film did on it.
+    """Sums at the end of a step, with the energy that the film took from the surfaces.
 
-    Eq. (A11):  W = p_c dV + sum over edges of  (p_e - p_c) (volume that came in)
+    Eq. (A11):  E = U_1 - U_0 + H P - sum over cells of  A ((p_0 + p_1)/2 (c_1 - c_0) + p_c dh)
 
-    p_c cavitation pressure, which is everywhere the lowest, dV growth of the volume between the
-    surfaces, p_e pressure at an edge; from openings came what flows at the end of the step.
+    The sum is the heat of pressure flow less the work of the pressure around the film: by Eq. (E1)
+    it is that of flow times pressure drop over all faces, less inflow times pressure over edges and
+    openings. Together with P, Eqs. (F3), (F8), the heat is in a full film, but for the grid's error
+    in h dp/dy, with faces by K, Eq. (E3), and cells by c, Eq. (F1),
+
+    Eq. (A12):  Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
+
+    In a full film E is the work of the surfaces to round-off. They work on h, the film on its
+    content c = f s: in a cell that fills they do more, which is lost, and where s is another film
+    than h, at its floor or with flow factors, E omits A (p_0 + p_1)/2 (dh - ds).
 
     Parameters
     ----------
-    before : Totals
+    before : Before
+    totals : Totals
+        At the beginning.
     acted : Forces
     powers : Powers
     found : film_step.FilmSolution
-    passed : ndarray, shape (n_c, n_a + 1)
+    growth : ndarray, shape (n_c, n_a)
         Of `Passage`.
-    outside : Outside
+    cavitation_pressure : float
+        p_c [Pa].
     step : float
-        [s].
+        H [s].
 
     Returns
     -------
     Account
     """
-    friction_work = before.friction_work + step * powers.friction
-    boundary_work = before.boundary_work + step * powers.boundary
+    friction_work = totals.friction_work + step * powers.friction
+    boundary_work = totals.boundary_work + step * powers.boundary
     spent = max(friction_work, boundary_work)  # a film that pressure drives does negative work
     share = boundary_work / spent if spent > 0.0 else 0.0
-    inflow = 0.0
-    outflow = 0.0
-    for i in range(passed.shape[0]):
-        inflow += passed[i, 0]
-        outflow += passed[i, passed.shape[1] - 1]
+    area = acted.shear.area
+    pressed = 0.0
+    for i in range(growth.shape[0]):
+        for j in range(growth.shape[1]):
+            mean = 0.5 * (before.pressure[i, j] + acted.shear.pressure[i, j])
+            pressed += area[i, j] * mean * growth[i, j]
     # Eq. (A11)
-    work = outside.cavitation * (acted.volume - before.volume)
-    work += outside.opening * step * found.from_openings
-    work += outside.lower * inflow - outside.upper * outflow
-    gain = acted.stored - before.stored + step * powers.rubbing - work
-    totals = Totals(friction_work, boundary_work, acted.stored, acted.volume)
-    return Account(totals, share, sum_of_products(found.content, acted.shear.area), gain)
+    gain = acted.stored - totals.stored + step * (powers.friction - pressed)
+    gain -= cavitation_pressure * (acted.volume - totals.volume)
+    after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
+    return Account(after, share, sum_of_products(found.content, area), gain)
 
 
 # ---- derivatives of the forces

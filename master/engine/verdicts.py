@@ -18,7 +18,7 @@ TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
-SHARE_AMBER = 0.05
+SHARE_AMBER = 0.01
 """Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
 MADE_AMBER, MADE_RED = 1e-3, 1e-2
 """Spurious energy over the energy exchanged over the run, an assumption as for `WORK_AMBER`."""
@@ -130,7 +130,7 @@ def _of_ledger(summary):
 
     Eq. (X16):  made = sum over participants of E_i / max |E_i|,   E_i: energy received over the run
 
-    It is negative in a correct run if an energy balance omits dissipation.
+    It is negative by dissipation that an energy balance omits, as of the time integrator.
     """
     count = summary["energy_refused_steps"]
     share = max(summary["energy_created_share_max"], 0.0)

@@ -1,14 +1,24 @@
 """A mass that a film stops within a step: it stays stopped."""
 
+from contextlib import suppress
+from types import SimpleNamespace
+from typing import NamedTuple
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.step import Memory
 from piston_cosim.fmu_mfbd.dynamics.account import account
 from piston_cosim.fmu_mfbd.dynamics.energy import Moving, energy_error
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
 from piston_cosim.fmu_mfbd.dynamics.impact import Inertia, limit_memory
-from piston_cosim.master.coupling.ledger import LIMIT, REMEMBERED
+from piston_cosim.master.coupling.ledger import Ledger
+from piston_cosim.master.coupling.stepping import EnergyCreated
+from piston_cosim.master.coupling.work import Exchange
 
 MASS = 0.3  # [kg]
 INERTIA = Inertia(MASS, 0.0, 1e-3)
@@ -16,13 +26,12 @@ INERTIA = Inertia(MASS, 0.0, 1e-3)
 
 def drop(film, thickness, speed, step, steps, push=0.0, limited=True, rho=0.6):
     """Film thickness and velocity of a mass on a film, force -film dh/dt / h^3 while it closes, dh
-    by differences as the co-simulation has it; `push` [m/s2]. And that force [N]. Arrays of shape
-    (steps + 1,).
+    by differences as the co-simulation has it; `push` [m/s2]. Arrays of shape (steps + 1,).
     """
     c = coefficients(step, rho)
     now = Motion(np.array([thickness, 0.0]), np.array([-speed, 0.0]), np.array([push, 0.0]))
     auxiliary = now.acceleration.copy()
-    path, velocity, force = [thickness], [-speed], [0.0]
+    path, velocity = [thickness], [-speed]
     for _ in range(steps):
         predicted = predict(c, now, auxiliary)
         free = predicted.position[0] + c.to_position * push
@@ -32,13 +41,12 @@ def drop(film, thickness, speed, step, steps, push=0.0, limited=True, rho=0.6):
             predicted.position + c.to_position * a, predicted.velocity + c.to_velocity * a, a
         )
         auxiliary = predicted.auxiliary + c.to_auxiliary * a
-        force.append(MASS * (a[0] - push))
         if limited:
             limit_memory(INERTIA, now, end, auxiliary, step)
         now = end
         path.append(now.position[0])
         velocity.append(now.velocity[0])
-    return np.array(path), np.array(velocity), np.array(force)
+    return np.array(path), np.array(velocity)
 
 
 def closing(k, before, free):
@@ -65,7 +73,7 @@ def random_impacts(limited):
         thickness, speed = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-2, 0)
         step, film = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-16, -12)
         push = -(10 ** rng.uniform(1, 4)) if k % 2 else 0.0
-        _, velocity, _ = drop(film, thickness, speed, step, 30, push, limited)
+        _, velocity = drop(film, thickness, speed, step, 30, push, limited)
         out.append(velocity.max() / speed)
     return np.array(out)
 
@@ -81,43 +89,129 @@ def test_a_stop_is_not_returned_as_a_rebound():
     assert random_impacts(limited=False).max() > 2.0
 
 
-def made(push, path, velocity, force):
-    """Largest energy that a step gave the mass, by what passed in it and was held [-], as the
-    ledger has it, with the push as all other forces.
+FILM = LubricationModel(Parameters((1, 8), skirt_length=10e-3))
+STILL = np.zeros((1, 8))
+
+
+class OnWedge(NamedTuple):
+    """A mass on a film: motion and auxiliary acceleration, memory and force of the film."""
+
+    motion: Motion
+    auxiliary: np.ndarray
+    memory: Memory
+    force: float
+
+
+class Wedge:
+    """A mass above a flooded wedge that only the ledger protects from energy out of nowhere.
+
+    slope : rise of the film thickness over the wedge [m]; push [m/s2]; checked : whether steps that
+    create energy are halved, nine times at most.
     """
-    kinetic = MASS * velocity**2 / 2
-    others = np.array([MASS * push])
-    shares = []
-    size = 0.0
-    for k, way in enumerate(np.diff(path)):
-        now, then = k, k + 1
-        found = account((kinetic[now], kinetic[then]), np.array([way]), (others, others), 0.0)
-        passed = (abs(force[now]) + abs(force[then])) / 2 * abs(way)
-        size = max(passed + found.size, REMEMBERED * size)
-        shares.append(found.gain / size)
-    return max(shares)
+
+    def __init__(self, slope, push, limited, checked):
+        self.rise = slope * np.linspace(0.0, 1.0, 8)[None]
+        self.push = push
+        self.limited = limited
+        self.checked = checked
+        self.ledger = Ledger([("mass", "gain"), ("film", "gain")], [("mass", "size")])
+        self.velocities = []
+
+    def impact(self, thickness, speed, step):
+        """Largest velocity away from the wedge over that of the approach, in 20 steps."""
+        memory, outputs = FILM.start(thickness + self.rise, STILL)
+        force = outputs["nodal_pressure_force"].sum()
+        acceleration = np.array([self.push + force / MASS, 0.0])
+        motion = Motion(np.array([thickness, 0.0]), np.array([-speed, 0.0]), acceleration)
+        now = OnWedge(motion, acceleration.copy(), memory, force)
+        self.velocities = [-speed]
+        for _ in range(20):
+            now = self.advance(now, step, 9)
+        return max(self.velocities) / -min(self.velocities)
+
+    def advance(self, now, step, halvings):
+        """A step, halved as often as it creates energy."""
+        end, participants, exchange = self.solve(now, step)
+        try:
+            if self.checked:
+                self.ledger.check(participants, exchange)
+        except EnergyCreated:
+            if not halvings:
+                raise
+            half = self.advance(now, step / 2, halvings - 1)
+            return self.advance(half, step / 2, halvings - 1)
+        self.ledger.add(participants, exchange)
+        self.velocities.append(end.motion.velocity[0])
+        return end
+
+    def solve(self, now, step):
+        """A step with what the ledger asks of it."""
+        c = coefficients(step, 0.6)
+        predicted = predict(c, now.motion, now.auxiliary)
+        free = predicted.position[0] + c.to_position * self.push
+        last = now.motion.position[0]
+
+        def film(x):
+            memory, outputs = FILM.advance(now.memory, x + self.rise, STILL, step)
+            return memory, outputs, outputs["nodal_pressure_force"].sum()
+
+        def residual(x):
+            return x - free - c.to_position * film(x)[-1] / MASS
+
+        low = max(free, 1e-9)
+        high = max(free, last)
+        while residual(high) < 0.0:
+            high += last
+        x = brentq(residual, low, high, xtol=1e-16, rtol=1e-12) if residual(low) < 0.0 else low
+        memory, outputs, force = film(x)
+        a = np.array([(x - predicted.position[0]) / c.to_position, 0.0])
+        end = Motion(
+            predicted.position + c.to_position * a, predicted.velocity + c.to_velocity * a, a
+        )
+        auxiliary = predicted.auxiliary + c.to_auxiliary * a
+        if self.limited:
+            limit_memory(INERTIA, now.motion, end, auxiliary, step)
+        way = end.position[:1] - now.motion.position[:1]
+        others = np.array([MASS * self.push])
+        before, after = (MASS * one.velocity[0] ** 2 / 2 for one in (now.motion, end))
+        found = account((before, after), way, (others, others), 0.0)
+        told = {"gain": found.gain, "size": found.size}
+        participants = {
+            "mass": SimpleNamespace(get=told.get),
+            "film": SimpleNamespace(get=lambda _: outputs["energy_gain"]),
+        }
+        passed = (now.force + force) / 2 * abs(way[0])
+        exchange = Exchange(np.zeros(2), 0.0, passed, 0.0)
+        return OnWedge(end, auxiliary, memory, force), participants, exchange
 
 
-def test_the_ledger_sees_a_rebound_that_makes_energy():
-    """Wall to wall: whatever leaves the film 5 % faster than it came has a step in which it was
-    given more than a tenth of what passed and was held; one that is stopped has none.
+def on_wedges(count, limited, checked):
+    """Largest velocities away from the wedge over that of the approach in random impacts, every
+    other one of a mass that is pushed; those without a step that creates no energy are left out.
     """
     rng = np.random.default_rng(1)
-    faster = 0
-    for k in range(200):
-        thickness, speed = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-2, 0)
-        step, film = 10 ** rng.uniform(-5.5, -4), 10 ** rng.uniform(-16, -12)
+    returned = []
+    for k in range(count):
+        thickness, speed, step = 10 ** rng.uniform((-5.3, -2.0, -5.5), (-4.0, 0.0, -4.0))
         push = -(10 ** rng.uniform(1, 4)) if k % 2 else 0.0
-        free = drop(film, thickness, speed, step, 30, push, limited=False)
-        _, velocity, _ = free
-        if velocity.max() > 1.05 * speed:
-            faster += 1
-            assert made(push, *free) > LIMIT
-        held = drop(film, thickness, speed, step, 30, push)
-        _, velocity, _ = held
-        if velocity.max() <= 1e-9 * speed:
-            assert made(push, *held) <= LIMIT
-    assert faster > 20
+        wedge = Wedge(10 ** rng.uniform(-6, -5), push, limited, checked)
+        with suppress(EnergyCreated):
+            returned.append(wedge.impact(thickness, speed, step))
+    return np.array(returned)
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
+def test_no_impact_on_a_flooded_wedge_creates_energy(count):
+    """None returns more than 2 % faster. Generalised-alpha alone returns half of them so, and the
+    ledger then halves these steps, or no step is accepted, one time in twenty at most.
+    """
+    assert np.sum(on_wedges(count, limited=False, checked=False) > 1.02) > 0.3 * count
+    alone = on_wedges(count, limited=False, checked=True)
+    assert len(alone) > 0.95 * count
+    assert alone.max() <= 1.02
+    product = on_wedges(count, limited=True, checked=True)
+    assert len(product) == count
+    assert product.max() <= 0.1
 
 
 @pytest.mark.parametrize("step", [1e-4, 2e-5, 2e-7])
@@ -128,7 +222,7 @@ def test_a_pad_dropped_on_a_film_follows_its_closed_form(step):
     """
     film, thickness, speed = 2e-14, 20e-6, 0.1
     stop = 1 / np.sqrt(1 / thickness**2 + 2 * MASS * speed / film)
-    path, velocity, _ = drop(film, thickness, speed, step, int(4e-4 / step))
+    path, velocity = drop(film, thickness, speed, step, int(4e-4 / step))
     assert velocity.max() <= 1e-9 * speed
     assert path[-1] == pytest.approx(stop, rel=0.02 if step < 1e-6 else 0.25, abs=0.0)
 
