@@ -4,13 +4,15 @@ step.
 A participant may have an output, named in the contract, for the energy that it received over its
 wires in the last step. It is the sum of the stored and the dissipated energy.
 
-Eq. (W2):  c = sum over participants of E_i,   accepted if  c <= LIMIT (X + sum Z_i) + Y,
+Eq. (W2):  c = sum over participants of E_i - L,   accepted if  c <= LIMIT (X + sum Z_i) + Y,
            X = sum |F_in| . |dq_out|,   Y = sum |F_in| . (tolerance of q)
 
 F and q are those of Eq. (W1) in the step. X is the energy exchanged, by the trapezoidal rule. Y is
 the energy of the wires' tolerances. Z_i is the size of the other terms of a participant's balance,
 if it has an output for it. X + sum Z_i is at least half of that of the previous step, because an
-integrator carries the errors of a step into the next. c is 0 if every balance is complete, and
+integrator carries the errors of a step into the next. For the same reason a step can return L, half
+of the energy that was lost in the previous one: an impact loses energy within a step, and in the
+next one films count the force at its beginning. c is 0 if every balance is complete, and
 negative by dissipation that no balance includes. c is positive if time integration or a model
 creates energy. A macro step that is not accepted is rejected and halved, as if it did not converge.
 """
@@ -27,7 +29,7 @@ LIMIT = 0.02
 have less, but for single steps of slaps on scarce oil (docs/measurements/impacts.md).
 """
 REMEMBERED = 0.5
-"""Fraction of the size of a step that counts in the next one."""
+"""Fraction of the size and of the loss of a step that counts in the next one."""
 
 
 class Ledger:
@@ -48,6 +50,8 @@ class Ledger:
         Largest c / (X + sum Z_i + Y) of a step [-], negative if no step created energy.
     size : float
         X + sum Z_i of the last step, or the fraction of the previous one [J].
+    lost : float
+        L of the next step [J], not below 0.
     """
 
     def __init__(self, ports: list[Port], sizes: list[Port]):
@@ -56,11 +60,12 @@ class Ledger:
         self.taken = {name: 0.0 for name, _ in ports}
         self.largest = -float("inf")
         self.size = 0.0
+        self.lost = 0.0
 
     def check(self, participants: Mapping, exchange: Exchange) -> None:
         """Raise EnergyCreated if the spurious energy of the last step exceeds its limit."""
         amounts = self._read(participants)
-        created = sum(amounts.values())
+        created = sum(amounts.values()) - self.lost
         whole = self._whole(participants, exchange)
         allowed = LIMIT * whole + exchange.worth
         if created > allowed:  # Eq. (W2)
@@ -77,8 +82,10 @@ class Ledger:
             self.taken[name] += amount
         self.size = self._whole(participants, exchange)
         whole = self.size + exchange.worth
+        created = sum(amounts.values()) - self.lost
         if whole > 0.0:
-            self.largest = max(self.largest, sum(amounts.values()) / whole)
+            self.largest = max(self.largest, created / whole)
+        self.lost = REMEMBERED * max(-created, 0.0)
 
     def summary(self) -> dict[str, float]:
         """Summary entries: the energy that each took [J], and `largest`."""

@@ -108,6 +108,27 @@ def test_the_rule_by_hand():
     }
 
 
+def test_a_step_can_return_half_of_what_the_last_one_lost():
+    """8 J are lost, then 4.3 J come back, of which 0.3 J are too many for 2 % of 10 J; a step
+    without loss leaves nothing to return.
+    """
+    one = Ledger([("a", "e")], [])
+    gain = {"e": -8.0}
+    participants = {"a": SimpleNamespace(get=gain.get)}
+    exchange = Exchange(np.zeros(2), 0.0, 10.0, 0.0)
+    one.add(participants, exchange)
+    gain["e"] = 4.3
+    with pytest.raises(EnergyCreated, match="0.3 J"):
+        one.check(participants, exchange)
+    gain["e"] = 4.1
+    one.check(participants, exchange)
+    one.add(participants, exchange)
+    assert one.summary()["energy_created_share_max"] == pytest.approx(0.01, rel=1e-12)
+    gain["e"] = 0.3
+    with pytest.raises(EnergyCreated):
+        one.check(participants, exchange)
+
+
 def test_whose_accounts_are_believed():
     joule = SimpleNamespace(fields={"e": SimpleNamespace(unit="J")})
     watt = SimpleNamespace(fields={"e": SimpleNamespace(unit="W")})
