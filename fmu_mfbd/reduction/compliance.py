@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..finite_elements.faces import face_load
 from ..geometry.grid import cell_centres
 from ..options import Build, read_options
 from .bases import Elastic
@@ -38,6 +39,8 @@ class Compliance(NamedTuple):
         Inward displacement of the skirt per nodal pressure force [m/N].
     skirt_inertia : ndarray, shape (n,)
         Inward displacement of the skirt per acceleration of A along +y [s2].
+    skirt_gas : ndarray, shape (n,)
+        Inward displacement of the skirt per force of the gas on the crown [m/N].
     bore : ndarray, shape (c, s, c, s)
         Outward displacement of the bore per radial force at its table [m/N].
     stations : ndarray, shape (s,)
@@ -47,6 +50,7 @@ class Compliance(NamedTuple):
     piston: RigidPiston
     skirt: np.ndarray
     skirt_inertia: np.ndarray
+    skirt_gas: np.ndarray
     bore: np.ndarray
     stations: np.ndarray
 
@@ -68,10 +72,17 @@ def compliance(options: dict[str, Any], folder: Path) -> Compliance:
     elastic = Elastic(model.K, model.M, model.mesh.nodes("pin_bore"))
     upward = np.tile([0.0, 1.0, 0.0], len(position))
     weight = (model.M @ upward)[elastic.free]
+    gas = face_load(model.mesh.points, model.mesh.faces["crown"])
+    gas = (gas / gas[:, 1].sum()).ravel()[elastic.free]  # 1 N along +y
     reading = radial[:, elastic.free]
     bore, stations = _bore(build)
     return Compliance(
-        piston, _answers(elastic, reading), reading @ elastic.solve(weight), bore, stations
+        piston,
+        _answers(elastic, reading),
+        reading @ elastic.solve(weight),
+        reading @ elastic.solve(gas),
+        bore,
+        stations,
     )
 
 
@@ -125,18 +136,3 @@ def _answers(elastic, reading):
         some = slice(first, first + AT_ONCE)
         out[:, some] = reading @ elastic.solve(reading[some].T.toarray())
     return out
-
-
-def on_the_skirt(found: Compliance, height_of_A: float, height: np.ndarray) -> np.ndarray:
-    """Film thickness per nodal pressure force, skirt and bore together, the bore read by cubic
-    splines at the heights that face the skirt, (n, n) [m/N].
-
-    height : of the grid rows above A, (a,) [m].
-    """
-    from scipy.interpolate import CubicSpline  # slow to import, and used after runs alone
-
-    around, stations = found.bore.shape[:2]
-    reading = CubicSpline(found.stations, np.eye(stations), bc_type="natural")(height_of_A + height)
-    along = len(height)
-    bore = np.einsum("ar,irjs,bs->iajb", reading, found.bore, reading, optimize=True)
-    return found.skirt + bore.reshape(around * along, around * along)

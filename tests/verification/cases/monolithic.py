@@ -4,7 +4,7 @@ equations, all of it solved at once in each step. It shares no line and no metho
 | | FMUs | here |
 |---|---|---|
 | bodies | minimal coordinates | Newton-Euler with the force at the pin as unknown |
-| elasticity | modes with inertia in a floating frame | the whole compliance matrix, standing |
+| elasticity | modes with inertia in a floating frame | the static compliance of the whole mesh |
 | time | generalised-alpha for the bodies | BDF2 for everything |
 | coupling | exchange until the wires agree | one Newton iteration over all unknowns |
 | film | kernels, elimination downstream | sparse operators of scipy |
@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import splu
 
 from .mixed_film import LOWER, POINTS, UPPER, Asperities, BoreOil, Contact, Roughness, Supply
@@ -106,14 +105,38 @@ class Elasticity(NamedTuple):
 
     Parameters
     ----------
-    pressure : callable
-        Height of A [m] to the matrix (n, n) from nodal pressure forces [N] to film thickness [m].
+    factor : callable
+        Height of A [m] to a matrix L (n, r): L L^T is the film thickness per nodal pressure force
+        [m/N], for loads that are symmetric about the plane of motion.
     inertia : ndarray, shape (n,)
         Film thickness per acceleration of the piston along y [s2].
+    gas : ndarray, shape (n,)
+        Film thickness per force of the gas on the crown [m/N].
     """
 
-    pressure: Callable[[float], np.ndarray]
+    factor: Callable[[float], np.ndarray]
     inertia: np.ndarray
+    gas: np.ndarray
+
+
+def rigid(cells: int) -> Elasticity:
+    """Return bodies that no load deflects."""
+    return Elasticity(lambda height: np.zeros((cells, 0)), np.zeros(cells), np.zeros(cells))
+
+
+class Jacobian(NamedTuple):
+    """What Newton's step needs beside the balance of the oil, c loads or coordinates.
+
+    by_force : x_A'' and b' per lateral force and moment (2, 2); factor : L (n, r) [(m/N)^1/2];
+    pushing, rubbing : lateral force and moment per pressure of the film and of the asperities
+    (2, n) [m2], [m3]; contact : of the cells.
+    """
+
+    by_force: np.ndarray
+    factor: np.ndarray
+    pushing: np.ndarray
+    rubbing: np.ndarray
+    contact: Contact
 
 
 class Curves(NamedTuple):
@@ -350,7 +373,7 @@ class Monolithic:
 
     def __init__(self, engine: Engine, elasticity: Elasticity | None = None):
         self.engine = engine
-        self.elasticity = elasticity
+        self.elasticity = elasticity or rigid(engine.grid[0] * engine.grid[1])
         self.bodies = Bodies(engine)
         around, along = engine.grid
         self.dx = 2 * np.pi * engine.bore_radius / around
@@ -364,9 +387,10 @@ class Monolithic:
         self.height = np.tile(height, around)
         self.arm = engine.bore_radius * self.sine - engine.pin_offset
         self.gap, self.by_motion = self._clearance(self.angle, self.height)
-        self.orbits, self.chosen = _mirrored(around, along)
+        self.orbits, self.chosen = mirrored(around, along)
         self.asperities = self._asperities() if engine.roughness else None
         self.inlet = np.full((2, around), engine.edge_fraction)
+        self.load: np.ndarray | None = None
 
     def _clearance(self, angle, height):
         """Gap at rest [m], and how x_A and the rocking angle change it, at angles and heights."""
@@ -387,27 +411,29 @@ class Monolithic:
         across = np.repeat(x, POINTS) / 2 * 2 * np.pi / self.engine.grid[0]
         along = np.tile(x, POINTS) / 2 * self.dy
         gap, by_motion = self._clearance(self.angle[:, None] + across, self.height[:, None] + along)
+        self.spread = _spread(self.engine.grid, x / 2)
         return Asperities(self.engine.roughness, gap, by_motion, np.kron(weight, weight) / 4)
 
-    def contact(self, position) -> Contact:
-        """Contact of the cells."""
+    def contact(self, position, h) -> Contact:
+        """Contact of the cells, with the deflection that h leaves, linear between the cells."""
+        n = len(self.gap)
         if self.asperities is None:
-            n = len(self.gap)
             return Contact(np.zeros(n), np.zeros((n, 2)), np.zeros(n), np.inf)
-        return self.asperities.contact(position, 0.0)
+        deflection = self.spread @ (h - self.gap - self.by_motion @ position)
+        return self.asperities.contact(position, deflection.reshape(n, -1))
 
     def rubbing(self, sliding) -> float:
         """Boundary shear stress per contact pressure, along y [-]."""
         r = self.engine.roughness
         return -r.friction * sliding / np.hypot(sliding, r.rounding) if r else 0.0
 
-    def thickness(self, pressure, position, axial_acceleration, compliance):
-        """h [m] at the cells."""
-        h = self.gap + self.by_motion @ position
-        if self.elasticity is not None:
-            h = h + compliance @ (pressure * self.area)
-            h = h + self.elasticity.inertia * axial_acceleration
-        return h
+    def thickness(self, position, angle, up, pressed):
+        """h [m] at the cells: of a position, a crank angle (gas), an acceleration along y, and a
+        deflection by pressure.
+        """
+        bodies = self.elasticity
+        pushed = bodies.inertia * up + bodies.gas * self.engine.gas(angle)
+        return self.gap + self.by_motion @ position + pushed + pressed
 
     def carried(self, fraction, sliding):
         """Film fraction upstream of the axial faces, and the operator that takes it from the
@@ -529,16 +555,10 @@ class Monolithic:
         inward = np.array([[1.0], [-1.0]])
         return -inward * sliding / 2 * carried * h - squeezed
 
-    def _compliance(self, angle, position, velocity):
-        if self.elasticity is None:
-            return np.zeros((0, 0))
-        height, _ = self.bodies.height(angle, position[0], velocity[0])
-        return self.elasticity.pressure(height)
-
     def _row(self, angle, unknown, h, position, velocity):
         pressure, fraction = _interpret(unknown)
         _, sliding = self.bodies.height(angle, position[0], velocity[0])
-        contact = self.contact(position)
+        contact = self.contact(position, h)
         force = self.force(pressure, fraction, h, sliding, contact.pressure)
         rubbing = self.rubbing(sliding) * self.area * np.sum(contact.pressure)
         thinnest = min(h.min(), contact.gap)
@@ -554,7 +574,10 @@ class Monolithic:
         velocity_past = last * velocity_1 + before * velocity_2
         content_past = last * content_1 + before * content_2
         position = position_1 + step * velocity_1
-        compliance = self._compliance(angle, position, velocity_1)
+        height, _ = self.bodies.height(angle, position[0], velocity_1[0])
+        factor = self.elasticity.factor(height)
+        load = np.zeros(len(unknown)) if self.load is None else self.load
+        amounts = factor.T @ load
         _, _, up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)
         more = 0.0
         size = np.inf
@@ -563,8 +586,9 @@ class Monolithic:
             motion = *position, *velocity
             _, sliding = self.bodies.height(angle, position[0], velocity[0])
             pressure, fraction = _interpret(unknown)
-            h = self.thickness(pressure, position, up, compliance)
-            contact = self.contact(position)
+            h = self.thickness(position, angle, up, factor @ amounts)
+            contact = self.contact(position, h)
+            self.load = self.area * (pressure + contact.pressure)
             force = self.force(pressure, fraction, h, sliding, contact.pressure)
             force = self._with_gas(force, self.engine.gas(angle), position)
             if available is not None and sliding != 0:
@@ -575,18 +599,25 @@ class Monolithic:
             if iteration < LIMITED:
                 more = self.sharpened(fraction, sliding)
             oil = self.oil_balance(pressure, fraction, h, sliding, now, content_past, more)
-            by_force = self._by_force(angle, motion, force)
-            stiffness = self._contact_stiffness(contact.by_motion, sliding)
-            change, moved = self._newton(
-                oil, unknown > 0, compliance, by_force, now, balance, stiffness
+            pushing = self.area * np.vstack([-self.sine, self.height * self.sine])
+            rubbing = pushing.copy()
+            rubbing[1] += self.area * self.arm * self.rubbing(sliding)
+            jacobian = Jacobian(
+                self._by_force(angle, motion, force), factor, pushing, rubbing, contact
+            )
+            missing = amounts - factor.T @ self.load
+            change, moved, more_amounts = self._newton(
+                oil, unknown > 0, jacobian, now, balance, missing
             )
             change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
             unknown = np.maximum(unknown + change, EMPTIEST - 1)
             position = position + moved
-            size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max())
+            amounts = amounts + more_amounts
+            deflected = np.abs(factor @ more_amounts).max() / POSITION_SCALE[0]
+            size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max(), deflected)
             if size < CONVERGED:
                 velocity = now * position + position_past
-                h = self.thickness(_interpret(unknown)[0], position, up, compliance)
+                h = self.thickness(position, angle, up, factor @ amounts)
                 return unknown, h, position, velocity
         raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
 
@@ -643,11 +674,6 @@ class Monolithic:
         moment = (self.engine.pin_offset + position[0]) * gas
         return FilmForce(force.lateral, force.axial - gas, force.moment + moment)
 
-    def _contact_stiffness(self, by_motion, sliding):
-        """Lateral force and moment of the asperities per x_A and rocking angle, (2, 2)."""
-        turning = self.height * self.sine + self.arm * self.rubbing(sliding)
-        return self.area * np.vstack([-self.sine, turning]) @ by_motion
-
     def _by_force(self, angle, motion, force):
         """x_A'' and b' per lateral force and moment, (2, 2)."""
         base = self.bodies.accelerations(angle, motion, force)[:2]
@@ -656,31 +682,44 @@ class Monolithic:
         ends = [self.bodies.accelerations(angle, motion, load)[:2] for load in (pushed, turned)]
         return np.column_stack([end - base for end in ends])
 
-    def _newton(self, oil, full, compliance, by_force, now, balance, stiffness):
-        """Newton's step of the cells and of the position. What the drag on the skirt and the
-        acceleration along y change is left to the iteration.
+    def _newton(self, oil, full, jacobian, now, balance, missing):
+        """Newton's step of the cells, of the position and of the amounts z that the columns of L
+        have in the deflection. What the drag on the skirt and the acceleration along y change is
+        left to the iteration.
+
+        Eq. (Z11):  z = L^T A (p + p_c),   deflection L z
         """
+        by_force, factor, pushing, rubbing, contact = jacobian
         as_pressure = PRESSURE_SCALE * full
         film = oil.by_pressure @ sp.diags(as_pressure) + oil.by_fraction @ sp.diags(1.0 * ~full)
-        right = np.column_stack([oil.value, oil.by_film @ self.by_motion])
         rows = self.chosen
-        if self.elasticity is None:
-            half = sp.csc_matrix(film.tocsr()[rows] @ self.orbits)
-            of_cells = self.orbits @ splu(half).solve(right[rows])
-        else:
-            elastic = (oil.by_film.tocsr()[rows] @ compliance) * (self.area * as_pressure)
-            dense = (film.tocsr()[rows] @ self.orbits).toarray() + elastic @ self.orbits
-            of_cells = self.orbits @ lu_solve(lu_factor(dense), right[rows])
+        by_film = oil.by_film.tocsr()[rows]
+        half = sp.csc_matrix(film.tocsr()[rows] @ self.orbits)
+        right = np.column_stack([oil.value[rows], by_film @ self.by_motion, by_film @ factor])
+        of_cells = self.orbits @ splu(half).solve(right)
         from_oil = of_cells[:, 0]
-        from_position = of_cells[:, 1:]
-        # lateral force and moment per unknown
-        pushing = np.vstack([-self.sine, self.height * self.sine]) * self.area * as_pressure
-        by_cells = -by_force @ pushing
+        from_position = of_cells[:, 1:3]
+        from_deflection = of_cells[:, 3:]
+        # Eq. (Z11)
+        reading = self.area * factor.T
+        touching = contact.by_deflection[:, None] * factor
+        one = np.eye(len(missing)) + reading @ (as_pressure[:, None] * from_deflection - touching)
+        pressed = -reading @ (as_pressure * from_oil) - missing
+        moving = reading @ (contact.by_motion - as_pressure[:, None] * from_position)
+        solved = np.linalg.solve(one, np.column_stack([pressed, moving]))
+        amounts = solved[:, 0]
+        by_position = solved[:, 1:]
+        from_oil = from_oil + from_deflection @ amounts
+        from_position = from_position + from_deflection @ by_position
+        # lateral force and moment per amount, and per position
+        by_amounts = rubbing @ touching
+        stiffness = rubbing @ contact.by_motion + by_amounts @ by_position
+        by_cells = -by_force @ (pushing * as_pressure)
         moved = np.linalg.solve(
             now**2 * np.eye(2) - by_cells @ from_position - by_force @ stiffness,
-            by_cells @ from_oil - balance,
+            by_cells @ from_oil - balance + by_force @ by_amounts @ amounts,
         )
-        return -from_oil - from_position @ moved, moved
+        return -from_oil - from_position @ moved, moved, amounts + by_position @ moved
 
 
 def _interpret(unknown):
@@ -688,7 +727,31 @@ def _interpret(unknown):
     return PRESSURE_SCALE * np.maximum(unknown, 0), 1 + np.minimum(unknown, 0)
 
 
-def _mirrored(around, along):
+def _spread(grid, places):
+    """Matrix that reads cells linearly at points of each cell, beyond the last ones too, (n p p,
+    n); places : of the points, from the centre [cells].
+    """
+    one = []
+    for cells, ring in zip(grid, (True, False)):
+        number = np.repeat(np.arange(cells), len(places))
+        offset = np.tile(places, cells)
+        other = number + np.where(offset > 0, 1, -1)
+        if ring:
+            other = other % cells
+        else:
+            other = np.where((other < 0) | (other == cells), 2 * number - other, other)
+        share = np.abs(offset) if ring else offset * np.sign(other - number)
+        here = sp.diags(1 - share) @ _taking(number, cells)
+        one.append(here + sp.diags(share) @ _taking(other, cells))
+    around, along = one
+    whole = sp.csr_matrix(sp.kron(around, along))
+    # rows by cell, then by point around and along
+    p = len(places)
+    order = np.arange(whole.shape[0]).reshape(grid[0], p, grid[1], p).transpose(0, 2, 1, 3)
+    return whole[order.ravel()]
+
+
+def mirrored(around, along):
     """The problem is symmetric about the plane of motion: matrix (n, m) that spreads m cells of
     their own over all n, and the numbers of these m cells.
     """
