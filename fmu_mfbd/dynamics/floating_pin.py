@@ -504,122 +504,141 @@ def tangent(
     -------
     ndarray, shape (7 + k + 2 n, 7 + k + 2 n)
     """
-    at = lack.at
     first = layout(bodies)
     mechanism = bodies.mechanism
-    link = at.link
-    rod = at.rod
+    link = lack.at.link
+    slope = lack.at.rod.slope
     c1 = to_velocity
     c2 = to_position
-    size = first.size
     modes = len(bodies.piston.stiffness)
-    shapes = bodies.shapes
-    n = len(shapes.mass)
-    needed = in_space(at.axes, pair(lack.force.x, lack.force.y))
-    above_eye = lack.above_eye
-    frame = _frame_tangent(bodies.piston, at.frame, c1, c2)
+    n = len(bodies.shapes.mass)
+    frame = _frame_tangent(bodies.piston, lack.at.frame, c1, c2)
+    moments = _turned_moments(first, now, films)
     rows = np.empty(FRAME + modes)
     carried = mechanism.rod_centre * mechanism.rod_mass
-    swung = link.curvature * above_eye - rod.curvature * on_rod(films)
-    swung += link.rod_force_by_position + carried * link.curvature * at.shift[1]
+    swung = link.curvature * lack.above_eye - lack.at.rod.curvature * on_rod(films)
+    swung += link.rod_force_by_position + carried * link.curvature * lack.at.shift[1]
     boss = films.bosses.force
     in_eye = films.eye.force
     in_big_end = films.big_end.force
-    from_boss = now.position[BOSS_X] * boss[0] + now.position[BOSS_Y] * boss[1]
-    from_eye = now.position[EYE_X] * in_eye[0] + now.position[EYE_Y] * in_eye[1]
-    bent_in_boss = 0.0
-    bent_in_eye = 0.0
-    for k in range(n):
-        for way in range(2):
-            s = now.position[first.shapes + way * n + k]
-            bent_in_boss += s * films.bosses.on_shapes[k, way]
-            bent_in_eye += s * films.eye.on_shapes[k, way]
-    out = np.zeros((size, size))
-    for j in range(size):
-        # what coordinate j is: 1 or 0 of each
-        lateral = 1.0 if j == LATERAL else 0.0
-        angle = 1.0 if j == ROCKING else 0.0
-        boss_x = 1.0 if j == BOSS_X else 0.0
-        boss_y = 1.0 if j == BOSS_Y else 0.0
-        eye_x = 1.0 if j == EYE_X else 0.0
-        eye_y = 1.0 if j == EYE_Y else 0.0
-        crank_pin_x = 1.0 if j == first.big_end else 0.0
-        crank_pin_y = 1.0 if first.big_end >= 0 and j == first.big_end + 1 else 0.0
-        journal_x = 1.0 if j == first.main_bearing else 0.0
-        journal_y = 1.0 if first.main_bearing >= 0 and j == first.main_bearing + 1 else 0.0
-        shift_x = journal_x - crank_pin_x
-        shift_y = journal_y - crank_pin_y
-        eye = lateral + boss_x - eye_x - shift_x
-        eye_position = eye * c2[j]
-        eye_velocity = eye * c1[j]
-        high = link.axial_by_acceleration * eye
+    out = np.zeros((first.size, first.size))
+    for j in range(first.size):
+        way = way_of(first, j)
+        eye_position = way.eye * c2[j]
+        eye_velocity = way.eye * c1[j]
+        high = link.axial_by_acceleration * way.eye
         high += link.axial_by_velocity * eye_velocity + link.axial_by_position * eye_position
-        by_rod = pair(mechanism.rod_centre * eye + shift_x, mechanism.rod_centre * high + shift_y)
-        high += shift_y
-        boss_turn = angle * c2[ROCKING]
-        # A's acceleration in the body's axes, which turn, then the angle and the modes
-        by_frame = in_axes(at.axes, pair(lateral, high + eye_y - boss_y))
-        turned_by = across(in_axes(at.axes, at.piston))
-        along = by_frame[0] - turned_by[0] * boss_turn
-        up = by_frame[1] - turned_by[1] * boss_turn
-        mode = j - first.modes if first.modes <= j < first.shapes else NOWHERE
-        for m in range(FRAME + modes):
-            rows[m] = frame[m, X] * along + frame[m, Y] * up + frame[m, TURN] * angle
-            if mode >= 0:
-                rows[m] += frame[m, FRAME + mode]
-        on_piston = in_space(at.axes, pair(rows[X], rows[Y]))
-        turned_force = across(needed)
-        on_piston_x = on_piston[0] + turned_force[0] * boss_turn
-        on_piston_y = on_piston[1] + turned_force[1] * boss_turn
-        slope_push = films.slope_push[mode] * c2[j] if mode >= 0 else 0.0
-        rocking = rows[TURN] - c2[LATERAL] * load.guided * lateral + slope_push
-        of_eye_mode = j - first.eye
-        in_eye_slope = 0.0
-        if 0 <= of_eye_mode < len(bodies.eye.stiffness):
-            in_eye_slope = films.eye_slope_push[of_eye_mode] * c2[j]
-        on_pin_x = mechanism.pin_mass * (lateral + boss_x)
-        on_pin_y = mechanism.pin_mass * (high + eye_y)
-        lifting = on_piston_y + on_pin_y
-        sideways = link.slope * lifting + link.rod_force_by_acceleration * eye
+        boss_turn = way.rocking * c2[j]
+        eye_turn = slope * eye_position
+        on_piston = _frame_rows(rows, lack, frame, way, high, boss_turn)
+        slope_push = films.slope_push[way.mode] * c2[j] if way.mode >= 0 else 0.0
+        eye_slope_push = films.eye_slope_push[way.eye_mode] * c2[j] if way.eye_mode >= 0 else 0.0
+        on_pin_x = mechanism.pin_mass * way.pin_x
+        lifting = on_piston[1] + mechanism.pin_mass * (high + way.pin_y)
+        sideways = link.slope * lifting + link.rod_force_by_acceleration * way.eye
         sideways += link.rod_force_by_velocity * eye_velocity + swung * eye_position
-        sideways = sideways + rod.slope * in_eye_slope
-        sideways += carried * (shift_x + link.slope * shift_y)
-        at_big_end = pair(
-            sideways - mechanism.rod_mass * by_rod[0], -lifting - mechanism.rod_mass * by_rod[1]
-        )
-        # films' forces turn with their shells
-        eye_turn = rod.slope * eye_position
-        levers = boss[1] * c2[BOSS_X] * boss_x - boss[0] * c2[BOSS_Y] * boss_y
-        levers += (from_boss + bent_in_boss) * boss_turn
-        levers += in_eye[1] * c2[EYE_X] * eye_x - in_eye[0] * c2[EYE_Y] * eye_y
-        levers += (from_eye + bent_in_eye) * eye_turn
-        shape = j - first.shapes
-        if 0 <= shape < n:
-            pushed_y = films.bosses.on_shapes[shape, 1] + films.eye.on_shapes[shape, 1]
-            levers += pushed_y * c2[j]
-        elif n <= shape < 2 * n:
-            pushed_x = films.bosses.on_shapes[shape - n, 0] + films.eye.on_shapes[shape - n, 0]
-            levers -= pushed_x * c2[j]
-        out[LATERAL, j] = on_piston_x + on_pin_x + sideways
-        out[ROCKING, j] = rocking
+        sideways = sideways + slope * eye_slope_push
+        sideways += carried * (way.shift_x + link.slope * way.shift_y)
+        levers = _levers(first, now, films, j, c2[j])
+        levers += moments[0] * boss_turn + moments[1] * eye_turn
+        out[LATERAL, j] = on_piston[0] + on_pin_x + sideways
+        out[ROCKING, j] = rows[TURN] - c2[LATERAL] * load.guided * way.x + slope_push
         out[BOSS_X, j] = on_pin_x + sideways + boss[1] * boss_turn
-        out[BOSS_Y, j] = -on_piston_y - boss[0] * boss_turn
+        out[BOSS_Y, j] = -on_piston[1] - boss[0] * boss_turn
         out[EYE_X, j] = -sideways + in_eye[1] * eye_turn
         out[EYE_Y, j] = lifting - in_eye[0] * eye_turn
-        out[SPIN, j] = levers - slope_push - in_eye_slope
+        out[SPIN, j] = levers - slope_push - eye_slope_push
         for m in range(modes):
             out[first.modes + m, j] = rows[FRAME + m]
+        # films' forces turn with their shells
         for k in range(n):
             on_boss = films.bosses.on_shapes[k]
             on_eye = films.eye.on_shapes[k]
             out[first.shapes + k, j] = on_boss[1] * boss_turn + on_eye[1] * eye_turn
             out[first.shapes + n + k, j] = -on_boss[0] * boss_turn - on_eye[0] * eye_turn
+        rod_x = mechanism.rod_mass * (mechanism.rod_centre * way.eye + way.shift_x)
+        rod_y = mechanism.rod_mass * (mechanism.rod_centre * high + way.shift_y)
         if first.big_end >= 0:
-            out[first.big_end, j] = at_big_end[0] + in_big_end[1] * eye_turn
-            out[first.big_end + 1, j] = at_big_end[1] - in_big_end[0] * eye_turn
+            out[first.big_end, j] = sideways - rod_x + in_big_end[1] * eye_turn
+            out[first.big_end + 1, j] = -lifting - rod_y - in_big_end[0] * eye_turn
         if first.main_bearing >= 0:
-            out[first.main_bearing, j] = bodies.crank.mass * journal_x - at_big_end[0]
-            out[first.main_bearing + 1, j] = bodies.crank.mass * journal_y - at_big_end[1]
+            out[first.main_bearing, j] = bodies.crank.mass * way.journal_x - (sideways - rod_x)
+            out[first.main_bearing + 1, j] = bodies.crank.mass * way.journal_y - (-lifting - rod_y)
+    _add_springs(out, bodies, c1, c2)
+    return out
+
+
+@compilable
+def _turned_moments(first, now, films):
+    """Return the change of the moment on the pin with the angles of bosses and eye, (2,) [N m]:
+    the films' forces turn with their shells, the pin's place and shapes do not.
+    """
+    boss = films.bosses.force
+    eye = films.eye.force
+    from_boss = now.position[BOSS_X] * boss[0] + now.position[BOSS_Y] * boss[1]
+    from_eye = now.position[EYE_X] * eye[0] + now.position[EYE_Y] * eye[1]
+    bent_in_boss = 0.0
+    bent_in_eye = 0.0
+    n = len(films.bosses.on_shapes)
+    for k in range(n):
+        for way in range(2):
+            s = now.position[first.shapes + way * n + k]
+            bent_in_boss += s * films.bosses.on_shapes[k, way]
+            bent_in_eye += s * films.eye.on_shapes[k, way]
+    return pair(from_boss + bent_in_boss, from_eye + bent_in_eye)
+
+
+@compilable
+def _frame_rows(rows, lack, frame, way, high, boss_turn):
+    """Fill in the change of the frame's rows with a coordinate; return that of the force on the
+    piston in space, (2,).
+
+    `high` is the acceleration along y that the rod gives its eye, the frame's axes turn.
+    """
+    at = lack.at
+    by_frame = in_axes(at.axes, pair(way.x, high + way.y))
+    turned_by = across(in_axes(at.axes, at.piston))
+    along = by_frame[0] - turned_by[0] * boss_turn
+    up = by_frame[1] - turned_by[1] * boss_turn
+    for m in range(len(rows)):
+        rows[m] = frame[m, X] * along + frame[m, Y] * up + frame[m, TURN] * way.rocking
+        if way.mode >= 0:
+            rows[m] += frame[m, FRAME + way.mode]
+    on_piston = in_space(at.axes, pair(rows[X], rows[Y]))
+    turned_force = across(in_space(at.axes, pair(lack.force.x, lack.force.y)))
+    return pair(
+        on_piston[0] + turned_force[0] * boss_turn, on_piston[1] + turned_force[1] * boss_turn
+    )
+
+
+@compilable
+def _levers(first, now, films, j, to_position):
+    """Return the change of the moment on the pin with its place and shapes by coordinate j."""
+    boss = films.bosses.force
+    eye = films.eye.force
+    n = len(films.bosses.on_shapes)
+    k = j - first.shapes
+    if j == BOSS_X:
+        return boss[1] * to_position
+    if j == BOSS_Y:
+        return -boss[0] * to_position
+    if j == EYE_X:
+        return eye[1] * to_position
+    if j == EYE_Y:
+        return -eye[0] * to_position
+    if 0 <= k < n:
+        return (films.bosses.on_shapes[k, 1] + films.eye.on_shapes[k, 1]) * to_position
+    if n <= k < 2 * n:
+        return -(films.bosses.on_shapes[k - n, 0] + films.eye.on_shapes[k - n, 0]) * to_position
+    return 0.0
+
+
+@compilable
+def _add_springs(out, bodies, c1, c2):
+    """Add inertia, damping and stiffness that each coordinate has by itself to the tangent."""
+    first = layout(bodies)
+    shapes = bodies.shapes
+    n = len(shapes.mass)
     out[SPIN, SPIN] += bodies.spin_inertia
     for k in range(n):
         for way in range(2):
@@ -630,7 +649,6 @@ def tangent(
         m = first.eye + k
         # Eq. (D40)
         out[m, m] += 1.0 + bodies.eye.damping[k] * c1[m] + bodies.eye.stiffness[k] * c2[m]
-    return out
 
 
 @compilable
@@ -736,7 +754,8 @@ def elastic_energy(bodies: Bodies, position: np.ndarray) -> float:
 
 class Way(NamedTuple):
     """How a coordinate alone moves A, the pin's axis, the eye from its big end, the big end from
-    its place without play, the crank's journal; the rocking angle; number of the piston's mode.
+    its place without play, the crank's journal; the rocking angle; numbers of the piston's mode
+    and of the eye's, `NOWHERE` of another.
     """
 
     x: float
@@ -750,11 +769,12 @@ class Way(NamedTuple):
     journal_y: float
     rocking: float
     mode: int
+    eye_mode: int
 
 
 @compilable
-def _way(first, j):
-    """Of coordinate j."""
+def way_of(first: Layout, j: int) -> Way:
+    """Return how coordinate j moves everything."""
     lateral = 1.0 if j == LATERAL else 0.0
     boss_x = 1.0 if j == BOSS_X else 0.0
     boss_y = 1.0 if j == BOSS_Y else 0.0
@@ -776,6 +796,7 @@ def _way(first, j):
         journal_y=journal_y,
         rocking=1.0 if j == ROCKING else 0.0,
         mode=j - first.modes if first.modes <= j < first.shapes else NOWHERE,
+        eye_mode=j - first.eye if first.eye <= j < first.crank else NOWHERE,
     )
 
 
@@ -803,9 +824,9 @@ def inertia(bodies: Bodies) -> np.ndarray:
     first = layout(bodies)
     out = np.empty((first.size, first.size))
     for i in range(first.size):
-        a = _way(first, i)
+        a = way_of(first, i)
         for j in range(first.size):
-            b = _way(first, j)
+            b = way_of(first, j)
             # Eq. (D22)
             both = _coupled(piston, a, b) + _coupled(piston, b, a)
             out[i, j] = piston.mass * (a.x * b.x + a.y * b.y) + both
@@ -836,9 +857,9 @@ def inertia_with_rod(bodies: Bodies) -> np.ndarray:
     first = layout(bodies)
     swung = carried_mass(mechanism)
     for i in range(first.size):
-        a = _way(first, i)
+        a = way_of(first, i)
         for j in range(first.size):
-            b = _way(first, j)
+            b = way_of(first, j)
             out[i, j] += swung * (a.eye * b.eye)
             # Eq. (D35)
             both = mechanism.rod_centre * (a.eye * b.shift_x + b.eye * a.shift_x)
