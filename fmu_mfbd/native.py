@@ -39,13 +39,6 @@ from .dynamics.contradictions import (
 )
 from .dynamics.drive import End, Scalars, demand_of, others_of, scalars_of
 from .dynamics.elimination import no_factors
-from .dynamics.floating_pin import (
-    COORDINATES,
-    inertia,
-    inertia_with_rod,
-    layout,
-    of_eye,
-)
 from .dynamics.generalised_alpha import Motion, coefficients
 from .dynamics.instant import end_of_step
 from .dynamics.modal_damping import modal_springs
@@ -54,7 +47,11 @@ from .dynamics.parameters import (
     Parameters,
     PinParameters,
 )
-from .dynamics.pin_instant import EYE, PinScalars, end_of_pin_step, respond_pin
+from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
+from .dynamics.pin_inertia import inertia, inertia_with_rod
+from .dynamics.pin_instant import PinScalars, end_of_pin_step
+from .dynamics.pin_response import respond_pin
+from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd, linearise, response, step_end
 from .dynamics.slider_crank import CrankMotion, driven
@@ -91,9 +88,9 @@ from .native_block import (
     GasCurve,
     Given,
     OutputPlaces,
-    Places,
     ProductPlaces,
     RingPlaces,
+    VariablePlaces,
     direction_of,
     given_of,
     has_pins,
@@ -216,7 +213,7 @@ def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> i
     return COORDINATES + piston_modes + pin.small_end_modes + 2 * len(options.crank_bearings)
 
 
-def _places(slave) -> Places:
+def _places(slave) -> VariablePlaces:
     """Return where everything lies among a slave's variables."""
 
     def place(name, kind=""):
@@ -238,7 +235,7 @@ def _places(slave) -> Places:
 
     settings = each(SETTING)
     settings[SETTING.index("crank_free")] = NOWHERE  # no real number; 0 is all that is covered
-    return Places(
+    return VariablePlaces(
         settings,  # `gas_source` is a choice: its place is among the whole numbers
         each(Scalars._fields),
         each(PinScalars._fields),

@@ -14,11 +14,11 @@ from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
 from .dynamics.assembly import mechanism, pin_spin_inertia
 from .dynamics.contradictions import Fit, pin_radius
-from .dynamics.floating_pin import Bodies, Crankshaft
 from .dynamics.gas_on_bore import BoreWall
 from .dynamics.modal_damping import DampingBands, modal_springs
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
-from .dynamics.pin_instant import PinSystem
+from .dynamics.pin_coordinates import Crankshaft, PinBodies
+from .dynamics.pin_films import PinSystem
 from .dynamics.response import Linear, StepEnd
 from .dynamics.state import PistonState
 from .dynamics.system import System
@@ -105,7 +105,7 @@ class FieldPlaces(NamedTuple):
     cells: Vector
 
 
-class Places(NamedTuple):
+class VariablePlaces(NamedTuple):
     """Where everything lies among the variables, `NOWHERE` of what there is not.
 
     settings, scalars, pin_scalars : of `SETTING`, `Scalars` and `PinScalars`, in their order.
@@ -169,7 +169,7 @@ class Given(NamedTuple):
     evaluations, tangents : work so far.
     """
 
-    places: Places
+    places: VariablePlaces
     constants: Constants
     fit: Fit
     system: System
@@ -280,7 +280,7 @@ def pin_system_of(given: Given, system: System) -> PinSystem:
     settings = settings_of(given)
     none = np.zeros(0)
     radius = pin_radius(x.piston_radius, settings)
-    bodies = Bodies(
+    bodies = PinBodies(
         system.piston,
         system.mechanism,
         pin_spin_inertia(settings.pin_mass, radius, settings.pin_inertia),

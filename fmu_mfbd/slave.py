@@ -26,7 +26,7 @@ from .dynamics.model import (
     ON_BLOCK,
     ON_FLEXIBLE_BLOCK,
     Inputs,
-    NotConverged,
+    MotionNotSolved,
     PistonInBore,
 )
 from .dynamics.parameters import (
@@ -141,7 +141,7 @@ class Mfbd(FieldSlave):
         try:
             state, outputs = self._begin(self.model, parameters, values)
             _, straight = self._begin(self.model.unyielding(), parameters, values)
-        except NotConverged as error:
+        except MotionNotSolved as error:
             raise BadInput([f"start: {error}"]) from None
         gaps = self._of_films(("film_thickness",))
         self._tell_of_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
@@ -191,7 +191,7 @@ class Mfbd(FieldSlave):
         self._tell_of_gas(values)
         try:
             return self.model.advance(state, self._inputs(values), step)
-        except NotConverged as error:
+        except MotionNotSolved as error:
             raise Discard(str(error)) from None
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:

@@ -3,7 +3,11 @@
 slider_crank       rigid crank and rod (K)
 piston_motion      the piston's equations of motion
 quasi_static       modes too fast for the step
+system             bodies, mechanism and films together
+skirt_films        all films of the skirt
 instant            all of it at one instant, compiled
+response           its derivative
+modal_damping      springs and dampers of modes (I)
 floating_frame     a flexible body in its frame
 pin_friction       between piston and pin
 generalised_alpha  time integration
@@ -11,10 +15,17 @@ first_steps        how it begins
 impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
 account            what they took from the film over it
+state              what a step starts from
 model              one step after the other
-floating_pin       equations of motion of a pin on films of its own (K, D)
+pin_coordinates    those of a pin on films of its own
+floating_pin       their equations of motion (K, D)
+pin_tangent        their derivative
+pin_inertia        inertia and energy of their motion
+pin_shells         where the pin is in its shells
+pin_films          all films of pin and crank
 elimination        small systems of linear equations (N)
 pin_instant        all of it at one instant with a floating pin, compiled
+pin_response       its derivative
 pin_model          the model with them
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them

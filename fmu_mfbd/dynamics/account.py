@@ -7,7 +7,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 
 
-class Account(NamedTuple):
+class EnergyAccount(NamedTuple):
     """Of a step [J].
 
     gain : Eq. (D14); size : of its terms, Eq. (D16).
@@ -23,7 +23,7 @@ def account(
     way: np.ndarray,
     others: tuple[np.ndarray, np.ndarray],
     axial_work: float,
-) -> Account:
+) -> EnergyAccount:
     """Energy that the bodies took from the film over a step, by what their motion shows, and what
     it is to be measured by.
 
@@ -49,10 +49,10 @@ def account(
 
     Returns
     -------
-    Account
+    EnergyAccount
     """
     before, after = kinetic
     begun, ended = others
     gain = after - before - float(way @ (begun + ended)) / 2 + axial_work  # Eq. (D14)
     turned = float(np.abs(way) @ (np.abs(begun) + np.abs(ended))) / 2
-    return Account(gain, max(before, after) + turned)  # Eq. (D16)
+    return EnergyAccount(gain, max(before, after) + turned)  # Eq. (D16)

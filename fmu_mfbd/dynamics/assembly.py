@@ -9,7 +9,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import none_yet, sentences_of
-from ..geometry.film import Bore, FilmSurface, Skirt, bore_splines
+from ..geometry.film import BoreSplines, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres, film_rows
 from ..geometry.modal_field import modal_field
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
@@ -42,11 +42,10 @@ from .build_options import (
 )
 from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
-from .floating_pin import RIGID_CRANK, Crankshaft
 from .gas_on_bore import bore_wall
 from .modal_damping import DampingBands, ModalSprings, modal_springs
 from .model import Crank, PistonInBore
-from .motion_in_space import Bodies, SpaceBody, Stop
+from .motion_in_space import SpaceBodies, SpaceBody, Stop
 from .parameters import (
     AxisParameters,
     BigEndParameters,
@@ -55,6 +54,7 @@ from .parameters import (
     PinParameters,
     SpaceParameters,
 )
+from .pin_coordinates import RIGID_CRANK, Crankshaft
 from .pin_friction import PinFriction
 from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
@@ -335,7 +335,7 @@ def assemble_in_space(
     radius = pin_radius(piston.radius, parameters)
     length = PIN_LENGTH * piston.radius
     solid = parameters.pin_mass * (radius**2 / 4 + length**2 / 12)  # Eq. (J21)
-    bodies = Bodies(
+    bodies = SpaceBodies(
         piston=body,
         mechanism=planar.system.mechanism,
         pin_inertia=space.pin_cross_inertia or solid,
@@ -585,7 +585,7 @@ def measured(
 
 def bore(
     block: ReducedBlock, angle: np.ndarray, options: BlockOptions, parameters: Parameters
-) -> Bore:
+) -> BoreSplines:
     """Bore side of the film at the grid's angles (c,) [rad]."""
     return bore_splines(
         block.heights,

@@ -74,7 +74,7 @@ def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tup
     )
 
 
-class Place(NamedTuple):
+class MechanismMotion(NamedTuple):
     """Where the rod stands: crank pin P, pin point A and the rod's centre of mass G [m], from the
     crank axis, and their velocities in the block [m/s].
     """
@@ -94,7 +94,7 @@ class Place(NamedTuple):
 
 
 @compiled
-def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> Place:
+def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> MechanismMotion:
     """Places and velocities of Eq. (K1) and (K5)."""
     r = mechanism.crank_radius
     k = mechanism.rod_centre
@@ -107,7 +107,7 @@ def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> P
     f = np.sqrt(mechanism.rod_length**2 - xi**2)
     y = py + f  # Eq. (K1)
     y_velocity = py_velocity - xi / f * (lateral.velocity - px_velocity)
-    return Place(
+    return MechanismMotion(
         px,
         py,
         x,

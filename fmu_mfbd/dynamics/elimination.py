@@ -15,7 +15,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Vector
 
 
-class Factors(NamedTuple):
+class LUFactors(NamedTuple):
     """A matrix, factorised (Eq. (N10)).
 
     Parameters
@@ -31,13 +31,13 @@ class Factors(NamedTuple):
 
 
 @compilable
-def no_factors() -> Factors:
+def no_factors() -> LUFactors:
     """Return those of a system that is not solved by elimination."""
-    return Factors(np.zeros((0, 0)), np.zeros(0))
+    return LUFactors(np.zeros((0, 0)), np.zeros(0))
 
 
 @compilable
-def factorise(matrix: np.ndarray) -> Factors:
+def factorise(matrix: np.ndarray) -> LUFactors:
     """Elimination with exchange of rows.
 
     Eq. (N10):  P A = L U      |L| <= 1: the largest of its column stands on the diagonal
@@ -49,7 +49,7 @@ def factorise(matrix: np.ndarray) -> Factors:
 
     Returns
     -------
-    Factors
+    LUFactors
 
     References
     ----------
@@ -75,16 +75,16 @@ def factorise(matrix: np.ndarray) -> Factors:
             if share != 0.0:
                 for j in range(k + 1, n):
                     both[i, j] -= share * both[k, j]  # Eq. (N10)
-    return Factors(both, order)
+    return LUFactors(both, order)
 
 
 @compilable
-def substitute(factors: Factors, right: np.ndarray) -> np.ndarray:
+def substitute(factors: LUFactors, right: np.ndarray) -> np.ndarray:
     """x of A x = b.
 
     Parameters
     ----------
-    factors : Factors
+    factors : LUFactors
         Of A.
     right : ndarray, shape (n,)
         b.

@@ -12,7 +12,7 @@ from .impact import Inertia, inertia_product
 from .piston_motion import LATERAL, RIGID, ROCKING
 
 
-class Ledger(NamedTuple):
+class EnergyLedger(NamedTuple):
     """Energies at the end of a step, and what came in over it.
 
     Parameters

@@ -1,6 +1,5 @@
 """One instant of the whole body side in compiled code: from predicted motion and forces to
-accelerations, film and outputs; and its derivative. Nothing is decided here: the equations stand in
-`film`, `piston_motion` and `slider_crank`.
+accelerations, films and outputs. The equations are in `film`, `piston_motion` and `slider_crank`.
 """
 
 from typing import NamedTuple
@@ -14,7 +13,7 @@ from ..geometry.film import (
 )
 from .carrier import carried
 from .energy import (
-    Ledger,
+    EnergyLedger,
     Moving,
     elastic_energy,
     energy_error,
@@ -35,7 +34,7 @@ from .piston_motion import (
     lateral_motion,
 )
 from .quasi_static import STILL, Ride, follow, static_coordinates
-from .skirt_films import Guided, forces_by_film, skirt_films, together
+from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import CrankMotion, carried_mass, height, motion, rod_turn
 from .system import OtherForces, System
 
@@ -53,7 +52,7 @@ class Instant(NamedTuple):
         time integrator's auxiliary acceleration.
     impact : bool
         Whether the step was an impact.
-    ledger : Ledger
+    ledger : EnergyLedger
         Energy across the bore.
     other_forces : ndarray, shape (n,)
         All but the film's and the rod's inertia, on the motion across the bore.
@@ -85,7 +84,7 @@ class Instant(NamedTuple):
     kept_acceleration: np.ndarray
     auxiliary: np.ndarray
     impact: bool
-    ledger: Ledger
+    ledger: EnergyLedger
     other_forces: np.ndarray
     guided: float
     load: Load
@@ -137,10 +136,10 @@ def end_of_step(
     n = RIGID + len(system.piston.stiffness)
     predicted = predict(c, before, auxiliary)
     upright = height(mechanism, 0.0, crank.angle)
-    guided = Guided(upright.height, upright.lever * crank.speed)
+    guided = AxialMotion(upright.height, upright.lever * crank.speed)
     parts = forces_by_film(system, guided.height, forces)
     film_forces = together(parts)
-    push = _piston_push(system, film_forces, others.gas)
+    push = with_gas(system, film_forces.piston, others.gas)
     block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
     load = load_of(system, film_forces, others, push[: n - RIGID])
     own = end_accelerations(
@@ -170,7 +169,7 @@ def end_of_step(
     with_rod = _moving_bodies(system, carried_mass(mechanism))
     axial_power = film_forces.axial * axial_velocity + films.on_slopes * guided.velocity
     axial_work = c.step * axial_power
-    ledger = Ledger(
+    ledger = EnergyLedger(
         kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
         elastic=elastic_energy(moving, end.position),
         film_work=film_work(film_forces, before.position, end.position, axial_work),
@@ -233,22 +232,27 @@ def load_of(system: System, films: FilmForces, others: OtherForces, modal: np.nd
 
 
 @compiled
-def _piston_push(system, film_forces, gas):
-    """Modal forces of film and gas on the piston, of all its modes."""
-    push = film_forces.piston.copy()
+def with_gas(system: System, on_modes: np.ndarray, gas: float) -> np.ndarray:
+    """Return the forces on all modes of the piston with that of the gas on the crown [N]."""
+    push = on_modes.copy()
     for k in range(len(push)):
         push[k] += gas * system.gas_force[k]
     return push
 
 
 @compiled
-def _moving_bodies(system, carried):
-    """What has inertia across the bore; `carried` is the mass that x_A moves beside [kg]."""
+def rigid_piston(system: System, carried: float) -> Inertia:
+    """Return the inertia of piston and pin with the mass that x_A moves beside them [kg]."""
     piston = system.piston
-    mass = piston.mass + system.mechanism.pin_mass + carried
-    rigid = Inertia(mass, piston.S[1], piston.I0)
+    return Inertia(piston.mass + system.mechanism.pin_mass + carried, piston.S[1], piston.I0)
+
+
+@compiled
+def _moving_bodies(system, carried):
+    """Return what has inertia across the bore; `carried` as of `rigid_piston`."""
+    piston = system.piston
     first = RIGID + len(piston.stiffness) + len(system.piston_static.stiffness)
-    return Moving(piston, rigid, first, system.block.stiffness)
+    return Moving(piston, rigid_piston(system, carried), first, system.block.stiffness)
 
 
 @compiled

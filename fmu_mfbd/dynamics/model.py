@@ -18,7 +18,7 @@ from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall
 from .build_options import FilmGrid
 from .carrier import FIXED, Carrier
 from .drive import End, demand_of, others_of, scalars_of
-from .elimination import Factors, no_factors
+from .elimination import LUFactors, no_factors
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import Instant, end_of_step
 from .piston_motion import LATERAL, RIGID, ROCKING, imbalance
@@ -48,7 +48,7 @@ START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
 
 
-class NotConverged(RuntimeError):
+class MotionNotSolved(RuntimeError):
     """The step's equations could not be solved; the message says where and how far it got."""
 
 
@@ -280,11 +280,11 @@ class PistonInBore:
 
         Raises
         ------
-        NotConverged
+        MotionNotSolved
         """
         crank = self.crank.turn(state, step, inputs.crank_speed)
         if not np.isfinite(crank.angle):
-            raise NotConverged(f"crank angle = {crank.angle:g} rad: must be finite")
+            raise MotionNotSolved(f"crank angle = {crank.angle:g} rad: must be finite")
         end, outputs = self._solve(
             step_coefficients(state, step, self.spectral_radius),
             motion_of(state),
@@ -324,7 +324,7 @@ class PistonInBore:
         )
         now, factors = self._instant(c, before, auxiliary, crank, others, inputs)
         if not now.evaluations:
-            raise NotConverged(
+            raise MotionNotSolved(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
                 f"accelerations; their last relative change is {now.change:.3g} (nan: diverged)"
             )
@@ -359,7 +359,7 @@ class PistonInBore:
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> tuple[Instant, Factors]:
+    ) -> tuple[Instant, LUFactors]:
         """Return everything at the end of a step."""
         forces = on_skirt(inputs.pressure_force, inputs.friction_force)
         system = self.system

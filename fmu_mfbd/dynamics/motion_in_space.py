@@ -57,7 +57,7 @@ class Stop(NamedTuple):
     damping: float
 
 
-class Bodies(NamedTuple):
+class SpaceBodies(NamedTuple):
     """Everything that moves, and what holds it.
 
     Parameters
@@ -130,7 +130,7 @@ class Spin(NamedTuple):
     change: np.ndarray
 
 
-class Place(NamedTuple):
+class SpaceKinematics(NamedTuple):
     """Where everything stands: link, rod, axes R (2, 2), acceleration of A (2,) in space, piston,
     and the piston with the pin, which turns with it but for the rocking angle.
     """
@@ -244,7 +244,7 @@ def needed_change(body: SpaceBody, spin: Spin, by: Spin) -> tuple[np.ndarray, np
     return force, moment
 
 
-def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
+def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinematics:
     """Where everything stands.
 
     Eq. (K18):  A'' = (x_A'', Y'', z''),   t = (roll, yaw, 0),   W = (roll', yaw', w)
@@ -252,7 +252,7 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
 
     Parameters
     ----------
-    bodies : Bodies
+    bodies : SpaceBodies
     now : Motion
         n = 5.
     crank : CrankMotion
@@ -271,10 +271,10 @@ def place_of(bodies: Bodies, now: Motion, crank: CrankMotion) -> Place:
         velocity=np.array([dq[ROLL], dq[YAW], w]),
         change=np.array([ddq[ROLL] - w * dq[YAW], ddq[YAW] + w * dq[ROLL], ddq[ROCKING]]),
     )
-    return Place(link, rod, axes, of_A, spin, with_pin(bodies))
+    return SpaceKinematics(link, rod, axes, of_A, spin, with_pin(bodies))
 
 
-def with_pin(bodies: Bodies) -> SpaceBody:
+def with_pin(bodies: SpaceBodies) -> SpaceBody:
     """The piston with the pin's inertia about its diameters; the pin does not turn with the rocking
     angle, and its mass at A is counted apart.
     """
@@ -282,7 +282,7 @@ def with_pin(bodies: Bodies) -> SpaceBody:
     return bodies.piston._replace(J=bodies.piston.J + thin)
 
 
-def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) -> Lack:
+def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion) -> Lack:
     """Residual of the equations of motion.
 
     Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
@@ -300,7 +300,7 @@ def imbalance(bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion) 
 
     Parameters
     ----------
-    bodies : Bodies
+    bodies : SpaceBodies
     load : SpaceLoad
     now : Motion
         n = 5.
@@ -350,7 +350,7 @@ def _held(bodies, now):
 
 
 def tangent(
-    bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion, c1: float, c2: float
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion, c1: float, c2: float
 ) -> np.ndarray:
     """Derivative of the residual (Eq. (D27)), (5, 5), when each end acceleration moves its velocity
     by c1 [s] and its position by c2 [s2].
@@ -423,7 +423,7 @@ def tangent(
 
 
 def pushed(
-    bodies: Bodies, load: SpaceLoad, now: Motion, crank: CrankMotion, change: SpaceLoad
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion, change: SpaceLoad
 ) -> np.ndarray:
     """What a change of the load adds to the residual (Eq. (D27)), shape (5,)."""
     at = place_of(bodies, now, crank)
@@ -450,7 +450,7 @@ def pushed(
     return out
 
 
-def inertia(bodies: Bodies) -> np.ndarray:
+def inertia(bodies: SpaceBodies) -> np.ndarray:
     """M, (5, 5), of the motion across the bore.
 
     Eq. (D28):  q' . M q' = (m + m_pin) |V|^2 + 2 V . (W x S) + W . J W
@@ -468,7 +468,7 @@ def inertia(bodies: Bodies) -> np.ndarray:
     return mass * V.T @ V + coupled + coupled.T + W.T @ body.J @ W
 
 
-def inertia_with_rod(bodies: Bodies) -> np.ndarray:
+def inertia_with_rod(bodies: SpaceBodies) -> np.ndarray:
     """M of `inertia` and of the rod that swings with x_A (Eq. (K12))."""
     M = inertia(bodies)
     M[LATERAL, LATERAL] += carried_mass(bodies.mechanism)

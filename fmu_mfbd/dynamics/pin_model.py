@@ -11,30 +11,17 @@ from ..geometry.pin import PinForces, PinSurface
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from ..geometry.surfaces import pins_in_block
 from .build_options import FilmGrid
-from .elimination import Factors
-from .floating_pin import (
-    RIGID_CRANK,
-    RIGID_EYE,
-    Bodies,
-    Crankshaft,
-    inertia,
-    inertia_with_rod,
-    layout,
-    of_eye,
-    of_modes,
-)
+from .elimination import LUFactors
 from .generalised_alpha import Coefficients, Motion
 from .instant import Instant
 from .modal_damping import ModalSprings
 from .model import MOTION, Inputs, PistonInBore, on_skirt
-from .pin_instant import (
-    PinInstant,
-    PinSystem,
-    Shell,
-    end_of_pin_step,
-    respond_pin,
-    shell_of,
-)
+from .pin_coordinates import RIGID_CRANK, RIGID_EYE, Crankshaft, PinBodies, layout, of_eye, of_modes
+from .pin_films import PinSystem
+from .pin_inertia import inertia, inertia_with_rod
+from .pin_instant import PinInstant, end_of_pin_step
+from .pin_response import respond_pin
+from .pin_shells import Shell, shell_of
 from .slider_crank import CrankMotion
 from .system import NO_RINGS, OtherForces, RingForce
 
@@ -93,7 +80,7 @@ class PistonOnFloatingPin(PistonInBore):
     ):
         vars(self).update(vars(tied))
         mechanism = self.system.mechanism
-        self.bodies = Bodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
+        self.bodies = PinBodies(self.system.piston, mechanism, spin_inertia, shapes, eye, crank)
         self.layout = layout(self.bodies)
         self.coordinates = self.moving = self.layout.size
         self.inertia = inertia(self.bodies)
@@ -113,7 +100,7 @@ class PistonOnFloatingPin(PistonInBore):
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> tuple[Instant, Factors]:
+    ) -> tuple[Instant, LUFactors]:
         """Everything at the end of a step."""
         skirt = on_skirt(inputs.pressure_force, inputs.friction_force)
         forces = stacked(inputs.pins)

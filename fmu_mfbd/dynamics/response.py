@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable, compiled
 from ..geometry.arrays import Matrix
 from ..geometry.film import NodalForces
 from .carrier import carried
-from .elimination import Factors
+from .elimination import LUFactors
 from .floating_frame import Arrow, in_frame, mode_coupling
 from .generalised_alpha import Coefficients, Motion
 from .instant import Instant
@@ -41,7 +41,7 @@ class StepEnd(NamedTuple):
     now : Motion
         Of the piston's moving coordinates, with a floating pin of all.
     crank : CrankMotion
-    factors : Factors
+    factors : LUFactors
         Of the tangent of Eq. (D21) of a floating pin.
     """
 
@@ -50,12 +50,12 @@ class StepEnd(NamedTuple):
     load: Load
     now: Motion
     crank: CrankMotion
-    factors: Factors
+    factors: LUFactors
 
 
 @compilable
 def step_end(
-    c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: Factors
+    c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: LUFactors
 ) -> StepEnd:
     """Return what is kept of a step's end, of so many coordinates."""
     motion = Motion(now.position[:moving], now.velocity[:moving], now.acceleration[:moving])

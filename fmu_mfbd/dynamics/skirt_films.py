@@ -24,8 +24,8 @@ from .piston_motion import LATERAL, RIGID, ROCKING
 from .system import System
 
 
-class Guided(NamedTuple):
-    """Height at which the bore is read: that of A when x_A = 0 [m], and its velocity [m/s]."""
+class AxialMotion(NamedTuple):
+    """Height of a point above the crank axis [m] and its velocity [m/s]."""
 
     height: float
     velocity: float
@@ -159,7 +159,7 @@ class SkirtFilms(NamedTuple):
 @compiled
 def skirt_films(
     system: System,
-    guided: Guided,
+    guided: AxialMotion,
     forces: NodalForces,
     parts: FilmParts,
     axial_velocity: float,
@@ -171,7 +171,8 @@ def skirt_films(
     Parameters
     ----------
     system : System
-    guided : Guided
+    guided : AxialMotion
+        Where the bore is read: of A when x_A = 0.
     forces : NodalForces
         Stacked [N].
     parts : FilmParts

@@ -8,11 +8,11 @@ import numpy as np
 
 from ..geometry.film import NodalForces, film_now, opening, sliding
 from ..geometry.space import Levers, levers, slope_around
-from .elimination import Factors, no_factors
-from .energy import Ledger
+from .elimination import LUFactors, no_factors
+from .energy import EnergyLedger
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
-from .instant import Instant
+from .instant import Instant, load_of
 from .model import NOT_CARRIED, Inputs, PistonInBore, on_skirt
 from .motion_in_space import (
     COORDINATES,
@@ -20,8 +20,8 @@ from .motion_in_space import (
     ROLL,
     SHIFT,
     YAW,
-    Bodies,
     Lack,
+    SpaceBodies,
     SpaceLoad,
     imbalance,
     inertia,
@@ -30,8 +30,17 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .piston_motion import LATERAL, RIGID, ROCKING, Load, lateral_motion
-from .skirt_films import forces_by_film, part_of, together, window_of, work_error
+from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
+from .skirt_films import (
+    AxialMotion,
+    FilmParts,
+    SkirtFilms,
+    forces_by_film,
+    part_of,
+    together,
+    window_of,
+    work_error,
+)
 from .slider_crank import CrankMotion, height, motion, rod_turn
 from .system import NO_RINGS, OtherForces, RingForce
 
@@ -42,7 +51,7 @@ NO_MODES = np.zeros(0)
 """Modal coordinates of rigid bodies."""
 
 
-class Solved(NamedTuple):
+class SpaceSolution(NamedTuple):
     """The end of a step: load, motion, what the equations lack, how often they were evaluated (0:
     not solved), and the last change of accelerations [m/s2, rad/s2].
     """
@@ -58,7 +67,7 @@ class LastInSpace(NamedTuple):
     """What a derivative at the end of the last step starts from."""
 
     coefficients: Coefficients
-    solved: Solved
+    solved: SpaceSolution
     crank: CrankMotion
     guided: float
     levers: tuple[Levers, ...]
@@ -74,7 +83,7 @@ class PistonInSpace(PistonInBore):
     bodies : motion_in_space.Bodies
     """
 
-    def __init__(self, planar: PistonInBore, bodies: Bodies):
+    def __init__(self, planar: PistonInBore, bodies: SpaceBodies):
         vars(self).update(vars(planar))
         self.coordinates = COORDINATES
         self.bodies = bodies
@@ -90,11 +99,11 @@ class PistonInSpace(PistonInBore):
         crank: CrankMotion,
         others: OtherForces,
         inputs: Inputs,
-    ) -> tuple[Instant, Factors]:
+    ) -> tuple[Instant, LUFactors]:
         """Everything at the end of a step, as `instant.end_of_step`."""
         system = self.system
-        guided = height(system.mechanism, 0.0, crank.angle)
-        guided_velocity = guided.lever * crank.speed
+        upright = height(system.mechanism, 0.0, crank.angle)
+        guided = AxialMotion(upright.height, upright.lever * crank.speed)
         forces = on_skirt(inputs.pressure_force, inputs.friction_force)
         nodal = self._nodal(forces)
         sides = self._levers(guided.height)
@@ -102,14 +111,8 @@ class PistonInSpace(PistonInBore):
         across = np.sum(each, axis=0)
         parts = forces_by_film(system, guided.height, forces)
         skirt = together(parts)
-        along_bore = others.gas - others.rings.axial
-        load = SpaceLoad(
-            lateral=skirt.lateral + others.rings.lateral,
-            axial=skirt.axial - along_bore,
-            moment=skirt.moment + system.pin_offset * along_bore + others.rings.moment,  # Eq. (D8)
-            guided=along_bore,
-            across=across,
-        )
+        plane = load_of(system, skirt, others, NO_MODES)
+        load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.guided, across)
         solved = self._solved(c, before, auxiliary, load, crank)
         self._space = LastInSpace(c, solved, crank, guided.height, sides)
         end = solved.end
@@ -119,38 +122,8 @@ class PistonInSpace(PistonInBore):
 
         now = height(system.mechanism, end.position[LATERAL], crank.angle)
         axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
-        shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
-        gaps = []
-        velocities = []
-        errors = []
-        on_slopes = 0.0  # axial force of pressure on bores that are not straight
-        for k, surface in enumerate(self.film_surfaces):
-            side, own = sides[k], nodal[k]
-            film = film_now(
-                surface.skirt,
-                surface.bore,
-                window_of(surface, guided.height),
-                own,
-                axial_velocity,
-                guided_velocity,
-                end.position[:RIGID],
-                end.velocity[:RIGID],
-            )
-            slid = side.sliding * shifting[ROLL - SHIFT]
-            gaps.append((film.film_thickness + side.opening(shift)).ravel())
-            velocities.append((film.sliding_velocity + slid).ravel())
-            on_grid = own.pressure * side.opening(shifting) + own.friction * slid
-            work = each[k] * shifting
-            size = np.abs(on_grid).sum() + np.abs(work).sum()
-            film = film._replace(
-                power=film.power + float(on_grid.sum() - work.sum()),
-                power_size=film.power_size + float(size),
-            )
-            part = part_of(parts, k)
-            in_plane = end.velocity[:RIGID]
-            errors.append(work_error(part, film, axial_velocity, guided_velocity, in_plane))
-            on_slopes += film.axial_force
-        driven = c.step * (skirt.axial * axial_velocity + on_slopes * guided_velocity)
+        on_grids = self._films(guided, nodal, parts, axial_velocity, end)
+        driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
         films = np.array([skirt.lateral, skirt.moment, *across])
         lack = solved.lack
         pin_x, pin_y = lack.on_piston
@@ -172,23 +145,67 @@ class PistonInSpace(PistonInBore):
             ledger=self._ledger(before, kept, end, films, driven),
             other_forces=self.with_rod @ end.acceleration - films,  # Eq. (D15)
             guided=guided.height,
-            load=Load(load.lateral, load.axial, load.moment, load.guided, NO_MODES),
+            load=plane,
             side_force=-skirt.lateral,
-            film_thickness=np.concatenate(gaps),
-            sliding_velocity=np.concatenate(velocities),
+            film_thickness=on_grids.film_thickness,
+            sliding_velocity=on_grids.sliding_velocity,
             piston_position=now.height,
             piston_velocity=axial_velocity,
             pin_x=pin_x,
-            pin_y=pin_y - on_slopes,
+            pin_y=pin_y - on_grids.on_slopes,
             pin_moment=lack.pin_moment,
-            torque=lack.torque - on_slopes * guided.lever,
+            torque=lack.torque - on_grids.on_slopes * upright.lever,
             pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
-            work_error=np.array(errors),
+            work_error=on_grids.work_error,
             evaluations=solved.evaluations,
             tangents=solved.evaluations,
             change=solved.change,
         )
         return instant, no_factors()
+
+    def _films(
+        self,
+        guided: AxialMotion,
+        nodal: list[NodalForces],
+        parts: FilmParts,
+        axial_velocity: float,
+        end: Motion,
+    ) -> SkirtFilms:
+        """Return all films of the skirt at the end of a step."""
+        shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
+        gaps = []
+        velocities = []
+        errors = []
+        on_slopes = 0.0
+        for k, surface in enumerate(self.film_surfaces):
+            side, own = self._space.levers[k], nodal[k]
+            film = film_now(
+                surface.skirt,
+                surface.bore,
+                window_of(surface, guided.height),
+                own,
+                axial_velocity,
+                guided.velocity,
+                end.position[:RIGID],
+                end.velocity[:RIGID],
+            )
+            slid = side.sliding * shifting[ROLL - SHIFT]
+            gaps.append((film.film_thickness + side.opening(shift)).ravel())
+            velocities.append((film.sliding_velocity + slid).ravel())
+            on_grid = own.pressure * side.opening(shifting) + own.friction * slid
+            work = side.forces(own) * shifting
+            size = np.abs(on_grid).sum() + np.abs(work).sum()
+            film = film._replace(
+                power=film.power + float(on_grid.sum() - work.sum()),
+                power_size=film.power_size + float(size),
+            )
+            part = part_of(parts, k)
+            in_plane = end.velocity[:RIGID]
+            errors.append(work_error(part, film, axial_velocity, guided.velocity, in_plane))
+            on_slopes += film.axial_force
+        return SkirtFilms(
+            np.concatenate(gaps), np.concatenate(velocities), np.array(errors), on_slopes
+        )
 
     def _nodal(self, forces: NodalForces) -> list[NodalForces]:
         """Stacked forces by surface, on its grid."""
@@ -214,7 +231,7 @@ class PistonInSpace(PistonInBore):
         auxiliary: np.ndarray,
         load: SpaceLoad,
         crank: CrankMotion,
-    ) -> Solved:
+    ) -> SpaceSolution:
         """Accelerations that fulfil Eq. (D27) at the end of a step, by Newton's method; a change
         after which the next one is no smaller is halved, as in `piston_motion.end_accelerations`.
         """
@@ -236,7 +253,7 @@ class PistonInSpace(PistonInBore):
             left = np.abs(fresh).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
-                return Solved(load, end, lack, evaluation, left)
+                return SpaceSolution(load, end, lack, evaluation, left)
             if left > (1 - share / 4) * change:
                 share /= 2
                 acceleration = acceleration + share * step
@@ -245,7 +262,7 @@ class PistonInSpace(PistonInBore):
             share = 1.0
             change = left
             acceleration = acceleration - step
-        return Solved(load, end, lack, 0, change)
+        return SpaceSolution(load, end, lack, 0, change)
 
     def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> bool:
         """Bound what a step that was an impact hands on (Eq. (N7)), the motion in the plane and
@@ -267,14 +284,14 @@ class PistonInSpace(PistonInBore):
 
     def _ledger(
         self, before: Motion, kept: Motion, end: Motion, films: np.ndarray, driven: float
-    ) -> Ledger:
+    ) -> EnergyLedger:
         """Energies as in `energy`, by the inertia of Eq. (D28)."""
         M = self.with_rod
         way = end.position - before.position
         mean = (before.acceleration + end.acceleration) / 2
         first = float(before.velocity @ M @ before.velocity)
         last = float(kept.velocity @ M @ kept.velocity)
-        return Ledger(
+        return EnergyLedger(
             kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
             elastic=0.0,
             film_work=float(films @ way) + driven,  # Eq. (D11)

@@ -40,7 +40,7 @@ class Skirt(NamedTuple):
     axial: ModalField
 
 
-class Bore(NamedTuple):
+class BoreSplines(NamedTuple):
     """Bore side of the film: its modes as uniform cubic B-splines in height.
 
     Parameters
@@ -64,7 +64,7 @@ class FilmSurface(NamedTuple):
     """One film surface: a part of the piston that slides in the bore on a film of its own."""
 
     skirt: Skirt
-    bore: Bore
+    bore: BoreSplines
 
 
 class NodalForces(NamedTuple):
@@ -168,7 +168,7 @@ def bore_splines(
     axial: np.ndarray,
     kind: np.ndarray | None = None,
     shape: np.ndarray | None = None,
-) -> Bore:
+) -> BoreSplines:
     """Cubic spline through tabulated bore modes.
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
@@ -187,7 +187,7 @@ def bore_splines(
 
     Returns
     -------
-    Bore
+    BoreSplines
     """
     inverse = knot_rule(len(heights))
     if shape is not None and shape.any():
@@ -195,7 +195,7 @@ def bore_splines(
     else:
         widening = np.zeros((0, len(radial)))
     spacing = float(heights[1] - heights[0])
-    return Bore(
+    return BoreSplines(
         lowest=float(heights[0]) - spacing,
         spacing=spacing,
         radial=modal_field(np.einsum("rs,csk->crk", inverse, radial), kind),
@@ -228,7 +228,7 @@ def window_at(lowest: float, spacing: float, height_of_A: float, rows: np.ndarra
     Parameters
     ----------
     lowest, spacing : float
-        As of `Bore` [m].
+        As of `BoreSplines` [m].
     height_of_A : float
         Above the crank axis [m].
     rows : ndarray, shape (a,)
@@ -303,7 +303,7 @@ def on_knots(window: Window, force: np.ndarray) -> np.ndarray:
 @compiled
 def opening(
     skirt: Skirt,
-    bore: Bore,
+    bore: BoreSplines,
     window: Window,
     lateral: float,
     angle: float,
@@ -322,7 +322,7 @@ def opening(
     Parameters
     ----------
     skirt : Skirt
-    bore : Bore
+    bore : BoreSplines
     window : Window
     lateral, angle : float
         x_A [m] and rocking angle [rad].
@@ -355,7 +355,7 @@ def _opening(skirt, lateral, angle, inner, outer):
 @compiled
 def sliding(
     skirt: Skirt,
-    bore: Bore,
+    bore: BoreSplines,
     window: Window,
     axial_velocity: float,
     angular_velocity: float,
@@ -369,7 +369,7 @@ def sliding(
     Parameters
     ----------
     skirt : Skirt
-    bore : Bore
+    bore : BoreSplines
     window : Window
     axial_velocity, angular_velocity : float
         Of A [m/s], of the rocking angle [rad/s].
@@ -394,13 +394,13 @@ def sliding(
 
 
 @compiled
-def generalised(skirt: Skirt, bore: Bore, window: Window, forces: NodalForces) -> FilmForces:
+def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalForces) -> FilmForces:
     """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
     Parameters
     ----------
     skirt : Skirt
-    bore : Bore
+    bore : BoreSplines
     window : Window
     forces : NodalForces
 
@@ -476,7 +476,7 @@ def subtract(a: np.ndarray, b: np.ndarray) -> None:
 @compiled
 def film_now(
     skirt: Skirt,
-    bore: Bore,
+    bore: BoreSplines,
     window: Window,
     forces: NodalForces,
     axial_velocity: float,
@@ -490,7 +490,7 @@ def film_now(
     Parameters
     ----------
     skirt : Skirt
-    bore : Bore
+    bore : BoreSplines
     window : Window
     forces : NodalForces
     axial_velocity, guided_velocity : float

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .film import Bore, FilmSurface, NodalForces, Window, on_rows
+from .film import BoreSplines, FilmSurface, NodalForces, Window, on_rows
 
 SHIFT, ROLL, YAW = range(3)
 """Coordinates beside those in the plane of the crank."""
@@ -75,7 +75,7 @@ def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:
     return Levers(thickness, -skirt.radius * cosine)  # Eq. (H10)
 
 
-def slope_around(bore: Bore) -> np.ndarray:
+def slope_around(bore: BoreSplines) -> np.ndarray:
     """dw/dtheta of the undeformed bore, (knots, c) [m], as spline coefficients like `Bore.shape`.
 
     By its Fourier series over the grid's angles: exact for orders below half of them. An order of

@@ -8,14 +8,14 @@ import numpy as np
 
 from ...master.fmi.block import flatten, reader, row_of
 from ...master.fmi.compiled import compilable
-from .film import Bore, FilmSurface, Skirt, knot_rule
+from .film import BoreSplines, FilmSurface, Skirt, knot_rule
 from .pin import PinSurface
 
 HEAD = 1
 """A block begins with the number of its rows and the place of each."""
 
 _skirt = reader(Skirt)
-_bore = reader(Bore)
+_bore = reader(BoreSplines)
 put_pin_surface, _pin_surface = flatten(PinSurface)
 
 

@@ -145,7 +145,7 @@ def recorded_film_thickness(path: Path | str, grid: tuple[int, int]) -> np.ndarr
         return whole
 
 
-class Band(NamedTuple):
+class HeightBand(NamedTuple):
     """Where a force on some rows of the grid is recorded: port, the participant and prefix of the
     film surface, and rows from 0 on (`last` is not among them; None: up to the grid's end).
     """
@@ -184,7 +184,7 @@ def _shaped(force: np.ndarray, shape: tuple[int, int], path: Path) -> np.ndarray
     return force
 
 
-def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
+def _bands(case: dict[str, Any], name: str, path: Path) -> list[HeightBand]:
     """Whence the wires of a run's case bring a force to the skirt; films of a floating pin
     and of the crank have no part in it.
     """
@@ -207,7 +207,7 @@ def _bands(case: dict[str, Any], name: str, path: Path) -> list[Band]:
         build = case["participants"][owner].get("build", {})
         rows = {f"{one['name']}.": one["rows"] for one in build.get("film_surfaces", ())}
         first, last = rows.get(prefix, (1, None))
-        bands.append(Band(source, (owner, prefix), first - 1, last))
+        bands.append(HeightBand(source, (owner, prefix), first - 1, last))
     return bands
 
 

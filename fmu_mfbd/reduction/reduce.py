@@ -141,7 +141,7 @@ class Basis(NamedTuple):
     left_out: LeftOut | None
 
 
-class FilmSurface(NamedTuple):
+class CylinderReading(NamedTuple):
     """A cylindrical surface: mean radius [m] and the matrices that read it on a grid."""
 
     radius: float
@@ -409,7 +409,7 @@ def film_surface(mesh, name, angle, height):
     x, _, z = mesh.points[mesh.nodes(name)].T
     radius = float(np.hypot(x, z).mean())
     interpolate = interpolation(mesh.points, mesh.faces[name], angle, height, radius)
-    return FilmSurface(radius, radial_and_axial(interpolate, angle, len(height)))
+    return CylinderReading(radius, radial_and_axial(interpolate, angle, len(height)))
 
 
 def ends(mesh, name, lower, upper):

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, CrankBearing
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, inertia_with_rod
+from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import (
@@ -19,6 +19,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
     MainBearingParameters,
     PinParameters,
 )
+from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce

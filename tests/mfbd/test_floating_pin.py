@@ -14,20 +14,12 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     FloatingPin,
     PistonOptions,
 )
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
-    BOSS_X,
-    BOSS_Y,
-    EYE_X,
-    EYE_Y,
-    PinFilms,
-    imbalance,
-    inertia,
-    inertia_with_rod,
-    place_of,
-)
+from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, place_of
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters, PinParameters
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import BOSS_X, BOSS_Y, EYE_X, EYE_Y
+from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia, inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce

@@ -8,7 +8,7 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, bands
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import modal_springs
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs, NotConverged
+from piston_cosim.fmu_mfbd.dynamics.model import Inputs, MotionNotSolved
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import height, rod_turn
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
@@ -157,7 +157,7 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
 
 def test_a_step_that_ends_nowhere_is_refused(model):
     state, _ = run(model, 1)
-    with pytest.raises(NotConverged, match="crank angle = inf rad: must be finite"):
+    with pytest.raises(MotionNotSolved, match="crank angle = inf rad: must be finite"):
         model.advance(state, inputs(model, 1), 1e308)
 
 
@@ -218,7 +218,7 @@ def test_non_finite_force_is_refused(model):
     state, _ = run(model, 2)
     F, f = forces(model)
     F[0, 0] = np.nan
-    with pytest.raises(NotConverged, match="piston motion at crank angle"):
+    with pytest.raises(MotionNotSolved, match="piston motion at crank angle"):
         model.advance(state, Inputs(SPEED, 0.0, F, f), STEP)
 
 

@@ -22,7 +22,7 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
-    Bodies,
+    SpaceBodies,
     SpaceBody,
     SpaceLoad,
     Spin,
@@ -229,7 +229,7 @@ def test_inertia_matrix_is_the_kinetic_energy():
     mechanism = Mechanism(0.07, 0.22, 0.0, 1.0, 0.01, 0.3, 0.7)
     body = SpaceBody(float(masses.sum()), first, tensor)
     stop = Stop(0.0, 0.0, 0.0)
-    M = inertia(Bodies(body, mechanism, 0.2, 0.0, 0.0, stop, stop))
+    M = inertia(SpaceBodies(body, mechanism, 0.2, 0.0, 0.0, stop, stop))
     q = rng.standard_normal(5)
     V, W = np.array([q[0], 0.0, q[2]]), np.array([q[3], q[4], q[1]])
     energy = sum(m * np.sum((V + np.cross(W, r)) ** 2) for m, r in zip(masses, points))
@@ -677,7 +677,7 @@ def space_bodies(of):
     pin = 0.5 * 30e-3**2
     stop = Stop(0.0, of.stiffness, 0.0)
     body = SpaceBody(MASS, masses @ points, tensor)
-    return Bodies(body, mechanism, pin, 0.0, of.offset, Stop(0.0, 0.0, 0.0), stop)
+    return SpaceBodies(body, mechanism, pin, 0.0, of.offset, Stop(0.0, 0.0, 0.0), stop)
 
 
 def load_on(of):

@@ -10,15 +10,12 @@ from scipy.linalg import expm
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import (
-    COORDINATES,
-    PinFilms,
-    imbalance,
-    inertia,
-)
+from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
+from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (

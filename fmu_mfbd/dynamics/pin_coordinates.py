@@ -1,0 +1,198 @@
+"""Coordinates of a piston on a floating pin: [x_A, rocking angle, pin from the piston's bosses
+(x, y), pin from the rod's eye (x, y), angle of the pin, modal coordinates of the piston, shapes of
+the pin's axis along x, along y, modal coordinates of the rod's eye, crank pin from the rod's big
+end (x, y), crank's journal from the main bearing (x, y)], the last two where they have films.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.pin import pair
+from ..geometry.pin_shapes import STRAIGHT, AxisShapes
+from .floating_frame import FlexibleBody
+from .generalised_alpha import Motion
+from .modal_damping import ModalSprings
+from .piston_motion import LATERAL, RIGID
+from .slider_crank import LateralMotion, Mechanism
+
+BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
+"""Coordinates of the pin: its axis from that of the piston's bosses and of the rod's eye [m], along
+x and y in space; its angle about +z [rad]."""
+
+
+COORDINATES = 7
+"""Without modes, shapes of the pin and others, which follow in blocks (`layout`)."""
+
+
+NO_MODES = np.zeros(0)
+"""Modal coordinates or forces of a rigid piston."""
+
+
+NOWHERE = -1
+"""Where a block of coordinates begins that there is none of."""
+
+
+RIGID_EYE = ModalSprings(np.zeros(0), np.zeros(0))
+"""Of a rigid eye."""
+
+
+class Crankshaft(NamedTuple):
+    """The crank, where rod or block hold it by films.
+
+    Parameters
+    ----------
+    big_end, main_bearing : bool
+        Which of `CRANK_SURFACES` have a film.
+    mass : float
+        That moves with the journal in the main bearing [kg].
+    unbalance : float
+        Mass times distance towards the crank pin [kg m].
+    """
+
+    big_end: bool = False
+    main_bearing: bool = False
+    mass: float = 0.0
+    unbalance: float = 0.0
+
+
+RIGID_CRANK = Crankshaft()
+"""One that turns about a fixed axis, with the rod on it without play."""
+
+
+class PinBodies(NamedTuple):
+    """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2],
+    shapes of its axis, modes of the rod's eye, the crank.
+    """
+
+    piston: FlexibleBody
+    mechanism: Mechanism
+    spin_inertia: float
+    shapes: AxisShapes = STRAIGHT
+    eye: ModalSprings = RIGID_EYE
+    crank: Crankshaft = RIGID_CRANK
+
+    def bent(self, coordinates: np.ndarray) -> np.ndarray:
+        """Those of the pin's shapes, (n, 2)."""
+        return of_shapes(layout(self), coordinates)
+
+    def in_eye(self, coordinates: np.ndarray) -> np.ndarray:
+        """Those of the eye's modes, (m,)."""
+        return of_eye(layout(self), coordinates)
+
+
+class Layout(NamedTuple):
+    """Number of the first coordinate of each block, `crank` of its films together, `NOWHERE` of
+    those that it has not; and of coordinates in all.
+    """
+
+    modes: int
+    shapes: int
+    eye: int
+    crank: int
+    big_end: int
+    main_bearing: int
+    size: int
+
+
+@compilable
+def layout(bodies: PinBodies) -> Layout:
+    """Where each block of coordinates begins; the one list of them."""
+    shapes = COORDINATES + len(bodies.piston.stiffness)
+    eye = shapes + 2 * len(bodies.shapes.mass)
+    crank = eye + len(bodies.eye.stiffness)
+    end = crank
+    big_end = NOWHERE
+    main_bearing = NOWHERE
+    if bodies.crank.big_end:
+        big_end = end
+        end += 2
+    if bodies.crank.main_bearing:
+        main_bearing = end
+        end += 2
+    return Layout(COORDINATES, shapes, eye, crank, big_end, main_bearing, end)
+
+
+@compilable
+def of_modes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the piston's modes, (k,)."""
+    return coordinates[first.modes : first.shapes]
+
+
+@compilable
+def of_shapes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the pin's shapes, (n, 2)."""
+    n = (first.eye - first.shapes) // 2
+    out = np.empty((n, 2))
+    for k in range(n):
+        out[k, 0] = coordinates[first.shapes + k]
+        out[k, 1] = coordinates[first.shapes + n + k]
+    return out
+
+
+@compilable
+def of_eye(first: Layout, coordinates: np.ndarray) -> np.ndarray:
+    """Those of the eye's modes, (m,)."""
+    return coordinates[first.eye : first.crank]
+
+
+@compilable
+def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
+    """Those of a film of the crank that begin there, (2,); 0 without it."""
+    if first < 0:
+        return np.zeros(2)
+    return pair(coordinates[first], coordinates[first + 1])
+
+
+@compilable
+def shift_of(first: Layout, coordinates: np.ndarray) -> np.ndarray:
+    """By which the rod's big end lies beside its place on a crank without play (Eq. (K25)), or its
+    change, (2,).
+    """
+    journal = play_at(first.main_bearing, coordinates)
+    crank_pin = play_at(first.big_end, coordinates)
+    return pair(journal[0] - crank_pin[0], journal[1] - crank_pin[1])
+
+
+@compilable
+def is_held(coordinate: int) -> bool:
+    """Whether it is held so stiffly that a step sees none of its inertia: play and what yields."""
+    return BOSS_X <= coordinate <= EYE_Y or coordinate >= COORDINATES
+
+
+@compilable
+def small_end(first: Layout, coordinates: np.ndarray) -> float:
+    """x of the rod's eye from its concentric place, less that of its big end from the place on a
+    crank without play, or its change in time, by the coordinates'.
+    """
+    aside = shift_of(first, coordinates)
+    return coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X] - aside[0]
+
+
+@compilable
+def eye_motion(first: Layout, now: Motion) -> LateralMotion:
+    """How the rod's eye moves across the bore, seen from its big end."""
+    return LateralMotion(
+        small_end(first, now.position),
+        small_end(first, now.velocity),
+        small_end(first, now.acceleration),
+    )
+
+
+@compilable
+def _of_skirt(first, coordinates):
+    """Coordinates of the skirt's film: x_A, rocking angle, modes."""
+    modal = of_modes(first, coordinates)
+    out = np.empty(RIGID + len(modal))
+    for k in range(RIGID):
+        out[k] = coordinates[k]
+    for k in range(len(modal)):
+        out[RIGID + k] = modal[k]
+    return out
+
+
+@compilable
+def lifted(first: Layout, coordinates: np.ndarray) -> float:
+    """By which play lifts A (Eqs. (K16), (K25)) [m], or its change."""
+    return coordinates[EYE_Y] - coordinates[BOSS_Y] + shift_of(first, coordinates)[1]

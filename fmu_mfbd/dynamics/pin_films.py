@@ -1,0 +1,321 @@
+"""All films of pin and crank: forces on the bodies, thickness, velocity, and what changes them.
+
+Films stand in the order of `PIN_SURFACES` and `CRANK_SURFACES`; their fields are stacked, as the
+skirt's are.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.pin import (
+    PinForces,
+    PinResultants,
+    PinSurface,
+    Yielding,
+    across,
+    in_axes,
+    leaning,
+    modal_push,
+    opening_of,
+    pair,
+    power_on_grid,
+    resultants_on,
+    slope_push,
+    with_slopes,
+    yielded,
+)
+from ..geometry.surfaces import pin_surface_at, pins_of
+from .floating_pin import PinFilms
+from .generalised_alpha import Motion
+from .pin_coordinates import Layout, PinBodies, layout, of_shapes
+from .pin_shells import (
+    EYE,
+    Shell,
+    _big_end,
+    _shell_change,
+    own_bent,
+    own_velocity,
+    shell_modes_of,
+    shell_of,
+    turned_back,
+)
+from .skirt_films import FilmChange, stack
+from .slider_crank import CrankMotion, Mechanism
+from .system import System
+
+
+class PinSystem(NamedTuple):
+    """Bodies and films of a piston on a floating pin.
+
+    Parameters
+    ----------
+    system : System
+        The same with the pin tied, no mode of it static, the block rigid.
+    bodies : PinBodies
+    surfaces : ndarray
+        Films of pin and crank, a block of `geometry.pin_surfaces`.
+    inertia, with_rod : ndarray, shape (n, n)
+        `floating_pin.inertia` and `inertia_with_rod`.
+    """
+
+    system: System
+    bodies: PinBodies
+    surfaces: np.ndarray
+    inertia: np.ndarray
+    with_rod: np.ndarray
+
+
+@compilable
+def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
+    """Return the forces of a film, which begin with `first` of stacked ones."""
+    last = first + surface.outward.shape[1] * len(surface.clearance)
+    return PinForces(forces.pressure[first:last], forces.circumferential[first:last])
+
+
+@compilable
+def resultants_of(
+    surface: PinSurface, forces: PinForces, shell: Shell, modal: np.ndarray
+) -> PinResultants:
+    """What a film does, its shell yielding by modal coordinates."""
+    bent = shell.bent.position
+    found = resultants_on(surface, forces, shell.place, shell.axes, bent)
+    push = slope_push(surface, forces.pressure)
+    moment = 0.0
+    for m in range(len(push)):
+        moment += push[m] * modal[m]
+    return with_slopes(found, moment)
+
+
+@compilable
+def added(one: PinResultants, other: PinResultants) -> PinResultants:
+    """Of two films of the same pin."""
+    shapes = np.empty(one.on_shapes.shape)
+    for k in range(len(shapes)):
+        for way in range(2):
+            shapes[k, way] = one.on_shapes[k, way] + other.on_shapes[k, way]
+    return PinResultants(
+        pair(one.force[0] + other.force[0], one.force[1] + other.force[1]),
+        one.on_pin + other.on_pin,
+        one.on_shell + other.on_shell,
+        shapes,
+    )
+
+
+@compilable
+def no_film(shapes: int) -> PinResultants:
+    """Of a film that is not there."""
+    return PinResultants(np.zeros(2), 0.0, 0.0, np.zeros((shapes, 2)))
+
+
+class OnModes(NamedTuple):
+    """Moments on the pin by the slopes of all bosses and of the eye (Eq. (G5)), by modal
+    coordinate; forces of the films in bosses on the piston's modes, in the eye on its own
+    (Eq. (G6)).
+    """
+
+    slope_push: np.ndarray
+    eye_slope_push: np.ndarray
+    on_piston: np.ndarray
+    on_eye: np.ndarray
+
+
+@compilable
+def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnModes:
+    """What the films do by the modes of their shells; `surfaces` as in `PinSystem`."""
+    k = first.shapes - first.modes
+    m = first.crank - first.eye
+    out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
+    cell = 0
+    for film in range(EYE + 1):
+        surface = pin_surface_at(surfaces, film)
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
+        slopes = slope_push(surface, own.pressure)
+        pushes = modal_push(surface, own)
+        for n in range(len(slopes)):
+            if film < EYE:
+                out.slope_push[n] += slopes[n]
+                out.on_piston[n] += pushes[n]
+            else:
+                out.eye_slope_push[n] += slopes[n]
+                out.on_eye[n] += pushes[n]
+    return out
+
+
+@compilable
+def total(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the sum of two arrays of one axis, in a loop."""
+    out = np.empty(len(a))
+    for k in range(len(a)):
+        out[k] = a[k] + b[k]
+    return out
+
+
+@compilable
+def films_at(
+    surfaces: np.ndarray,
+    mechanism: Mechanism,
+    first: Layout,
+    forces: PinForces,
+    now: Motion,
+    crank: CrankMotion,
+    by: OnModes,
+) -> PinFilms:
+    """What the films do with their shells where a motion has them; both bosses as one. `surfaces`
+    as in `PinSystem`.
+    """
+    shapes = (first.eye - first.shapes) // 2
+    both = no_film(shapes)
+    eye = no_film(shapes)
+    big_end = no_film(0)
+    main_bearing = no_film(0)
+    cell = 0
+    for k in range(pins_of(surfaces)):
+        surface = pin_surface_at(surfaces, k)
+        shell = shell_of(mechanism, first, now, crank, k)
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
+        found = resultants_of(surface, own, shell, shell_modes_of(first, now.position, k))
+        if k < EYE:
+            both = added(both, found)
+        elif k == EYE:
+            eye = found
+        elif k == _big_end(first):
+            big_end = found
+        else:
+            main_bearing = found
+    return PinFilms(both, eye, by.slope_push, by.eye_slope_push, by.on_eye, big_end, main_bearing)
+
+
+@compilable
+def _work_error(first, surface, forces, shell, end, k):
+    """Power of a film on the grid (Eq. (G4)) minus that in the coordinates, relative [-]."""
+    modal = shell_modes_of(first, end.position, k)
+    modal_velocity = shell_modes_of(first, end.velocity, k)
+    found = resultants_of(surface, forces, shell, modal)
+    place = in_axes(shell.axes, shell.place)
+    on_grid = power_on_grid(
+        surface,
+        forces,
+        place,
+        own_velocity(shell),
+        shell.turning,
+        Yielding(modal, modal_velocity),
+        own_bent(shell),
+    )
+    moving = found.force[0] * shell.velocity[0] + found.force[1] * shell.velocity[1]
+    shell_turns = found.on_shell * shell.own_turning
+    pin_turns = found.on_pin * (shell.own_turning + shell.turning)
+    yields = 0.0
+    push = modal_push(surface, forces)
+    for m in range(len(push)):
+        yields += push[m] * modal_velocity[m]
+    bends = 0.0
+    for m in range(len(found.on_shapes)):
+        for way in range(2):
+            bends += found.on_shapes[m, way] * shell.bent.velocity[m, way]
+    in_coordinates = moving + shell_turns + yields + bends + pin_turns
+    size = on_grid.size + abs(moving) + abs(shell_turns) + abs(yields) + abs(bends) + abs(pin_turns)
+    return abs(on_grid.power - in_coordinates) / size if size > 0.0 else 0.0
+
+
+@compilable
+def gap_of(
+    first: Layout, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
+) -> np.ndarray:
+    """Film thickness of film k, (c, a) [m]."""
+    gap = opening_of(surface, in_axes(shell.axes, shell.place))
+    opened = yielded(surface, shell_modes_of(first, coordinates, k))
+    leans = leaning(surface, own_bent(shell).position)
+    around, along = gap.shape
+    for i in range(around):
+        for j in range(along):
+            gap[i, j] = surface.clearance[j] + gap[i, j] + opened[i, j] + leans[i, j]
+    return gap
+
+
+class PinFilmsNow(NamedTuple):
+    """All films of pin and crank at an instant.
+
+    Parameters
+    ----------
+    film_thickness, circumferential_velocity, work_error
+        As of `PinInstant`.
+    friction_power : float
+        Of the films of the pin [W].
+    rod_turning : float
+        Angular velocity of the rod [rad/s].
+    """
+
+    film_thickness: np.ndarray
+    circumferential_velocity: np.ndarray
+    work_error: np.ndarray
+    friction_power: float
+    rod_turning: float
+
+
+@compilable
+def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmsNow:
+    """Return all films of pin and crank at an instant."""
+    at = layout(of.bodies)
+    cells = len(forces.pressure)
+    gaps = np.empty(cells)
+    around = np.empty(cells)
+    errors = np.empty(pins_of(of.surfaces))
+    friction_power = 0.0
+    rod_turning = 0.0
+    first = 0
+    for k in range(len(errors)):
+        surface = pin_surface_at(of.surfaces, k)
+        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+        own = on_film(surface, forces, first)
+        last = first + len(own.pressure)
+        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
+        for cell in range(first, last):
+            around[cell] = surface.radius * shell.turning  # Eq. (H7)
+        errors[k] = _work_error(at, surface, own, shell, end, k)
+        if k <= EYE:
+            yields = shell_modes_of(at, end.position, k)
+            friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
+        if k == EYE:
+            rod_turning = shell.own_turning
+        first = last
+    return PinFilmsNow(gaps, around, errors, friction_power, rod_turning)
+
+
+@compilable
+def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -> FilmChange:
+    """Return the change of all films of pin and crank with a change of the motion."""
+    at = layout(of.bodies)
+    cells = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        cells += surface.outward.shape[1] * len(surface.clearance)
+    gaps = np.empty(cells)
+    velocities = np.empty(cells)
+    first = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+        by_motion = _shell_change(of.bodies.mechanism, at, end, moved, crank, k)
+        aside = across(shell.place)
+        turn = by_motion.turn
+        way = in_axes(
+            shell.axes,
+            pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
+        )
+        gap = opening_of(surface, way)
+        opened = yielded(surface, shell_modes_of(at, moved.position, k))
+        leans = np.zeros(gap.shape)
+        if surface.axis.shape[1] > 0:
+            more = of_shapes(at, moved.position)
+            leans = leaning(surface, turned_back(shell, shell.bent.position, more, turn))
+        around, along = gap.shape
+        for i in range(around):
+            for j in range(along):
+                gaps[first + i * along + j] = gap[i, j] + opened[i, j] + leans[i, j]
+                velocities[first + i * along + j] = surface.radius * by_motion.turning
+        first += gap.size
+    return FilmChange(gaps, velocities)

@@ -1,0 +1,174 @@
+"""Where the pin and the journals of the crank are in their shells, and how both turn."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.pin import PIN_SURFACES, Bent, across, axes_of, in_axes, pair, turned
+from .generalised_alpha import Motion
+from .pin_coordinates import (
+    BOSS_X,
+    BOSS_Y,
+    EYE_X,
+    EYE_Y,
+    SPIN,
+    Layout,
+    eye_motion,
+    of_eye,
+    of_modes,
+    of_shapes,
+    play_at,
+)
+from .piston_motion import ROCKING
+from .slider_crank import CrankMotion, Mechanism, rod_turn
+
+EYE = PIN_SURFACES.index("small_end")
+"""Number of the eye's film; those of the bosses come before it, those of the crank after."""
+
+
+class Shell(NamedTuple):
+    """Where the pin, or a journal of the crank, stands in a shell, and how both turn.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (2, 2)
+        R(chi), by the angle that the shell has turned.
+    place, velocity : ndarray, shape (2,)
+        Of the pin's axis from the shell's, in space [m], [m/s].
+    own_turning, turning : float
+        chi' of the shell, phi' - chi' of the pin in it [rad/s].
+    bent : Bent
+        Of the pin, in space; no shapes of a journal of the crank, which stays parallel.
+    """
+
+    axes: np.ndarray
+    place: np.ndarray
+    velocity: np.ndarray
+    own_turning: float
+    turning: float
+    bent: Bent
+
+    def own_place(self) -> np.ndarray:
+        """d of Eq. (H6) [m]."""
+        return in_axes(self.axes, self.place)
+
+
+@compilable
+def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotion, k: int) -> Shell:
+    """Of the k-th film of pin and crank."""
+    position = now.position
+    velocity = now.velocity
+    if k < EYE:
+        return Shell(
+            turned(position[ROCKING]),
+            pair(position[BOSS_X], position[BOSS_Y]),
+            pair(velocity[BOSS_X], velocity[BOSS_Y]),
+            velocity[ROCKING],
+            velocity[SPIN] - velocity[ROCKING],
+            Bent(of_shapes(first, position), of_shapes(first, velocity)),
+        )
+    eye = eye_motion(first, now)
+    rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
+    aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
+    sine = -aside / mechanism.rod_length  # Eq. (K3)
+    axes = axes_of(np.sqrt(1.0 - sine**2), sine)
+    if k == EYE:
+        return Shell(
+            axes,
+            pair(position[EYE_X], position[EYE_Y]),
+            pair(velocity[EYE_X], velocity[EYE_Y]),
+            rod.velocity,
+            velocity[SPIN] - rod.velocity,
+            Bent(of_shapes(first, position), of_shapes(first, velocity)),
+        )
+    parallel = Bent(np.zeros((0, 2)), np.zeros((0, 2)))
+    if k == _big_end(first):
+        at = first.big_end
+        place = play_at(at, position)
+        moved = play_at(at, velocity)
+        turning = crank.speed - rod.velocity
+        return Shell(axes, place, moved, rod.velocity, turning, parallel)
+    at = first.main_bearing
+    upright = axes_of(1.0, 0.0)
+    place = play_at(at, position)
+    return Shell(upright, place, play_at(at, velocity), 0.0, crank.speed, parallel)
+
+
+@compilable
+def _big_end(first):
+    """Number of the big end's film, -1 without it."""
+    return EYE + 1 if first.big_end >= 0 else -1
+
+
+@compilable
+def turned_back(shell: Shell, place: np.ndarray, change: np.ndarray, turn: float) -> np.ndarray:
+    """Change, in the axes of a shell that turns, of vectors in space, (n, 2): R^T (v' - w Z v)."""
+    out = np.empty(place.shape)
+    for k in range(len(place)):
+        aside = across(place[k])
+        moved = pair(change[k, 0] - turn * aside[0], change[k, 1] - turn * aside[1])
+        own = in_axes(shell.axes, moved)
+        out[k, 0] = own[0]
+        out[k, 1] = own[1]
+    return out
+
+
+@compilable
+def own_velocity(shell: Shell) -> np.ndarray:
+    """d' in the axes of the shell [m/s]."""
+    aside = across(shell.place)
+    turn = shell.own_turning
+    moved = pair(shell.velocity[0] - turn * aside[0], shell.velocity[1] - turn * aside[1])
+    return in_axes(shell.axes, moved)
+
+
+@compilable
+def own_bent(shell: Shell) -> Bent:
+    """How the pin tilts and bends in the axes of the shell."""
+    bent = shell.bent
+    still = np.zeros(bent.position.shape)
+    return Bent(
+        turned_back(shell, still, bent.position, 0.0),
+        turned_back(shell, bent.position, bent.velocity, shell.own_turning),
+    )
+
+
+@compilable
+def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray:
+    """Modal coordinates by which the shell of film k yields."""
+    if k < EYE:
+        return of_modes(first, coordinates)
+    if k == EYE:
+        return of_eye(first, coordinates)
+    return coordinates[:0]
+
+
+class ShellChange(NamedTuple):
+    """Change of a pin's place in space (2,) [m], of its shell's angle [rad], and of the speed at
+    which it turns in that [rad/s].
+    """
+
+    place: np.ndarray
+    turn: float
+    turning: float
+
+
+@compilable
+def _shell_change(mechanism, first, end, moved, crank, k):
+    """Of film k with a change of the motion."""
+    place = moved.position
+    speed = moved.velocity
+    if k < EYE:
+        boss = pair(place[BOSS_X], place[BOSS_Y])
+        return ShellChange(boss, place[ROCKING], speed[SPIN] - speed[ROCKING])
+    now = eye_motion(first, end)
+    rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
+    eye = eye_motion(first, moved)
+    turn = rod.slope * eye.position
+    turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position
+    if k == EYE:
+        return ShellChange(pair(place[EYE_X], place[EYE_Y]), turn, speed[SPIN] - turning)
+    if k == _big_end(first):
+        return ShellChange(play_at(first.big_end, place), turn, -turning)
+    return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)
