@@ -56,7 +56,7 @@ from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd, linearise, response, step_end
 from .dynamics.slider_crank import CrankMotion, driven
 from .dynamics.state import PistonState, crank_of, motion_of, state_at, step_coefficients
-from .dynamics.system import RingForce
+from .dynamics.system import RingForce, StepProblem
 from .dynamics.tables import gas_pressure
 from .geometry.film import NodalForces, knot_rule
 from .geometry.grid import cell_centres
@@ -482,19 +482,20 @@ def solve(real, integer, memory, c, before, auxiliary, at):
         real[places.land_pressure],
         carrier_from(carried_at(real, places.carrier)),
     )
+    step = StepProblem(c, before, auxiliary, crank, others)
     skirt = forces_at(real, places.skirt, False)
     factors = no_factors()
     if has_pins(given):
         of = pin_system_of(given, system)
         on_pins = forces_at(real, places.pins, False)
         forces = PinForces(on_pins.pressure, on_pins.friction)
-        found_with_pin = end_of_pin_step(of, c, before, auxiliary, crank, others, skirt, forces)
+        found_with_pin = end_of_pin_step(of, step, skirt, forces)
         now = found_with_pin.now
         factors = found_with_pin.factors
         if now.evaluations > 0:
             publish_pin(real, given, of.bodies, found_with_pin)
     else:
-        now = end_of_step(system, c, before, auxiliary, crank, others, skirt)
+        now = end_of_step(system, step, skirt)
     if now.evaluations == 0:
         refuse(part(memory, FAULTS_AT), NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return

@@ -23,7 +23,7 @@ from .energy import (
 )
 from .floating_frame import in_frame
 from .gas_on_bore import wall_forces
-from .generalised_alpha import Coefficients, Motion, Prediction, predict
+from .generalised_alpha import Motion, Prediction, predict
 from .impact import Inertia, limit_memory
 from .piston_motion import (
     LATERAL,
@@ -35,8 +35,8 @@ from .piston_motion import (
 )
 from .quasi_static import STILL, Ride, follow, static_coordinates
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
-from .slider_crank import CrankMotion, carried_mass, height, motion, rod_turn
-from .system import OtherForces, System
+from .slider_crank import carried_mass, height, motion, rod_turn
+from .system import OtherForces, StepProblem, System
 
 
 class Instant(NamedTuple):
@@ -107,11 +107,7 @@ class Instant(NamedTuple):
 @compiled
 def end_of_step(
     system: System,
-    c: Coefficients,
-    before: Motion,
-    auxiliary: np.ndarray,
-    crank: CrankMotion,
-    others: OtherForces,
+    step: StepProblem,
     forces: NodalForces,
 ) -> Instant:
     """Return the end of a step: accelerations that fulfil the equations of motion with the forces
@@ -120,18 +116,11 @@ def end_of_step(
     Parameters
     ----------
     system : System
-    c : Coefficients
-    before : Motion
-        Of all coordinates at the start of the step.
-    auxiliary : ndarray, shape (n,)
-        Auxiliary acceleration at the start of the step.
-    crank : CrankMotion
-        At its end.
-    others : OtherForces
-        At its end.
+    step : StepProblem
     forces : NodalForces
         On all film grids at its end, stacked [N].
     """
+    c, before, auxiliary, crank, others = step
     mechanism = system.mechanism
     n = RIGID + len(system.piston.stiffness)
     predicted = predict(c, before, auxiliary)

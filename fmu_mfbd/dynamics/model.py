@@ -26,7 +26,7 @@ from .response import Response, linearise, response, step_end
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, motion_of, state_at, step_coefficients
-from .system import NO_RINGS, OtherForces, RingForce, System
+from .system import NO_RINGS, RingForce, StepProblem, System
 from .tables import GasTable, gas_pressure
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
@@ -322,7 +322,7 @@ class PistonInBore:
         others = others_of(
             self.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier
         )
-        now, factors = self._instant(c, before, auxiliary, crank, others, inputs)
+        now, factors = self._instant(StepProblem(c, before, auxiliary, crank, others), inputs)
         if not now.evaluations:
             raise MotionNotSolved(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
@@ -351,21 +351,13 @@ class PistonInBore:
             state = state._replace(crank_acceleration=freed)
         return state, outputs
 
-    def _instant(
-        self,
-        c: Coefficients,
-        before: Motion,
-        auxiliary: np.ndarray,
-        crank: CrankMotion,
-        others: OtherForces,
-        inputs: Inputs,
-    ) -> tuple[Instant, LUFactors]:
+    def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
         """Return everything at the end of a step."""
         forces = on_skirt(inputs.pressure_force, inputs.friction_force)
         system = self.system
         if self.outside:
             system = deflected(system, self.outside, inputs.bore_deflection)
-        return end_of_step(system, c, before, auxiliary, crank, others, forces), no_factors()
+        return end_of_step(system, step, forces), no_factors()
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Forces of all films on the bore's grid at the end of the last step [N]."""

@@ -51,7 +51,7 @@ from .skirt_films import (
     together,
 )
 from .slider_crank import CrankMotion, height
-from .system import OtherForces
+from .system import StepProblem
 
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
@@ -373,11 +373,7 @@ def _other_forces(of, end, films):
 @compiled
 def end_of_pin_step(
     of: PinSystem,
-    c: Coefficients,
-    before: Motion,
-    auxiliary: np.ndarray,
-    crank: CrankMotion,
-    others: OtherForces,
+    step: StepProblem,
     skirt_forces: NodalForces,
     forces: PinForces,
 ) -> PinInstant:
@@ -387,15 +383,8 @@ def end_of_pin_step(
     Parameters
     ----------
     of : PinSystem
-    c : Coefficients
-    before : Motion
-        Of all coordinates at the start of the step, (7 + k + 2 n,).
-    auxiliary : ndarray, shape (7 + k + 2 n,)
-        Auxiliary acceleration at the start of the step.
-    crank : CrankMotion
-        At its end.
-    others : OtherForces
-        At its end.
+    step : StepProblem
+        Of 7 + k + 2 n coordinates.
     skirt_forces : NodalForces
         On all film grids of the skirt at its end, stacked [N].
     forces : PinForces
@@ -405,6 +394,7 @@ def end_of_pin_step(
     -------
     PinInstant
     """
+    c, before, auxiliary, crank, others = step
     system = of.system
     bodies = of.bodies
     mechanism = system.mechanism

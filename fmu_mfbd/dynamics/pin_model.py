@@ -12,7 +12,7 @@ from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from ..geometry.surfaces import pins_in_block
 from .build_options import FilmGrid
 from .elimination import LUFactors
-from .generalised_alpha import Coefficients, Motion
+from .generalised_alpha import Motion
 from .instant import Instant
 from .modal_damping import ModalSprings
 from .model import MOTION, Inputs, PistonInBore, on_skirt
@@ -23,7 +23,7 @@ from .pin_instant import PinInstant, end_of_pin_step
 from .pin_response import respond_pin
 from .pin_shells import Shell, shell_of
 from .slider_crank import CrankMotion
-from .system import NO_RINGS, OtherForces, RingForce
+from .system import NO_RINGS, RingForce, StepProblem
 
 TOLD_BY = {
     "pin_tilt": "shapes",
@@ -92,19 +92,11 @@ class PistonOnFloatingPin(PistonInBore):
         there = {"shapes": len(shapes.mass), "eye": len(eye.stiffness)} | crank._asdict()
         self.left_out = tuple(name for name, what in TOLD_BY.items() if not there[what])
 
-    def _instant(
-        self,
-        c: Coefficients,
-        before: Motion,
-        auxiliary: np.ndarray,
-        crank: CrankMotion,
-        others: OtherForces,
-        inputs: Inputs,
-    ) -> tuple[Instant, LUFactors]:
+    def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
         """Everything at the end of a step."""
         skirt = on_skirt(inputs.pressure_force, inputs.friction_force)
         forces = stacked(inputs.pins)
-        found = end_of_pin_step(self.floating, c, before, auxiliary, crank, others, skirt, forces)
+        found = end_of_pin_step(self.floating, step, skirt, forces)
         self._step = found, forces
         return found.now, found.factors
 

@@ -42,7 +42,7 @@ from .skirt_films import (
     work_error,
 )
 from .slider_crank import CrankMotion, height, motion, rod_turn
-from .system import NO_RINGS, OtherForces, RingForce
+from .system import NO_RINGS, RingForce, StepProblem
 
 PASSES = 60
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
@@ -91,16 +91,9 @@ class PistonInSpace(PistonInBore):
         self.inertia = inertia(bodies)
         self.with_rod = inertia_with_rod(bodies)
 
-    def _instant(
-        self,
-        c: Coefficients,
-        before: Motion,
-        auxiliary: np.ndarray,
-        crank: CrankMotion,
-        others: OtherForces,
-        inputs: Inputs,
-    ) -> tuple[Instant, LUFactors]:
-        """Everything at the end of a step, as `instant.end_of_step`."""
+    def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
+        """Return everything at the end of a step, as `instant.end_of_step`."""
+        c, before, auxiliary, crank, others = step
         system = self.system
         upright = height(system.mechanism, 0.0, crank.angle)
         guided = AxialMotion(upright.height, upright.lever * crank.speed)

@@ -6,9 +6,10 @@ from ..geometry.arrays import Vector
 from .carrier import FIXED, Carrier
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, WallPressures
+from .generalised_alpha import Coefficients, Motion
 from .modal_damping import ModalSprings
 from .quasi_static import StaticModes
-from .slider_crank import Mechanism
+from .slider_crank import CrankMotion, Mechanism
 
 
 class System(NamedTuple):
@@ -66,3 +67,26 @@ class OtherForces(NamedTuple):
     rings: RingForce
     wall: WallPressures
     carrier: Carrier = FIXED
+
+
+class StepProblem(NamedTuple):
+    """What a step is solved from, n coordinates.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+    before : Motion
+        At the start of the step.
+    auxiliary : ndarray, shape (n,)
+        Auxiliary acceleration at the start of the step.
+    crank : CrankMotion
+        At its end.
+    others : OtherForces
+        At its end.
+    """
+
+    coefficients: Coefficients
+    before: Motion
+    auxiliary: Vector
+    crank: CrankMotion
+    others: OtherForces
