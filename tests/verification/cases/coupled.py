@@ -250,6 +250,19 @@ def rigid_checks(cells: int) -> Iterator[Check]:
     yield from rows(case, ours, theirs, FIRST_TURN)
 
 
+def softer_row(case: str, softer: Iterator[tuple[Quantity, float]]) -> Check:
+    """A check that the comparison with a compliance 5 % larger, `distances`, fails."""
+    passed = [apart <= one.allowed for one, apart in softer]
+    return at_most(
+        case,
+        "passed comparisons if the compliance is 5 % larger [-]",
+        sum(passed),
+        len(passed) - 1,
+        "monolithic solution",
+        "the comparison must detect 5 %",
+    )
+
+
 def checks() -> Iterator[Check]:
     """Rigid bodies on 42 x 42."""
     yield from rigid_checks(42)
@@ -264,12 +277,5 @@ def slow_checks() -> Iterator[Check]:
     flexible = through_fmus(MOTORED, 42, 150, span)
     case = "Flexible bodies, 150 symmetric modes per body, 42 x 42 cells, second revolution"
     yield from rows(case, flexible, in_one_system(42, span, elasticity(MOTORED, 42)), span)
-    softer = list(distances(flexible, in_one_system(42, span, elasticity(MOTORED, 42, 1.05)), span))
-    yield at_most(
-        case,
-        "passed comparisons if the compliance is 5 % larger [-]",
-        sum(apart <= one.allowed for one, apart in softer),
-        len(QUANTITIES) - 1,
-        "monolithic solution",
-        "the comparison must detect 5 %",
-    )
+    softer = in_one_system(42, span, elasticity(MOTORED, 42, 1.05))
+    yield softer_row(case, distances(flexible, softer, span))
