@@ -665,6 +665,39 @@ def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cel
         _add_edge(outward, 1.0, CONDUCTIVITY_C, slopes, du, centre, i, j)
 
 
+@compiled(inline="always")
+def _of_cell(g, t, velocity, row, slopes, du, i, j):
+    """Return the derivatives of a face flow to film thickness and sliding velocity of a cell.
+
+    g, t, velocity : its derivatives to conductivity, transported film and entrainment there;
+    row : of the conductivity in `films`.
+    """
+    by_film, by_velocity = slopes
+    of_film = g * by_film[row, i, j] + t * by_film[TRANSPORT, i, j]
+    of_velocity = velocity * du[i, j]
+    if by_velocity.shape[0] > 0:
+        of_velocity += g * by_velocity[row, i, j] + t * by_velocity[TRANSPORT, i, j]
+    return of_film, of_velocity
+
+
+@compiled
+def _balance_cells(stencil):
+    """Set the centre of both stencils: a cell loses what its neighbours win."""
+    _, _, n_c, n_a = stencil.shape
+    for m in range(2):
+        for i in range(n_c):
+            before = (i - 1) % n_c
+            after = (i + 1) % n_c
+            for j in range(n_a):
+                stencil[m, CENTRE, i, j] = -(
+                    stencil[m, WEST, after, j] + stencil[m, EAST, before, j]
+                )
+            for j in range(n_a - 1):
+                stencil[m, CENTRE, i, j] -= stencil[m, SOUTH, i, j + 1]
+            for j in range(1, n_a):
+                stencil[m, CENTRE, i, j] -= stencil[m, NORTH, i, j - 1]
+
+
 @compiled
 def linearise(
     film: Array,
@@ -713,78 +746,39 @@ def linearise(
         stencil[:, WEST, 0] = 0.0
         stencil[:, EAST, n_c - 1] = 0.0
     t = film[TRANSPORT]
-
-    row = CONDUCTIVITY_A
-    g = film[row]
+    g = film[CONDUCTIVITY_A]
     u = entrainment.axial
-    du = dentrainment.axial
     for i in range(n_c):
         for j in range(n_a - 1):
-            k = j + 1
-            q = _flow_slopes(
-                _side(g, t, u, pressure, fraction, i, j),
-                _side(g, t, u, pressure, fraction, i, k),
-                dx / dy,
-                dx,
-                lift[i, j + 1],
+            a = _side(g, t, u, pressure, fraction, i, j)
+            b = _side(g, t, u, pressure, fraction, i, j + 1)
+            q = _flow_slopes(a, b, dx / dy, dx, lift[i, j + 1])
+            here = _of_cell(
+                q.g_a, q.t_a, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j
             )
-            stencil[BY_FILM, SOUTH, i, k] = (
-                -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]
+            there = _of_cell(
+                q.g_b, q.t_b, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j + 1
             )
-            stencil[BY_FILM, NORTH, i, j] = (
-                q.g_b * by_film[row, i, k] + q.t_b * by_film[TRANSPORT, i, k]
-            )
-            stencil[BY_VELOCITY, SOUTH, i, k] = -q.velocity * du[i, j]
-            stencil[BY_VELOCITY, NORTH, i, j] = q.velocity * du[i, k]
-            if by_velocity.shape[0] > 0:
-                stencil[BY_VELOCITY, SOUTH, i, k] -= (
-                    q.g_a * by_velocity[row, i, j] + q.t_a * by_velocity[TRANSPORT, i, j]
-                )
-                stencil[BY_VELOCITY, NORTH, i, j] += (
-                    q.g_b * by_velocity[row, i, k] + q.t_b * by_velocity[TRANSPORT, i, k]
-                )
+            for m in range(2):
+                stencil[m, SOUTH, i, j + 1] = -here[m]
+                stencil[m, NORTH, i, j] = there[m]
 
-    row = CONDUCTIVITY_C
-    g = film[row]
+    g = film[CONDUCTIVITY_C]
     u = entrainment.circumferential
     du = dentrainment.circumferential
     for i in range(n_c if ring else n_c - 1):
         k = (i + 1) % n_c
         for j in range(n_a):
-            q = _flow_slopes(
-                _side(g, t, u, pressure, fraction, i, j),
-                _side(g, t, u, pressure, fraction, k, j),
-                dy / dx,
-                dy,
-            )
-            stencil[BY_FILM, WEST, k, j] = (
-                -q.g_a * by_film[row, i, j] - q.t_a * by_film[TRANSPORT, i, j]
-            )
-            stencil[BY_FILM, EAST, i, j] = (
-                q.g_b * by_film[row, k, j] + q.t_b * by_film[TRANSPORT, k, j]
-            )
-            stencil[BY_VELOCITY, WEST, k, j] = -q.velocity * du[i, j]
-            stencil[BY_VELOCITY, EAST, i, j] = q.velocity * du[k, j]
-            if by_velocity.shape[0] > 0:
-                stencil[BY_VELOCITY, WEST, k, j] -= (
-                    q.g_a * by_velocity[row, i, j] + q.t_a * by_velocity[TRANSPORT, i, j]
-                )
-                stencil[BY_VELOCITY, EAST, i, j] += (
-                    q.g_b * by_velocity[row, k, j] + q.t_b * by_velocity[TRANSPORT, k, j]
-                )
+            a = _side(g, t, u, pressure, fraction, i, j)
+            b = _side(g, t, u, pressure, fraction, k, j)
+            q = _flow_slopes(a, b, dy / dx, dy)
+            here = _of_cell(q.g_a, q.t_a, q.velocity, CONDUCTIVITY_C, slopes, du, i, j)
+            there = _of_cell(q.g_b, q.t_b, q.velocity, CONDUCTIVITY_C, slopes, du, k, j)
+            for m in range(2):
+                stencil[m, WEST, k, j] = -here[m]
+                stencil[m, EAST, i, j] = there[m]
 
-    for m in range(2):
-        for i in range(n_c):
-            before = (i - 1) % n_c
-            after = (i + 1) % n_c
-            for j in range(n_a):  # what a cell loses its neighbours win
-                stencil[m, CENTRE, i, j] = -(
-                    stencil[m, WEST, after, j] + stencil[m, EAST, before, j]
-                )
-            for j in range(n_a - 1):
-                stencil[m, CENTRE, i, j] -= stencil[m, SOUTH, i, j + 1]
-            for j in range(1, n_a):
-                stencil[m, CENTRE, i, j] -= stencil[m, NORTH, i, j - 1]
+    _balance_cells(stencil)
     centre = stencil[:, CENTRE]
     _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
     if not ring:
