@@ -21,6 +21,7 @@ from . import (
     friction,
     oil_layer,
     reynolds,
+    storage,
 )
 from . import step_parts as parts
 from .asperity import contact_constants
@@ -500,6 +501,7 @@ def start(
         content,
         still,
         still,
+        0.0,
         still,
         film,
         film,
@@ -646,6 +648,7 @@ def end(
         found.content,
         went.growth,
         before.growth,
+        storage.largest_growth(went.growth, before.largest_growth),
         solved.deflection,
         flow.quantities,
         before.film,
