@@ -1,31 +1,19 @@
 """Lubrication of piston skirts and journal bearings on a film grid.
 
-Transient Reynolds equation, cavitation, asperity contact and friction.
+Transient Reynolds equation, cavitation, asperity contact and friction. Kernels are pure functions
+on arrays, each file with its numbered equations:
 
-Kernels, pure functions on arrays, each file with its numbered equations:
+laws        what a newcomer edits: viscosity, cavitation, contact, friction, roughness, coating
+balance     the film balance on its grid, and one time step of the film
+solvers     direct solvers of its linear systems
 
-    grid       cells and edges
-    films      what a film means for flow and shear (E)
-    cavitation cavitation models and the active set (C)
-    roughness  average flow factors (R)
-    asperity   Greenwood-Tripp contact (A)
-    oil        viscosity laws (O)
-    piezoviscosity viscosity by pressure (O)
-    flow_film  films of any oil, smooth or rough
-    coating    soft layer (L)
-    hermite    tables
-    reynolds   film balance on faces and cells (E), its stencils
-    blocks     block-tridiagonal solver (B)
-    sparse     sparse solvers, and the choice among all
-    friction   shear forces and power (F)
-    summary    scalars of a film in one pass
-    storage    film content, second order in time (T)
-    transport  sharp fronts of oil (T)
-    oil_layer  oil on the bore (T)
+A step of a whole film:
 
-What composes them, kernels too: film_step (one step of the balance and its tangent), coated_film
-(the same under a coating), faults and contradictions (what is refused), step_parts (begin, forces,
-sums and derivatives of a step); step puts all of them in order, for skirt and bearing. In Python:
-parameters, surroundings, model (everything, with `advance` and `tangent`). The FMU: variables,
-slave, build; without Python: native_step (what `step` needs, on one block), native (its entries).
+step        the order of a step, for skirts and bearings
+step_parts  begin, forces, sums and derivatives of a step
+summary     scalars of a film in one pass over its cells
+faults      why a step is rejected; contradictions: between parameters
+
+In Python: parameters, surroundings, model (`advance` and `tangent`), alone (`piston_cosim.Film`).
+The FMU: variables, slave, build, preview. Without Python: native_step (memory), native (entries).
 """

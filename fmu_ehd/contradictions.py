@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable
+from .balance.grid import LOWER, UPPER, Array, Edges, in_plenty
 from .faults import (
     CUT_OUTS_IN_A_SECTOR,
     FACTORS_ON_A_BEARING,
@@ -35,8 +36,7 @@ from .faults import (
     VISCOSITIES_REVERSED,
     refuse,
 )
-from .grid import LOWER, UPPER, Array, Edges, in_plenty
-from .piezoviscosity import PressureLaw, reduced_at_edges
+from .laws.piezoviscosity import PressureLaw, reduced_at_edges
 
 FULL_TURN = 2.0 * np.pi
 

@@ -6,8 +6,8 @@ Kernels note a fault by number, cell and up to three numbers. The sentence is ma
 from ..master.fmi.compiled import compiled
 from ..master.fmi.noted import refuse as note
 from ..master.fmi.noted import sentences_of
-from .cavitation import NotConverged
-from .grid import Array
+from .balance.grid import Array
+from .laws.cavitation import NotConverged
 
 FROM_BORE = "oil_supply = bore or bore_and_ring"
 FAULTS = (

@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
-from . import oil_layer, openings, step
-from .asperity import contact_table
+from . import step
+from .balance import oil_layer, openings
+from .balance.film_step import FilmStep
+from .balance.grid import Array, Grid
 from .faults import FAULTS, raise_noted
-from .film_step import FilmStep
-from .grid import Array, Grid
+from .laws.asperity import contact_table
+from .laws.roughness import factor_table
 from .parameters import FULL_TURN, Parameters
-from .roughness import factor_table
 from .step import Directions, Fields, Inputs, Last, Linear, Memory, Scalars
 from .summary import halves
 from .surroundings import Surroundings, surroundings

@@ -15,10 +15,13 @@ from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from . import step
-from .asperity import CONTACT_LAWS, contact_table
+from .balance.grid import Array, keep
+from .balance.oil_layer import skirt_edges
 from .contradictions import FULL_TURN, check_supply
 from .faults import FAULTS, NO_TANGENT, refuse
-from .grid import Array, keep
+from .laws.asperity import CONTACT_LAWS, contact_table
+from .laws.piezoviscosity import PressureLaw
+from .laws.roughness import TABLE as FACTOR_TABLE
 from .native_step import (
     CHOSEN,
     EDGES,
@@ -55,10 +58,7 @@ from .native_step import (
     warm_by_edges,
     warm_by_field,
 )
-from .oil_layer import skirt_edges
 from .options import BuildOptions
-from .piezoviscosity import PressureLaw
-from .roughness import TABLE as FACTOR_TABLE
 from .step import ALONG, AROUND, NORMAL, Directions, Fields, Inputs, Scalars
 from .summary import halves
 

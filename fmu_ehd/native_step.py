@@ -11,23 +11,18 @@ import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from . import cavitation, openings, step
-from .blocks import Factors
-from .contradictions import (
-    FULL_TURN,
-    Kind,
-    Supply,
-    check_kind,
-    edges_of,
-    outside_of,
-)
+from . import step
+from .balance import openings
+from .balance.film_step import Domain
+from .balance.grid import Array, Cells, Field, keep
+from .contradictions import FULL_TURN, Kind, Supply, check_kind, edges_of, outside_of
 from .faults import STROKE_TOO_LONG, refuse
-from .film_step import Domain
-from .grid import Array, Cells, Field, keep
-from .oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
-from .piezoviscosity import TABLE as LAW_TABLE
-from .piezoviscosity import PressureLaw, pressure_law
-from .roughness import fill_factor_table
+from .laws import cavitation
+from .laws.oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
+from .laws.piezoviscosity import TABLE as LAW_TABLE
+from .laws.piezoviscosity import PressureLaw, pressure_law
+from .laws.roughness import fill_factor_table
+from .solvers.blocks import Factors
 from .step import Last, Linear, Memory
 from .summary import Halves
 from .surroundings import Surroundings

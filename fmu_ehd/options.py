@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .grid import Flags
+from .balance.grid import Flags
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ..master.fmi.noted import none_yet, sentences_of
-from .asperity import CONTACT_LAWS
-from .cavitation import CAVITATION
+from .balance.grid import Flags
 from .contradictions import FULL_TURN, Kind, Supply, check_kind, check_supply
 from .declaration import choice, declared, names_of
 from .faults import FAULTS
-from .friction import CAVITY_SHEAR
-from .grid import Flags
-from .oil import Oil
-from .roughness import FLOW_FACTORS
+from .laws.asperity import CONTACT_LAWS
+from .laws.cavitation import CAVITATION
+from .laws.friction import CAVITY_SHEAR
+from .laws.oil import Oil
+from .laws.roughness import FLOW_FACTORS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")

@@ -12,37 +12,38 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
-from . import (
-    cavitation,
-    circumferential,
-    coated_film,
-    coating,
-    film_step,
-    friction,
-    oil_layer,
-    reynolds,
-    storage,
-)
 from . import step_parts as parts
-from .asperity import contact_constants
-from .circumferential import Changes, Turning, TurningSlopes
-from .coated_film import CoatedFilm, Layer, Pressed
-from .coating import Softness
-from .contact import contact_changes, has_narrow_steps
+from .balance import coated_film, film_step, oil_layer, reynolds, storage
+from .balance.coated_film import CoatedFilm, Layer, Pressed
+from .balance.film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
+from .balance.films import COUETTE, STORED, FilmSlopes, Quantities
+from .balance.flow_film import FilmLaws, FlowFilm, Sheared, flow_film
+from .balance.grid import (
+    LOWER,
+    UPPER,
+    Array,
+    Edges,
+    Entrainment,
+    Field,
+    Flags,
+    Stencil,
+    sum_of_products,
+)
+from .balance.oil_layer import Bore, OilLayer, Passed
+from .balance.reynolds import Filling
+from .balance.transport import Lift
 from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
-from .film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
-from .films import COUETTE, STORED, FilmSlopes, Quantities
-from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
-from .friction import ForceSlopes, ShearInputs
-from .grid import LOWER, UPPER, Array, Edges, Entrainment, Field, Flags, Stencil, sum_of_products
-from .oil import Thinning
-from .oil_layer import Bore, OilLayer, Passed
-from .piezoviscosity import NONE, TruePressure, raised, true_pressure
-from .reynolds import Filling
-from .sparse import LinearSolver
+from .laws import cavitation, circumferential, coating, friction
+from .laws.asperity import contact_constants
+from .laws.circumferential import Changes, Turning, TurningSlopes
+from .laws.coating import Softness
+from .laws.contact import contact_changes, has_narrow_steps
+from .laws.friction import ForceSlopes, ShearInputs
+from .laws.oil import Thinning
+from .laws.piezoviscosity import NONE, TruePressure, raised, true_pressure
+from .solvers.sparse import LinearSolver
 from .summary import Halves
 from .surroundings import Surroundings
-from .transport import Lift
 
 # entrainment velocity in the frame of the grid, which rides on the skirt or rests on the shell of a
 # bearing, to the sliding velocity

@@ -7,18 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from . import friction, storage, transport
-from .asperity import ContactConstants
-from .contact import Contact, contact, contact_changes
+from .balance import storage, transport
+from .balance.film_step import Domain, FilmSolution
+from .balance.films import COUETTE, FilmSlopes, Quantities
+from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
+from .balance.storage import EulerStep, Past
+from .balance.transport import Pace, PastTransport
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
-from .film_step import Domain, FilmSolution
-from .films import COUETTE, FilmSlopes, Quantities
-from .friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
-from .grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
-from .piezoviscosity import TruePressure, raised
-from .storage import EulerStep, Past
+from .laws import friction
+from .laws.asperity import ContactConstants
+from .laws.contact import Contact, contact, contact_changes
+from .laws.friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
+from .laws.piezoviscosity import TruePressure, raised
 from .summary import Halves, Summary, summarise
-from .transport import Pace, PastTransport
 
 # ---- what a step starts from
 
@@ -400,7 +401,7 @@ def account(
     openings. Together with P, Eqs. (F3), (F8), the heat is in a full film, but for the grid's error
     in h dp/dy, with faces by K, Eq. (E3), and cells by c, Eq. (F1),
 
-    Eq. (A12):  Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
+    Eq. (A13):  Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
 
     In a full film E is the work of the surfaces to round-off. They work on h, the film on its
     content c = f s: in a cell that fills they do more, which is lost, and where s is another film

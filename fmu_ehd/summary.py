@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .friction import ShearForces
-from .grid import Array
+from .balance.grid import Array
+from .laws.friction import ShearForces
 
 
 class Halves(NamedTuple):

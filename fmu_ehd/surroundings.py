@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .cavitation import NotConverged
+from .balance.grid import Array, Edges
 from .contradictions import Outside, edges_of, outside_of
-from .grid import Array, Edges
+from .laws.cavitation import NotConverged
+from .laws.piezoviscosity import PressureLaw
 from .parameters import CONDITION_NAMES, Parameters, supply_faults, supply_of
-from .piezoviscosity import PressureLaw
 
 
 class Surroundings(NamedTuple):

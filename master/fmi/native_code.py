@@ -154,7 +154,8 @@ def object_files(
     with tempfile.TemporaryDirectory() as scratch:
         command = [sys.executable, "-m", __name__, package, str(kept), scratch, *platforms]
         around = Path(sys.modules[ROOT].__path__[0]).parent
-        path = os.pathsep.join([str(around), *filter(None, sys.path)])
+        # last: files next to a checkout must not hide modules of the same name
+        path = os.pathsep.join([*filter(None, sys.path), str(around)])
         environment = os.environ | RAW | {"PYTHONPATH": path}
         errors = Path(scratch, "errors")
         pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}

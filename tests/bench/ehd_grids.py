@@ -18,7 +18,7 @@ from timing import shortest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.sparse import BlockTridiagonal, Pardiso, SuperLU
+from piston_cosim.fmu_ehd.solvers.sparse import BlockTridiagonal, Pardiso, SuperLU
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 STEPS = 8

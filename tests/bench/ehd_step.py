@@ -14,10 +14,10 @@ from time import perf_counter
 import numpy as np
 from timing import shortest
 
-from piston_cosim.fmu_ehd.blocks import BlockTridiagonal
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.sparse import SuperLU
+from piston_cosim.fmu_ehd.solvers.blocks import BlockTridiagonal
+from piston_cosim.fmu_ehd.solvers.sparse import SuperLU
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 SHAPE = (40, 40)

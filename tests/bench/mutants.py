@@ -47,7 +47,7 @@ QUICK = {
 """Of these, the files that need no large body and no picture, likeliest first."""
 INTERPRETED = ("fmu_ehd", "fmu_mfbd")
 """Parts whose quick tests run with interpreted kernels."""
-COMPILED = ("fmu_ehd/transport.py", "fmu_ehd/oil_layer.py")
+COMPILED = ("fmu_ehd/balance/transport.py", "fmu_ehd/balance/oil_layer.py")
 """Files whose own tests take too many steps for that."""
 NEEDED = 0.9
 """Share that must be killed."""

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from piston_cosim.fmu_ehd import asperity
-from piston_cosim.fmu_ehd.contact import has_narrow_steps
+from piston_cosim.fmu_ehd.laws import asperity
+from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.blocks import BlockTridiagonal, invert_in_place
-from piston_cosim.fmu_ehd.grid import CENTRE, EAST, NORTH, SOUTH, WEST
+from piston_cosim.fmu_ehd.balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST
+from piston_cosim.fmu_ehd.solvers.blocks import BlockTridiagonal, invert_in_place
 
 
 def stencil(rng, shape):

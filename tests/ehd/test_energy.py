@@ -5,11 +5,11 @@ pressure around it does.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd import reynolds
-from piston_cosim.fmu_ehd.films import smooth_film
-from piston_cosim.fmu_ehd.grid import Entrainment
+from piston_cosim.fmu_ehd.balance import reynolds
+from piston_cosim.fmu_ehd.balance.films import smooth_film
+from piston_cosim.fmu_ehd.balance.grid import Entrainment
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.bearings import RADIUS, SPEED, bearing, eccentric
 from piston_cosim.tests.verification.cases.motored import opening
@@ -167,13 +167,13 @@ def wedge(shape, squeezed, sliding):
 
     mean = (drops(begin["pressure"]) + drops(end["pressure"])) / 2
     heat = (faces.conductance_a * drops(end["pressure"]) * mean).sum()
-    heat += (model.area * viscosity * sliding**2 / film).sum()  # Eq. (A12)
+    heat += (model.area * viscosity * sliding**2 / film).sum()  # Eq. (A13)
     edges = HIGH * end["flow_lower_edge"] + 2.0 * HIGH * end["flow_upper_edge"]
     return end["energy_gain"], step * (heat - edges)
 
 
 def test_heat_of_pressure_flow_is_that_of_the_faces():
-    """Eq. (A12): to round-off while nothing slides, with the mean pressure of a step; under steady
+    """Eq. (A13): to round-off while nothing slides, with the mean pressure of a step; under steady
     sliding but for h dp/dy, of which flow and shear see another film.
     """
     taken, heat = wedge(SHAPE, 2e-7, 0.0)

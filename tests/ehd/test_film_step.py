@@ -1,14 +1,15 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd import cavitation, reynolds
-from piston_cosim.fmu_ehd.film_step import FilmStep
-from piston_cosim.fmu_ehd.films import FilmSlopes, smooth_film
-from piston_cosim.fmu_ehd.grid import Edges, Entrainment, Grid, in_plenty
+from piston_cosim.fmu_ehd.balance import reynolds
+from piston_cosim.fmu_ehd.balance.film_step import FilmStep
+from piston_cosim.fmu_ehd.balance.films import FilmSlopes, smooth_film
+from piston_cosim.fmu_ehd.balance.grid import Edges, Entrainment, Grid, in_plenty
+from piston_cosim.fmu_ehd.balance.reynolds import Filling
+from piston_cosim.fmu_ehd.balance.storage import EulerStep
+from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.reynolds import Filling
-from piston_cosim.fmu_ehd.storage import EulerStep
 from piston_cosim.tests.verification.cases.film import FLOOR, flow_film
 
 NO_LIFT = np.zeros((7, 10))

@@ -2,16 +2,16 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, trapezoid
 
-from piston_cosim.fmu_ehd import roughness
-from piston_cosim.fmu_ehd.films import (
+from piston_cosim.fmu_ehd.balance.films import (
     CONDUCTIVITY_A,
     COUETTE,
     STORED,
     rough_film,
     smooth_film,
 )
+from piston_cosim.fmu_ehd.laws import roughness
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (6, 5)

@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd import oil_layer
-from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.balance import oil_layer
+from piston_cosim.fmu_ehd.balance.grid import LOWER, UPPER
+from piston_cosim.fmu_ehd.balance.oil_layer import Passed
 from piston_cosim.fmu_ehd.faults import raise_noted
-from piston_cosim.fmu_ehd.grid import LOWER, UPPER
+from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil_layer import Passed
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.master.fmi.noted import none_yet
 from piston_cosim.tests.verification.cases.motored import (

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from piston_cosim.fmu_ehd.openings import nearest
+from piston_cosim.fmu_ehd.balance.openings import nearest
 
 
 def test_the_nearest_film_is_that_of_an_exact_distance_transform():

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd import sparse
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.solvers import sparse
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 SHAPE = (11, 9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.cavitation import NotConverged
+from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.tests.verification.cases import bearings
 
 RADIUS, LENGTH, VISCOSITY, SPEED, LEAST = 28.25e-3, 27e-3, 0.02, 8.0, 10e-6

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_ehd.balance.storage import Past, euler_step, largest_growth, memory
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
-from piston_cosim.fmu_ehd.storage import Past, euler_step, largest_growth, memory
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film, motored_until
 
 SHAPE = (12, 10)

@@ -9,10 +9,8 @@ from math import gamma, pi, sqrt
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd import coating, reynolds
-from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table, point_contact
-from piston_cosim.fmu_ehd.contact import Contact
-from piston_cosim.fmu_ehd.films import (
+from piston_cosim.fmu_ehd.balance import reynolds
+from piston_cosim.fmu_ehd.balance.films import (
     CONDUCTIVITY_A,
     CONDUCTIVITY_C,
     COUETTE,
@@ -20,8 +18,8 @@ from piston_cosim.fmu_ehd.films import (
     FilmSlopes,
     smooth_film,
 )
-from piston_cosim.fmu_ehd.flow_film import FilmLaws, Sheared, flow_film
-from piston_cosim.fmu_ehd.grid import (
+from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, Sheared, flow_film
+from piston_cosim.fmu_ehd.balance.grid import (
     CENTRE,
     EAST,
     NORTH,
@@ -31,9 +29,12 @@ from piston_cosim.fmu_ehd.grid import (
     Entrainment,
     in_plenty,
 )
-from piston_cosim.fmu_ehd.oil import CROSS_1965, Thinning
-from piston_cosim.fmu_ehd.piezoviscosity import TruePressure
-from piston_cosim.fmu_ehd.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
+from piston_cosim.fmu_ehd.balance.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
+from piston_cosim.fmu_ehd.laws import coating
+from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table, point_contact
+from piston_cosim.fmu_ehd.laws.contact import Contact
+from piston_cosim.fmu_ehd.laws.oil import CROSS_1965, Thinning
+from piston_cosim.fmu_ehd.laws.piezoviscosity import TruePressure
 
 VISCOSITY = 0.012  # [Pa s]
 FILM = 6e-6  # [m]

@@ -15,8 +15,8 @@ ROOT = Path(__file__).parents[2]
 
 CALLS = {
     "contact of the film": """
-from piston_cosim.fmu_ehd.asperity import ContactConstants, contact_table
-from piston_cosim.fmu_ehd.contact import contact
+from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table
+from piston_cosim.fmu_ehd.laws.contact import contact
 constants = ContactConstants(1e-6, 1e9, 0.1, 0.1, 0.0, contact_table())
 h = np.full((4, 3), 1.5e-6)
 value = contact(h, 0 * h, h < 0, constants, False).pressure.sum()
@@ -32,7 +32,7 @@ value = posture(mechanism, FIXED, Motion(*np.zeros((3, 2))), crank).link.axial_a
 """,
 }
 LEAVES = {  # in other files than the kernel called
-    "contact of the film": ("fmu_ehd/hermite.py", "value = y0 +", "value = 2.0 * y0 +"),
+    "contact of the film": ("fmu_ehd/laws/hermite.py", "value = y0 +", "value = 2.0 * y0 +"),
     "posture of the piston": (
         "fmu_mfbd/dynamics/slider_crank.py",
         "axial = py + f1 *",

@@ -18,7 +18,7 @@ FILES = ("__init__.py", "__main__.py", "LICENSE", "README.md", "pyproject.toml")
 PARTS = ("fmu_ehd", "fmu_mfbd", "master", "models")
 
 VISCOSITY_LAW = {
-    "fmu_ehd/oil.py": [
+    "fmu_ehd/laws/oil.py": [
         ('"walther_1931", "two_point")', '"walther_1931", "two_point", "reynolds_1886")'),
         ("WALTHER_1931, TWO_POINT = range", "WALTHER_1931, TWO_POINT, REYNOLDS_1886 = range"),
         (
@@ -30,7 +30,7 @@ VISCOSITY_LAW = {
     ]
 }
 CAVITATION_MODEL = {
-    "fmu_ehd/cavitation.py": [
+    "fmu_ehd/laws/cavitation.py": [
         (
             '    "full_film": Cavitation(False, False, False),\n',
             '    "full_film": Cavitation(False, False, False),\n'

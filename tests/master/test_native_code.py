@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from llvmlite import binding
 
-from piston_cosim.fmu_ehd import blocks
+from piston_cosim.fmu_ehd.solvers import blocks
 from piston_cosim.fmu_mfbd.geometry import modal_field
 from piston_cosim.master.fmi import builder_native
 from piston_cosim.master.fmi.native_code import (

@@ -5,7 +5,7 @@ closed forms, and the quick figures of `piston-cosim verify coupled`.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.asperity import gaussian_integral
+from piston_cosim.fmu_ehd.laws.asperity import gaussian_integral
 from piston_cosim.tests.verification.cases import coupled, fired
 from piston_cosim.tests.verification.cases.mixed_film import height_integral
 from piston_cosim.tests.verification.cases.monolithic import (

@@ -11,12 +11,16 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
-from piston_cosim.fmu_ehd import asperity, oil, roughness, storage
-from piston_cosim.fmu_ehd.cavitation import NotConverged
-from piston_cosim.fmu_ehd.film_step import FilmSolution, FilmStep
-from piston_cosim.fmu_ehd.films import CONDUCTIVITY_A, COUETTE, STORED, rough_film, smooth_film
-from piston_cosim.fmu_ehd.friction import ShearConstants, ShearInputs, viscous_force
-from piston_cosim.fmu_ehd.grid import (
+from piston_cosim.fmu_ehd.balance import storage
+from piston_cosim.fmu_ehd.balance.film_step import FilmSolution, FilmStep
+from piston_cosim.fmu_ehd.balance.films import (
+    CONDUCTIVITY_A,
+    COUETTE,
+    STORED,
+    rough_film,
+    smooth_film,
+)
+from piston_cosim.fmu_ehd.balance.grid import (
     LOWER,
     Array,
     Edges,
@@ -25,8 +29,11 @@ from piston_cosim.fmu_ehd.grid import (
     flooded_edges,
     in_plenty,
 )
+from piston_cosim.fmu_ehd.balance.storage import EulerStep, Past
+from piston_cosim.fmu_ehd.laws import asperity, oil, roughness
+from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
+from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, viscous_force
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.storage import EulerStep, Past
 
 from . import bearings
 from .checks import Check, at_most

@@ -24,11 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
-from .films import COUETTE, POISEUILLE, FilmSlopes
+from ...master.fmi.compiled import compilable, compiled
+from ..balance.films import COUETTE, POISEUILLE, FilmSlopes
+from ..balance.grid import Array, Field, put, sum_of_products
+from ..step_parts import Forces, Powers
 from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
-from .grid import Array, Field, put, sum_of_products
-from .step_parts import Forces, Powers
 
 
 class Turning(NamedTuple):

@@ -72,8 +72,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable
-from .faults import TOO_FAR, refuse
+from ...master.fmi.compiled import compilable
+from ..faults import TOO_FAR, refuse
 from .grid import Array, Cells, Field, Flags, add, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0

@@ -3,8 +3,8 @@
 The slope is consistent with the values.
 """
 
-from ..master.fmi.compiled import compiled
-from .grid import Array
+from ...master.fmi.compiled import compiled
+from ..balance.grid import Array
 
 
 @compiled(inline="always")

@@ -63,7 +63,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable, compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
 from .grid import LOWER, UPPER, Array, Cells, Edges, Flags
 

@@ -69,8 +69,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
-from .grid import Array
+from ...master.fmi.compiled import compiled
+from ..balance.grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 from .blocks import BlockTridiagonal
-from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
 
 class LinearSolver(Protocol):

@@ -62,7 +62,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled
 from .grid import Array
 
 LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..master.fmi.compiled import compilable, compiled, standing_for
+from ...master.fmi.compiled import compilable, compiled, standing_for
 
 Array = NDArray[np.float64]  # of the shape that the docstring says
 Flags = NDArray[np.bool_]

@@ -45,9 +45,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable
-from .declaration import choice, declared
-from .grid import Array
+from ...master.fmi.compiled import compilable
+from ..balance.grid import Array
+from ..declaration import choice, declared
 from .piezoviscosity import PRESSURE_VISCOSITY_LAWS, TABLE, PressureLaw, pressure_law
 
 ZERO_CELSIUS = 273.15  # [K]

@@ -10,7 +10,7 @@ over an edge, Eq. (E12).
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .grid import Array, Flags
 from .reynolds import Faces, Filling

@@ -36,8 +36,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
-from .grid import EAST, NORTH, SOUTH, WEST, Array, Flags
+from ...master.fmi.compiled import compilable, compiled
+from ..balance.grid import EAST, NORTH, SOUTH, WEST, Array, Flags
 
 # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 FRACTION_ROUNDOFF = 1e-13

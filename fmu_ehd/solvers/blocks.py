@@ -32,8 +32,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..master.fmi.compiled import compiled
-from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
+from ...master.fmi.compiled import compiled
+from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
 TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
 

@@ -35,9 +35,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
-from .films import COUETTE, POISEUILLE, FilmSlopes, Quantities
-from .grid import Array, Field
+from ...master.fmi.compiled import compiled
+from ..balance.films import COUETTE, POISEUILLE, FilmSlopes, Quantities
+from ..balance.grid import Array, Field
 
 # what shears of a cavitated film: its oil alone, or f = 1
 CAVITY_SHEAR = ("film_fraction", "full_film")

@@ -25,9 +25,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
-from .films import COUETTE
-from .grid import Array, Field
+from ...master.fmi.compiled import compilable, compiled
+from ..balance.films import COUETTE
+from ..balance.grid import Array, Field
 
 PRESSURE_VISCOSITY_LAWS = ("none", "barus_1893", "roelands_1966")
 NONE, BARUS_1893, ROELANDS_1966 = range(len(PRESSURE_VISCOSITY_LAWS))

@@ -28,10 +28,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
-from .grid import Array
-from .hermite import interpolate
-from .roughness import (
+from ...master.fmi.compiled import compiled
+from ..laws.hermite import interpolate
+from ..laws.roughness import (
     DRAG,
     FACTORS,
     FLOW_FACTOR_A,
@@ -42,6 +41,7 @@ from .roughness import (
     TABLE_END,
     TABLE_START,
 )
+from .grid import Array
 
 # first axis of the quantities of a film:
 # s, t [m];  g across i and j [m3/(Pa s)];  c [Pa s/m];  b [m]

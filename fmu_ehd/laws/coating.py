@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable, compiled
+from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 from .contact import Contact
-from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 from .piezoviscosity import TruePressure
 
 LIMIT = 40  # Newton iterations

@@ -9,17 +9,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled, standing_for
-from ..master.fmi.noted import none_yet
-from . import cavitation, openings, reynolds, transport
-from .blocks import BlockTridiagonal, Factors, factorise_changed, substitute, substitute_one
-from .cavitation import Cavitation
-from .coating import Softness, soften
-from .faults import NOT_FINITE, STILL_SWITCHING, raise_noted, refuse
+from ...master.fmi.compiled import compilable, compiled, standing_for
+from ...master.fmi.noted import none_yet
+from ..faults import NOT_FINITE, STILL_SWITCHING, raise_noted, refuse
+from ..laws import cavitation
+from ..laws.cavitation import Cavitation
+from ..laws.coating import Softness, soften
+from ..solvers.blocks import (
+    BlockTridiagonal,
+    Factors,
+    factorise_changed,
+    substitute,
+    substitute_one,
+)
+from ..solvers.sparse import LinearSolver, linear_solver
+from . import openings, reynolds, transport
 from .films import STORED, FilmSlopes
 from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags, Grid
 from .reynolds import Faces, Filling, Storage
-from .sparse import LinearSolver, linear_solver
 from .storage import EulerStep
 from .transport import Lift
 

@@ -25,9 +25,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled
+from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 from .asperity import TABLE_END, ContactConstants, point_contact
-from .grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
 
 # Eq. (A12): contact on a smaller step changes by less than 1 %, on all of a cell's parabola
 LEAST_STEP = 0.25  # over the roughness

@@ -8,19 +8,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
-from . import cavitation, coating, film_step
-from .asperity import ContactConstants
-from .blocks import Factors
-from .coating import Softness
-from .contact import contact
-from .faults import DEFLECTION_NOT_FOUND, refuse
+from ...master.fmi.compiled import compilable, compiled
+from ..faults import DEFLECTION_NOT_FOUND, refuse
+from ..laws import cavitation, coating
+from ..laws.asperity import ContactConstants
+from ..laws.coating import Softness
+from ..laws.contact import contact
+from ..laws.piezoviscosity import PressureLaw, true_pressure
+from ..solvers.blocks import Factors
+from ..solvers.sparse import LinearSolver
+from . import film_step
 from .film_step import Domain, FilmSolution, Given, film_slopes, lift_along
 from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
 from .grid import Array, Entrainment
-from .piezoviscosity import PressureLaw, true_pressure
 from .reynolds import BY_FILM, Filling
-from .sparse import LinearSolver
 
 
 class Layer(NamedTuple):

@@ -56,7 +56,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, STORED, TRANSPORT, FilmSlopes
 from .grid import (
     CENTRE,
