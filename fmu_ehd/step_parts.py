@@ -401,7 +401,7 @@ def account(
     openings. Together with P, Eqs. (F3), (F8), the heat is in a full film, but for the grid's error
     in h dp/dy, with faces by K, Eq. (E3), and cells by c, Eq. (F1),
 
-    Eq. (A13):  Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
+                    Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
 
     In a full film E is the work of the surfaces to round-off. They work on h, the film on its
     content c = f s: in a cell that fills they do more, which is lost, and where s is another film

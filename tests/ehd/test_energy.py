@@ -167,13 +167,13 @@ def wedge(shape, squeezed, sliding):
 
     mean = (drops(begin["pressure"]) + drops(end["pressure"])) / 2
     heat = (faces.conductance_a * drops(end["pressure"]) * mean).sum()
-    heat += (model.area * viscosity * sliding**2 / film).sum()  # Eq. (A13)
+    heat += (model.area * viscosity * sliding**2 / film).sum()  # Q of `account`
     edges = HIGH * end["flow_lower_edge"] + 2.0 * HIGH * end["flow_upper_edge"]
     return end["energy_gain"], step * (heat - edges)
 
 
 def test_heat_of_pressure_flow_is_that_of_the_faces():
-    """Eq. (A13): to round-off while nothing slides, with the mean pressure of a step; under steady
+    """Heat Q of `account`: to round-off while nothing slides, with the mean pressure of a step; under steady
     sliding but for h dp/dy, of which flow and shear see another film.
     """
     taken, heat = wedge(SHAPE, 2e-7, 0.0)
