@@ -173,8 +173,8 @@ def wedge(shape, squeezed, sliding):
 
 
 def test_heat_of_pressure_flow_is_that_of_the_faces():
-    """Heat Q of `account`: to round-off while nothing slides, with the mean pressure of a step; under steady
-    sliding but for h dp/dy, of which flow and shear see another film.
+    """Heat Q of `account`: to round-off while nothing slides, with the mean pressure of a step;
+    under steady sliding but for h dp/dy, of which flow and shear see another film.
     """
     taken, heat = wedge(SHAPE, 2e-7, 0.0)
     assert taken == pytest.approx(heat, rel=1e-11)
