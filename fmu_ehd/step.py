@@ -1,5 +1,6 @@
-"""A step of a film, once: Python runs it as written (`model`), a native FMU compiles it
-(`native_step`).
+"""Step of a film, once for Python and machine code.
+
+Python runs it as written (`model`), and a native FMU compiles it (`native_step`).
 
 A step is `begin`, `solve` and `end`, with what faults each has noted looked at in between; its
 derivatives are `linearise`, once, and `changes`, for any directions. What differs between a skirt
@@ -196,8 +197,9 @@ class Solved(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """A film as its forces see it: deflection [m], flow_film.FlowFilm, piezoviscosity.TruePressure,
-    film fraction [-].
+    """Film as its forces need it.
+
+    Deflection [m], flow_film.FlowFilm, piezoviscosity.TruePressure, film fraction [-].
     """
 
     deflection: Array
@@ -207,8 +209,9 @@ class Seen(NamedTuple):
 
 
 class Acting(NamedTuple):
-    """Forces of a film: along the axis, circumferential ones of shape (n_c, n_a), 0 on a skirt [N],
-    and powers.
+    """Forces of a film [N], and powers.
+
+    The forces are those along the axis and those around it, of shape (n_c, n_a), 0 on a skirt.
     """
 
     along: parts.Forces
@@ -228,8 +231,9 @@ class Fields(NamedTuple):
 
 
 class Scalars(NamedTuple):
-    """Outputs that sum a film up, `variables`; those of both sides are a skirt's, the torque a
-    bearing's.
+    """Scalar outputs of a film, `variables`.
+
+    Those of both sides belong to a skirt, the torque to a bearing.
     """
 
     minimum_film_thickness: float
@@ -373,14 +377,14 @@ def sheared_of(inputs: Inputs) -> Sheared:
 
 @compilable
 def turning_of(fixed: Fixed, inputs: Inputs) -> Turning:
-    """What shear around the circumference knows."""
+    """Return the inputs of shear around the circumference."""
     cells = fixed.domain.cells
     return Turning(inputs.turning, inputs.around.outside.opening, cells.dx, cells.ring)
 
 
 @compilable
 def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting:
-    """Forces of a solved film; a fault is noted where they are not finite."""
+    """Return the forces of a solved film; note a fault if they are not finite."""
     outside = inputs.around.outside
     film = parts.Film(
         inputs.hard_film,
@@ -407,7 +411,7 @@ def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting
 
 @compilable
 def fields_of(acting: Acting, fraction: Array) -> Fields:
-    """Outputs of each cell."""
+    """Return the outputs of each cell."""
     acted = acting.along
     return Fields(
         acted.pressure,
@@ -421,7 +425,7 @@ def fields_of(acting: Acting, fraction: Array) -> Fields:
 
 @compilable
 def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) -> Scalars:
-    """Outputs that sum the film up."""
+    """Return the scalar outputs."""
     whole = acting.along.summary
     lower, upper, openings = ledger.flows
     on_bore = oil_layer.volume(fixed.bore, layer) if fixed.bore.supply.followed else 0.0
@@ -463,8 +467,10 @@ def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) ->
 def start(
     fixed: Fixed, inputs: Inputs, filled: float, faults: Array
 ) -> tuple[Memory, Fields, Scalars]:
-    """A full film, reduced pressure linear between the edges; or one filled in part, without
-    pressure.
+    """Return state and outputs of a film at its start.
+
+    The film is full, with the reduced pressure linear between the edges; or it is filled in part
+    and has no pressure.
 
     Parameters
     ----------
@@ -529,8 +535,9 @@ def start(
 
 @compilable
 def begin(fixed: Fixed, memory: Memory, inputs: Inputs, faults: Array) -> Begun:
-    """What a step starts from; a fault is noted where there is no film, or the skirt has gone too
-    far.
+    """Return the data from which a step starts.
+
+    A fault is noted if there is no film, or if the skirt has gone too far.
     """
     parts.check_film(inputs.hard_film, faults)
     before = memory.film
@@ -602,7 +609,10 @@ def solve(
 def end(
     fixed: Fixed, memory: Memory, inputs: Inputs, begun: Begun, solved: Solved, faults: Array
 ) -> Ended:
-    """Forces of a step, and what it hands on; a fault is noted where they are not finite."""
+    """Return the forces of a step and the memory for the next one.
+
+    A fault is noted if they are not finite.
+    """
     before = memory.film
     found = solved.solution
     flow = solved.flow
@@ -690,8 +700,9 @@ def end(
 def balance_slopes(
     fixed: Fixed, last: Last, slopes: FilmSlopes, around: float, along: float
 ) -> Array:
-    """`film_step.film_slopes` of a step; around, along : derivatives of the entrainment velocities
-    to the velocity of `slopes`.
+    """Return `film_step.film_slopes` of a step.
+
+    around, along : derivatives of the entrainment velocities to the velocity of `slopes`.
     """
     velocity = last.shear.velocity
     axial = fixed.share * velocity
@@ -712,13 +723,13 @@ def balance_slopes(
 
 @compilable
 def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
-    """Derivatives of `raised` quantities."""
+    """Return the derivatives of `raised` quantities."""
     return FilmSlopes(raised(slopes.by_film, ratio), raised(slopes.by_velocity, ratio))
 
 
 @compilable
 def linearise(fixed: Fixed, last: Last) -> Linear:
-    """Derivatives of the last step that every direction shares."""
+    """Return the derivatives of the last step that all directions share."""
     shear = last.shear
     under = last.under
     by_oil = fixed.surfaces.by_oil
@@ -779,7 +790,9 @@ def changes(
     right: Array,
     forces: Array,
 ) -> None:
-    """Changes of the forces at the end of the last step, its state at the beginning held.
+    """Compute the changes of the forces at the end of the last step.
+
+    The state at its beginning is held.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
-"""The parts of a step, as the model in Python and the native FMU call them: what it starts from,
-its forces, what it hands on, and the derivatives of its forces.
+"""Parts of a step, for the model in Python and the native FMU.
+
+They are its beginning, its forces, its memory, and the derivatives of its forces.
 """
 
 from typing import NamedTuple
@@ -197,7 +198,7 @@ class Forces(NamedTuple):
 
 @compiled
 def shear_inputs(film: Film, touching: Contact, surfaces: Surfaces, domain: Domain):
-    """What friction depends on."""
+    """Return the quantities that friction depends on."""
     shearing = film.fraction
     if not surfaces.by_oil:
         shearing = np.ones(film.fraction.shape)
@@ -392,7 +393,7 @@ def account(
     cavitation_pressure: float,
     step: float,
 ):
-    """Sums at the end of a step, with the energy that the film took from the surfaces.
+    """Return the sums at the end of a step, with the energy that the film took.
 
     Eq. (A11):  E = U_1 - U_0 + H P - sum over cells of  A ((p_0 + p_1)/2 (c_1 - c_0) + p_c dh)
 
@@ -455,7 +456,7 @@ def force_slopes(
     under: TruePressure,
     by_oil: bool,
 ):
-    """Derivatives of the forces but for contact, that every direction shares.
+    """Return the derivatives of the forces that all directions share, but for contact.
 
     Parameters
     ----------
@@ -502,7 +503,9 @@ def force_slopes(
 
 @compiled
 def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Array):
-    """Derivatives of the contact's forces to the film thickness of a cell and its neighbours.
+    """Return the derivatives of the contact forces to the film thickness.
+
+    They are those to the film thickness of a cell and of its neighbours.
 
     Parameters
     ----------
@@ -533,8 +536,9 @@ def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Arra
 
 @compiled
 def add_contact_changes(slope: Array, film_thickness: Array, deflection: Array, force: Array):
-    """Add the changes of a contact's force, as by `contact.contact_changes`, shape (m, n_c, n_a);
-    in place.
+    """Add the changes of a contact force, as by `contact.contact_changes`, in place.
+
+    The shape is (m, n_c, n_a).
     """
     changes = contact_changes(slope, film_thickness, deflection)
     for q in range(force.shape[0]):

@@ -1,5 +1,4 @@
-"""One time step of the film on a grid: balance, cavitation, linear solver and tangent put
-together.
+"""One time step of the film: balance, cavitation, linear solver and tangent.
 
 Python runs it as written with a sparse solver; with dense blocks, and in a native FMU, it is one
 kernel.
@@ -162,7 +161,7 @@ def _solutions(factors, stencil, right):
 
 @standing_for(_solutions)
 def solutions(solver: LinearSolver | Factors, stencil: Array, right: Array) -> Array:
-    """The same for right-hand sides of shape (m, n_c, n_a), of the stencil factorised last."""
+    """Solve for right-hand sides of shape (m, n_c, n_a), with the last stencil factorised."""
     if isinstance(solver, Factors):
         return _solutions(solver, stencil, right)
     if isinstance(solver, BlockTridiagonal):
@@ -175,8 +174,9 @@ def solutions(solver: LinearSolver | Factors, stencil: Array, right: Array) -> A
 
 @compiled
 def assemble(equations: Equations, pattern: Flags):
-    """Five-point matrix and right-hand side, as from `reynolds.assemble`, for a pattern of full
-    cells, shape (n_c, n_a).
+    """Return five-point matrix and right-hand side, as `reynolds.assemble`.
+
+    `pattern`, shape (n_c, n_a), says which cells are full.
     """
     faces, lift, storage, edges, softness, domain = equations
     model = domain.model
@@ -245,8 +245,9 @@ def full_cells(
 
 @compiled
 def give_up_lift(lift: Array, unknown: Array, full: Flags):
-    """Take the lift from rows in which a cell would owe oil, where film or velocity jumped; whether
-    there was any.
+    """Remove the lift from rows in which a cell would owe oil; return whether there was any.
+
+    Film or velocity jumped there.
     """
     owing = transport.owing(unknown, full)
     found = False
@@ -260,8 +261,9 @@ def give_up_lift(lift: Array, unknown: Array, full: Flags):
 
 @compiled
 def lift_along(lift: Lift, axial_velocity: Array, model: Cavitation):
-    """Lift of the film fraction at the axial faces for the velocity at the end of a step, shape
-    (n_c, n_a + 1); none without cavities that hold oil.
+    """Return the lift of the film fraction at the axial faces, shape (n_c, n_a + 1).
+
+    It holds for the velocity at the end of a step, and is 0 if cavities hold no oil.
     """
     if lift.fraction.size == 0 or not model.conserving:
         n_c, n_a = axial_velocity.shape
@@ -374,8 +376,9 @@ def solve(
 
 
 def run(way: Any, *arguments: Any) -> Any:
-    """What `solve`, or a function that calls it, makes of its arguments, the last of which are a
-    solver and faults: with dense blocks one kernel.
+    """Call `way`, whose last two arguments are a solver and faults.
+
+    With dense blocks it is one kernel.
     """
     *given, solver, faults = arguments
     if type(solver) is BlockTridiagonal:
@@ -388,7 +391,7 @@ def run(way: Any, *arguments: Any) -> Any:
 
 @compilable
 def solved_filling(found: FilmSolution, model: Cavitation) -> Filling:
-    """What the balance of a step was solved with."""
+    """Return the filling with which the balance of a step was solved."""
     pressure = found.unknown if model.clipping else found.pressure
     return Filling(pressure, found.film_fraction, found.lift)
 
@@ -404,8 +407,9 @@ def film_slopes(
     length: float,
     domain: Domain,
 ):
-    """Derivative of the film balance to film thickness and sliding velocity, as from
-    `reynolds.linearise`.
+    """Return the derivative of the film balance to film thickness and sliding velocity.
+
+    It is that of `reynolds.linearise`.
 
     Parameters
     ----------

@@ -258,22 +258,24 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
 
 @compiled(inline="always")
 def _dragged(t, fraction, limit):
-    """What sliding drags in over an edge, Eq. (E12); t transport into the film."""
+    """Return what sliding drags in over an edge, Eq. (E12); t : transport into the film."""
     return min(max(t, 0.0) * fraction, limit)  # Eq. (E12)
 
 
 @compiled(inline="always")
 def _inflow_part(k, t, pressure, fraction, limit):
-    """Known part of the flow over an edge into a full film by Eq. (E5), what the edge drives in; t
-    transport into the film.
+    """Return the known part of the flow over an edge into a full film, Eq. (E5).
+
+    The edge drives it in; t : transport into the film.
     """
     return k * pressure + _dragged(t, fraction, limit) + min(t, 0.0)
 
 
 @compiled
 def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, ring: bool):
-    """Five-point matrix and right-hand side of Eq. (E1) for a given pattern of full cells, by Eq.
-    (E5).
+    """Return five-point matrix and right-hand side of Eq. (E1), by Eq. (E5).
+
+    The pattern of full cells is given.
 
     Parameters
     ----------
@@ -515,8 +517,9 @@ def balance(
     open_cells: Flags,
     ring: bool,
 ):
-    """Residual of Eq. (E1) in each cell, content at the end of the step, and the mass imbalance of
-    the whole film.
+    """Return the residual of Eq. (E1), the content and the mass imbalance of the whole film.
+
+    Residual and content are those of each cell at the end of the step.
 
     Parameters
     ----------
@@ -572,13 +575,13 @@ def balance(
 
 @compiled(inline="always")
 def _side(conductivity, transport, velocity, pressure, fraction, i, j):
-    """What a face knows of cell (i, j)."""
+    """Return the quantities of cell (i, j) that a face needs."""
     return Side(conductivity[i, j], transport[i, j], velocity[i, j], pressure[i, j], fraction[i, j])
 
 
 @compiled(inline="always")
 def _flow_slopes(a, b, aspect, width, lift=0.0):
-    """Derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
+    """Return the derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
     velocity = 0.5 * (a.velocity + b.velocity)
     upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
     inverse = 1.0 / (a.conductivity + b.conductivity)
@@ -616,8 +619,9 @@ def _add_edge(q, sign, conductivity, slopes, dvelocity, centre, i, j):
 
 @compiled
 def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
-    """Add the derivatives of the flows over lower and upper edge to the centre of both stencils,
-    shape (2, n_c, n_a).
+    """Add the derivatives of the flows over lower and upper edge to both centres.
+
+    `centre` has the shape (2, n_c, n_a).
     """
     g = film[CONDUCTIVITY_A]
     t = film[TRANSPORT]
@@ -645,7 +649,7 @@ def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, ce
 
 @compiled
 def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
-    """The same for first and last edge of a grid that is no ring."""
+    """Add the derivatives of the flows over first and last edge of a grid that is no ring."""
     g = film[CONDUCTIVITY_C]
     t = film[TRANSPORT]
     u = entrainment.circumferential
@@ -709,8 +713,9 @@ def linearise(
     cells: Cells,
     area_per_step: float,
 ):
-    """Derivative of the cell balance, Eq. (E1), to film thickness and sliding velocity: two
-    five-point stencils.
+    """Return the derivative of the cell balance, Eq. (E1), as two five-point stencils.
+
+    They are those to film thickness and to sliding velocity.
 
     What is upstream of a face stays so; at rest the cell before the face counts as downstream of
     the one behind it.

@@ -1,5 +1,6 @@
-"""The storage term of the film, of second order in time: variable-step BDF2 in the shape of a
-backward Euler step.
+"""Storage term of the film, of second order in time.
+
+It is variable-step BDF2, written as a step of backward Euler.
 
 At the end of the step:
 
@@ -145,8 +146,9 @@ def memory(past: Past):
 
 @compiled
 def euler_step(past: Past, step: float):
-    """Content and length of the backward Euler step that equals the step of second order, Eqs. (T1)
-    to (T4).
+    """Return the step of backward Euler that equals the step of second order.
+
+    It has a content and a length, Eqs. (T1) to (T4).
 
     Parameters
     ----------

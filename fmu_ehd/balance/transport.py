@@ -175,8 +175,9 @@ def _holds_front(cell, onward, i, full):
 
 @compiled(inline="always")
 def _row_flow(content, i, way, steps, given, flow):
-    """Volumes that pass the axial faces of row i in one of `steps` explicit steps, Eqs. (T12) to
-    (T14), into `flow` [m3].
+    """Compute the volumes that pass the axial faces of row i in an explicit step into `flow` [m3].
+
+    It is one of `steps`, Eqs. (T12) to (T14).
     """
     stored, mobile, between, travel, full, resting, supply, width = way
     n_a = content.size
@@ -211,8 +212,9 @@ def _row_flow(content, i, way, steps, given, flow):
 
 @compiled(inline="always")
 def _lift_at_fronts(i, through, way, fraction):
-    """Lift at the faces of row i into full cells, Eq. (T16), into `fraction`; through: volumes that
-    pass the axial faces in the step [m3].
+    """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
+
+    through : volumes that pass the axial faces in the step [m3].
     """
     for j in range(1, way.mobile.shape[1]):
         x = way.travel[i, j]
@@ -228,7 +230,7 @@ def _lift_at_fronts(i, through, way, fraction):
 
 @compiled(inline="always")
 def _expected(past, quantity, ratio):
-    """A quantity of the film after the share `ratio` of a last step, if it goes on as before."""
+    """Return a quantity extrapolated over the share `ratio` of the last step."""
     last = past.film[quantity]
     before = past.film_before[quantity]
     expected = np.empty_like(last)

@@ -45,8 +45,10 @@ class Turning(NamedTuple):
 
 
 class TurningSlopes(NamedTuple):
-    """Derivatives of the circumferential force of each cell, and of the axial one as far as W and
-    the asperities take part; arrays of shape (n_c, n_a).
+    """Derivatives of the forces of a bearing, arrays of shape (n_c, n_a).
+
+    They are those of the circumferential force of each cell, and those of the axial force to W and
+    through the asperities.
 
     film : to film thickness [N/m]; own, axial : to W and V [N s/m]; shearing, gradient, pressure :
     as in `friction.ShearSlopes`;
@@ -64,8 +66,9 @@ class TurningSlopes(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """Changes of film thickness [m], of V and W [m/s] and of the signed unknown, each ndarray of
-    shape (m, n_c, n_a).
+    """Changes of the inputs and of the unknown, each ndarray of shape (m, n_c, n_a).
+
+    They are those of film thickness [m], of V and W [m/s] and of the signed unknown.
     """
 
     film: Array
@@ -130,8 +133,9 @@ def _gradients(inputs, turning, pressure):
 
 @compilable
 def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
-    """Circumferential force of film and asperities on the journal of each cell, Eqs. (F6), (F7);
-    positive with ascending i.
+    """Return the circumferential force on the journal in each cell, Eqs. (F6), (F7).
+
+    It has a part of the film and one of the asperities, positive with ascending i.
     """
     couette = inputs.shearing * inputs.film[COUETTE] * turning.velocity
     driven = inputs.film[POISEUILLE] * _gradients(inputs, turning, inputs.pressure)
@@ -176,7 +180,7 @@ def carried_power(inputs: ShearInputs, turning: Turning, thickness: Array) -> fl
 
 @compilable
 def _by(inputs, quantities, velocity, gradient):
-    """Derivative of a viscous force through the quantities of the film."""
+    """Return the derivative of a viscous force through the quantities of the film."""
     if quantities.shape[0] == 0:
         return 0.0 * inputs.area
     sheared = inputs.shearing * velocity * quantities[COUETTE]
@@ -187,8 +191,10 @@ def _by(inputs, quantities, velocity, gradient):
 def force_slopes(
     inputs: ShearInputs, turning: Turning, to_v: FilmSlopes, to_w: FilmSlopes, by_pressure: Array
 ) -> TurningSlopes:
-    """Derivatives of the circumferential force of each cell, and of the axial one as far as W and
-    the asperities take part.
+    """Return the derivatives of the forces of a bearing, but for contact.
+
+    They are those of the circumferential force of each cell, and those of the axial force to W and
+    through the asperities.
 
     Parameters
     ----------
@@ -233,7 +239,7 @@ def force_changes(
     shear: Array,
     around: Array,
 ) -> None:
-    """Changes of the forces of a bearing, but for contact.
+    """Compute the changes of the forces of a bearing, but for contact.
 
     Parameters
     ----------
