@@ -60,7 +60,7 @@ Number = Annotated[Array, "1"]
 
 
 class InputPlaces(NamedTuple):
-    """Where input fields begin."""
+    """Positions of the input fields."""
 
     film_thickness: int
     sliding_velocity: int
@@ -69,7 +69,7 @@ class InputPlaces(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Where everything lies among the variables, -1 of what there is not.
+    """Positions of everything among the variables; -1 if it does not exist.
 
     numbers, chosen, fields, scalars : of `NUMBERS`, `CHOSEN`, `step.Fields` and `step.Scalars`;
     seeds, products : where those of all directions begin.
@@ -86,7 +86,7 @@ class Places(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What a memory begins with; from `beside` on it is made at the start.
+    """Constant part of a memory; members from `beside` on are made at the start.
 
     follows : 1 for each of `NUMBERS` that is an input; tables : of both contact laws; share, sine :
     of `summary.Halves`; mask : 1 where there is a film, 0 in cut-outs; faces : of

@@ -55,7 +55,7 @@ NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
 
 
 class Fixed(NamedTuple):
-    """What stays of a film from step to step.
+    """Constants of a film during a run.
 
     domain : film_step.Domain; surfaces : step_parts.Surfaces; laws : flow_film.FilmLaws;
     bearing : whether it is a bearing's; share : of the sliding velocity that is entrainment [-];
@@ -72,7 +72,7 @@ class Fixed(NamedTuple):
 
 
 class Choices(NamedTuple):
-    """What a film is, beside its numbers.
+    """Choices of a film.
 
     bearing : whether it is a bearing's; shears_by_fraction : whether cavities shear by their film
     fraction; follows_oil, has_ring : oil on the bore, and from a ring.
@@ -85,7 +85,7 @@ class Choices(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """What a film is given as arrays.
+    """Arrays of a film.
 
     contact : of `asperity.contact_table`; halves : summary.Halves; factors : of
     `roughness.fill_factor_table`, of shape (0, 0) without flow factors; faces : of
@@ -147,7 +147,7 @@ def fixed_of(x: Any, domain: Domain, choices: Choices, tables: Tables, thinning:
 
 
 class Memory(NamedTuple):
-    """All that a step needs from the past."""
+    """Memory of a film between steps."""
 
     film: parts.Before
     totals: parts.Totals
@@ -160,7 +160,7 @@ class Memory(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What a film is given at the end of a step.
+    """Inputs of a film at the end of a step.
 
     hard_film : ndarray, shape (n_c, n_a), film thickness without the deflection of a coating [m];
     velocity, turning : ndarray, shape (n_c, n_a), V and W, 0 on a skirt [m/s];
@@ -175,7 +175,7 @@ class Inputs(NamedTuple):
 
 
 class Begun(NamedTuple):
-    """What a step starts from.
+    """Data from which a step starts.
 
     begin : step_parts.Begin; covered : oil_layer.OilLayer, the skirt moved on; edges : grid.Edges;
     lift : transport.Lift; entrainment : grid.Entrainment, at the end of the step [m/s].
@@ -262,7 +262,7 @@ class Scalars(NamedTuple):
 
 
 class Ledger(NamedTuple):
-    """Of `Scalars` those that are none of the forces'; flows are (lower, upper, openings)."""
+    """Members of `Scalars` that are not forces; flows are (lower, upper, openings)."""
 
     boundary_share: float
     energy_gain: float
@@ -272,7 +272,7 @@ class Ledger(NamedTuple):
 
 
 class Last(NamedTuple):
-    """What the tangent needs of the last step.
+    """Data of the last step for the tangent.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
     `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : reynolds.Filling, that the
@@ -300,7 +300,7 @@ class Last(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """What a step hands on; iterations : number of factorisations."""
+    """Result of a step; iterations : number of factorisations."""
 
     memory: Memory
     fields: Fields
@@ -313,7 +313,7 @@ StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
 
 
 class Linear(NamedTuple):
-    """What every direction of a tangent shares.
+    """Derivatives that all directions of a tangent share.
 
     stencil, stencil_around : ndarray, shape (2, 5, n_c, n_a), of the balance, `film_slopes`, the
     velocity the axial and the circumferential one; that of a skirt of shape (0, 0, 0, 0);

@@ -26,7 +26,7 @@ from .summary import Halves, Summary, summarise
 
 
 class Before(NamedTuple):
-    """What a film remembers at the beginning of a step.
+    """Past of a film at the beginning of a step.
 
     unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
     starts the next one, so that a repeat takes the same path; pressure : at the end of the last
@@ -54,7 +54,7 @@ class Before(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """How a step begins.
+    """Beginning of a step.
 
     pace : transport.Pace; start : storage.EulerStep;
     guess : ndarray of bool, shape (n_c, n_a), cells that will be full if the unknown goes on as it
@@ -68,7 +68,7 @@ class Begin(NamedTuple):
 
 @compiled
 def begin(before: Before, step: float):
-    """How a step of length `step` [s] begins."""
+    """Return the beginning of a step of length `step` [s]."""
     past = Past(
         before.content, before.growth, before.growth_before, before.largest_growth, before.step
     )
@@ -132,7 +132,7 @@ def check_film(film_thickness: Array, faults: Array):
 
 
 class Surfaces(NamedTuple):
-    """What stays of the surfaces from step to step.
+    """Constants of the surfaces during a run.
 
     area : ndarray, shape (n_c, n_a), lubricated area of each cell, 0 in cut-outs [m2];
     contact : asperity.ContactConstants; halves : summary.Halves;
@@ -173,7 +173,7 @@ class Film(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """What a film does to the skirt, and what that costs.
+    """Forces of a film on the skirt, and their power.
 
     pressure, friction : ndarray, shape (n_c, n_a), nodal forces [N];
     absolute : ndarray, shape (n_c, n_a), film pressure [Pa];
@@ -298,7 +298,7 @@ def refuse_forces(normal: Array, along: Array, film: Film, faults: Array):
 
 
 class Passage(NamedTuple):
-    """Where oil went in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
+    """Oil that moved in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
 
     growth : of the content [m/s]; passed, travel : as in `transport.PastTransport`.
     """
@@ -317,7 +317,7 @@ def passage(
     step: float,
     domain: Domain,
 ):
-    """Where oil went in a step.
+    """Return the oil that moved in a step.
 
     Parameters
     ----------

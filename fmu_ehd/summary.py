@@ -10,7 +10,7 @@ from .laws.friction import ShearForces
 
 
 class Halves(NamedTuple):
-    """How the circumferential cells belong to the thrust half (+x; i runs from +z towards +x).
+    """Shares of the circumferential cells in the thrust half (+x; i runs from +z towards +x).
 
     share : ndarray, shape (n_c,), of the cell that lies on the thrust side [-];
     sine : ndarray, shape (n_c,), of the cell's angle from the pin axis [-].

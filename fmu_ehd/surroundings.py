@@ -13,7 +13,7 @@ from .parameters import CONDITION_NAMES, Parameters, supply_faults, supply_of
 
 
 class Surroundings(NamedTuple):
-    """What holds around and in the oil during a step.
+    """Conditions around and in the oil during a step.
 
     edges : grid.Edges, with reduced pressures, Eq. (O6); outside : contradictions.Outside;
     temperature, viscosity : ndarray, shape (n_c, n_a), T [K], low-shear mu_0 [Pa s];

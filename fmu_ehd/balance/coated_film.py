@@ -40,7 +40,7 @@ class Layer(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """How a step under a coating begins.
+    """Beginning of a step under a coating.
 
     hard_film, deflection, unknown : ndarray, shape (n_c, n_a), film thickness without the
     deflection at the end of the step, deflection and signed unknown at its beginning;

@@ -36,7 +36,7 @@ NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
 
 class Domain(NamedTuple):
-    """What stays of a film from step to step.
+    """Constants of a film during a run.
 
     cells : grid.Cells; open_cells : ndarray of bool, shape (n_c, n_a), cells without a film;
     has_openings : whether there are any; model : cavitation.Cavitation;
@@ -51,7 +51,7 @@ class Domain(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What a step is given.
+    """Inputs of a step of the balance.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films` at its end;
     entrainment : grid.Entrainment, at its end [m/s]; edges : grid.Edges, at its end;

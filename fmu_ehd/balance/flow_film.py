@@ -22,7 +22,7 @@ from .grid import Array
 
 
 class FilmLaws(NamedTuple):
-    """What makes a film of a film thickness.
+    """Laws that make a film from a film thickness.
 
     minimum_flow_film : h_min [m]; roughness_rms : composite sigma [m];
     factors : ndarray, of `roughness.factor_table`, of shape (0, 0) between smooth surfaces;

@@ -24,7 +24,7 @@ CENTRE, SOUTH, NORTH, WEST, EAST = range(5)
 
 
 class Cells(NamedTuple):
-    """What kernels need of a grid.
+    """Properties of a grid for kernels.
 
     dx, dy : cell size along i (circumferential) and j (axial) [m]; ring : True if i is periodic.
     """

@@ -121,7 +121,7 @@ class Passed(NamedTuple):
 
 
 class Supply(NamedTuple):
-    """What brings oil to the bore and takes it away.
+    """Supply and drain of oil on the bore.
 
     followed : whether oil outside the film is followed; ring : whether an oil ring leaves some;
     initial_layer : on the bore at the start [m]; stroke [m];

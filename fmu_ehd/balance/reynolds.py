@@ -100,7 +100,7 @@ class Faces(NamedTuple):
 
 
 class Storage(NamedTuple):
-    """What the storage term of Eq. (E1) is made of.
+    """Storage term of Eq. (E1).
 
     stored, content : ndarray, shape (n_c, n_a)
         Stored film s of a full cell at the end of the step, and content c_e that the step starts
@@ -115,7 +115,7 @@ class Storage(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """What a film is filled with, Eq. (E4).
+    """Pressure and film fraction of a film, Eq. (E4).
 
     pressure, film_fraction : ndarray, shape (n_c, n_a)
         p above cavitation pressure [Pa], f [-].
@@ -145,7 +145,7 @@ class Outflow(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """How well Eq. (E1) holds.
+    """Residual of Eq. (E1).
 
     film_fraction, content, residual : ndarray, shape (n_c, n_a)
         f [-], content f s at the end of the step [m], inflow - growth [m3/s].
@@ -163,7 +163,7 @@ class Balance(NamedTuple):
 
 
 class Side(NamedTuple):
-    """What a face knows of the cell on one side of it.
+    """Quantities of the cell on one side of a face.
 
     conductivity g [m3/(Pa s)], transport t [m], velocity U [m/s], pressure p [Pa], film_fraction f
     [-].

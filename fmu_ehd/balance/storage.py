@@ -79,7 +79,7 @@ RECENT = 0.9
 
 
 class Past(NamedTuple):
-    """What a film remembers.
+    """Past of a film.
 
     content : ndarray, shape (n_c, n_a)
         c_n at the beginning of the step [m], >= 0.

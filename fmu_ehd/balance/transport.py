@@ -79,7 +79,7 @@ FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
 class PastTransport(NamedTuple):
-    """What the last step leaves behind for the transport of the next one.
+    """Results of the last step for the transport of the next one.
 
     film, film_before : ndarray, shape (7, n_c, n_a)
         Quantities of `films` at its end and at its beginning.
@@ -169,7 +169,7 @@ class Way(NamedTuple):
 
 @compiled(inline="always")
 def _holds_front(cell, onward, i, full):
-    """Whether oil goes from a cell into a full one; onward: 1 with ascending j, -1 against."""
+    """Return whether oil goes from a cell into a full one; onward: 1 with ascending j, else -1."""
     return 0 <= cell + onward < full.shape[1] and full[i, cell + onward]
 
 

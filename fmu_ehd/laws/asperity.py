@@ -54,7 +54,7 @@ FIT_REACH = 4.0
 
 
 class ContactConstants(NamedTuple):
-    """What contact depends on besides the film.
+    """Constants of contact.
 
     roughness_rms : composite sigma [m]; 0 = smooth, no contact;
     pressure_scale : from `pressure_scale` [Pa];

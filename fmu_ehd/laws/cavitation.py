@@ -56,7 +56,7 @@ class NotConverged(RuntimeError):
 
 
 class Switching(NamedTuple):
-    """What a solution says of the pattern it was made with.
+    """Pattern of full cells after a solution.
 
     pattern : ndarray of bool, shape (n_c, n_a), to go on with;
     switched : cells that want to switch, -1: the solution is not finite;

@@ -32,7 +32,7 @@ from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
 
 
 class Turning(NamedTuple):
-    """What shear around the circumference knows beyond `friction.ShearInputs`.
+    """Inputs of shear around the circumference, in addition to `friction.ShearInputs`.
 
     velocity : ndarray, W [m/s]; end : pressure beyond the two ends of a sector [Pa]; dx : cell size
     around [m]; ring : whether i is periodic.
@@ -127,7 +127,7 @@ def _speed(inputs, turning):
 
 @compilable
 def _gradients(inputs, turning, pressure):
-    """Those of `gradients_around` with the pressure of a step."""
+    """Return `gradients_around` with the pressure of a step."""
     return gradients_around(pressure, inputs.area, turning.end, turning.dx, turning.ring)
 
 

@@ -161,7 +161,7 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
 
 
 class Yielded(NamedTuple):
-    """What an iteration makes of a deflection.
+    """Result of an iteration of the deflection.
 
     deflection : ndarray, shape (n_c, n_a), to go on with [m];
     change : the largest, of either sign [m]; i, j : its cell;

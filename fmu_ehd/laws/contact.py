@@ -88,7 +88,7 @@ def _shares(x, before_there, after_there):
 
 @compiled(inline="always")
 def _exists(k, i, j, a, b, open_cells, ring):
-    """Whether entry k of the stencil of cell (i, j), cell (a, b), has a film of its own."""
+    """Return whether entry k of the stencil of cell (i, j), cell (a, b), has a film of its own."""
     if open_cells[a, b] or (a == i and b == j):
         return False
     return ring or abs(a - i) <= 1  # across the ends of a sector
@@ -96,7 +96,7 @@ def _exists(k, i, j, a, b, open_cells, ring):
 
 @compiled(inline="always")
 def _is_step(before, jump, after, least):
-    """Whether the gap steps by `jump`, Eq. (A12)."""
+    """Return whether the gap steps by `jump`, Eq. (A12)."""
     square = jump * jump
     steep = square > STEEPER * before * jump and square > STEEPER * after * jump
     return steep and abs(jump) > least  # Eq. (A12)

@@ -57,7 +57,7 @@ class ShearConstants(NamedTuple):
 
 
 class ShearInputs(NamedTuple):
-    """What friction depends on; arrays of shape (n_c, n_a) where nothing else is said.
+    """Inputs of friction; arrays have the shape (n_c, n_a) if nothing else is stated.
 
     pressure : p [Pa]; shearing : share of the film that shears f [-]; velocity : V [m/s];
     film : ndarray, shape (6, n_c, n_a), quantities of `films`, of which c and b count;

@@ -12,7 +12,7 @@ from .blocks import BlockTridiagonal
 
 
 class LinearSolver(Protocol):
-    """What a step of the film asks of a solver of Eq. (B1)."""
+    """Solver of Eq. (B1), as a step of the film needs it."""
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise the stencil, shape (5, n_c, n_a).
