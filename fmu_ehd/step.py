@@ -14,7 +14,7 @@ import numpy as np
 from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
 from . import step_parts as parts
-from .balance import coated_film, film_step, oil_layer, reynolds, storage
+from .balance import coated_film, film_step, oil_layer, reynolds
 from .balance.coated_film import CoatedFilm, Layer, Pressed
 from .balance.film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
 from .balance.films import COUETTE, STORED, FilmSlopes, Quantities
@@ -508,7 +508,6 @@ def start(
         content,
         still,
         still,
-        0.0,
         still,
         film,
         film,
@@ -659,7 +658,6 @@ def end(
         found.content,
         went.growth,
         before.growth,
-        storage.largest_growth(went.growth, before.largest_growth),
         solved.deflection,
         flow.quantities,
         before.film,

@@ -32,10 +32,10 @@ class Before(NamedTuple):
     starts the next one, so that a repeat takes the same path; pressure : at the end of the last
     step, above cavitation pressure [Pa]; content, growth, growth_before :
     film fraction times stored film [m], and its growth over the last step and the one before
-    [m/s]; largest_growth : the recent one [m/s], `storage.Past`; deflection : of the coating [m];
-    film, film_before : quantities of `films` at the end of the last two steps; passed, travel :
-    volume that passed the axial faces [m3], and travel of the entrainment there [m], in the last
-    step, `transport`; step : length of the last step [s], 0 at the start.
+    [m/s], `storage.Past`; deflection : of the coating [m]; film, film_before : quantities of
+    `films` at the end of the last two steps; passed, travel : volume that passed the axial faces
+    [m3], and travel of the entrainment there [m], in the last step, `transport`; step : length of
+    the last step [s], 0 at the start.
     """
 
     unknown: Field
@@ -44,7 +44,6 @@ class Before(NamedTuple):
     content: Field
     growth: Field
     growth_before: Field
-    largest_growth: float
     deflection: Field
     film: Quantities
     film_before: Quantities
@@ -69,9 +68,7 @@ class Begin(NamedTuple):
 @compiled
 def begin(before: Before, step: float):
     """Return the beginning of a step of length `step` [s]."""
-    past = Past(
-        before.content, before.growth, before.growth_before, before.largest_growth, before.step
-    )
+    past = Past(before.content, before.growth, before.growth_before, before.step)
     start = storage.euler_step(past, step)
     n_c, n_a = before.unknown.shape
     ratio = step / before.step if before.step > 0.0 else 0.0

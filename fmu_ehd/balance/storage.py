@@ -7,14 +7,11 @@ At the end of the step:
 Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta H_n r_n,   H_e = H - beta H_n
 Eq. (T2):  beta = m w^2 / (1 + 2 w),   w = min(H / H_n, 2)
 Eq. (T3):  beta = 0  where c_e < 0 in any cell
-Eq. (T4):  m = 4 (r_n.r_{n-1} / r^2 + 2 (1 - r/g)),   r = max(|r_n|, |r_{n-1}|),
-           g = max(r, g_n),   m not below 0, not above 1
-Eq. (T5):  g_n = max(|r_n|, 0.9 g_{n-1})
+Eq. (T4):  m = 4 r_n.r_{n-1} / max(r_n.r_n, r_{n-1}.r_{n-1}),   not below 0, not above 1
 
 c = f s content of a cell [m] (film fraction x stored film), c_n at the beginning of the step, r_n
 and r_{n-1} its growth in the last step and in the one before [m/s], H and H_n this step and the
-last one [s]. The dot is a sum over all cells, |r|^2 = r.r, g_n the recent largest |r| [m/s], m the
-memory of the film [-].
+last one [s]. The dot is a sum over all cells, m the memory of the film [-].
 
 Eq. (T1) is exact for a content linear in time whatever beta is, and for a quadratic one with that
 of Eq. (T2) with m = 1, which makes it BDF2; beta = 0 is backward Euler. The balance of a cell is
@@ -27,11 +24,10 @@ Memory is for a film that goes on as it went. BDF2 presses half of what last flo
 where a motion stops, and gives 3/2 of the pressure where one sets in: a full film that is squeezed
 in one step and then held would end with a void, and plates that close on a cavity would carry half
 as much again as they should. Eq. (T4) drops the memory where the last growth is unlike the one
-before: after a jump. In smooth motion both are alike but for O(H), and m = 1: the factor 4 keeps it
-there until one growth is less than a quarter of the other. Where a smooth motion turns round, both
-are unlike each other, but small next to the recent growth, Eq. (T5), and m = 1 there as well. Steps
-of first order at each reversal would let the film lag behind the bore by 3/4 of the change of
-travel in a step. Where nothing moves but round-off, m = 0.
+before: after a jump, and when all oil that moved stands still. In smooth motion both are alike but
+for O(H), and m = 1: the factor 4 keeps it there until one growth is less than a quarter of the
+other. Only where the oil turns round a step or two are of first order, which costs no order. Where
+nothing moves but round-off, m = 0.
 
 What m cannot see is the step to come. A film squeezed evenly for two steps or more and then stopped
 within one still gives up a third of its last growth there.
@@ -61,8 +57,6 @@ ed., Springer 1993, section III.5 (variable-step BDF and their stability).
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ...master.fmi.compiled import compiled
 from .grid import Array
 
@@ -74,8 +68,6 @@ NEGLIGIBLE = 1e-20
 # round-off of film fractions, and that of a plate that closes at 1 mm/s on 100 um in 1 us is 1e-5
 STANDSTILL = 1e-10
 WHOLE_MEMORY = 4.0  # the factor of Eq. (T4)
-# factor of Eq. (T5): where growth falls evenly through 0, the bracket of Eq. (T4) is above 1/4
-RECENT = 0.9
 
 
 class Past(NamedTuple):
@@ -86,8 +78,6 @@ class Past(NamedTuple):
     growth, growth_before : ndarray, shape (n_c, n_a)
         r_n and r_{n-1}, change of the content over the last step and the one before, a second
         [m/s]; 0 where there was none.
-    largest : float
-        g_n [m/s], 0 where there was no step.
     step : float
         H_n [s], >= 0; 0 where there was no step before.
     """
@@ -95,7 +85,6 @@ class Past(NamedTuple):
     content: Array
     growth: Array
     growth_before: Array
-    largest: float
     step: float
 
 
@@ -113,19 +102,9 @@ class EulerStep(NamedTuple):
 
 
 @compiled
-def largest_growth(growth: Array, largest: float):
-    """Return g_n [m/s] from r_n, shape (n_c, n_a), and g_{n-1}, Eq. (T5)."""
-    square = 0.0
-    for i in range(growth.shape[0]):
-        for j in range(growth.shape[1]):
-            square += growth[i, j] * growth[i, j]
-    return max(np.sqrt(square), RECENT * largest)  # Eq. (T5)
-
-
-@compiled
 def memory(past: Past):
-    """Memory m of a film [-], 0 to 1, by how alike its last two growths are, Eqs. (T4), (T5)."""
-    content, growth, growth_before, largest, step = past
+    """Memory m of a film [-], 0 to 1, by how alike its last two growths are, Eq. (T4)."""
+    content, growth, growth_before, step = past
     both = 0.0
     last = 0.0
     before = 0.0
@@ -139,9 +118,7 @@ def memory(past: Past):
     larger = max(last, before)
     if larger * step * step <= STANDSTILL * STANDSTILL * whole:
         return 0.0
-    size = np.sqrt(larger)
-    turning = 2.0 * (1.0 - size / max(size, largest))
-    return min(max(WHOLE_MEMORY * (both / larger + turning), 0.0), 1.0)  # Eq. (T4)
+    return min(max(WHOLE_MEMORY * both / larger, 0.0), 1.0)  # Eq. (T4)
 
 
 @compiled

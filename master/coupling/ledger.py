@@ -24,9 +24,9 @@ from .stepping import EnergyCreated
 from .wiring import Port
 from .work import Exchange
 
-LIMIT = 0.02
+LIMIT = 0.1
 """Largest spurious energy over the energy exchanged and stored, an assumption. The shipped cases
-have less, but for single steps of slaps on scarce oil (docs/measurements/impacts.md).
+have up to 2.5 %, steps of 2 deg with slap on scarce oil up to 7 % (docs/measurements/impacts.md).
 """
 REMEMBERED = 0.5
 """Fraction of the size and of the loss of a step that counts in the next one."""

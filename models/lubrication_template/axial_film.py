@@ -1,6 +1,6 @@
 """Example of your own lubrication FMU: change `advance`; README.md explains build and run."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,8 +8,7 @@ from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import constant, input_variable, output_variable, parameter
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     film: np.ndarray  # film thickness at the end of the last step [m], shape of the grid
 
 
@@ -45,8 +44,7 @@ class AxialFilm(FieldSlave):
 
     def advance(self, state, values, time, step):
         film = values["film_thickness"]
-        gap = film.clip(min=1e-6)
-        speed = values["sliding_velocity"]
+        gap, speed = film.clip(min=1e-6), values["sliding_velocity"]
         dy = values["skirt_length"] / film.shape[1]
         area = dy * 2 * np.pi * values["bore_radius"] / film.shape[0]
         resistance = 12 * values["viscosity"] / gap**3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance.storage import Past, euler_step, largest_growth, memory
+from piston_cosim.fmu_ehd.balance.storage import Past, euler_step, memory
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
@@ -15,7 +15,7 @@ SHAPE = (12, 10)
 def going_on(now, before, step):
     """Past of a film that grew in its last two steps alike."""
     growth = (now - before) / step
-    return Past(now, growth, growth, 0.0, step)
+    return Past(now, growth, growth, step)
 
 
 def rate_of_change(course, ends):
@@ -41,7 +41,7 @@ def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
 
 def test_the_first_step_is_backward_euler():
     content = np.random.default_rng(0).random(SHAPE)
-    past, step = euler_step(Past(content, 0.0 * content, 0.0 * content, 0.0, 0.0), 0.1)
+    past, step = euler_step(Past(content, 0.0 * content, 0.0 * content, 0.0), 0.1)
     assert np.array_equal(past, content) and step == 0.1
 
 
@@ -79,33 +79,10 @@ def test_no_cell_ever_owes_oil():
     ],
 )
 def test_memory_by_hand(growth, before, expected):
-    """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1 without larger growth before."""
+    """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1."""
     content = np.ones((1, 2))
-    past = Past(content, np.array([growth]), np.array([before]), 0.0, 1.0)
+    past = Past(content, np.array([growth]), np.array([before]), 1.0)
     assert memory(past) == pytest.approx(expected, rel=1e-14)
-
-
-def test_memory_where_growth_turns_round():
-    content = np.ones((1, 2))
-    turned = Past(content, np.array([[3.0, 4.0]]), np.array([[-1.5, -2.0]]), 8.0, 1.0)
-    # 4 (-12.5/25 + 2 (1 - 5/8))
-    assert memory(turned) == pytest.approx(1.0, rel=1e-14)
-    assert memory(turned._replace(largest=20.0 / 3.0)) == pytest.approx(0.0, abs=1e-14)
-    assert memory(turned._replace(largest=7.0)) == pytest.approx(4.0 * (-0.5 + 4.0 / 7.0))
-    # 10, or 0.9 of the largest growth before
-    assert largest_growth(np.array([[6.0, 8.0]]), 11.0) == pytest.approx(10.0)
-    assert largest_growth(np.array([[6.0, 8.0]]), 15.0) == pytest.approx(13.5)
-
-
-@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.75])
-def test_a_film_that_turns_round_smoothly_keeps_its_memory(phase):
-    largest, before = 0.0, np.zeros((1, 1))
-    for k in range(20):
-        growth = np.full((1, 1), 10.0 + phase - k)
-        largest = largest_growth(growth, largest)
-        if k > 0:
-            assert memory(Past(np.ones((1, 1)), growth, before, largest, 1.0)) == 1.0
-        before = growth
 
 
 @pytest.mark.parametrize("thinner", [18e-6, 10e-6])
@@ -174,8 +151,9 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     moved = np.abs(weights * inflows).sum()
     assert weights.sum() == pytest.approx(last, rel=1e-12)
     assert abs(grown - weights @ inflows) <= 1e-12 * moved  # round-off
-    # those of backward Euler would not do: measured 7e-5
-    assert abs(grown - np.diff([0.0, *random_ends(0, 720)]) @ inflows) > 1e-5 * moved
+    assert (
+        abs(grown - np.diff([0.0, *random_ends(0, 720)]) @ inflows) > 1e-4 * moved
+    )  # those of backward Euler would not do
 
 
 def test_an_opened_film_keeps_its_oil_in_steps_of_any_length():

@@ -237,6 +237,8 @@ def test_a_block_that_does_not_yield_leaves_each_cylinder_alone(tmp_path):
     behind the other is the other.
     """
     tree = held(engine_tree(in_line(0.0, 17.0, 720.0), GRID, STOP, ROUND_OFF))
+    for wire in tree["wires"]:  # without energy check, which halves steps of one engine alone
+        wire.pop("conjugate", None)
     together = computed(tree, tmp_path / "engine.h5")
     for k in (1, 2):
         single = computed(alone(tree, k), tmp_path / f"{k}.h5")
