@@ -3,7 +3,8 @@
 Transient Reynolds equation, cavitation, asperity contact and friction. Kernels are pure functions
 on arrays, each file with its numbered equations:
 
-laws        what a newcomer edits: viscosity, cavitation, contact, friction, roughness, coating
+oil         viscosity by temperature and shear rate (O)
+laws        viscosity by pressure, cavitation, contact, friction, roughness, coating
 balance     the film balance on its grid, and one time step of the film
 solvers     direct solvers of its linear systems
 

@@ -14,8 +14,8 @@ from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from .balance.grid import Array, Flags
 from .laws.cavitation import NotConverged
-from .laws.oil import Oil
 from .model import LubricationModel
+from .oil import Oil
 from .parameters import SURFACES, Parameters, faults
 from .step import Memory
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES

@@ -13,7 +13,7 @@ from ..master.fmi.option_classes import sentences, with_meanings
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from ..models import MODELS
-from .laws.oil import Oil, vogel_constants
+from .oil import Oil, vogel_constants
 from .options import BuildOptions
 from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES, variables
 

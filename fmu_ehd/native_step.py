@@ -18,10 +18,10 @@ from .balance.grid import Array, Cells, Field, keep
 from .contradictions import FULL_TURN, Kind, Supply, check_kind, edges_of, outside_of
 from .faults import STROKE_TOO_LONG, refuse
 from .laws import cavitation
-from .laws.oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
 from .laws.piezoviscosity import TABLE as LAW_TABLE
 from .laws.piezoviscosity import PressureLaw, pressure_law
 from .laws.roughness import fill_factor_table
+from .oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
 from .solvers.blocks import Factors
 from .step import Last, Linear, Memory
 from .summary import Halves

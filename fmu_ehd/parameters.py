@@ -11,8 +11,8 @@ from .faults import FAULTS
 from .laws.asperity import CONTACT_LAWS
 from .laws.cavitation import CAVITATION
 from .laws.friction import CAVITY_SHEAR
-from .laws.oil import Oil
 from .laws.roughness import FLOW_FACTORS
+from .oil import Oil
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")

@@ -8,7 +8,7 @@ from typing import Any
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
 from .build import prepare
-from .laws.oil import Oil
+from .oil import Oil
 from .options import BuildOptions
 from .parameters import Parameters, faults
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES

@@ -9,8 +9,8 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from .laws.cavitation import NotConverged
-from .laws.oil import Oil
 from .model import LubricationModel
+from .oil import Oil
 from .options import BuildOptions
 from .parameters import Parameters, faults
 from .step import Memory

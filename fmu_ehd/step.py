@@ -40,8 +40,8 @@ from .laws.circumferential import Changes, Turning, TurningSlopes
 from .laws.coating import Softness
 from .laws.contact import contact_changes, has_narrow_steps
 from .laws.friction import ForceSlopes, ShearInputs
-from .laws.oil import Thinning
 from .laws.piezoviscosity import NONE, TruePressure, raised, true_pressure
+from .oil import Thinning
 from .solvers.sparse import LinearSolver
 from .summary import Halves
 from .surroundings import Surroundings

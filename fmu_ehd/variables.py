@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .declaration import choices_of, variables_of
-from .laws.oil import Oil
+from .oil import Oil
 from .parameters import OF_BEARINGS, Parameters
 
 CONTRACT_VERSION = 2

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..laws.oil import NO_THINNING, Thinning, tangent_thinning, thinning
+from ..oil import NO_THINNING, Thinning, tangent_thinning, thinning
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes, rough_film, smooth_film
 from .grid import Array
 

@@ -1,6 +1,5 @@
 """Laws of a film.
 
-oil              viscosity by temperature and shear rate (O)
 piezoviscosity   viscosity by pressure (O)
 cavitation       cavitation models and the active set (C)
 roughness        average flow factors (R)

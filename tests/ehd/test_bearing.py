@@ -10,8 +10,8 @@ import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance.grid import Grid
 from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
-from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput

@@ -10,8 +10,8 @@ from piston_cosim.fmu_ehd.balance.films import (
     smooth_film,
 )
 from piston_cosim.fmu_ehd.laws import roughness
-from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (6, 5)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
-from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,

@@ -6,8 +6,8 @@ from scipy.integrate import trapezoid
 
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, Sheared, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
-from piston_cosim.fmu_ehd.laws.oil import Oil, tangent_thinning, thinning
 from piston_cosim.fmu_ehd.laws.piezoviscosity import pressure_of, reduced_pressure, viscosity_ratio
+from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning, thinning
 from piston_cosim.models import MODELS
 from piston_cosim.tests.verification.cases.thinned_pad import (
     generalised_newtonian_load,

@@ -33,8 +33,8 @@ from piston_cosim.fmu_ehd.balance.reynolds import BY_FILM, BY_VELOCITY, Filling,
 from piston_cosim.fmu_ehd.laws import coating
 from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table, point_contact
 from piston_cosim.fmu_ehd.laws.contact import Contact
-from piston_cosim.fmu_ehd.laws.oil import CROSS_1965, Thinning
 from piston_cosim.fmu_ehd.laws.piezoviscosity import TruePressure
+from piston_cosim.fmu_ehd.oil import CROSS_1965, Thinning
 
 VISCOSITY = 0.012  # [Pa s]
 FILM = 6e-6  # [m]

@@ -21,8 +21,8 @@ from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.laws import roughness
 from piston_cosim.fmu_ehd.laws.asperity import fitted_integral, gaussian_integral
-from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 SHAPE = (4, 6)

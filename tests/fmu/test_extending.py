@@ -18,7 +18,7 @@ FILES = ("__init__.py", "__main__.py", "LICENSE", "README.md", "pyproject.toml")
 PARTS = ("fmu_ehd", "fmu_mfbd", "master", "models")
 
 VISCOSITY_LAW = {
-    "fmu_ehd/laws/oil.py": [
+    "fmu_ehd/oil.py": [
         ('"walther_1931", "two_point")', '"walther_1931", "two_point", "reynolds_1886")'),
         ("WALTHER_1931, TWO_POINT = range", "WALTHER_1931, TWO_POINT, REYNOLDS_1886 = range"),
         (

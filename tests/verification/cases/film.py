@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
+from piston_cosim.fmu_ehd import oil
 from piston_cosim.fmu_ehd.balance import storage
 from piston_cosim.fmu_ehd.balance.film_step import FilmSolution, FilmStep
 from piston_cosim.fmu_ehd.balance.films import (
@@ -30,7 +31,7 @@ from piston_cosim.fmu_ehd.balance.grid import (
     in_plenty,
 )
 from piston_cosim.fmu_ehd.balance.storage import EulerStep, Past
-from piston_cosim.fmu_ehd.laws import asperity, oil, roughness
+from piston_cosim.fmu_ehd.laws import asperity, roughness
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, viscous_force
 from piston_cosim.fmu_ehd.parameters import Parameters

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd.laws.oil import Oil, thinning
 from piston_cosim.fmu_ehd.model import LubricationModel
+from piston_cosim.fmu_ehd.oil import Oil, thinning
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 LENGTH, INLET, OUTLET = 10e-3, 4e-6, 2e-6  # [m]

@@ -45,10 +45,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
-from ..balance.grid import Array
-from ..declaration import choice, declared
-from .piezoviscosity import PRESSURE_VISCOSITY_LAWS, TABLE, PressureLaw, pressure_law
+from ..master.fmi.compiled import compilable
+from .balance.grid import Array
+from .declaration import choice, declared
+from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TABLE, PressureLaw, pressure_law
 
 ZERO_CELSIUS = 273.15  # [K]
 
