@@ -103,8 +103,12 @@ class Fate:
 def read_mutants(path):
     """The recorded mutants, each with the test file that is likeliest to notice it."""
     record = tomllib.loads(path.read_text())
-    first = record["first"]
-    return [Mutant(**entry, first=first.get(entry["file"], "")) for entry in record["mutant"]]
+    first = record.pop("first")
+    return [
+        Mutant(file, **entry, first=first.get(file, ""))
+        for file, entries in record.items()
+        for entry in entries
+    ]
 
 
 def copy_tree(source, target, copy=shutil.copy2):
