@@ -11,7 +11,7 @@ from .common import console
 def command(*names: str):
     """Run the benchmarks of a source checkout.
 
-    Example: piston-cosim bench mfbd_step
+    Example: piston-cosim bench ehd_step
 
     Parameters
     ----------

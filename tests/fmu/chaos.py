@@ -1,6 +1,6 @@
 """Runs of a coupled pair that are killed, frozen, starved of disk or whose files are damaged, and
 resumed until they end: the tables must be those of an undisturbed run, bit for bit.
-Run: python tests/fmu/chaos.py 120; an hour: piston-cosim bench chaos
+Run: python tests/fmu/chaos.py 120
 
 What cannot be gone on with (a damaged checkpoint) must be refused by a sentence; it is begun again
 then, as a user would.

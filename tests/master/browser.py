@@ -191,10 +191,8 @@ class Browser:
         ]
         return [url for url in urls if not url.startswith(("file:", "data:", "blob:", "about:"))]
 
-    def seconds(self, kind: str = "") -> float:
-        """Processor time that all its processes have taken, or those of a kind, as "gpu-process"
-        [s].
-        """
+    def seconds(self) -> float:
+        """Return the processor time of all its processes [s]."""
         ticks = 0
         family = {self._process.pid}
         for stat in sorted(Path("/proc").glob("[0-9]*/stat"), key=lambda path: int(path.parts[2])):
@@ -204,38 +202,26 @@ class Browser:
                 continue
             if pid in family or int(rest[1]) in family:
                 family.add(pid)
-                if kind and f"--type={kind}" not in (stat.parent / "cmdline").read_text():
-                    continue
                 ticks += int(rest[11]) + int(rest[12])
         return ticks / os.sysconf("SC_CLK_TCK")
 
 
-PLAYED = """const begin = performance.now();
-byId("play").click();
+PLAYED = """byId("play").click();
 while (play.count < %d) await new Promise(done => requestAnimationFrame(done));
-byId("play").click(); return [play.count, (performance.now() - begin) / 1e3];"""
+byId("play").click();"""
 WARMING = 20
 """Frames until the browser has compiled what it plays with."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How a page plays.
+    """Processor time of a frame of a page that plays [ms].
 
-    rate : frames a second by the clock; page, graphics, all : processor time a frame, of the
-    page's own thread, of the process that draws bodies and puts the picture together, and of all
-    processes [ms].
+    page : of the page's own thread; all : of all processes.
     """
 
-    rate: float
     page: float
-    graphics: float
     all: float
-
-
-def first_picture(browser: Browser) -> float:
-    """When the page has drawn its first picture, by the clock since it was asked for [s]."""
-    return browser.run('return performance.getEntriesByName("first picture")[0].startTime') / 1e3
 
 
 def pace(browser: Browser, frames: int) -> Pace:
@@ -246,12 +232,10 @@ def pace(browser: Browser, frames: int) -> Pace:
         " await new Promise(done => setTimeout(done, 50));"
     )
     browser.run(PLAYED % WARMING)
-    taken, drawn = browser.seconds(), browser.seconds("gpu-process")
+    taken = browser.seconds()
     tasks = browser.metrics()["TaskDuration"]
-    frames, seconds = browser.run(PLAYED % frames)
+    browser.run(PLAYED % frames)
     return Pace(
-        rate=frames / seconds,
         page=1e3 * (browser.metrics()["TaskDuration"] - tasks) / frames,
-        graphics=1e3 * (browser.seconds("gpu-process") - drawn) / frames,
         all=1e3 * (browser.seconds() - taken) / frames,
     )

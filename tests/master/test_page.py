@@ -520,9 +520,8 @@ def test_displacements_are_modes_times_coordinates(window):
 
 
 def test_first_picture_and_frames_a_second(tmp_path):
-    """By processor time, which other work on the machine hardly changes (tests/bench/page.py has
-    the clock's): the thread of the page takes less than the 33 ms of a frame at 30 a second; the
-    first picture less than 2 s.
+    """By processor time, which other work on the machine hardly changes: a frame at 30 a second has
+    33 ms for the thread of the page, and the first picture 2 s.
     """
     page = large_page(tmp_path)
     assert page.stat().st_size < 5e6
