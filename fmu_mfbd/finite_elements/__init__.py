@@ -1,10 +1,10 @@
 """Meshes and matrices.
 
-mesh           reading, named surfaces, faults
-regions        surfaces that the file does not name
+mesh           reader, named surfaces, faults
+regions        surfaces by geometry
 point_cloud    nodes without elements
 element        ten-node tetrahedron by scikit-fem (M)
 faces          triangles and pressure on them (M)
 matrices       stiffness and mass of another program (M)
-solver         sparse direct solvers, answers kept on disk
+solver         sparse direct solvers, and a cache of their solutions
 """

@@ -1,4 +1,7 @@
-"""ANSYS archive (.cdb, as CDWRITE writes it): nodes, tetrahedra and components of nodes."""
+"""ANSYS archives (.cdb, as CDWRITE writes them): nodes, tetrahedra and components of nodes.
+
+meshio 5.3.5 does not read this format.
+"""
 
 import re
 from collections import Counter
@@ -10,19 +13,19 @@ import numpy as np
 from .deck import Deck, MeshFault, rows_by_number, rows_of, tetrahedra
 
 TETRAHEDRA = {"187": 10, "92": 10, "285": 4}
-"""Nodes of the structural tetrahedra, by the number of the element type."""
+"""Numbers of nodes of the structural tetrahedra, by the number of the element type."""
 SOLIDS = {"5", "45", "62", "70", "87", "90", "95", "96", "98", "122", "123", "148", "168"}
 SOLIDS |= {"185", "186", "190", "226", "227", "232", "237", "240", "278", "279", "291"}
-"""Other elements that fill a volume; what is neither (contact, shells, springs) is passed over."""
+"""Other solid elements. The reader skips all others, for example contact, shells and springs."""
 
 
 def read_ansys(path: Path) -> Deck:
-    """Nodes, tetrahedra (SOLID187, 92, 285) and components of nodes of an archive in blocks.
+    """Read nodes, tetrahedra (SOLID187, 92, 285) and components of nodes of an archive in blocks.
 
     Raises
     ------
     MeshFault
-        Where it has no block of nodes or solid elements, or a tetrahedron lacks a middle node.
+        If there is no block of nodes or solid elements, or a tetrahedron lacks a middle node.
     """
     lines = iter(path.read_text(errors="replace").splitlines())
     labels: list[int] = []
@@ -57,7 +60,7 @@ def read_ansys(path: Path) -> Deck:
     for label, type_number, nodes in elements:
         kind = kinds.get(type_number, "")
         if kind in TETRAHEDRA:
-            tets.append(rows_of(number, _all(kind, label, nodes), f"element {label}"))
+            tets.append(rows_of(number, _nodes(kind, label, nodes), f"element {label}"))
         elif kind in SOLIDS or not kind:
             other[f"SOLID{kind}" if kind else f"type {type_number}, which no ET names"] += 1
     sets = {
@@ -67,8 +70,8 @@ def read_ansys(path: Path) -> Deck:
     return Deck(np.array(points), tetrahedra(tets), sets, labels=np.array(labels), other=other)
 
 
-def _all(kind, label, nodes):
-    """The nodes of a tetrahedron; a middle node that is missing is 0 in the file."""
+def _nodes(kind, label, nodes):
+    """Return the nodes of a tetrahedron; a missing middle node is 0 in the file."""
     count = TETRAHEDRA[kind]
     if len(nodes) < count or 0 in nodes[:count]:
         raise MeshFault([f"element {label}, SOLID{kind}: expected {count} nodes, got {len(nodes)}"])
@@ -76,12 +79,8 @@ def _all(kind, label, nodes):
 
 
 def _read_nodes(lines, labels, points):
-    """Nodes of an NBLOCK: numbers of a width, then reals; reals left out at the end are 0."""
-    style = next(lines)
-    found = re.match(r"\s*\(\s*(\d+)i(\d+)\s*,\s*\d+[a-z](\d+)", style, re.IGNORECASE)
-    if not found:
-        raise MeshFault([f"NBLOCK: expected a known format, got {style.strip()!r}"])
-    integers, width, size = (int(text) for text in found.groups())
+    """Read the nodes of an NBLOCK: integers, then reals, which are 0 if omitted at the end."""
+    integers, width, size = _format(r"(\d+)i(\d+)\s*,\s*\d+[a-z](\d+)", next(lines))
     first = integers * width
     for line in lines:
         if line.upper().startswith("N,") or line.split(",")[0].strip() == "-1":
@@ -92,10 +91,11 @@ def _read_nodes(lines, labels, points):
 
 
 def _elements(lines: Iterator[str]) -> Iterator[tuple[int, str, list[int]]]:
-    """Number, type and nodes of each element of an EBLOCK with SOLID: eleven numbers, of which the
-    ninth counts the nodes, then these.
+    """Yield number, type and nodes of each element of an EBLOCK with SOLID.
+
+    An element has eleven numbers, of which the ninth is the number of nodes, and then its nodes.
     """
-    width = _width(next(lines))
+    (width,) = _format(r"\d+i(\d+)\s*\)", next(lines))
     for line in lines:
         row = _numbers(line, width)
         if not row or row[0] == -1:
@@ -107,8 +107,8 @@ def _elements(lines: Iterator[str]) -> Iterator[tuple[int, str, list[int]]]:
 
 
 def _component(lines, words):
-    """Component of a CMBLOCK, of nodes; a negative number ends a range."""
-    width = _width(next(lines))
+    """Return the component of a CMBLOCK of nodes, where a negative number ends a range."""
+    (width,) = _format(r"\d+i(\d+)\s*\)", next(lines))
     _, name, kind, count, *_ = words
     numbers: list[int] = []
     while len(numbers) < int(count):
@@ -121,14 +121,15 @@ def _component(lines, words):
     return {name: nodes}
 
 
-def _width(style):
-    """Width of the numbers of a block."""
-    found = re.match(r"\s*\(\s*\d+i(\d+)\s*\)", style, re.IGNORECASE)
-    if not found:
-        raise MeshFault([f"block: expected a known format, got {style.strip()!r}"])
-    return int(found[1])
+def _format(pattern, line):
+    """Return the numbers in the format line of a block."""
+    match = re.match(r"\s*\(\s*" + pattern, line, re.IGNORECASE)
+    if not match:
+        raise MeshFault([f"block: expected a known format, got {line.strip()!r}"])
+    return [int(text) for text in match.groups()]
 
 
 def _numbers(line, width):
+    """Return the integers of a line of columns."""
     line = line.rstrip()
     return [int(line[k : k + width]) for k in range(0, len(line), width)]

@@ -1,4 +1,4 @@
-"""How the elements of a mesh are connected: outer faces, and faults in the connections."""
+"""Connections of the elements of a mesh: outer faces, and faults."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ COINCIDENT = 1e-3
 
 
 def outer_faces(tets: np.ndarray) -> np.ndarray:
-    """6-node faces that belong to one tetrahedron only, normals outwards, shape (t, 6)."""
+    """Return the 6-node faces of one tetrahedron only, (t, 6), with outward normals."""
     faces = tets[:, FACES].reshape(-1, 6)
     corners = np.sort(faces[:, :3], axis=1)
     _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)

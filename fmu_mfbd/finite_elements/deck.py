@@ -1,27 +1,31 @@
-"""What a mesh file of any program holds: nodes, tetrahedra, sets of nodes, named faces."""
+"""Contents of a mesh file of any program: nodes, tetrahedra, sets of nodes, named faces."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 LINEAR, QUADRATIC = 4, 10
-"""Nodes of a tetrahedron."""
+"""Numbers of nodes of a tetrahedron."""
 
 
 class MeshFault(ValueError):
-    """A mesh that cannot be used; `faults` holds one sentence each."""
+    """Error for a mesh that cannot be used; `faults` contains one sentence for each fault."""
 
     def __init__(self, faults: Iterable[str]):
         self.faults = list(faults)
         super().__init__("\n".join(self.faults))
 
+    def of_file(self, path: Path | str) -> "MeshFault":
+        """Return the error with the path in front of each sentence that does not name it."""
+        return MeshFault(text if str(path) in text else f"{path}: {text}" for text in self.faults)
+
 
 @dataclass(frozen=True)
 class Deck:
-    """A mesh file as it is, in its own axes and units.
+    """Contents of a mesh file in its own axes and units.
 
     Parameters
     ----------
@@ -33,9 +37,9 @@ class Deck:
     faces : dict of str to ndarray of int, shape (t, 3)
         Corners of the triangles of each named surface.
     labels : ndarray of int, shape (n,), optional
-        The file's numbers of its nodes; None where one number stands for several.
+        Node numbers in the file; None if several nodes have the same number.
     other : Counter
-        How many elements it holds of each other kind, by the file's word.
+        Number of elements of each other type, by their name in the file.
     """
 
     points: np.ndarray
@@ -46,31 +50,31 @@ class Deck:
     other: Counter[str] = field(default_factory=Counter)
 
     def known(self) -> list[str]:
-        """Names of its surfaces."""
+        """Return the names of the surfaces."""
         return sorted(set(self.node_sets) | set(self.faces))
 
 
-def rows_of(number: Mapping[int, int], nodes: Iterable[int], what: str) -> list[int]:
-    """Rows of nodes that the file names by number.
+def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list[int]:
+    """Return the rows of nodes with the given numbers.
 
     Raises
     ------
     MeshFault
-        At a number that no node has.
+        If no node has the number; the message begins with `owner`.
     """
     try:
         return [number[node] for node in nodes]
     except KeyError as error:
-        raise MeshFault([f"{what}: expected a known node, got {error.args[0]}"]) from None
+        raise MeshFault([f"{owner}: expected a known node, got {error.args[0]}"]) from None
 
 
 def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> dict[int, int]:
-    """First row of each node by its number.
+    """Return the first row of each node number.
 
     Raises
     ------
     MeshFault
-        Where a number stands for two places.
+        If two nodes at different positions have the same number.
     """
     number: dict[int, int] = {}
     for row, label in enumerate(labels):
@@ -80,46 +84,60 @@ def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> 
     return number
 
 
-def tetrahedra(found: Sequence[Sequence[int]], first: int = 0) -> np.ndarray:
-    """Tetrahedra of one order, (e, 10) or (e, 4), rows counted from `first` on.
+def tetrahedra(elements: Sequence[Sequence[int]]) -> np.ndarray:
+    """Return tetrahedra of one order as an array, (e, 10) or (e, 4).
 
     Raises
     ------
     MeshFault
-        Where linear and quadratic ones stand side by side.
+        If there are both linear and quadratic tetrahedra.
     """
-    kinds = Counter(len(one) for one in found)
+    kinds = Counter(map(len, elements))
     if len(kinds) > 1:
         raise MeshFault(
             [
                 f"body: expected ten-node tetrahedra only, got {kinds[LINEAR]} of "
-                f"{kinds[LINEAR] + kinds[QUADRATIC]} with four nodes"
+                f"{len(elements)} with four nodes"
             ]
         )
-    shape = (-1, 10) if not found else (len(found), len(found[0]))
-    return np.array(found, dtype=np.int64).reshape(shape) + first
+    return np.array(elements, dtype=np.int64).reshape(-1, *(kinds or [QUADRATIC]))
 
 
-def included(path: Path, name: str, above: Sequence[Path]) -> Path:
-    """File that a deck includes, beside the deck that names it.
+def lines_of(
+    path: Path,
+    clean: Callable[[str], Iterable[str]],
+    include: Callable[[str], str | None],
+    above: tuple[Path, ...] = (),
+) -> Iterator[str]:
+    """Yield the lines of a deck, with those of included files instead of the include lines.
 
     Parameters
     ----------
     path : Path
-        The including deck.
-    name : str
-        As the deck gives it.
-    above : sequence of Path
-        Decks that are being read.
+    clean : callable
+        Splits the text of a file into lines without comments.
+    include : callable
+        Returns the file name in an include line, relative to the including file, and None for other
+        lines.
+    above : tuple of Path
+        Decks that include this one.
 
     Raises
     ------
     MeshFault
-        If it is not there, or includes itself.
+        If an included file does not exist, or includes itself.
     """
-    found = path.parent / name
-    if not found.is_file():
-        raise MeshFault([f"{path.name}: expected to include {name!r}, got no such file {found}"])
-    if found.resolve() in [one.resolve() for one in above]:
-        raise MeshFault([f"{path.name}: expected no circular include, got {name!r}"])
-    return found
+    above = (*above, path.resolve())
+    for line in clean(path.read_text(errors="replace")):
+        name = include(line)
+        if name is None:
+            yield line
+            continue
+        inner = path.parent / name
+        if not inner.is_file():
+            raise MeshFault(
+                [f"{path.name}: expected to include {name!r}, got no such file {inner}"]
+            )
+        if inner.resolve() in above:
+            raise MeshFault([f"{path.name}: expected no circular include, got {name!r}"])
+        yield from lines_of(inner, clean, include, above)

@@ -1,5 +1,6 @@
-"""Ten-node tetrahedron: stiffness, consistent mass and stress of linear isotropic elasticity,
-assembled by scikit-fem.
+"""Ten-node tetrahedron of linear isotropic elasticity: stiffness, consistent mass and stress.
+
+scikit-fem assembles the matrices and supplies the shape functions.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,12 +13,12 @@ from skfem import Basis, BilinearForm, ElementTetP2, MeshTet2
 
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 Sparse: TypeAlias = Any
-"""A sparse matrix; scipy ships no types of its own."""
+"""Sparse matrix; scipy has no types for it."""
 NODES = ElementTetP2.doflocs
 """Reference coordinates of the ten nodes, shape (10, 3): corners, then the middles of `EDGES`."""
 CORNERS = 4
 COMPONENTS = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
-"""Of a stress tensor, in the order xx, yy, zz, xy, yz, zx."""
+"""Components of a stress tensor in the order xx, yy, zz, xy, yz, zx."""
 PART = 50_000  # elements assembled at a time: bounds the memory of large bodies
 
 
@@ -37,8 +38,12 @@ class Quadrature(NamedTuple):
 
 
 class NodalBasis(NamedTuple):
-    """Basis of scikit-fem for one displacement component, and the number in it of each node,
-    (n,).
+    """Basis of scikit-fem for one displacement component, and its degree of freedom of each node.
+
+    Parameters
+    ----------
+    basis : Basis
+    number : ndarray of int, shape (n,)
     """
 
     basis: Basis
@@ -46,16 +51,16 @@ class NodalBasis(NamedTuple):
 
 
 class Lame(NamedTuple):
-    """lambda and mu [Pa]."""
+    """Lame's constants lambda and mu [Pa]."""
 
     first: float
     shear: float
 
 
 def quadrature(points_a_side: int) -> Quadrature:
-    """Conical product rule on the reference tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1).
+    """Return the conical product rule on the tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1).
 
-    Exact for polynomials of degree 2 n - 1 with n points a side.
+    With n points on each side, it is exact for polynomials of degree 2 n - 1.
 
     Parameters
     ----------
@@ -82,13 +87,13 @@ def quadrature(points_a_side: int) -> Quadrature:
 
 
 def _jacobi_rule(points, power):
-    """Points and weights of a Gauss rule on 0 to 1 for the weight function (1 - x)^power."""
+    """Return points and weights of a Gauss rule on 0 to 1 for the weight (1 - x)^power."""
     x, weight = roots_jacobi(points, float(power), 0.0)
     return (x + 1) / 2, weight / 2 ** (power + 1)
 
 
 def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> NodalBasis:
-    """Basis of scikit-fem on isoparametric ten-node tetrahedra.
+    """Return a basis of scikit-fem on isoparametric ten-node tetrahedra.
 
     Parameters
     ----------
@@ -97,7 +102,7 @@ def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> Nod
     tets : ndarray of int, shape (e, 10)
         Corners, then edge nodes in the order of `EDGES`; every node belongs to an element.
     rule : Quadrature
-        The tabulated rules of scikit-fem 12 above degree 4 miss the last degree they claim.
+        The tables of scikit-fem 12 above degree 4 are not exact for the degree that they state.
     """
     mesh = MeshTet2(np.ascontiguousarray(points.T), np.ascontiguousarray(tets.T))
     basis = Basis(mesh, ElementTetP2(), quadrature=(rule.position.T, rule.weight))
@@ -107,14 +112,14 @@ def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> Nod
 
 
 def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float) -> Sparse:
-    """Stiffness matrix of isotropic linear elasticity.
+    """Return the stiffness matrix of isotropic linear elasticity.
 
     Eq. (M1):  K_(ia)(jb) = lambda D^ab_ij + mu D^ba_ij + mu delta_ab D^cc_ij,
                D^ab_ij = int N_i,a N_j,b dV,  lambda and mu by Eq. (M2)
 
-    Degrees of freedom are ordered x, y, z of node 0, then of node 1, and so on. Quadrature of
-    degree 5: exact on straight-edged elements (degree 2), on curved ones far inside the error of
-    the elements. Six scalar forms instead of one of vectors: it takes a twelfth of the time.
+    Degrees of freedom are ordered x, y, z of node 0, then of node 1, and so on. The quadrature has
+    degree 5 and is exact on straight-edged elements (degree 2). On curved elements its error is
+    far smaller than that of the elements. Scalar forms are faster than one form of vectors.
 
     Parameters
     ----------
@@ -152,7 +157,7 @@ def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float
 
 
 def lame_constants(young: float, poisson: float) -> Lame:
-    """Lame's constants from Young's modulus [Pa] and Poisson's ratio [-].
+    """Return Lame's constants for Young's modulus [Pa] and Poisson's ratio [-].
 
     Eq. (M2):  lambda = E nu / ((1 + nu)(1 - 2 nu)),  mu = E / (2 (1 + nu))
     """
@@ -161,12 +166,12 @@ def lame_constants(young: float, poisson: float) -> Lame:
 
 
 def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Sparse:
-    """Consistent mass matrix.
+    """Return the consistent mass matrix.
 
     Eq. (M3):  M_(ia)(jb) = delta_ab int rho N_i N_j dV
 
-    Quadrature of degree 7: exact for N_i N_j (degree 4) times the Jacobian determinant of a curved
-    element (degree 3).
+    The quadrature of degree 7 is exact: N_i N_j has degree 4, and the Jacobian determinant of a
+    curved element has degree 3.
 
     Parameters
     ----------
@@ -186,14 +191,14 @@ def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Spa
 
 
 def each_direction(scalar: Sparse) -> Sparse:
-    """Matrix of one displacement component (n, n) -> the same for all three (3 n, 3 n)."""
+    """Return the matrix of all three displacement components, (3 n, 3 n), from that of one."""
     return sp.csc_matrix(sp.kron(scalar, sp.identity(3), format="csc"))
 
 
 def _assemble(
     points: np.ndarray, tets: np.ndarray, points_a_side: int, forms: Sequence[Callable]
 ) -> list[Sparse]:
-    """Matrices of scalar bilinear forms, each (n, n) in the order of the nodes."""
+    """Return the matrices of scalar bilinear forms, each (n, n) in the order of the nodes."""
     totals = [sp.csr_matrix((len(points),) * 2)] * len(forms)
     rule = quadrature(points_a_side)
     for part in np.array_split(tets, -(-len(tets) // PART)):
@@ -207,10 +212,9 @@ def _assemble(
 
 
 def jacobian_determinants(points: np.ndarray, tets: np.ndarray, position: np.ndarray) -> np.ndarray:
-    """Determinant of the isoparametric map of each element at reference positions (q, 3), shape (e,
-    q) [m3]; positive in a sound element.
+    """Return the Jacobian determinant of each element, (e, q) [m3], at reference positions (q, 3).
 
-    Eq. (M16):  J = det sum_k r_k (dN_k/dxi)^T
+    Eq. (M16):  J = det sum_k r_k (dN_k/dxi)^T      positive if the element is not inverted
     """
     _, slopes = shape_functions(position)
     along = np.einsum("qka,eki->aeqi", slopes, points[tets], optimize=True)
@@ -219,29 +223,26 @@ def jacobian_determinants(points: np.ndarray, tets: np.ndarray, position: np.nda
 
 
 def shape_functions(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """N (q, 10) and dN/dxi (q, 10, 3) of the ten-node tetrahedron at reference positions (q, 3);
-    nodes as in `tets`.
-    """
+    """Return N, (q, 10), and dN/dxi, (q, 10, 3), at reference positions, (q, 3)."""
     element = ElementTetP2()
-    found = [element.lbasis(position.T, k) for k in range(len(NODES))]
-    values, slopes = zip(*found)
+    values, slopes = zip(*(element.lbasis(position.T, k) for k in range(len(NODES))))
     return np.stack(values, axis=-1), np.stack([slope.T for slope in slopes], axis=1)
 
 
 def corner_stress(
     points: np.ndarray, tets: np.ndarray, displacement: np.ndarray, young: float, poisson: float
 ) -> np.ndarray:
-    """Stress in each element at its corners.
+    """Return the stress in each element at its corners.
 
     Eq. (M4):  sigma = lambda tr(eps) 1 + 2 mu eps,   eps = (grad u + grad u^T)/2
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-        [m]; every one belongs to an element.
+        [m]; every node belongs to an element.
     tets : ndarray of int, shape (e, 10)
     displacement : ndarray, shape (n, 3) or (n, 3, k)
-        [m], or k of them, such as mode shapes.
+        One displacement or k of them, for example mode shapes [m].
     young, poisson : float
         [Pa], [-]
 
@@ -270,8 +271,7 @@ def corner_stress(
 
 
 def nodal_stress(tets: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Stress at the nodes: at a corner the mean of the elements that meet there, in the middle of
-    an edge the mean of its ends.
+    """Return the stress at the nodes: the mean of the elements, on edges the mean of the ends.
 
     A corner has five times as many elements as an edge, so its mean is smoother. Stress of ten-node
     elements is linear within them.
@@ -297,7 +297,7 @@ def nodal_stress(tets: np.ndarray, stress: np.ndarray) -> np.ndarray:
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
-    """Equivalent stress of (n, 6) stresses xx, yy, zz, xy, yz, zx [Pa].
+    """Return the equivalent stress of stresses xx, yy, zz, xy, yz, zx, (n, 6) [Pa].
 
     Eq. (M5):  sqrt(((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2)/2 + 3 (xy^2 + yz^2 + zx^2))
     """
@@ -307,9 +307,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 
 
 def rigid_motions(points: np.ndarray) -> np.ndarray:
-    """Six rigid-body motions about the origin: translations along x, y, z, rotations about them, (3
-    n, 6).
-    """
+    """Return translations along x, y, z and rotations about these axes, (3 n, 6)."""
     out = np.zeros((len(points), 3, 6))
     out[:, :, :3] = np.eye(3)
     for axis in range(3):

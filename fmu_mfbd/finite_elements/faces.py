@@ -1,6 +1,4 @@
-"""Faces of a body: triangles of 3 or 6 nodes, their shape functions, pressure on them, their area
-at the nodes, products of normal motions over them.
-"""
+"""Faces of a body: triangles of 3 or 6 nodes, and integrals of pressure and motion over them."""
 
 from typing import NamedTuple
 
@@ -12,9 +10,7 @@ from .element import Sparse
 
 
 class ShapeFunctions(NamedTuple):
-    """Shape functions of a triangle at some points and their derivatives along s and t, each of
-    shape (q, nodes).
-    """
+    """Shape functions of a triangle and their derivatives along s and t, each (q, nodes)."""
 
     value: np.ndarray
     ds: np.ndarray
@@ -29,7 +25,7 @@ class FaceRule(NamedTuple):
     value : ndarray, shape (q, nodes)
         Shape functions.
     weight : ndarray, shape (q,)
-        On the reference triangle.
+        Weights on the reference triangle.
     normal : ndarray, shape (t, q, 3)
         Normals times area [m2].
     """
@@ -40,7 +36,7 @@ class FaceRule(NamedTuple):
 
 
 def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = -1.0) -> np.ndarray:
-    """Consistent nodal forces of a unit pressure on faces, following the outward normal.
+    """Return consistent nodal forces of a unit pressure on faces.
 
     Eq. (M6):  f_i = -int N_i n dA        faces ordered so that (X1-X0) x (X2-X0) points outwards
 
@@ -51,7 +47,7 @@ def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = 
     triangles : ndarray of int, shape (t, 3 or 6)
         Corners, then perhaps the middles of edges 01, 12, 20.
     pressure_sign : float
-        -1 for a pressure that pushes into the body, +1 along the outward normal.
+        -1 for a force into the body, +1 along the outward normal.
 
     Returns
     -------
@@ -67,6 +63,7 @@ def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = 
 
 
 def _face_rule(points: np.ndarray, triangles: np.ndarray) -> FaceRule:
+    """Return a rule of 16 points on each face."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     a, b = np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2, indexing="ij")
     s = a.ravel()
@@ -80,7 +77,7 @@ def _face_rule(points: np.ndarray, triangles: np.ndarray) -> FaceRule:
 
 
 def triangle_functions(s: np.ndarray, t: np.ndarray, nodes: int = 6) -> ShapeFunctions:
-    """Shape functions of the triangle of 3 or 6 nodes at (s, t), each of shape (q,)."""
+    """Return the shape functions of the triangle of 3 or 6 nodes at (s, t), each (q,)."""
     element = {3: ElementTriP1(), 6: ElementTriP2()}[nodes]
     values, slopes = zip(*(element.lbasis(np.stack([s, t]), k) for k in range(nodes)))
     value = np.stack(np.broadcast_arrays(*values), axis=-1)
@@ -90,9 +87,9 @@ def triangle_functions(s: np.ndarray, t: np.ndarray, nodes: int = 6) -> ShapeFun
 
 
 def surface_matrix(points: np.ndarray, triangles: np.ndarray) -> Sparse:
-    """Area-weighted products of shape functions over faces.
+    """Return area-weighted products of shape functions over faces.
 
-    Eq. (M7):  A_ij = int N_i N_j dA      its rows add up to the area that belongs to a node
+    Eq. (M7):  A_ij = int N_i N_j dA      the sum of a row is the area of a node
 
     Parameters
     ----------
@@ -115,7 +112,7 @@ def surface_matrix(points: np.ndarray, triangles: np.ndarray) -> Sparse:
 
 
 def normal_products(points: np.ndarray, triangles: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-    """Products over faces of what shapes move along the normal.
+    """Return integrals over faces of products of the shapes' normal displacements.
 
     Eq. (M19):  R_kl = int (n phi_k) (n phi_l) dA
 

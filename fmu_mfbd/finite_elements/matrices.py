@@ -1,7 +1,5 @@
 """Stiffness and mass matrices from other programs: Matrix Market, Abaqus text, Nastran DMIG."""
 
-import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,14 +8,13 @@ import scipy.sparse as sp
 
 from .element import Sparse, rigid_motions
 from .mesh import Mesh, MeshFault
+from .nastran import cards
 
 NASTRAN = (".bdf", ".dat", ".nas", ".pch", ".dmig")
 
 
 class Entries(NamedTuple):
-    """Entries of a matrix by nodes and directions 1 to 6; arrays of shape (n,), all numbers as
-    floats.
-    """
+    """Entries of a matrix by nodes and directions 1 to 6, as arrays of floats, shape (n,)."""
 
     node: np.ndarray
     direction: np.ndarray
@@ -27,18 +24,16 @@ class Entries(NamedTuple):
 
 
 def read_matrix(path: Path | str, labels: np.ndarray) -> Sparse:
-    """A symmetric matrix on the displacements of a body's nodes.
+    """Read a symmetric matrix for the displacements of a body's nodes.
 
     - Matrix Market (first line `%%MatrixMarket`) and Abaqus' coordinate format (three columns: row,
-      column, value): degrees of freedom are x, y, z of the first node, then of the second, and so
-      on, in the order of the file that gives the nodes.
+      column, value). Degrees of freedom are x, y, z of each node, in the order of the nodes' file.
     - Abaqus' matrix input and label formats (five columns: node, degree of freedom, node, degree of
       freedom, value).
-    - Nastran DMIG in a punch or bulk data file with one matrix; small, large and comma-separated
-      fields.
+    - Nastran DMIG in a punch or bulk data file with one matrix, in small, large or free fields.
 
-    One triangle stands for both. Entries of nodes that are not in `labels`, and of rotations, must
-    be zero.
+    One triangle is sufficient. Entries of nodes that are not in `labels`, and of rotations, must be
+    zero.
 
     Parameters
     ----------
@@ -54,12 +49,15 @@ def read_matrix(path: Path | str, labels: np.ndarray) -> Sparse:
     Raises
     ------
     MeshFault
-        Names the file and the first row or node at fault.
+        The message contains the file and the first faulty row or node.
     """
     path = Path(path)
     n = len(labels)
     if path.suffix.lower() in NASTRAN:
-        return _by_labels(_dmig(path), labels, path)
+        try:
+            return _by_labels(_dmig(path), labels, path)
+        except MeshFault as fault:
+            raise fault.of_file(path.name) from None
     with open(path, encoding="ascii", errors="replace") as file:
         if file.readline().startswith("%%MatrixMarket"):
             from scipy.io import mmread
@@ -83,7 +81,7 @@ def read_matrix(path: Path | str, labels: np.ndarray) -> Sparse:
 
 
 def _columns(path):
-    """Numbers of a text file without its keyword and comment lines (`*`), shape (rows, columns)."""
+    """Return the numbers of a text file, (rows, columns), without lines that begin with `*`."""
     with open(path) as file:
         first = next((line for line in file if line.strip() and not line.startswith("*")), "")
     try:
@@ -93,7 +91,7 @@ def _columns(path):
 
 
 def _whole(matrix, n, path):
-    """Check the size; complete a triangle."""
+    """Check the size, and complete a triangle."""
     if matrix.shape != (3 * n, 3 * n):
         raise MeshFault(
             [
@@ -105,9 +103,7 @@ def _whole(matrix, n, path):
 
 
 def _symmetric(matrix, path):
-    """Entries that are given on one side of the diagonal only, on both; those given twice must
-    agree.
-    """
+    """Return the matrix with both triangles; entries given in both must agree."""
     other = matrix.T.tocsc()
     here = sp.csc_matrix((np.ones(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
     both = other.multiply(here)
@@ -125,109 +121,62 @@ def _symmetric(matrix, path):
 
 
 def _by_labels(entries: Entries, labels: np.ndarray, path: Path) -> Sparse:
-    """Matrix of the entries that are not zero."""
-    entries = Entries(*(column[entries.value != 0.0] for column in entries))
-    faults = _faults_of_freedoms(entries.node, entries.direction, labels, path)
-    faults += _faults_of_freedoms(entries.other_node, entries.other_direction, labels, path)
-    if faults:
-        raise MeshFault(list(dict.fromkeys(faults)))
-    row = _freedom(entries.node, entries.direction, labels)
-    column = _freedom(entries.other_node, entries.other_direction, labels)
+    """Return the matrix of the entries that are not zero."""
+    node, direction, other_node, other_direction, value = (
+        column[entries.value != 0.0] for column in entries
+    )
+    row = _freedom(node, direction, labels, path)
+    column = _freedom(other_node, other_direction, labels, path)
     shape = (3 * len(labels),) * 2
-    return _symmetric(sp.coo_array((entries.value, (row, column)), shape=shape).tocsc(), path)
+    return _symmetric(sp.coo_array((value, (row, column)), shape=shape).tocsc(), path)
 
 
-def _body_nodes(node, labels):
-    """Number in the body of the node that has each label, of another node where none has."""
+def _freedom(node, direction, labels, path):
+    """Return the row in the body's matrices of each node's direction."""
     order = np.argsort(labels)
-    return order[np.searchsorted(labels, node, sorter=order).clip(max=len(labels) - 1)]
-
-
-def _freedom(node, direction, labels):
-    """Row in the body's matrices of a node's direction."""
-    return 3 * _body_nodes(node, labels) + direction.astype(np.int64) - 1
-
-
-def _faults_of_freedoms(node, direction, labels, path):
-    """Sentences about the first node that is not the body's, the first that turns."""
+    index = order[np.searchsorted(labels, node, sorter=order).clip(max=len(labels) - 1)]
     faults = []
-    strange = np.flatnonzero(labels[_body_nodes(node, labels)] != node)
-    turned = np.flatnonzero((direction < 1) | (direction > 3))
-    if len(strange):
-        at = strange[0]
+    unknown = np.flatnonzero(labels[index] != node)
+    rotations = np.flatnonzero((direction < 1) | (direction > 3))
+    if len(unknown):
+        at = unknown[0]
         faults.append(
             f"{path.name}, entry {at + 1}: expected a node of the body, got {int(node[at])}"
         )
-    if len(turned):
-        at = turned[0]
+    if len(rotations):
+        at = rotations[0]
         faults.append(
             f"{path.name}, entry {at + 1}: expected direction 1, 2 or 3, got {int(direction[at])} "
             f"of node {int(node[at])}"
         )
-    return faults
+    if faults:
+        raise MeshFault(faults)
+    return 3 * index + direction.astype(np.int64) - 1
 
 
 def _dmig(path: Path) -> Entries:
-    """Entries of the one DMIG matrix in a file.
+    """Return the entries of the one DMIG matrix in a file.
 
     A header card reads DMIG, name, 0, form, type; a column card DMIG, name, node, direction, blank,
-    then entries of four fields each: node, direction, value, blank. Continuations hold entries.
+    then entries of four fields each: node, direction, value, blank.
     """
     rows = []
     names = set()
-    column = (0, 0)
-    for number, (keyword, *fields) in _cards(path):
-        try:
-            if keyword == "DMIG":
-                name, node, direction, *entries = fields
-                names.add(name)
-                if node in ("0", ""):  # the header
-                    continue
-                column = int(node), int(direction or 1)
-                fields = entries[1:]
-            for k in range(0, len(fields) - 2, 4):
-                node, direction, value = fields[k : k + 3]
-                if node:
-                    rows.append((int(node), int(direction or 1), *column, _real(value)))
-        except ValueError:
-            what = f"expected a DMIG entry, got {','.join(fields)!r}"
-            raise MeshFault([f"{path.name}, line {number}: {what}"]) from None
+    for card in cards(path):
+        if card.name == "DMIG":
+            names.add(card.get(0))
+            column = card.integer(1), card.integer(2) or 1
+            for k in range(4, len(card.fields) if column[0] else 0, 4):
+                if node := card.integer(k):
+                    rows.append((node, card.integer(k + 1) or 1, *column, card.real(k + 2)))
     if len(names) != 1 or not rows:
         present = ", ".join(sorted(names)) or "none"
         raise MeshFault([f"{path.name}: expected one DMIG matrix, got {present}"])
     return Entries(*np.array(rows, dtype=float).T)
 
 
-def _cards(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """(line number, fields) of the DMIG entries and their continuations; the first field is DMIG or
-    empty.
-    """
-    inside = False
-    with open(path) as file:
-        for number, line in enumerate(file, 1):
-            line = line.split("$")[0].rstrip()
-            head = line[:8].split(",")[0].strip().rstrip("*").upper()
-            goes_on = inside and line != "" and (head == "" or head[0] in "+*")
-            inside = head == "DMIG" or goes_on
-            if not inside:
-                continue
-            if "," in line:
-                fields = [part.strip() for part in line.split(",")]
-            else:
-                width = 16 if "*" in line[:8] else 8
-                starts = range(8, min(len(line), 72), width)
-                fields = ["", *(line[k : k + width].strip() for k in starts)]
-            yield number, ["DMIG" if head == "DMIG" else "", *fields[1:]]
-
-
-def _real(text):
-    """A Nastran real: 1.5+3 and 1.5D+3 are 1.5e3."""
-    return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"e\1", text.upper().replace("D", "E")))
-
-
 def matrix_faults(mesh: Mesh, K: Sparse, M: Sparse, where: str) -> list[str]:
-    """Sentences about matrices in SI that cannot be those of a loose solid body of metal: wrong
-    units, order or supports.
+    """Return sentences about wrong units, order or supports in the matrices of a body.
 
     Eq. (M8):  K R = 0    R the six rigid motions
     Eq. (M9):  c ~ d sqrt(median K_ii/M_ii)      d the distance of neighbouring nodes,

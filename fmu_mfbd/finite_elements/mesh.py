@@ -1,4 +1,4 @@
-"""A body's mesh: reading it, its named surfaces, and everything that can be wrong with it."""
+"""Mesh of a body: reader, named surfaces, and faults."""
 
 import gzip
 import lzma
@@ -23,8 +23,7 @@ from .regions import Region
 
 @dataclass(frozen=True)
 class Mesh:
-    """Ten-node tetrahedra with named surfaces; or nodes alone, with surfaces of three-node
-    triangles (`point_cloud`).
+    """Ten-node tetrahedra with named surfaces, or nodes and three-node triangles (`point_cloud`).
 
     Parameters
     ----------
@@ -33,12 +32,12 @@ class Mesh:
     tets : ndarray of int, shape (e, 10)
         Corners, then the middles of edges 01, 12, 02, 03, 13, 23.
     faces : dict of str to ndarray of int, shape (t, 6)
-        Outer faces of each named surface, ordered so that their normal points out of the body.
+        Outer faces of each named surface. Their normals point out of the body.
     members : dict of str to ndarray of int
-        Nodes of a surface that its faces do not all hold.
+        All nodes of a surface, if some of them do not belong to its faces.
     labels : ndarray of int, shape (n,), optional
-        Numbers of the nodes in the mesh file; none where edge nodes were added, or where a number
-        stands for nodes of several instances.
+        Numbers of the nodes in the mesh file. None if edge nodes were added, or if nodes of several
+        instances have the same number.
     """
 
     points: np.ndarray
@@ -48,11 +47,11 @@ class Mesh:
     labels: np.ndarray | None = None
 
     def nodes(self, name: str) -> np.ndarray:
-        """Sorted node numbers of the named surface."""
+        """Return the sorted node numbers of the named surface."""
         return self.members.get(name, np.unique(self.faces[name]))
 
     def skin(self) -> np.ndarray:
-        """All outer faces, for pictures: (t, 6), or those of the named surfaces, (t, 3)."""
+        """Return all outer faces, (t, 6), or those of the named surfaces, (t, 3)."""
         return outer_faces(self.tets) if len(self.tets) else np.vstack(list(self.faces.values()))
 
 
@@ -64,31 +63,30 @@ def read_mesh(
     origin: Sequence[float] = (0.0, 0.0, 0.0),
     say: Callable[[str], None] = print,
 ) -> Mesh:
-    """Read a mesh file, turn it into this project's axes, find its surfaces and check it.
+    """Read a mesh file in this project's axes, select its surfaces and check it.
 
     Parameters
     ----------
     path : Path
-        Abaqus .inp (parts and instances, included files; node sets, element sets of shells,
-        surfaces), Nastran .bdf, .nas, .fem (surfaces by geometry), ANSYS .cdb (components of
-        nodes), gmsh .msh (physical groups) and whatever else meshio reads; `.gz` and `.xz` are
-        unpacked on the way. Linear tetrahedra get edge nodes, with a warning: curved walls stay
-        polygons.
+        Abaqus .inp, Nastran .bdf, .nas, .fem, ANSYS .cdb, gmsh .msh with physical groups, and other
+        formats of meshio, also as `.gz` or `.xz`. Linear tetrahedra get edge nodes at straight
+        edges, with a warning.
     surfaces : dict of str to Region or None
-        Surfaces that must be there; None where the file names them.
+        Surfaces that the mesh must have; None if the file names them.
     scale : float
         Length of the file's unit [m].
     axes : sequence of str
-        The file's directions that become x (thrust), y (towards the head), z (pin): "x", "-z", ...
+        Directions of the file that become x (thrust), y (towards the head) and z (pin), for example
+        "x" or "-z".
     origin : sequence of float
-        The file's coordinates of this project's origin [m].
+        Coordinates of this project's origin in the file [m].
     say : callable
-        Takes a warning.
+        Prints a warning.
 
     Raises
     ------
     MeshFault
-        Names every missing surface, wrong element types, and what `mesh_faults` finds.
+        If the file has unknown element types, lacks surfaces, or has faults of `mesh_faults`.
     """
     raw = read_raw(Path(path))
     if not len(raw.tets):
@@ -131,28 +129,28 @@ def read_mesh(
 
 
 def to_body_axes(points: np.ndarray, axes: Sequence[str], origin: Sequence[float]) -> np.ndarray:
-    """Points (n, 3) of a file in this project's axes [m]."""
-    return (points - np.asarray(origin)) @ turn_of(axes).T
+    """Return points of a file, (n, 3), in this project's axes [m]."""
+    return (points - np.asarray(origin)) @ axes_matrix(axes).T
 
 
-def turn_of(axes: Sequence[str]) -> np.ndarray:
-    """Matrix (3, 3) that turns vectors of a file into this project's axes.
+def axes_matrix(axes: Sequence[str]) -> np.ndarray:
+    """Return the matrix (3, 3) that transforms vectors of a file into this project's axes.
 
     Raises
     ------
     MeshFault
-        Unless `axes` are right-handed: elements would invert.
+        If `axes` are not right-handed, so that elements would be inverted.
     """
-    turn = np.zeros((3, 3))
+    matrix = np.zeros((3, 3))
     for row, axis in enumerate(axes):
-        turn[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
-    if not np.isclose(np.linalg.det(turn), 1.0):
+        matrix[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+    if not np.isclose(np.linalg.det(matrix), 1.0):
         raise MeshFault([f"axes: expected three right-handed directions, got {list(axes)}"])
-    return turn
+    return matrix
 
 
 def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Add the middles of all edges to linear tetrahedra (e, 4); returns points and (e, 10)."""
+    """Add the middles of all edges to linear tetrahedra (e, 4); return points and (e, 10)."""
     ends = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
     edges, number = np.unique(ends, axis=0, return_inverse=True)
     middles = points[edges].mean(axis=1)
@@ -163,7 +161,13 @@ PACKED = {".gz": gzip.open, ".xz": lzma.open}
 
 
 def read_raw(path: Path) -> Deck:
-    """A file as it is, one of `PACKED` unpacked; what cannot be read is a MeshFault."""
+    """Read a file, which may be compressed, in its own axes and units.
+
+    Raises
+    ------
+    MeshFault
+        If the file cannot be read.
+    """
     if path.suffix not in PACKED:
         return _read(path, path)
     with tempfile.TemporaryDirectory() as folder:
@@ -174,12 +178,11 @@ def read_raw(path: Path) -> Deck:
 
 
 def _read(plain, path):
-    """A file that is not packed; `path` is named in messages."""
+    """Read an uncompressed file; messages contain `path`."""
     try:
         return READERS.get(plain.suffix.lower(), _by_meshio)(plain)
     except MeshFault as fault:
-        faults = [text if str(path) in text else f"{path}: {text}" for text in fault.faults]
-        raise MeshFault(faults) from None
+        raise fault.of_file(path) from None
     except OSError as error:
         raise MeshFault([file_fault(path, error)]) from None
     except (Exception, SystemExit):  # readers raise whatever comes, meshio ends the process
@@ -195,14 +198,14 @@ READERS = {
     ".fem": read_nastran,
     ".cdb": read_ansys,
 }
-"""Who reads a file, by its ending; meshio the others."""
+"""Readers by the suffix of the file; meshio reads all others."""
 
 FLAT = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
-"""meshio's words for elements that fill no volume."""
+"""Elements without volume, as meshio names them."""
 
 
 def _by_meshio(path: Path) -> Deck:
-    """A file that meshio reads, with names as gmsh gives them."""
+    """Read a file with meshio, with names of gmsh's physical groups."""
     import meshio
 
     raw = meshio.read(path)
@@ -225,7 +228,7 @@ def _by_meshio(path: Path) -> Deck:
 
 
 def _faces_by_meshio(raw, name):
-    """Corners of the triangles of a named group (t, 3)."""
+    """Return the corners of the triangles of a named group, (t, 3)."""
     tag = raw.field_data.get(name, (None,))[0]
     chosen = raw.cell_sets.get(name) or [
         np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])
@@ -239,25 +242,27 @@ def _faces_by_meshio(raw, name):
 
 
 def _marked(raw, number, points, outer, name, region):
-    """Which outer faces belong to a surface, by its region or by the file's names; judged by their
-    corners. `number`: of each node of the file among those used.
+    """Return which outer faces belong to a surface, by its region or by the names in the file.
+
+    number : of each node of the file among the used ones.
     """
     corners = outer[:, :3]
     if region is not None:
         return region.holds(points[corners])
-    faces = _called(raw.faces, name)
+    faces = _entry(raw.faces, name)
     if faces is not None and len(faces):
         wanted = {tuple(key) for key in np.sort(number[faces], axis=1)}
         return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
-    nodes = _called(raw.node_sets, name)
+    nodes = _entry(raw.node_sets, name)
     if nodes is not None:
         return np.isin(corners, number[nodes]).all(axis=1)
     return np.zeros(len(outer), dtype=bool)
 
 
-def _called(table, name):
-    """Entry of a name as it stands or, failing that, in capitals or not: ANSYS knows capitals
-    alone, Abaqus does not tell them apart.
+def _entry(table, name):
+    """Return the entry of a name, or of the only name that differs in case alone, else None.
+
+    ANSYS writes all names in capitals, and Abaqus ignores case.
     """
     if name in table:
         return table[name]

@@ -1,4 +1,4 @@
-"""A body known by its nodes alone, next to its matrices: nodes, sets and the surfaces they span."""
+"""Body without elements: nodes, their sets, and the surfaces between them."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ VIEWS = {
     "crown": FROM_ABOVE,
     "bolts": FROM_ABOVE,
 }
-"""How each surface is laid flat to be triangulated."""
+"""Direction from which each surface is projected or unrolled for its triangulation."""
 
 
 def read_nodes(
@@ -27,10 +27,10 @@ def read_nodes(
     axes: Sequence[str] = ("x", "y", "z"),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> tuple[Mesh, np.ndarray]:
-    """Nodes of a CSV file and the surfaces they span, as triangles of three nodes.
+    """Read nodes of a CSV file, and triangulate their surfaces with three-node triangles.
 
-    The header is `node,x,y,z` or `node,x,y,z,sets`; `sets` holds names of surfaces, separated by
-    blanks. A surface that is not among them is found by geometry.
+    The header is `node,x,y,z` or `node,x,y,z,sets`. `sets` contains names of surfaces, separated by
+    blanks. Other surfaces need a region.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ def read_nodes(
     Returns
     -------
     Mesh, ndarray of int
-        Without tetrahedra; the nodes' numbers in the file.
+        Mesh without tetrahedra, and the nodes' numbers in the file.
 
     Raises
     ------
     MeshFault
-        Names the row that cannot be read, every missing surface.
+        If a row is invalid, or surfaces are missing.
     """
     path = Path(path)
     labels, rows, sets = _table(path)
@@ -73,7 +73,7 @@ def read_nodes(
 
 
 def _table(path):
-    """Numbers of the nodes, coordinates (n, 3), names of the sets of each."""
+    """Return the numbers of the nodes, their coordinates, (n, 3), and the names of their sets."""
     with open(path, newline="") as file:
         rows = list(csv.reader(file))
     header = [name.strip().lower() for name in rows[0]] if rows else []
@@ -102,10 +102,10 @@ def _table(path):
 
 
 def triangulate(points: np.ndarray, view: str) -> np.ndarray:
-    """Delaunay triangles of a surface's nodes laid flat, (t, 3); those that bridge gaps are left
-    out.
+    """Return Delaunay triangles of a surface's nodes, (t, 3), without those that bridge gaps.
 
-    A gap: a side four times as long as the median one. Nodes in one line span nothing.
+    A triangle bridges a gap if a side is four times as long as the median. Nodes on one line have
+    no triangles.
     """
     from scipy.spatial import Delaunay, QhullError  # slow to import, and used without a mesh alone
 
@@ -134,13 +134,15 @@ def triangulate(points: np.ndarray, view: str) -> np.ndarray:
 
 
 def _radius(points, view):
+    """Return the mean radius of a cylinder's nodes."""
     x, y, z = points.T
     return np.hypot(x, z if view == AROUND_Y else y).mean()
 
 
 def _unrolled(points, view):
-    """Arc length and height of the nodes, (3 n, 2), with a copy to the left and to the right; which
-    node each one is.
+    """Return arc length and height of the nodes, (3 n, 2), and the node of each.
+
+    The nodes are repeated to the left and to the right.
     """
     x, y, z = points.T
     side, along = (z, y) if view == AROUND_Y else (y, z)

@@ -1,5 +1,6 @@
-"""Sparse symmetric positive definite systems: the direct solver at hand, and answers kept on disk,
-so that a stopped reduction goes on where it was.
+"""Sparse symmetric positive definite systems: direct solvers, and a cache of their solutions.
+
+After an interruption, a reduction continues with the cached solutions.
 """
 
 import hashlib
@@ -26,15 +27,15 @@ LOOSE = (
 SMALLEST_PIVOT = 1e-12  # of the largest one
 LARGEST = 60_000  # degrees of freedom that SuperLU factorises
 THREADS = "PISTON_COSIM_THREADS", "OMP_NUM_THREADS"
-"""Variables of the environment with the number of threads; the command line puts the user's own
-OMP_NUM_THREADS into the first one, before it sets the second one for small matrices."""
+"""Environment variables with the number of threads. The command line copies the user's
+OMP_NUM_THREADS to the first one before it sets the second one for small matrices."""
 
 
 class Factors(Protocol):
     """Factors of a symmetric positive definite matrix K, (n, n)."""
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """K^-1 load, shape (n,) or (n, k)."""
+        """Return K^-1 load, (n,) or (n, k)."""
         ...
 
 
@@ -42,11 +43,7 @@ Factorise = Callable[[Sparse], Factors]
 
 
 class SuperLU:
-    """Factors by SuperLU of scipy, for up to `LARGEST` degrees of freedom.
-
-    Of the other solvers, PARDISO's is the one wheel that installs everywhere: scikit-sparse
-    (CHOLMOD) is compiled against SuiteSparse, python-mumps against MUMPS, and its last wheel wants
-    NumPy 1.
+    """Factors of scipy's SuperLU, for up to `LARGEST` degrees of freedom.
 
     Parameters
     ----------
@@ -56,7 +53,7 @@ class SuperLU:
     Raises
     ------
     ValueError
-        At non-positive pivots.
+        If pivots are not positive.
     """
 
     def __init__(self, K: Sparse):
@@ -74,15 +71,15 @@ class SuperLU:
             )
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """K^-1 load, shape (n,) or (n, k)."""
+        """Return K^-1 load, (n,) or (n, k)."""
         return self._lu.solve(np.ascontiguousarray(load))
 
 
 class Pardiso:
-    """Cholesky factors by PARDISO of the MKL through pypardiso, in so many `threads`; parameters
-    and errors as for `SuperLU`.
+    """Cholesky factors of the MKL's PARDISO with the number of `threads`.
 
-    ImportError without pypardiso.
+    Parameters and errors are those of `SuperLU`; without pypardiso it raises ImportError. Of the
+    faster solvers only PARDISO has wheels for all platforms.
     """
 
     FACTORISE, SOLVE, RELEASE, MEMORY, SYMMETRIC, NOT_POSITIVE = 12, 33, -1, -2, 2, -4
@@ -117,7 +114,7 @@ class Pardiso:
             raise ValueError(f"mesh: expected a regular stiffness, got a singular one; {LOOSE}")
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """K^-1 load, shape (n,) or (n, k)."""
+        """Return K^-1 load, (n,) or (n, k)."""
         columns = np.asarray(load).reshape(len(load), -1)
         parts = np.array_split(columns, -(-columns.shape[1] // self.AT_ONCE), axis=1)
         return np.hstack(
@@ -139,20 +136,19 @@ class Pardiso:
 
 
 def threads() -> int:
-    """Number of threads of PARDISO: OMP_NUM_THREADS, or all processors if it is not set."""
+    """Return the number of threads of PARDISO: OMP_NUM_THREADS, default: all processors."""
     given = next((os.environ[name] for name in THREADS if os.environ.get(name)), "")
     first = given.partition(",")[0]  # of nested loops the outer one
     return int(first) if first.isdigit() and int(first) else os.cpu_count() or 1
 
 
 def factorise(K: Sparse) -> Factors:
-    """Factors of a symmetric positive definite matrix: PARDISO where it is installed, else
-    SuperLU.
+    """Factorise a symmetric positive definite matrix by PARDISO, or by SuperLU without pypardiso.
 
     Raises
     ------
     ValueError
-        Without PARDISO and with more degrees of freedom than `LARGEST`; as of `SuperLU`.
+        As for `SuperLU`, and if a matrix without pypardiso has more than `LARGEST` rows.
     """
     try:
         return Pardiso(K)
@@ -166,9 +162,9 @@ def factorise(K: Sparse) -> Factors:
 
 
 class Cost(NamedTuple):
-    """Measured factorisation of a box, and the orders by which it grows.
+    """Measured cost of a factorisation, and the orders by which it grows.
 
-    size : degrees of freedom; seconds : of processor time; gigabytes : at most.
+    size : degrees of freedom; seconds : processor time; gigabytes : peak memory.
     """
 
     size: int
@@ -178,7 +174,7 @@ class Cost(NamedTuple):
     order_of_memory: float
 
     def of(self, size: int) -> tuple[float, float]:
-        """Return seconds and gigabytes for so many degrees of freedom."""
+        """Return seconds and gigabytes for a number of degrees of freedom."""
         ratio = size / self.size
         return self.seconds * ratio**self.order_of_time, self.gigabytes * (
             ratio**self.order_of_memory
@@ -189,12 +185,12 @@ COSTS = {
     "SuperLU": (Cost(47_880, 3.0, 1.2, 1.5, 1.2), Cost(34_914, 18.0, 2.1, 2.7, 1.6)),
     "PARDISO": (Cost(47_880, 1.0, 0.23, 1.5, 1.2), Cost(34_914, 1.4, 0.24, 2.0, 4 / 3)),
 }
-"""Of a plate two elements thick and of a cube, by solver; orders of nested dissection for PARDISO,
-measured ones for SuperLU."""
+"""Costs of a plate two elements thick and of a cube, by solver. The orders are those of nested
+dissection for PARDISO, and measured for SuperLU."""
 
 
 def expected_cost(size: int) -> str:
-    """Return the expected time and memory of a factorisation by the solver at hand, in words."""
+    """Return a sentence with the expected time and memory of a factorisation."""
     solver = "PARDISO" if find_spec("pypardiso") else "SuperLU"
     (least, small), (most, large) = (cost.of(size) for cost in COSTS[solver])
     return (
@@ -203,18 +199,18 @@ def expected_cost(size: int) -> str:
     )
 
 
-class Remembering:
-    """Factorises as above, and keeps every solution on disk by the content of matrix and load.
+class CachedFactorise:
+    """`factorise` with a cache of all solutions on disk, by the content of matrix and load.
 
-    An eigenvalue solver that starts from the same vector asks for the same solutions again: a
-    reduction that was stopped replays them and goes on. Only the factors are made anew.
+    An eigenvalue solver with the same start vector needs the same solutions again. After an
+    interruption, only the factors are recomputed.
 
     Parameters
     ----------
     folder : Path
-        Where the solutions go, one folder a matrix; `forget` clears what this object has used.
+        Folder of the solutions. `forget` removes those that this object has used.
     say : callable
-        Takes a sentence every ten seconds of solving.
+        Prints a sentence every ten seconds.
     """
 
     def __init__(self, folder: Path | str, say: Callable[[str], None]):
@@ -223,19 +219,19 @@ class Remembering:
         self._used = []
 
     def __call__(self, K: Sparse) -> Factors:
-        """Factors that remember, as of `factorise`."""
+        """Factorise a matrix, as `factorise` does."""
         folder = self.folder / _digest(K.data, K.indices, K.indptr)
         self._used.append(folder)
-        return _Remembered(K, folder, self._say)
+        return _CachedFactors(K, folder, self._say)
 
     def forget(self) -> None:
-        """Remove the solutions kept."""
+        """Remove the cached solutions."""
         for folder in self._used:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-class _Remembered:
-    """One matrix with its solutions on disk; factorised when the first new solution is needed."""
+class _CachedFactors:
+    """Matrix with solutions on disk; the first new solution factorises it."""
 
     EVERY = 10.0  # seconds between sentences
 
@@ -246,9 +242,9 @@ class _Remembered:
         self._factors = None
         self._count = 0
         self._begin = time.monotonic()
-        self._spoken = self._begin
+        self._last = self._begin
         if folder.is_dir():
-            say(f"goes on with {len(list(folder.glob('*.npy')))} solutions kept on disk")
+            say(f"continuing with {len(list(folder.glob('*.npy')))} cached solutions")
         else:
             self._factors = self._factorise()
             folder.mkdir(parents=True, exist_ok=True)
@@ -258,14 +254,14 @@ class _Remembered:
         size = self._K.shape[0]
         self._say(f"factorising {size} degrees of freedom: {expected_cost(size)}")
         factors = factorise(self._K)
-        del self._K  # the factors hold what of it is needed
+        del self._K  # the factors contain all that is needed
         seconds = time.monotonic() - begin
         if seconds > self.EVERY:
             self._say(f"factorised by {type(factors).__name__} in {seconds:.0f} s")
         return factors
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """K^-1 load, shape (n,) or (n, k)."""
+        """Return K^-1 load, (n,) or (n, k)."""
         load = np.ascontiguousarray(load)
         path = self._folder / f"{_digest(load)}.npy"
         self._count += 1
@@ -280,9 +276,9 @@ class _Remembered:
             with open(part, "wb") as file:
                 np.save(file, answer)
             os.replace(part, path)
-        if time.monotonic() - self._spoken > self.EVERY:
-            self._spoken = time.monotonic()
-            self._say(f"{self._count} solutions, {self._spoken - self._begin:.0f} s")
+        if time.monotonic() - self._last > self.EVERY:
+            self._last = time.monotonic()
+            self._say(f"{self._count} solutions, {self._last - self._begin:.0f} s")
         return answer
 
 

@@ -16,7 +16,7 @@ from ..finite_elements.element import (
 )
 from ..finite_elements.faces import face_load, surface_matrix
 from ..finite_elements.matrices import matrix_faults, read_matrix
-from ..finite_elements.mesh import Mesh, MeshFault, read_mesh, turn_of
+from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
@@ -396,7 +396,7 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
             )
         labels = mesh.labels
     progress(f"reading matrices of {freedoms} degrees of freedom")
-    turn = sp.kron(sp.identity(len(mesh.points)), turn_of(options.axes), format="csr")
+    turn = sp.kron(sp.identity(len(mesh.points)), axes_matrix(options.axes), format="csr")
     K = turn @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ turn.T
     M = turn @ (read_matrix(options.mass, labels) * options.mass_unit) @ turn.T
     if faults := matrix_faults(mesh, K, M, Path(options.stiffness).name):

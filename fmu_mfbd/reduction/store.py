@@ -79,11 +79,11 @@ def kept_body(
     decided = _decided(options, grid, training, bosses)
     path = _path(name, decided, folder, not shapes)
     if not path.exists():
-        from ..finite_elements.solver import Remembering
+        from ..finite_elements.solver import CachedFactorise
         from .reduce import reduce_block, reduce_piston
 
         begin = time.perf_counter()
-        factors = Remembering(Path(folder) / "unfinished", progress)
+        factors = CachedFactorise(Path(folder) / "unfinished", progress)
         reduced = (
             reduce_piston(options, grid, progress, factors, training, bosses)
             if isinstance(options, Piston)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_mfbd.finite_elements.solver import Remembering, factorise
+from piston_cosim.fmu_mfbd.finite_elements.solver import CachedFactorise, factorise
 from piston_cosim.fmu_mfbd.offline import reduce
 
 from ..command import call
@@ -96,7 +96,7 @@ def test_a_stopped_reduction_goes_on(coarse, cache, tmp_path, monkeypatch):
     said = []
     monkeypatch.setattr(solver, "factorise", lambda K: Stopping(K, -1))
     reduce(table, folder, tmp_path / "a", said.append)
-    assert any("goes on with 20 solutions" in text for text in said)
+    assert any("continuing with 20 cached solutions" in text for text in said)
     replayed = len(solved)
     assert not list((cache / "bodies" / "unfinished").rglob("*.npy"))
     solved.clear()
@@ -112,7 +112,7 @@ def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
     import scipy.sparse as sp
 
     same = partial(np.testing.assert_allclose, rtol=4 * np.finfo(float).eps)  # PARDISO rounds
-    remembering = Remembering(tmp_path, lambda text: None)
+    remembering = CachedFactorise(tmp_path, lambda text: None)
     one, other = (remembering(k * sp.identity(3, format="csc")) for k in (2.0, 4.0))
     load = np.array([1.0, 2.0, 3.0])
     for _ in range(2):
