@@ -20,40 +20,14 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.tests.verification.cases import reciprocating
 from piston_cosim.tests.verification.cases.thinned_pad import (
     generalised_newtonian_load,
     isotropic_load,
     model_load,
 )
 
-LENGTH = 20e-3
-FREQUENCY = 50.0
 STARVED = ((40, 360), (40, 720), (40, 1440), (80, 360), (160, 360), (160, 720))  # cells, steps
-
-
-def reciprocating_load(cells, steps):
-    """Return the load of the second revolution of a skirt on a layer of 5.5 um [N/m]."""
-    parameters = Parameters(
-        (2, cells),
-        oil_supply="bore",
-        initial_oil_layer=5.5e-6,
-        initial_film_fraction=0.5,
-        bore_radius=0.5 / np.pi,
-        skirt_length=LENGTH,
-        stroke=2.0 * LENGTH + 2e-3,
-        chamfer_capacity=1e-7,
-    )
-    model = LubricationModel(parameters)
-    y = (np.arange(cells) + 0.5) / cells
-    film = np.broadcast_to(8e-6 + 20e-6 * (2.0 * y - 1.0) ** 2, (2, cells)).copy()
-    state, _ = model.start(film, np.zeros((2, cells)))
-    load = []
-    for k in range(1, 2 * steps + 1):
-        speed = -LENGTH * 2.0 * np.pi * FREQUENCY * np.sin(2.0 * np.pi * k / steps)
-        velocity = np.full((2, cells), speed)
-        state, out = model.advance(state, film, velocity, 1.0 / FREQUENCY / steps)
-        load.append(out["nodal_pressure_force"].sum())
-    return np.array(load[steps:])
 
 
 def land_contact(cells, land=0.5e-6, groove=10e-6):
@@ -68,9 +42,9 @@ def land_contact(cells, land=0.5e-6, groove=10e-6):
 def main():
     """Print the three tables."""
     print("starved film, axial cells / steps, mean load, rms over range")
-    fine = reciprocating_load(320, 1440)
+    fine = reciprocating.model_load(320, 1440)
     for cells, steps in STARVED:
-        load = reciprocating_load(cells, steps)
+        load = reciprocating.model_load(cells, steps)
         skip = 1440 // steps
         reference = fine[skip - 1 :: skip]
         rms = np.sqrt(np.mean((load - reference) ** 2)) / np.ptp(reference)

@@ -1,7 +1,10 @@
 """Every quick figure of `piston-cosim verify ehd`."""
 
-from piston_cosim.tests.verification.cases.film import checks
+import pytest
+
+from piston_cosim.tests.verification.cases import film, reciprocating
 
 
-def test_figures():
-    assert [str(check) for check in checks() if not check.passed] == []
+@pytest.mark.parametrize("part", [film, reciprocating])
+def test_figures(part):
+    assert [str(check) for check in part.checks() if not check.passed] == []

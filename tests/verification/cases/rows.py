@@ -9,10 +9,10 @@ from importlib.metadata import version
 
 from rich.table import Table
 
-from . import bodies, coupled, coupling, film, fired
+from . import bodies, coupled, coupling, film, fired, reciprocating
 
 PARTS = {
-    "ehd": [film],
+    "ehd": [film, reciprocating],
     "mfbd": [bodies],
     "master": [coupling],
     "coupled": [coupled, fired],
