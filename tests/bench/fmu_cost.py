@@ -3,8 +3,9 @@ state, a derivative.
 
 Times are the best of several, in milliseconds, on the 40 x 40 lubrication FMU with oil temperature
 as a third input field; compare within one run only. Columns: FMI 2.0 and 3.0 by FMPy's Python lists
-and by the master's pointers; and FMI 2.0 by pointers through pythonfmu's own library, as an FMU has
-it that was built without a C compiler. A step is that of a restored state with inputs as they are.
+and by the master's pointers; FMI 2.0 by pointers in a process of its own, and through pythonfmu's
+own library, as an FMU has it that was built without a C compiler. A step is that of a restored
+state with inputs as they are.
 
     python tests/bench/fmu_cost.py
 """
@@ -20,6 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.participants.isolated import IsolatedParticipant
 from piston_cosim.master.participants.open import open_fmu
 
 CELLS, REPEATS, STEP = (40, 40), 60, 5e-5
@@ -65,16 +67,17 @@ def costs(p, write, read, advance):
     return rows
 
 
-def started(path):
+def started(path, isolated=False):
     """A participant ready for its first step."""
     p = open_fmu("bench", path)
+    p = IsolatedParticipant(p, 60.0) if isolated else p
     p.start({"film_thickness": np.full(CELLS, 3e-5)}, 0.0, 1.0)
     return p
 
 
-def by_pointers(path):
+def by_pointers(path, isolated=False):
     """The master's own way, FMI 2.0 or 3.0."""
-    p = started(path)
+    p = started(path, isolated)
 
     def write():
         for name, values in INPUTS.items():
@@ -126,6 +129,7 @@ def main():
     columns = {
         "FMI 2 lists": by_lists(front),
         "FMI 2 pointers": by_pointers(front),
+        "FMI 2 pointers, isolated": by_pointers(front, isolated=True),
         "FMI 3 lists": by_lists(twin),
         "FMI 3 pointers": by_pointers(twin),
         "FMI 2 pointers, pythonfmu's library": by_pointers(stock),
@@ -136,6 +140,11 @@ def main():
             row, *(f"{column[row]:.4f}" if row in column else "" for column in columns.values())
         )
     Console(width=140).print(table)
+    here, there = (
+        sum(one for row, one in columns[name].items() if row != "derivative")
+        for name in ("FMI 2 pointers", "FMI 2 pointers, isolated")
+    )
+    print(f"a step of an isolated FMU with all inputs and outputs: {there / here:.2f} times")
     pointers, lists = (
         sum(columns[name][row] for row in ("set 4800", "get 3200"))
         for name in ("FMI 2 pointers", "FMI 2 lists")

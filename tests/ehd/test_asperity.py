@@ -39,13 +39,6 @@ def test_slope_is_the_derivative_across_table_cells_and_overlap():
     )  # the second derivative jumps at the table's points
 
 
-def test_overlap_goes_on_straight():
-    overlap = contact(np.array([0.0, -1.0, -2.0]))
-    pressure = overlap.pressure
-    slope = overlap.pressure_slope
-    assert slope[1] == slope[0] and np.diff(pressure) == pytest.approx(-slope[0])
-
-
 @pytest.mark.parametrize("law", asperity.CONTACT_LAWS)
 @pytest.mark.parametrize("separation", [-1.5, -0.2, 0.0, 0.7, 2.3, 3.5])
 def test_energy_is_the_work_of_closing_the_gap(law, separation):
@@ -67,12 +60,6 @@ def test_smooth_surfaces_do_not_touch():
     smooth = LubricationModel(Parameters((4, 3), boundary_shear_strength=1e6))
     _, o = smooth.start(np.full((4, 3), -1e-6), np.ones((4, 3)))
     assert o["contact_area_fraction"] == o["friction_force_asperity"] == 0.0
-
-
-def test_scale():
-    # [Greenwood1970] with eta beta sigma = 0.05, sigma/beta = 0.01, E* = 1e11 Pa, by hand: 4.7390 x
-    # 2.5e-3 x 0.1 x 1e11
-    assert asperity.pressure_scale(0.05, 0.01, 1e11) == pytest.approx(1.18477e8, rel=1e-5)
 
 
 def test_a_narrow_land_is_found_where_there_is_a_film():

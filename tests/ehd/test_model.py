@@ -237,11 +237,6 @@ def test_a_coated_film_survives_jumps():
             state, _ = model.advance(state, film, velocity, DEGREE)
 
 
-def test_coating_lowers_the_peak_of_pressure():
-    bare, coated = (motored(Parameters(SHAPE, coating_thickness=d), 60)[2] for d in (0.0, 1e-4))
-    assert max(o["maximum_pressure"] for o in coated) < max(o["maximum_pressure"] for o in bare)
-
-
 @pytest.mark.parametrize("flow_factors", ["none", "patir_cheng_1978"])
 def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
     """- sum F V, with a velocity, a film in contact and oil that differ from cell to cell."""
@@ -258,23 +253,6 @@ def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
     assert o["friction_force_asperity"] != 0.0
 
 
-def test_halves_add_up():
-    _, _, history = motored(Parameters(SHAPE, roughness_rms=1e-6), 30)
-    o = history[-1]
-    angle = np.arange(SHAPE[0]) * 2.0 * np.pi / SHAPE[0]  # 4 k cells: the first on the pin axis
-    across = (o["nodal_pressure_force"] * np.sin(angle)[:, None]).sum()
-    assert o["radial_force_thrust_side"] - o["radial_force_anti_thrust_side"] == pytest.approx(
-        across
-    )
-    assert o["radial_force_thrust_side"] > 0.0
-    both = o["friction_force_hydrodynamic"] + o["friction_force_asperity"]
-    assert o["friction_force_thrust_side"] + o["friction_force_anti_thrust_side"] == pytest.approx(
-        both
-    )
-    thinnest = [o[f"minimum_film_thickness_{side}_side"] for side in ("thrust", "anti_thrust")]
-    assert min(thinnest) == o["minimum_film_thickness"] < max(thinnest)
-
-
 def test_a_refused_step_has_no_tangent():
     model, state, _ = motored(Parameters(SHAPE), 3)
     film, velocity = motored_film(SHAPE, 4 * DEGREE)
@@ -282,38 +260,6 @@ def test_a_refused_step_has_no_tangent():
         model.advance(state, -film, velocity, DEGREE)
     with pytest.raises(RuntimeError):
         model.tangent(film, velocity)
-
-
-def test_conditions_given_in_a_step_are_those_of_the_parameters():
-    film, velocity = motored_film(SHAPE, DEGREE)
-    oil = Oil("vogel_1921")
-    given = dict(
-        pressure_upper_edge=3e5, oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=350.0
-    )
-    fixed = LubricationModel(Parameters(SHAPE, oil, **given))
-    free = LubricationModel(Parameters(SHAPE, oil))
-    state, _ = free.start(*motored_film(SHAPE, 0.0))
-    expected = fixed.advance(state, film, velocity, DEGREE)[1]["nodal_pressure_force"]
-    assert np.array_equal(
-        free.advance(state, film, velocity, DEGREE, **given)[1]["nodal_pressure_force"], expected
-    )
-    field = dict(pressure_upper_edge=3e5, oil_temperature=np.full(SHAPE, 350.0))
-    assert np.array_equal(
-        free.advance(state, film, velocity, DEGREE, **field)[1]["nodal_pressure_force"], expected
-    )
-
-
-def test_halved_viscosity_on_one_side_halves_its_shear():
-    film, velocity, temperature = np.full(SHAPE, 1e-5), np.full(SHAPE, 2.0), np.full(SHAPE, 350.0)
-    oil = Oil("vogel_1921")
-    temperature[:6] = 400.0
-    model = LubricationModel(Parameters(SHAPE, oil))
-    state, _ = model.start(film, velocity)
-    friction = model.advance(state, film, velocity, DEGREE, oil_temperature=temperature)[1][
-        "nodal_friction_force"
-    ]
-    ratio = oil.low_shear_viscosity(np.array([400.0, 350.0]))
-    assert friction[0, 0] / friction[-1, 0] == pytest.approx(ratio[0] / ratio[1])
 
 
 def test_overlap_survives_and_pushes_apart():
@@ -324,20 +270,6 @@ def test_overlap_survives_and_pushes_apart():
     assert outputs["minimum_film_thickness"] == -2e-6
     assert outputs["asperity_pressure"][3, 4] == outputs["asperity_pressure"].max() > 1e7
     assert all(np.isfinite(value).all() for value in outputs.values())
-
-
-def test_shear_on_a_parallel_film_is_couette():
-    model = LubricationModel(Parameters(SHAPE))
-    film, velocity = np.full(SHAPE, 1e-5), np.full(SHAPE, 2.0)
-    state, _ = model.start(film, velocity)
-    _, outputs = model.advance(state, film, velocity, DEGREE)
-    area = 2.0 * np.pi * 28.25e-3 * 27e-3
-    assert outputs["friction_force_hydrodynamic"] == pytest.approx(-0.01 * 2.0 / 1e-5 * area)
-    assert outputs["friction_power"] == pytest.approx(0.01 * 4.0 / 1e-5 * area)
-    assert outputs["flow_lower_edge"] == pytest.approx(
-        -1e-5 * 2.0 * np.pi * 28.25e-3
-    )  # the skirt moves up, the oil stays behind
-    assert outputs["flow_upper_edge"] == pytest.approx(1e-5 * 2.0 * np.pi * 28.25e-3)
 
 
 def test_cavitation_pressure_shifts_the_datum_alone():
@@ -353,14 +285,6 @@ def test_cavitation_pressure_shifts_the_datum_alone():
         np.abs(absolute["pressure"] - 1e5 - gauge["pressure"]).max() <= 1e-9 * scale
     )  # round-off of the datum
     assert np.abs(absolute["film_fraction"] - gauge["film_fraction"]).max() <= 1e-12
-
-
-def test_starting_outputs_are_a_full_film_between_the_edge_pressures():
-    model = LubricationModel(Parameters(SHAPE, pressure_lower_edge=1e5))
-    state, outputs = model.start(*motored_film(SHAPE, 0.0))
-    assert np.all(outputs["film_fraction"] == 1.0)
-    assert np.all(np.diff(outputs["pressure"], axis=1) < 0.0)
-    assert np.array_equal(state.film.content, motored_film(SHAPE, 0.0)[0])
 
 
 def test_edge_below_cavitation_pressure_is_a_fault():

@@ -71,11 +71,6 @@ def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):
     assert viscosity_ratio(law, pressure[-1]) == (pytest.approx(1e3), 0.0)  # LARGEST_RATIO
 
 
-def test_two_points_are_met():
-    oil = Oil(viscosity_law="two_point", viscosity_40=0.08, viscosity_100=0.01)
-    assert oil.low_shear_viscosity(np.array([313.15, 373.15])) == pytest.approx([0.08, 0.01])
-
-
 @pytest.mark.parametrize("law, exponent", [("cross_1965", 0.8), ("carreau_1972", 0.5)])
 def test_thinning_falls_from_one_to_the_high_shear_ratio_with_its_own_slope(law, exponent):
     oil = Oil(shear_thinning_law=law, shear_thinning_exponent=exponent, high_shear_ratio=0.6)

@@ -133,18 +133,6 @@ def test_same_bits_as_fmi_2(fmu, slave, references):
     two.close()
 
 
-def test_repeated_step_repeats_every_bit(slave, references):
-    saved = slave.getFMUState()
-    results = []
-    for _ in range(2):
-        slave.setFloat64([references["film_thickness"]], film(1).ravel())
-        slave.doStep(0.0, 5e-5)
-        results.append(slave.getFloat64([references["nodal_pressure_force"]], 120))
-        slave.setFMUState(saved)
-    slave.freeFMUState(saved)
-    assert results[0] == results[1]
-
-
 @pytest.mark.parametrize("count", [0, 119, 121])
 def test_wrong_number_of_values_is_refused_aloud(slave, references, count):
     with pytest.raises(Exception, match="3"):

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 
@@ -164,49 +163,3 @@ def test_plot_again_from_the_files(job):
     )
     assert run.returncode == 0, run.stderr
     assert {path.stem for path in (job / "again").glob("*.png")} == set(PICTURES)
-
-
-def test_bad_input_lists_every_fault_and_writes_nothing(tmp_path):
-    run = call(
-        "run",
-        "numerical_example",
-        "--set",
-        "participants.bodies.parameters.radial_clearance=-5 um",
-        "--set",
-        "participants.ehd.parameters.viscosity=12 mm",
-        "--set",
-        "participants.ehd.parameters.viscosty=1 Pa s",
-        "--set",
-        "participants.ehd.build.grid=[20, 40]",
-        folder=tmp_path,
-    )
-    assert run.returncode == 2
-    for words in (
-        "radial_clearance: expected 1e-06 to 0.001 m, got -5 um",
-        "viscosity: expected a quantity in Pa.s, got '12 mm'",
-        "got unknown parameter or input 'viscosty'; did you mean 'viscosity'",
-        "expected equal shapes, got (40, 40) and (20, 40)",
-    ):
-        assert words in run.stderr
-    assert not list(tmp_path.iterdir())
-
-
-def test_relaxation_stops_honestly_and_keeps_what_was_accepted(tmp_path):
-    run = call(
-        "run",
-        "numerical_example",
-        "--only",
-        "flexible",
-        "--set",
-        "coupling.method=constant",
-        "--set",
-        "time.stop=4 deg",
-        "--output",
-        "out",
-        folder=tmp_path,
-    )
-    assert run.returncode == 1
-    assert "no convergence in 20" in run.stderr and "residual/tolerance per iteration" in run.stderr
-    with h5py.File(tmp_path / "out/flexible.h5.partial") as file:
-        assert file["time"].shape[0] >= 1
-    assert not (tmp_path / "out/flexible.h5").exists()

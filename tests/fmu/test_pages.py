@@ -27,7 +27,7 @@ from piston_cosim.master.engine.sections import special
 from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.pictures import entry_in_words
-from piston_cosim.master.results.report import cursor_of, views
+from piston_cosim.master.results.report import views
 from piston_cosim.master.runs.run import run
 
 from ..master.browser import Browser, found
@@ -118,16 +118,6 @@ def points_of(path):
     return np.array(re.findall(r"(-?[\d.]+) (-?[\d.]+)", path), float)
 
 
-def test_every_recorded_instant_is_reached_by_arrow_keys(seen):
-    browser, instants = seen.browser, seen.results.instants
-    browser.run("document.activeElement.blur(); go(0);")
-    places = []
-    for _ in instants:
-        places.append(browser.run("return parseFloat(byId('place').textContent)"))
-        browser.key("ArrowRight")
-    assert places == pytest.approx(cursor_of(seen.runs).positions, abs=0.005)  # two decimals
-
-
 def test_colours_of_every_map_are_the_values_of_the_file(seen):
     """The centre of a cell has the colour of its value, without interpolation."""
     films = views(seen.case, seen.runs, special(seen.case, seen.runs))
@@ -172,34 +162,6 @@ def test_the_section_shows_gaps_and_pressures_of_the_file(seen):
             points = points[1:-1] if line["kind"] == "load" else points  # without its ends
             read = (points[:, 0] - float(line["wall"])) / float(line["gain"])
             assert read == pytest.approx(own[: len(read)], abs=0.006 / abs(float(line["gain"])))
-
-
-def test_the_three_figures_are_those_of_the_file(seen):
-    """The least film, the highest pressure and the mean friction of all films, with three digits.
-
-    None of these runs holds a period, so all of a run counts.
-    """
-    shown = seen.browser.run("""return [...document.querySelectorAll(".figure .big")]
-      .map(one => one.textContent.trim().split(/\\s+/));""")
-    results = seen.results
-    if seen.kind == "bearing":  # a rotor in its shell, of no engine
-        assert shown == []
-        return
-
-    def of_films(name):
-        ports = [port for port in results.ports if port.endswith(f".{name}")]
-        return [results.series(port).values for port in ports]
-
-    powers = of_films("friction_power")
-    mean = [np.sum(np.diff(results.time) * one[1:]) / np.ptp(results.time) for one in powers]
-    expected = [
-        (min(one.min() for one in of_films("minimum_film_thickness")), "m"),
-        (max(one.max() for one in of_films("maximum_pressure")), "Pa"),
-        (sum(mean), "W"),
-    ]
-    assert len(shown) == 2 + bool(powers)
-    for (number, unit), (value, si) in zip(shown, expected):
-        assert float(number) == pytest.approx(value * scale(si, unit), rel=6e-3)
 
 
 def test_bodies_are_where_recover_puts_them(seen, tmp_path):

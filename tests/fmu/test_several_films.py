@@ -17,7 +17,6 @@ from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.rivals import rivals_of
 
 from .films import PATH, even_bands, one_film, several_films
 from .runs import run_tree
@@ -144,15 +143,6 @@ def test_a_body_with_two_films_keeps_the_contract():
     system = open_system(case, PATH.parent, lambda text: None)
     role, breaches, _ = check_fmu(system.participants["bodies"].path)
     assert (role, breaches) == ("bodies", [])
-
-
-def test_models_of_one_film_among_two():
-    tree = several_films(GRID, STOP, GROOVED)
-    rivals = rivals_of(tree, "lubrication", ["film_2=jfo", "film_2=gumbel"])
-    assert rivals.ports["film_thickness"] == "bodies.band_2.film_thickness"
-    changed = rivals.trees["gumbel"]["participants"]
-    assert changed["film_2"]["parameters"]["cavitation_model"] == "gumbel"
-    assert "cavitation_model" not in changed["film_1"]["parameters"]
 
 
 def test_the_wires_tell_which_surface_a_film_lies_on():

@@ -10,7 +10,6 @@ from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.times import times
 from piston_cosim.master.commands.common import parse_change, parse_grid, variant_trees
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.fmi.quantities import to_si
 
 GOOD = """
 title = "two"
@@ -78,15 +77,6 @@ def test_change_of_a_missing_table_is_refused(case_file):
         read_tree(case_file(GOOD), [("participants.zz.fmu", "x")])
 
 
-def test_angles_become_times(case_file):
-    path = case_file(GOOD)
-    case = check_case(read_tree(path), path)
-    stop, step, smallest, *_ = times(case, to_si("3000 rpm", "rad/s"))
-    assert stop == pytest.approx(0.04, rel=1e-12)
-    assert step == pytest.approx(1 / 18000, rel=1e-12)
-    assert smallest == pytest.approx(step / 64, rel=1e-12)
-
-
 CRANK = {
     "title": "A crank",
     "time": {"stop": "720 deg", "step": "1 deg", "angular_speed": "bodies.crank_speed"},
@@ -131,18 +121,6 @@ def test_a_period_that_cannot_be_is_refused(time, fault):
         times(case, 1.0 if case.time.angular_speed else None)
 
 
-def test_times_in_the_wrong_dimension_are_refused(case_file):
-    path = case_file(
-        GOOD.replace('stop = "720 deg"', 'stop = "7 bar"').replace(
-            'step = "1 deg"', 'step = "-1 deg"'
-        )
-    )
-    case = check_case(read_tree(path), path)
-    with pytest.raises(BadInput) as caught:
-        times(case, 1.0)
-    assert len(caught.value.faults) == 2
-
-
 def test_variants_are_changed_cases(case_file):
     path = case_file(GOOD.replace("[time]", 'beside = ["slow"]\n[time]', 1))
     trees = variant_trees(path, [("time.step", "2 deg")], None)
@@ -168,33 +146,6 @@ def test_a_variant_runs_on_demand_alone(case_file):
     assert list(variant_trees(path, [], "slow")) == ["slow"]
     wrong = GOOD.replace("[time]", 'beside = ["fast"]\n[time]', 1)
     assert "beside: expected slow, got unknown variant" in faults_of(case_file(wrong))[0]
-
-
-@pytest.mark.parametrize(
-    "value, unit, si",
-    [
-        ("25 um", "m", 25e-6),
-        ("3000 rpm", "rad/s", 314.1592653589793),
-        ("1 deg", "rad", 0.017453292519943295),
-        ("12 mPa s", "Pa.s", 0.012),
-        (0.3, "1", 0.3),
-        ("50 degC", "K", 323.15),
-        ("220 g mm^2", "kg.m2", 2.2e-7),
-        ("1 cm^3/s", "m3/s", 1e-6),
-        ("2 m/s^2", "m/s2", 2.0),
-    ],
-)
-def test_quantities(value, unit, si):
-    assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    "value, unit",
-    [("25", "m"), (25, "m"), ("25 Pa", "m"), ("many", "m"), ("3 um", "1"), (True, "1")],
-)
-def test_quantities_refused(value, unit):
-    with pytest.raises(ValueError, match="."):
-        to_si(value, unit)
 
 
 def test_command_line_values():

@@ -8,7 +8,6 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from piston_cosim.master.case.ahead import faults_ahead
 from piston_cosim.master.case.changes import key_parts, whole_key
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
@@ -182,12 +181,6 @@ def test_what_is_wrong_shows_before_anything_is_reduced(key, value, message):
 
     with pytest.raises(BadInput, match=message):
         open_system(check_case(read_tree(PATH, [(key, value)]), PATH), FOLDER, never)
-
-
-def test_a_sound_case_has_no_faults_ahead():
-    for name in case_names():
-        path = find_case(name)
-        assert faults_ahead(check_case(read_tree(path), path), path.parent) == []
 
 
 def test_case_names_that_are_near():

@@ -1,8 +1,5 @@
 """Newton, Aitken and constant relaxation on a stiff pair with a known fixed point."""
 
-from dataclasses import replace
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,7 +7,6 @@ from scipy.optimize import brentq
 from piston_cosim.master.coupling.interface import Interface
 from piston_cosim.master.coupling.methods import (
     Ageing,
-    Explicit,
     LeastSquares,
     MacroStep,
     MultiVector,
@@ -18,10 +14,7 @@ from piston_cosim.master.coupling.methods import (
     NotConverged,
     QuasiNewton,
     Relaxation,
-    step_length,
 )
-from piston_cosim.master.coupling.methods.filtering import filtered
-from piston_cosim.master.coupling.stepping import Predictor, StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import Wire
 
 STEP, PADS = 1e-4, 7
@@ -70,11 +63,6 @@ def test_derivative_matches_differences(pair):
     assert np.allclose((high - low) / 2, product, rtol=1e-5, atol=1e-12)
 
 
-def test_constant_relaxation_fails_and_says_where(pair):
-    with pytest.raises(NotConverged, match=r"\[\d\]: expected a residual of at most"):
-        solve(pair, Relaxation(0.5, False, 30))
-
-
 @pytest.mark.parametrize(
     "method",
     [
@@ -113,33 +101,6 @@ def test_jacobi_order_has_the_same_fixed_point(pair, method):
     assert np.allclose(
         parallel[:PADS], sequential[:PADS], atol=2e-9, rtol=0
     )  # each is within 1e-9 m of the fixed point
-
-
-def test_in_jacobi_order_nobody_reads_what_was_just_computed(pair):
-    interface = Interface(pair.participants, pair.wires, True)
-    x = interface.read()
-    used, _, _ = interface.evaluate(
-        x, 0.0, STEP, {name: p.save() for name, p in pair.participants.items()}
-    )
-    assert interface.feedback.all() and np.array_equal(used, x)
-
-
-def test_explicit_coupling_evaluates_once_and_counts_what_is_off(pair):
-    stepper = Stepper(pair, Explicit(), 0)
-    stepper.advance(0.0, STEP)
-    assert stepper.counters.iterations == [1]
-    assert stepper.counters.unconverged_steps == 1  # this pair amplifies an error by 200
-
-
-def test_step_length_limits_the_thinnest_film(pair):
-    interface = Interface(pair.participants, pair.wires)
-    x = interface.read()
-    change = np.zeros_like(x)
-    change[0] = -x[0]
-    share = step_length(interface, x, change)
-    assert share == pytest.approx(0.3)
-    change[0] = -0.1 * x[0]
-    assert step_length(interface, x, change) == 1.0
 
 
 def criteria(**given):
@@ -189,74 +150,7 @@ def test_what_is_not_finite_never_converges(given, bad):
     )
 
 
-def test_residual_relative_convergence_leaves_that_share_of_the_first_residual(pair):
-    wire, along = pair.wires
-    pair.wires = (
-        replace(wire, tolerance=0.0, residual_relative_tolerance=1e-4),
-        replace(along, tolerance=np.inf),
-    )
-    interface = Interface(pair.participants, pair.wires)
-    saved = {name: p.save() for name, p in pair.participants.items()}
-    step, guess = MacroStep(interface, 0.0, STEP, saved), interface.read()
-    first = step.evaluate(guess)[2][:PADS]
-    solution = Newton().solve(step, guess, Newton().memory())
-    last = step.evaluate(solution.x)[2][:PADS]
-    assert 1e-10 < np.linalg.norm(last) / np.linalg.norm(first) <= 1e-4
-    assert solution.history[0] == pytest.approx(1e4)
-
-
-def test_discarded_step_is_halved_and_counted(pair):
-    pair.participants["film"].refuse = 1
-    seen = []
-    observer = SimpleNamespace(
-        accepted=lambda time, solution: seen.append(time), attempted=lambda *attempt: None
-    )
-    stepper = Stepper(pair, Newton(), 3, observer)
-    stepper.advance(0.0, STEP)
-    assert stepper.counters.halved_steps == 1
-    assert seen == pytest.approx([STEP / 2, STEP])
-    assert "refused on purpose" in stepper.failures[0]
-
-
-def test_no_halving_left_stops_and_leaves_the_accepted_state(pair):
-    stepper = Stepper(pair, Newton(), 0)
-    stepper.advance(0.0, STEP)
-    before = pair.participants["film"].save()
-    pair.participants["film"].refuse = 5
-    with pytest.raises(StepFailed, match="refused on purpose"):
-        stepper.advance(STEP, STEP)
-    after = pair.participants["film"].save()
-    assert (before[0] == after[0]).all()
-    assert stepper.counters.steps == 1
-
-
 def test_nan_is_never_accepted(pair):
     pair.participants["mass"].load = np.nan
     with pytest.raises(NotConverged, match=r"^mass.film\[1\]: expected a finite output, got nan"):
         solve(pair, Newton())
-
-
-def test_predictor_is_exact_for_a_parabola():
-    predictor = Predictor(2)
-    for t in (0.0, 0.1, 0.25):
-        predictor.keep(t, np.array([1 + 2 * t + 3 * t**2]))
-    assert predictor(0.5)[0] == pytest.approx(1 + 1 + 0.75, rel=1e-12)
-
-
-def test_quasi_newton_reuses_secants(pair):
-    stepper = Stepper(pair, QuasiNewton(LeastSquares(), 0.001), 0)
-    for k in range(5):
-        stepper.advance(k * STEP, STEP)
-    assert len(stepper.memory.secants.past) == 3
-    assert stepper.counters.iterations[-1] <= stepper.counters.iterations[0]
-    # every evaluation after a step's first is a pair, the one that converged too
-    assert [len(window) for window in stepper.memory.secants.past] == [
-        n - 1 for n in stepper.counters.iterations[:1:-1]
-    ]
-
-
-def test_filter_drops_what_adds_nothing():
-    a, b = np.array([1.0, 0, 0]), np.array([0, 1.0, 0])
-    chosen, q, triangle = filtered([a, b, a + 1e-9 * b], 1e-6)
-    assert chosen == [0, 1]
-    assert np.allclose(q @ triangle, np.array([a, b]).T, atol=1e-15)

@@ -16,7 +16,6 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.engine.answer import Answer
 from piston_cosim.master.engine.verdicts import Verdict
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.results.judgement import loop_work, windows
 from piston_cosim.master.results.report import checks, cursor_of, nearest, write_report
 from piston_cosim.master.runs.console import print_summary
 
@@ -75,16 +74,6 @@ def results(tmp_path):
     opened = Results(path)
     yield opened
     opened.close()
-
-
-def test_loop_work_is_the_area_of_the_ellipse(case, results):
-    area = np.pi * 1e-3 * 2.0 * 1e3  # semi-axes 1 mm and 1 N + 1 N, in mJ
-    tolerance = 2 * (np.pi / STEPS) ** 2  # trapezia: second order
-    assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(area, rel=tolerance)
-
-
-def test_windows_judge(case, results):
-    assert [window.inside for window in windows(case, results)] == [True, False]
 
 
 def test_page_holds_the_fields(case, results, tmp_path):

@@ -55,15 +55,6 @@ def test_what_no_pair_knows_is_left(way, matrix):
     assert np.allclose(rest, unknown, atol=1e-12)
 
 
-@pytest.mark.parametrize("way", [LeastSquares(), MultiVector(), Ageing()])
-def test_nothing_learnt_answers_nothing(way):
-    memory = way.memory()
-    memory.begin()
-    assert memory.empty
-    answer, rest = memory.update(np.ones(N), [slice(0, N)])
-    assert (answer == 0).all() and (rest == 1).all()
-
-
 def drifting(way, pairs_a_step, steps=40, seed=3):
     """Mean error of the answer, while the map drifts by 1 % a step and each step teaches a few
     pairs.

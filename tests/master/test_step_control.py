@@ -11,8 +11,6 @@ from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods import Newton
 from piston_cosim.master.coupling.step_control import (
     HARD,
-    LARGEST_FACTOR,
-    SAFETY,
     SMALLEST_FACTOR,
     StepControl,
     step_control,
@@ -74,37 +72,6 @@ def test_estimate_is_the_local_error_of_bdf2(steps):
         assert exact == pytest.approx(2 / 9 * 6, rel=1e-10)
 
 
-def test_estimate_is_of_third_order_and_nothing_for_a_parabola():
-    errors = [estimate(np.exp, h * np.arange(4.0)) for h in (0.02, 0.01, 0.005)]
-    # the third derivative changes by three steps of a relative 0.005 to 0.02 in between
-    assert np.diff(np.log2(errors)) == pytest.approx([-3, -3], abs=0.05)
-    assert errors[-1] == pytest.approx(
-        bdf2_error(np.exp, np.exp, 0.005 * np.arange(1.0, 4.0)), rel=0.02
-    )
-    assert estimate(lambda t: 1 + 2 * t + 3 * t**2, [0.0, 0.3, 0.5, 0.6]) < 1e-12
-
-
-def march(chosen, function, stop):
-    """Lengths of the accepted steps up to a time."""
-    time, lengths = 0.0, []
-    while time < stop:
-        if offer(chosen, function, time, step := max(chosen.step, chosen.smallest)):
-            time += step
-            lengths.append(step)
-    return np.array(lengths)
-
-
-def test_constant_third_derivative_gives_constant_steps():
-    lengths = march(control(1e-3), lambda t: t**3, 5.0)
-    # Eq. (A2) stands still where e = 0.9^3: 2/9 H^3 6 = 0.9^3 allowed
-    assert lengths[-10:] == pytest.approx(SAFETY * (ALLOWED * 9 / 12) ** (1 / 3), rel=1e-9)
-
-
-def test_no_step_is_more_than_twice_the_last():
-    lengths = march(control(), lambda t: t**2, 1.0)
-    assert lengths[1:] / lengths[:-1] == pytest.approx(LARGEST_FACTOR)
-
-
 def test_after_a_hard_step_none_is_longer():
     chosen = control()
     offer(chosen, np.exp, 0.0, 0.01, iterations=HARD)
@@ -123,13 +90,6 @@ def test_a_jump_is_rejected_until_the_step_is_the_smallest():
     assert [time for time, _ in chosen.past] == [0.1, 0.2, 0.3]
     assert tried[1] == pytest.approx(SMALLEST_FACTOR * tried[0]) and np.all(np.diff(tried) < 0)
     assert step == 1e-4 and chosen.at_smallest == 1
-
-
-def test_remaining_time_is_cut_into_equal_steps():
-    chosen = control(0.1)
-    chosen.step = 0.4
-    assert chosen.length(1.0) == (pytest.approx(1 / 3), False)
-    assert chosen.length(0.4) == (0.4, True)
 
 
 def test_each_wire_has_its_own_allowed_error(pair):

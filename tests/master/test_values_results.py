@@ -212,6 +212,9 @@ def test_last_cycle_against_the_one_before():
         ("2 N*m", "N.m", 2.0),
         ("20 1/GPa", "1/Pa", 20e-9),
         ("5 N/mm", "N/m", 5000.0),
+        ("220 g mm^2", "kg.m2", 2.2e-7),
+        ("1 cm^3/s", "m3/s", 1e-6),
+        ("2 m/s^2", "m/s2", 2.0),
         ("12 %", "1", 0.12),
         (0.3, "1", 0.3),
         (4, "1", 4.0),
@@ -221,10 +224,16 @@ def test_units_by_hand(value, unit, si):
     assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
 
 
-@pytest.mark.parametrize("value", [True, None, [1.0], "far", "3", 3.0])
+@pytest.mark.parametrize("value", [True, None, [1.0], "far", "3", 3.0, 3, "25 Pa"])
 def test_what_is_no_length_is_refused(value):
     with pytest.raises(ValueError):
         to_si(value, "m")
+
+
+@pytest.mark.parametrize("value", [True, "3 um"])
+def test_what_is_no_number_is_refused(value):
+    with pytest.raises(ValueError):
+        to_si(value, "1")
 
 
 def test_units_as_fmi_writes_them():

@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
     solve_coupled,
     tangent,
 )
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
@@ -269,57 +269,6 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
         difference = (residual(change) - residual(-change)) / 20.0
         np.testing.assert_allclose(
             matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max()
-        )
-
-
-def test_pin_friction_works_between_piston_and_rod(lump):
-    """The same moment acts on the piston and back on the rod: its share of all three equations is
-    minus its virtual work.
-    """
-    body, rng = lump[3], np.random.default_rng(6)
-    n = 2 + len(body.stiffness)
-    now = Motion(
-        1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
-    )
-    load, phi, w = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2)), 0.8, 314.0
-
-    def rod_angle(x, turn):
-        return -np.arcsin((SKEW.offset + x + SKEW.crank_radius * np.sin(turn)) / SKEW.rod_length)
-
-    eps = 1e-7
-    x = now.position[0]
-    by_x = (rod_angle(x + eps, phi) - rod_angle(x - eps, phi)) / (2 * eps)
-    by_phi = (rod_angle(x, phi + eps) - rod_angle(x, phi - eps)) / (2 * eps)
-    slip = now.velocity[1] - by_x * now.velocity[0] - by_phi * w
-    with_it, without = (
-        imbalance(body, m, load, now, CrankMotion(phi, w, 2e3)) for m in (RUBBING, SKEW)
-    )
-    moment = with_it.pin_moment
-    size = np.hypot(with_it.pin_x, with_it.pin_y)
-    assert (
-        moment == pytest.approx(-2e-3 * size * np.tanh(slip / 30.0) - 4e-3 * slip, rel=1e-8)
-        and moment * slip < 0.0
-    )
-    # differences of the angle over 1e-7: round-off 1e-9
-    np.testing.assert_allclose(
-        with_it.residual[:2] - without.residual[:2], [moment * by_x, -moment], rtol=1e-7
-    )
-    assert with_it.torque - without.torque == pytest.approx(moment * by_phi, rel=1e-7)
-
-
-def test_height_slopes():
-    for phi in (0.3, 2.0, 5.0):
-        at = height(SKEW, 2e-4, phi)
-        eps = 1e-6
-        assert at.slope == pytest.approx(
-            (height(SKEW, 2e-4 + eps, phi).height - height(SKEW, 2e-4 - eps, phi).height)
-            / (2 * eps),
-            abs=1e-9,
-        )
-        assert at.lever == pytest.approx(
-            (height(SKEW, 2e-4, phi + eps).height - height(SKEW, 2e-4, phi - eps).height)
-            / (2 * eps),
-            abs=1e-9,
         )
 
 

@@ -67,37 +67,6 @@ def test_virtual_work_is_that_of_the_mesh(bodies):
         assert np.abs(found - expected).max() <= 0.02 * np.abs(expected).max()
 
 
-def test_gas_widens_the_bore_of_a_running_model(reduced):
-    """A crank at rest, modes damped critically: after 5 ms each holds f/omega^2, to 1e-6: the
-    slowest, 4 kHz, forgets by exp(-125). A rigid block and rings that are not given stay as they
-    were.
-    """
-    options, piston, block = reduced
-    nothing = np.zeros((16, 12))
-    rings = dict(top_ring_height=16e-3, second_ring_height=12e-3)
-    calm = dict(damping_ratio=1.0, high_frequency_damping_ratio=1.0, pin_friction_coefficient=0.0)
-
-    def held(block, **values):
-        model = assemble(piston, block, options, Parameters(**calm, **values))
-        state, _ = model.start(0.0, 0.0, 0.0, Inputs(0.0, 0.0, nothing, nothing))
-        pressed = Inputs(0.0, 6e6, nothing, nothing, land_pressure=1e6)
-        for _ in range(100):
-            state, out = model.advance(state, pressed, 5e-5)
-        return model, out
-
-    (model, with_gas), (_, without) = held(block, **rings), held(block)
-    # A stands 124.75 mm above the crank, less than 1 nm of it by the modes
-    force = wall_forces(model.system.wall, 24.75e-3 + 0.1, WallPressures(6e6, 1e6))
-    q = with_gas["modal_coordinate"][12:]
-    assert np.abs(q - force / block.omega**2).max() <= 1e-6 * np.abs(q).max()
-    assert not without["modal_coordinate"][12:].any()
-    last = ("radial", "axial", "omega", "kind")
-    rigid = dataclasses.replace(block, **{name: getattr(block, name)[..., :0] for name in last})
-    np.testing.assert_array_equal(
-        held(rigid, **rings)[1]["film_thickness"], held(rigid)[1]["film_thickness"]
-    )
-
-
 def test_a_share_of_the_gas_between_the_rings(reduced):
     """Eq. (D18) by hand: an unit of W a metre of height, one mode that is wide everywhere alike.
 

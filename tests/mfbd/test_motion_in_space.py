@@ -4,7 +4,6 @@ with large rotations.
 """
 
 import dataclasses
-import importlib
 
 import numpy as np
 import pytest
@@ -46,7 +45,6 @@ from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.tests.verification.cases.exudyn import _settings
 
 from .test_floating_pin import CENTRE, GRID, PARAMETERS, SPEED, STEP
 from .test_floating_pin import bodies as flat_bodies
@@ -730,132 +728,6 @@ def test_motion_against_points_in_space():
     assert np.abs(wanted[-1][2:]).min() > 5e-5  # it does go somewhere
     np.testing.assert_allclose(apart[0] / apart[1], 4.0, atol=0.2)
     assert (apart[1] < 2e-3 * np.abs(wanted).max(axis=0)).all()
-
-
-def exudyn_motion(of, size):
-    """Coordinates at the end, (5,), of a rigid body in Exudyn with crank, rod and a joint between
-    its pin's axis and the rod's eye; gas and the eye's spring as loads of its motion.
-    """
-    exu = pytest.importorskip("exudyn", reason="the extra `oracle`")
-    item = importlib.import_module("exudyn.itemInterface")
-    utilities = importlib.import_module("exudyn.utilities")
-    system = exu.SystemContainer().AddSystem()
-    bodies = space_bodies(of)
-    mass = MASS + 0.5
-    tensor = bodies.piston.J + bodies.pin_inertia * np.diag([1.0, 1.0, 0.0])
-    start = start_of(size)[5:]
-    r, L = PARAMETERS.crank_radius, PARAMETERS.rod_length
-    made = system.CreateRigidBody(
-        inertia=utilities.RigidBodyInertia(
-            mass, tensor, com=bodies.piston.S / mass, inertiaTensorAtCOM=False
-        ),
-        referencePosition=[0.0, r + L, 0.0],
-        initialVelocity=[start[0], 0.0, start[2]],
-        initialAngularVelocity=[start[3], start[4], start[1]],
-        returnDict=True,
-    )
-    node, piston = made["nodeNumber"], made["bodyNumber"]
-
-    def at(body, place):
-        return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=place))
-
-    ground = system.AddObject(item.ObjectGround())
-    crank_node = system.AddNode(
-        item.NodeRigidBody2D(referenceCoordinates=[0, 0, 0], initialVelocities=[0, 0, SPEED])
-    )
-    crank = system.AddObject(
-        item.ObjectRigidBody2D(nodeNumber=crank_node, physicsMass=1.0, physicsInertia=1e-3)
-    )
-    eye_turn = (start[0] + r * SPEED) / L
-    rod_node = system.AddNode(
-        item.NodeRigidBody2D(
-            referenceCoordinates=[0, r + 72e-3, 0],
-            initialVelocities=[-r * SPEED + 72e-3 * eye_turn, 0, -eye_turn],
-        )
-    )
-    rod = system.AddObject(
-        item.ObjectRigidBody2D(nodeNumber=rod_node, physicsMass=1.7, physicsInertia=0.017)
-    )
-    for ends in (
-        (at(ground, [0, 0, 0]), at(crank, [0, 0, 0])),
-        (at(crank, [0, r, 0]), at(rod, [0, -72e-3, 0])),
-    ):
-        system.AddObject(item.SphericalJoint(markerNumbers=list(ends), constrainedAxes=[1, 1, 0]))
-    system.AddObject(
-        item.GenericJoint(
-            markerNumbers=[at(piston, [0, 0, 0]), at(rod, [0, L - 72e-3, 0])],
-            constrainedAxes=[1, 1, 0, 0, 0, 0],
-        )
-    )
-    fixed = system.AddMarker(
-        item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0)
-    )
-    system.AddObject(
-        item.CoordinateConstraint(
-            markerNumbers=[
-                fixed,
-                system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=crank_node, coordinate=2)),
-            ],
-            offsetUserFunction=lambda system, t, number, offset: SPEED * t,
-            offsetUserFunction_t=lambda system, t, number, offset: SPEED,
-        )
-    )
-    normal = np.array([np.sin(of.theta), 0 * of.theta, np.cos(of.theta)]).T
-    places = 55e-3 * normal - np.array([of.offset, 0, 0])
-    places[:, 1] += of.height
-    forces = -of.push[:, None] * normal
-    forces[:, 1] += of.drag
-    for place, force in zip(places, forces):
-        system.AddLoad(item.Force(markerNumber=at(piston, list(place)), loadVector=list(force)))
-    kinds = exu.OutputVariableType
-
-    def told(kind):
-        return np.array(system.GetNodeOutput(node, kind))
-
-    def turned(system, t, load):
-        A, axes = told(kinds.Position), told(kinds.RotationMatrix).reshape(3, 3)
-        x, _, z = A + [of.offset, 0, 0]
-        askew = np.cross(axes[:, 2], [0, 0, 1])
-        spring = of.stiffness * askew  # the sine for the angle: 1e-7 of it
-        lean = axes[2, 1]
-        return list(of.gas * np.array([-z, -lean * x, x]) + spring)
-
-    middle = at(piston, [0, 0, 0])
-
-    def leaning(system, t, load):
-        return [0.0, -of.gas, -of.gas * told(kinds.RotationMatrix)[7]]
-
-    system.AddLoad(
-        item.Force(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=leaning)
-    )
-    system.AddLoad(
-        item.Torque(markerNumber=middle, loadVector=[0, 0, 0], loadVectorUserFunction=turned)
-    )
-    system.Assemble()
-    steps = 400
-    system.SolveDynamic(_settings(exu, TIMES[-1] / steps, steps, 0.9))
-    A, axes = told(kinds.Position), told(kinds.RotationMatrix).reshape(3, 3)
-    # axes = Rz(rocking) Rx(roll) Ry(yaw), as those of `Points`
-    rocking = np.arctan2(-axes[0, 1], axes[1, 1])
-    roll, yaw, _ = Rotation.from_matrix(
-        Rotation.from_euler("z", -rocking).as_matrix() @ axes
-    ).as_rotvec()
-    return np.array([A[0], rocking, A[2], roll, yaw])
-
-
-def test_motion_against_exudyn_in_space():
-    """The same case in a multibody code, 400 steps: it is the points of mass to what its steps err
-    by, 2e-5 of the largest way of each coordinate, and the package to what first order misses.
-    """
-    size = 2e-2
-    of = Points(size)
-    found = exudyn_motion(of, size)
-    ways = points_motion(of, size)
-    most = np.abs(ways).max(axis=0)
-    apart = np.abs(found - ways[-1]) / most, np.abs(found - own_motion(of, size)[-1]) / most
-    print(f"ways {most}, points apart {apart[0]}, package apart {apart[1]} of them")
-    assert apart[0].max() < 1e-4
-    assert apart[1].max() < 2e-3
 
 
 # ---- build

@@ -254,49 +254,6 @@ def test_speed_table_takes_the_place_of_the_input(shaped):
     assert out["rotation_speed"] == pytest.approx(120 * np.pi) and state.crank_acceleration == 0.0
 
 
-SIZE = 7e-6
-EFFECTS = {
-    "radial_clearance": lambda angle, y, Y: SIZE + 0 * y,
-    "barrel": lambda angle, y, Y: SIZE * ((y + 4e-3) / 12e-3) ** 2,  # skirt from -16 to 8 mm
-    "ovality": lambda angle, y, Y: (
-        SIZE / 2 * np.cos(angle) ** 2 + 0 * y
-    ),  # nothing at the thrust faces
-    "skirt_growth_lower": lambda angle, y, Y: -SIZE * (8e-3 - y) / 24e-3,
-    "skirt_growth_upper": lambda angle, y, Y: -SIZE * (y + 16e-3) / 24e-3,
-    "bore_growth_lower": lambda angle, y, Y: (
-        SIZE * (155e-3 - Y - y) / 105e-3
-    ),  # bore from 50 to 155 mm
-    "bore_growth_upper": lambda angle, y, Y: SIZE * (Y + y - 50e-3) / 105e-3,
-    "pin_tilt": lambda angle, y, Y: -SIZE * y * np.cos(angle),
-    "start_lateral_displacement": lambda angle, y, Y: (
-        -SIZE * np.sin(angle) + 0 * y
-    ),  # to the thrust side, which closes
-    "start_rocking_angle": lambda angle, y, Y: SIZE * y * np.sin(angle),
-}  # about +z: the upper edge to -x
-"""What SIZE more of a parameter adds to the film thickness."""
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_each_shape_adds_to_the_film_what_it_says(reduced, name):
-    options, piston, block = reduced
-    films = []
-    for more in (0.0, SIZE):
-        values = Parameters(**{name: getattr(Parameters(), name) + more})
-        model = assemble(piston, block, options, values)
-        nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
-        out = model.start(
-            0.5,
-            values.start_lateral_displacement,
-            values.start_rocking_angle,
-            Inputs(314.0, 0.0, nothing, nothing),
-        )[1]
-        films.append(out["film_thickness"])
-    angle, y = model.film_surfaces[0].skirt.angle[:, None], model.film_surfaces[0].skirt.height
-    expected = EFFECTS[name](angle, y, out["piston_position"]) + 0 * angle
-    # round-off of films of 100 um
-    np.testing.assert_allclose(films[1] - films[0], expected, rtol=0, atol=1e-18)
-
-
 def test_two_profiles_and_two_orders_add_up(reduced):
     options, piston, block = reduced
     one = MeasuredShape(np.array([0.0, np.pi]), np.zeros(1), np.array([[3e-6, 1e-6]]))

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody, FrameMotion, frame_force
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
-    LateralMotion,
     Mechanism,
     PistonLoad,
-    motion,
     rod_turn,
     side_force_demand,
 )
@@ -31,63 +28,6 @@ def near(value, rel=1e-12):
     return pytest.approx(value, rel=rel, abs=0.0)
 
 
-# ---- a bead on a turning plate
-
-MASS, REACH = 4.0, 3.0  # [kg], [m]
-SPIN, TURN = 5.0, 7.0  # angular velocity [rad/s] and acceleration [rad/s2]
-Q, DQ, DDQ = 0.6, 0.8, 1.1
-ALONG, ALONG_VELOCITY, ALONG_ACCELERATION = Q / 2, DQ / 2, DDQ / 2
-
-
-def bead(direction):
-    """A bead at (REACH, 0) that a spring lets move along `direction` by q / sqrt(MASS), hence with
-    modal mass 1; the frame's origin A rests.
-    """
-    x, y = np.array(direction) / np.sqrt(MASS)
-    body = FlexibleBody(
-        mass=MASS,
-        S=np.array([MASS * REACH, 0.0]),
-        I0=MASS * REACH**2,
-        T=MASS * np.array([[x], [y]]),
-        b=np.array([MASS * REACH * x]),
-        B=np.array([[MASS * (x * x + y * y)]]),
-        g=np.array([MASS * REACH * y]),
-        G=np.zeros((1, 1)),
-        stiffness=np.array([200.0]),
-        damping=np.array([9.0]),
-    )
-    moving = FrameMotion(0.0, 0.0, TURN, SPIN, np.array([Q]), np.array([DQ]), np.array([DDQ]))
-    return frame_force(body, moving)
-
-
-def test_bead_on_a_turning_rod():
-    """Outwards, r = 3 + q/2: a_r = r'' - w^2 r, a_t = r w' + 2 r' w; moment m r a_t; the spring
-    holds sqrt(m) a_r + 9 q' + 200 q.
-    """
-    force = bead((1.0, 0.0))
-    r = REACH + ALONG
-    outwards = ALONG_ACCELERATION - SPIN**2 * r
-    around = r * TURN + 2.0 * ALONG_VELOCITY * SPIN
-    assert force.x == near(MASS * outwards)
-    assert force.y == near(MASS * around)
-    assert force.moment == near(MASS * r * around)
-    assert force.modal == near(np.array([2.0 * outwards + 9.0 * DQ + 200.0 * Q]))
-
-
-def test_bead_that_moves_across_its_arm():
-    """Along y, at (3, q/2): a_x = -w^2 3 - w' y - 2 w y', a_y = 3 w' - w^2 y + y''; moment
-    m (3 a_y - y a_x).
-    """
-    force = bead((0.0, 1.0))
-    y = ALONG
-    a_x = -(SPIN**2) * REACH - TURN * y - 2.0 * SPIN * ALONG_VELOCITY
-    a_y = REACH * TURN - SPIN**2 * y + ALONG_ACCELERATION
-    assert force.x == near(MASS * a_x)
-    assert force.y == near(MASS * a_y)
-    assert force.moment == near(MASS * (REACH * a_y - y * a_x))
-    assert force.modal == near(np.array([2.0 * a_y + 9.0 * DQ + 200.0 * Q]))
-
-
 # ---- rod of length 5 that stands 3 beside and 4 above a crank at its top, which does not turn
 
 STANDING = Mechanism(
@@ -99,19 +39,6 @@ STANDING = Mechanism(
     rod_centre=0.3,
     pin_mass=0.0,
 )
-
-
-def test_turning_rod_follows_where_its_end_goes():
-    """psi1 = -1/4, psi2 = -3/64, psi3 = -1/64 - 27/1024 = -43/1024. With x_A' = 2:
-
-    psi'' = 4 psi2, force psi1 psi'' = 3/64, to the velocity 4 psi1 psi2 = 3/64,
-    to the position 4 (psi2^2 + psi1 psi3) = 13/256.
-    """
-    link = motion(STANDING, LateralMotion(0.0, 2.0, 0.0), CrankMotion(0.0, 0.0, 0.0))
-    assert link.rod_force == near(3.0 / 64.0)
-    assert link.rod_force_by_acceleration == near(1.0 / 16.0)
-    assert link.rod_force_by_velocity == near(3.0 / 64.0)
-    assert link.rod_force_by_position == near(13.0 / 256.0)
 
 
 @pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
