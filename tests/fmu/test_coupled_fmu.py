@@ -113,14 +113,6 @@ def test_same_results_as_run_at_the_macro_step(coupled, reference):
     np.testing.assert_allclose(rows, values, rtol=1e-6, atol=1e-12)
 
 
-def test_longer_communication_steps_are_cut_into_macro_steps(coupled, reference):
-    values, step = reference
-    participant = started(coupled)
-    for k in range(STEPS // 3):
-        participant.step(3 * k * step, 3 * step)
-    np.testing.assert_allclose(watched(participant), values[-1], rtol=1e-6)
-
-
 def test_a_step_a_hair_too_long_is_one_macro_step(coupled, reference):
     """An importer's clock in whole nanoseconds, rounded up: the run's own values but for 1e-5 of a
     step; two macro steps of half the length differ by 1 % in the lateral motion.

@@ -11,6 +11,7 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.sweep import all_points, build_all, local_executor, parse_axis, sweep
 
+pytestmark = pytest.mark.slow  # 18 runs
 PATH = find_case("fired_motorcycle")
 FLOODED = {
     "clearance": "radial_clearance=15um;30um;45um",

@@ -92,6 +92,13 @@ def test_a_jump_is_rejected_until_the_step_is_the_smallest():
     assert step == 1e-4 and chosen.at_smallest == 1
 
 
+def test_remaining_time_is_cut_into_equal_steps():
+    chosen = control(0.1)
+    chosen.step = 0.4
+    assert chosen.length(1.0) == (pytest.approx(1 / 3), False)
+    assert chosen.length(0.4) == (0.4, True)
+
+
 def test_each_wire_has_its_own_allowed_error(pair):
     assert step_control(pair.wires, 1e-6) is None
     film, force = pair.wires

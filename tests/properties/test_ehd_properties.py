@@ -1,6 +1,7 @@
 """What must hold for every film: symmetries, scaling laws, repeatability, conservation."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -9,6 +10,7 @@ from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.master.fmi.block import row_of
 
+pytestmark = pytest.mark.slow  # random inputs
 SHAPE = (8, 10)
 STEP = 1e-4
 quick = settings(max_examples=25, deadline=None)

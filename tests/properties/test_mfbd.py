@@ -1,6 +1,7 @@
 """What must hold for any motion, any force and any shape."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,6 +23,7 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
 from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
 
+pytestmark = pytest.mark.slow  # random inputs
 small = st.floats(-1e-4, 1e-4)
 seeds = st.integers(0, 2**32 - 1)
 
