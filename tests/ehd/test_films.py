@@ -11,7 +11,6 @@ from piston_cosim.fmu_ehd.balance.films import (
 )
 from piston_cosim.fmu_ehd.laws import roughness
 
-SHAPE = (6, 5)
 SIGMA = 1e-6
 
 
