@@ -15,7 +15,8 @@ from ..master.fmi.variables import Variable
 from ..models import MODELS
 from .oil import Oil, vogel_constants
 from .options import BuildOptions
-from .variables import CHOICES, CONDITION_VARIABLES, OIL_VARIABLES, variables
+from .parameters import CHOICES
+from .variables import CONDITION_VARIABLES, OIL_VARIABLES, variables
 
 SMALLEST, LARGEST = 4, 1000  # cells along one side
 POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]

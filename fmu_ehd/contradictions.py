@@ -8,7 +8,7 @@ surfaces, are known for a skirt that slides along its bore alone. A sector has i
 ends, and no openings between.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,9 +36,20 @@ from .faults import (
     VISCOSITIES_REVERSED,
     refuse,
 )
+from .laws.cavitation import CAVITATION, Cavitation
 from .laws.piezoviscosity import PressureLaw, reduced_at_edges
+from .laws.roughness import FLOW_FACTORS
+from .oil import TWO_POINT
 
+OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
+OPENING_SUPPLIES = ("lower_edge", "own")
 FULL_TURN = 2.0 * np.pi
+FROM_EDGES = 1 + OIL_SUPPLIES.index("edges")
+FROM_BORE_AND_RING = 1 + OIL_SUPPLIES.index("bore_and_ring")
+OWN_SUPPLY = 1 + OPENING_SUPPLIES.index("own")
+PATIR_CHENG_1978 = 1 + FLOW_FACTORS.index("patir_cheng_1978")
+"""Numbers of choices as in `parameters.Chosen`."""
+MODELS = tuple(CAVITATION.values())
 
 
 class Supply(NamedTuple):
@@ -61,24 +72,6 @@ class Supply(NamedTuple):
     conserving: bool
 
 
-class Kind(NamedTuple):
-    """Kind of a film, without its supply.
-
-    It says whether the film is that of a bearing, and whether it has cut-outs, oil from the bore,
-    flow factors and an oil by two viscosities. Numbers are as in `parameters`.
-    """
-
-    bearing: bool
-    cut_outs: bool
-    from_bore: bool
-    factors: bool
-    two_point: bool
-    sector_angle: float
-    roughness_rms: float
-    viscosity_40: float
-    viscosity_100: float
-
-
 class Outside(NamedTuple):
     """Pressures around a film [Pa].
 
@@ -89,6 +82,29 @@ class Outside(NamedTuple):
     lower: float
     upper: float
     opening: float
+
+
+@compilable
+def supply_of(x: Any, chosen: Any) -> Supply:
+    """Return the oil supply of a film from `parameters.Numbers` and `Chosen`."""
+    return Supply(
+        x.cavitation_pressure,
+        x.pressure_lower_edge,
+        x.pressure_upper_edge,
+        x.pressure_openings,
+        x.film_fraction_lower_edge,
+        x.film_fraction_upper_edge,
+        x.film_fraction_openings,
+        chosen.opening_supply == OWN_SUPPLY,
+        chosen.oil_supply != FROM_EDGES,
+        cavitation_of(chosen).conserving,
+    )
+
+
+@compilable
+def cavitation_of(chosen: Any) -> Cavitation:
+    """Return the cavitation model of a film."""
+    return MODELS[int(chosen.cavitation_model) - 1]
 
 
 @compilable
@@ -165,19 +181,23 @@ def check_supply(supply: Supply, faults: Array) -> None:
 
 
 @compilable
-def check_kind(kind: Kind, faults: Array) -> None:
-    """Note what does not go together otherwise."""
-    sector = kind.sector_angle
+def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults: Array) -> None:
+    """Note contradictions between parameters, except those of the oil supply.
+
+    `bearing` and `cut_outs` state whether the film is that of a bearing and has cut-outs.
+    """
+    sector = x.sector_angle
     part = sector < FULL_TURN
-    if part and not kind.bearing:
+    rough = chosen.flow_factors == PATIR_CHENG_1978
+    if part and not bearing:
         refuse(faults, SECTOR_OF_A_SKIRT, 0, 0, sector, 0.0, 0.0)
-    if kind.bearing and kind.from_bore:
+    if bearing and chosen.oil_supply != FROM_EDGES:
         refuse(faults, OIL_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
-    if kind.bearing and kind.factors:
+    if bearing and rough:
         refuse(faults, FACTORS_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
-    if kind.bearing and part and kind.cut_outs:
+    if bearing and part and cut_outs:
         refuse(faults, CUT_OUTS_IN_A_SECTOR, 0, 0, sector, FULL_TURN, 0.0)
-    if kind.two_point and kind.viscosity_40 <= kind.viscosity_100:
-        refuse(faults, VISCOSITIES_REVERSED, 0, 0, kind.viscosity_40, kind.viscosity_100, 0.0)
-    if kind.factors and kind.roughness_rms <= 0.0:
+    if chosen.viscosity_law - 1 == TWO_POINT and x.viscosity_40 <= x.viscosity_100:
+        refuse(faults, VISCOSITIES_REVERSED, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
+    if rough and x.roughness_rms <= 0.0:
         refuse(faults, FACTORS_WITHOUT_ROUGHNESS, 0, 0, 0.0, 0.0, 0.0)

@@ -10,10 +10,11 @@ from . import step
 from .balance import oil_layer, openings
 from .balance.film_step import FilmStep
 from .balance.grid import Array, Grid
+from .contradictions import FULL_TURN
 from .faults import FAULTS, raise_noted
 from .laws.asperity import contact_table
 from .laws.roughness import factor_table
-from .parameters import FULL_TURN, Parameters
+from .parameters import Parameters, chosen_of, numbers_of
 from .step import Directions, Fields, Inputs, Last, Linear, Memory, Scalars
 from .summary import halves
 from .surroundings import Surroundings, surroundings
@@ -47,19 +48,13 @@ class LubricationModel:
             factors = factor_table(
                 p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
             )
-        choices = step.Choices(
-            self._bearing,
-            p.cavity_shear == "film_fraction",
-            p.oil_supply != "edges",
-            p.oil_supply == "bore_and_ring",
-        )
         tables = step.Tables(
             contact_table(p.contact_law),
             halves(n_circumferential),
             factors,
             oil_layer.skirt_edges(domain.open_cells),
         )
-        self.fixed = step.fixed_of(p, domain, choices, tables, p.oil.thinning)
+        self.fixed = step.fixed_of(numbers_of(p), chosen_of(p), self._bearing, True, domain, tables)
         self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})

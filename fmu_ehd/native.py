@@ -17,19 +17,16 @@ from ..master.fmi.slave import PRODUCT, SEED, reserved
 from . import step
 from .balance.grid import Array, keep
 from .balance.oil_layer import skirt_edges
-from .contradictions import FULL_TURN, check_supply
+from .contradictions import FROM_EDGES, FULL_TURN
 from .faults import FAULTS, NO_TANGENT, refuse
 from .laws.asperity import CONTACT_LAWS, contact_table
 from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import TABLE as FACTOR_TABLE
 from .native_step import (
-    CHOSEN,
-    EDGES,
     FAULTS_AT,
     INITIAL_FILM_FRACTION,
     LAST,
     LINEAR,
-    NUMBERS,
     ROOM_ON_BORE,
     SECTOR_ANGLE,
     STATE,
@@ -39,7 +36,8 @@ from .native_step import (
     Places,
     Solver,
     block_of,
-    check_parameters,
+    check_at_start,
+    check_supply,
     clear_solver,
     domain_of,
     factors_of,
@@ -53,12 +51,12 @@ from .native_step import (
     put_linear,
     put_memory,
     roughen,
-    supply_of,
     surroundings_of,
     warm_by_edges,
     warm_by_field,
 )
 from .options import BuildOptions
+from .parameters import CHOSEN, NUMBERS
 from .step import ALONG, AROUND, NORMAL, Directions, Fields, Inputs, Scalars
 from .summary import halves
 
@@ -143,7 +141,7 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
 def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
     """Sentences on parameters that the library has no room for."""
     room = STROKES * values["skirt_length"]
-    if values["oil_supply"] != EDGES and values["stroke"] > room:
+    if values["oil_supply"] != FROM_EDGES and values["stroke"] > room:
         yield (
             f"stroke: expected at most {room:g} m for skirt_length = {values['skirt_length']:g} m "
             f"in a native FMU, got {values['stroke']:g} m"
@@ -205,9 +203,9 @@ def take_numbers(real, integer, block, length, faults):
             block.chosen[k] = float(integer[int(places.chosen[k])])
         place_openings(block)
         roughen(block)
-        check_parameters(block, faults)
+        check_at_start(block, faults)
     if changed:
-        check_supply(supply_of(block), faults)
+        check_supply(block, faults)
     if places.inputs.oil_temperature >= 0:
         warm_by_field(block, _input(real, block, places.inputs.oil_temperature, domain_of(block)))
     elif changed:
@@ -242,7 +240,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     take_numbers(real, integer, block, 0.0, faults)
     if faults[0] > 0.0:
         return
-    fixed = fixed_of(block, 1.0)
+    fixed = fixed_of(block, True)
     inputs = inputs_of(real, block, fixed.domain, 0.0)
     initial = block.numbers[INITIAL_FILM_FRACTION]
     begun, fields, scalars = step.start(fixed, inputs, initial, faults)
@@ -266,7 +264,7 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     take_numbers(real, integer, block, numbers[0], faults)
     if faults[0] > 0.0:
         return
-    fixed = fixed_of(block, 1.0)
+    fixed = fixed_of(block, True)
     inputs = inputs_of(real, block, fixed.domain, numbers[0])
     before = memory_of_state(part(memory, STATE).copy())
     begun = step.begin(fixed, before, inputs, faults)
@@ -295,7 +293,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     if block.has_last[0] == 0.0:
         refuse(faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
         return
-    fixed = fixed_of(block, 0.0)
+    fixed = fixed_of(block, False)
     last = last_of(part(memory, LAST))
     if block.has_linear[0] == 0.0:
         put_linear(part(memory, LINEAR), step.linearise(fixed, last))

@@ -4,46 +4,30 @@ What is done with it is the model's own text, so every number has the same bits;
 by the last bit of exp and log where the C library does.
 """
 
-from collections import namedtuple
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from . import step
+from . import contradictions, step, surroundings
 from .balance import openings
 from .balance.film_step import Domain
 from .balance.grid import Array, Cells, Field, keep
-from .contradictions import FULL_TURN, Kind, Supply, check_kind, edges_of, outside_of
+from .contradictions import FROM_EDGES, FULL_TURN, PATIR_CHENG_1978, cavitation_of
 from .faults import STROKE_TOO_LONG, refuse
 from .laws import cavitation
-from .laws.piezoviscosity import TABLE as LAW_TABLE
-from .laws.piezoviscosity import PressureLaw, pressure_law
+from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import fill_factor_table
-from .oil import TWO_POINT, low_shear_law, low_shear_viscosity, thinning_law
+from .parameters import NUMBERS, Chosen, Numbers
 from .solvers.blocks import Factors
 from .step import Last, Linear, Memory
 from .summary import Halves
-from .surroundings import Surroundings
-from .variables import CONDITION_VARIABLES, OIL_VARIABLES, film_variables
 
-# ---- what a slave is given: parameters in SI, choices by their number from 1 on
-
-DECLARED = (*film_variables("bearing"), *CONDITION_VARIABLES, *OIL_VARIABLES)
-NUMBERS = tuple(v.name for v in DECLARED if not v.choices)
-CHOSEN = tuple(v.name for v in DECLARED if v.choices)
-Numbers = namedtuple("Numbers", NUMBERS)
-Chosen = namedtuple("Chosen", CHOSEN)
 SECTOR_ANGLE = NUMBERS.index("sector_angle")
 INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
 _, numbers_from = packed(Numbers)
 _, chosen_from = packed(Chosen)
-FILM_FRACTION, _ = range(1, 3)
-_, OWN = range(1, 3)
-_, PATIR_CHENG_1978 = range(1, 3)
-EDGES, _, BORE_AND_RING = range(1, 4)
-MODELS = tuple(cavitation.CAVITATION.values())
 
 # ---- the block
 
@@ -177,37 +161,25 @@ def domain_of(block: Block):
             open_cells[i, j] = block.mask[i, j] == 0.0
             has_openings = has_openings or open_cells[i, j]
     together = cavitation.at_once(n_c, n_a)
-    return Domain(cells, open_cells, has_openings, model_of(block), together)
+    cavitation_model = cavitation_of(chosen_from(block.chosen))
+    return Domain(cells, open_cells, has_openings, cavitation_model, together)
 
 
 @compiled
-def model_of(block: Block):
-    """`cavitation.Cavitation`."""
-    return MODELS[int(chosen_from(block.chosen).cavitation_model) - 1]
-
-
-@compiled
-def fixed_of(block: Block, bores: float):
-    """`step.Fixed`, with one bore, or with none: for a tangent."""
-    x = numbers_from(block.numbers)
+def fixed_of(block: Block, on_bore: bool):
+    """Return `step.Fixed`; a tangent needs no bore."""
     chosen = chosen_from(block.chosen)
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
         factors = block.factors
-    choices = step.Choices(
-        block.bearing,
-        chosen.cavity_shear == FILM_FRACTION,
-        bores > 0.0 and chosen.oil_supply != EDGES,
-        chosen.oil_supply == BORE_AND_RING,
-    )
     tables = step.Tables(
         block.tables[int(chosen.contact_law) - 1],
         Halves(block.share, block.sine),
         factors,
         block.faces,
     )
-    thinning = thinning_law(int(chosen.shear_thinning_law) - 1, x)
-    return step.fixed_of(x, domain_of(block), choices, tables, thinning)
+    x = numbers_from(block.numbers)
+    return step.fixed_of(x, chosen, block.bearing, on_bore, domain_of(block), tables)
 
 
 @compiled
@@ -236,108 +208,57 @@ def factors_of(memory: Array):
     )
 
 
-# ---- what is around
+# ---- surroundings
 
 
 @compiled
-def supply_of(block: Block):
-    """`contradictions.Supply`."""
+def check_at_start(block: Block, faults: Array):
+    """Note contradictions between parameters, except those of the oil supply."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
-    return Supply(
-        x.cavitation_pressure,
-        x.pressure_lower_edge,
-        x.pressure_upper_edge,
-        x.pressure_openings,
-        x.film_fraction_lower_edge,
-        x.film_fraction_upper_edge,
-        x.film_fraction_openings,
-        chosen.opening_supply == OWN,
-        chosen.oil_supply != EDGES,
-        model_of(block).conserving,
-    )
-
-
-@compiled
-def check_parameters(block: Block, faults: Array):
-    """Note what is wrong between the parameters at the start, but for those of `supply_of`."""
-    x = numbers_from(block.numbers)
-    chosen = chosen_from(block.chosen)
-    domain = domain_of(block)
-    from_bore = chosen.oil_supply != EDGES
-    kind = Kind(
-        block.bearing,
-        domain.has_openings,
-        from_bore,
-        chosen.flow_factors == PATIR_CHENG_1978,
-        int(chosen.viscosity_law) - 1 == TWO_POINT,
-        x.sector_angle,
-        x.roughness_rms,
-        x.viscosity_40,
-        x.viscosity_100,
-    )
-    check_kind(kind, faults)
+    contradictions.check_parameters(x, chosen, block.bearing, domain_of(block).has_openings, faults)
     room = STROKES * x.skirt_length
-    if from_bore and x.stroke > room:
+    if chosen.oil_supply != FROM_EDGES and x.stroke > room:
         refuse(faults, STROKE_TOO_LONG, 0, 0, x.stroke, x.skirt_length, room)
 
 
 @compiled
+def check_supply(block: Block, faults: Array):
+    """Note what is wrong with the oil supply."""
+    supply = contradictions.supply_of(numbers_from(block.numbers), chosen_from(block.chosen))
+    contradictions.check_supply(supply, faults)
+
+
+@compiled
 def surroundings_of(block: Block):
-    """`surroundings.Surroundings`."""
-    x = numbers_from(block.numbers)
-    supply = supply_of(block)
-    outside = outside_of(supply)
-    law = law_from(block.law)
-    return Surroundings(
-        edges_of(supply, outside, law, block.mask.shape),
-        outside,
+    """Return `surroundings.Surroundings`."""
+    return surroundings.surroundings_of(
+        numbers_from(block.numbers),
+        chosen_from(block.chosen),
         block.temperature,
         block.viscosity,
-        law,
-        x.oil_ring_layer,
-        x.oil_splash,
+        law_from(block.law),
     )
 
 
 @compiled
-def low_shear_of(block: Block):
-    """`oil.LowShear`."""
-    number = int(chosen_from(block.chosen).viscosity_law) - 1
-    return low_shear_law(number, numbers_from(block.numbers))
-
-
-@compiled
 def warm_by_edges(block: Block):
-    """Temperature of every cell, linear between both edges, and what follows from it."""
-    x = numbers_from(block.numbers)
-    n_c, n_a = block.viscosity.shape
-    oil = low_shear_of(block)
-    for j in range(n_a):
-        along = (j + 0.5) / n_a
-        temperature = x.oil_temperature_lower_edge * (1.0 - along)
-        temperature += x.oil_temperature_upper_edge * along
-        viscosity = low_shear_viscosity(oil, temperature)
-        for i in range(n_c):
-            block.temperature[i, j] = temperature
-            block.viscosity[i, j] = viscosity
-    thicken(block)
+    """Set the temperature of every cell from both edges, and the viscosity."""
+    surroundings.temperature_between_edges(numbers_from(block.numbers), block.temperature)
+    _set_viscosity(block)
 
 
 @compiled
 def warm_by_field(block: Block, temperature: Array):
-    """Set the temperature of every cell, shape (n_c, n_a) [K], and what follows from it."""
-    oil = low_shear_of(block)
-    for i in range(temperature.shape[0]):
-        for j in range(temperature.shape[1]):
-            block.temperature[i, j] = temperature[i, j]
-            block.viscosity[i, j] = low_shear_viscosity(oil, temperature[i, j])
-    thicken(block)
+    """Set the temperature of every cell, shape (n_c, n_a) [K], and the viscosity."""
+    keep(block.temperature, temperature)
+    _set_viscosity(block)
 
 
 @compiled
-def thicken(block: Block):
-    """Write the pressure law for the viscosity of the cells into the memory."""
-    kind = int(chosen_from(block.chosen).pressure_viscosity_law) - 1
-    alpha = numbers_from(block.numbers).pressure_viscosity_coefficient
-    put_law(block.law, pressure_law(kind, alpha, block.viscosity, np.zeros(LAW_TABLE)))
+def _set_viscosity(block: Block):
+    """Set the viscosity of every cell and the pressure law from the temperature."""
+    x = numbers_from(block.numbers)
+    chosen = chosen_from(block.chosen)
+    surroundings.viscosity_by_temperature(x, chosen, block.temperature, block.viscosity)
+    put_law(block.law, surroundings.pressure_law_of(x, chosen, block.viscosity))

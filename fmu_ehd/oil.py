@@ -48,7 +48,7 @@ import numpy as np
 from ..master.fmi.compiled import compilable
 from .balance.grid import Array
 from .declaration import choice, declared
-from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TABLE, PressureLaw, pressure_law
+from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS
 
 ZERO_CELSIUS = 273.15  # [K]
 
@@ -324,9 +324,3 @@ class Oil:
         """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
         kind = VISCOSITY_LAWS.index(self.viscosity_law)
         return low_shear_viscosity(low_shear_law(kind, self), temperature)
-
-    def pressure_law(self, low_shear_viscosity: Array) -> PressureLaw:
-        """Return the pressure law of an oil with a given mu_0 [Pa s]."""
-        kind = PRESSURE_VISCOSITY_LAWS.index(self.pressure_viscosity_law)
-        table = np.empty(TABLE)
-        return pressure_law(kind, self.pressure_viscosity_coefficient, low_shear_viscosity, table)

@@ -1,12 +1,19 @@
 """What is fixed for a run."""
 
-from collections.abc import Mapping
+from collections import namedtuple
 from dataclasses import dataclass, field
 
 from ..master.fmi.noted import none_yet, sentences_of
 from .balance.grid import Flags
-from .contradictions import FULL_TURN, Kind, Supply, check_kind, check_supply
-from .declaration import choice, declared, names_of
+from .contradictions import (
+    FULL_TURN,
+    OIL_SUPPLIES,
+    OPENING_SUPPLIES,
+    check_parameters,
+    check_supply,
+    supply_of,
+)
+from .declaration import choice, choices_of, declared, names_of, variables_of
 from .faults import FAULTS
 from .laws.asperity import CONTACT_LAWS
 from .laws.cavitation import CAVITATION
@@ -14,8 +21,6 @@ from .laws.friction import CAVITY_SHEAR
 from .laws.roughness import FLOW_FACTORS
 from .oil import Oil
 
-OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
-OPENING_SUPPLIES = ("lower_edge", "own")
 SURFACES = ("skirt", "bearing")
 
 
@@ -218,35 +223,32 @@ CONDITION_NAMES = names_of(Parameters, condition=True)
 # parameters that a skirt has not
 OF_BEARINGS = ("sector_angle",)
 
+CHOICES = choices_of(Parameters) | choices_of(Oil)
+"""Allowed values of the parameters that select a law."""
 
-def supply_of(parameters: Parameters, conditions: Mapping[str, float]) -> Supply:
-    """Oil at the edges and in openings.
-
-    Parameters
-    ----------
-    parameters : Parameters
-    conditions : mapping
-        Values of `CONDITION_NAMES`.
-    """
-    p = parameters
-    numbers = {name: conditions[name] for name in Supply._fields if name in CONDITION_NAMES}
-    return Supply(
-        cavitation_pressure=p.cavitation_pressure,
-        own=p.opening_supply == "own",
-        from_bore=p.oil_supply != "edges",
-        conserving=CAVITATION[p.cavitation_model].conserving,
-        **numbers,
-    )
+DECLARED = (
+    *variables_of(Parameters),
+    *variables_of(Parameters, condition=True),
+    *variables_of(Oil),
+)
+NUMBERS = tuple(v.name for v in DECLARED if not v.choices)
+CHOSEN = tuple(v.name for v in DECLARED if v.choices)
+Numbers = namedtuple("Numbers", NUMBERS)
+"""Numbers of film and oil [SI], as kernels read them."""
+Chosen = namedtuple("Chosen", CHOSEN)
+"""Choices of film and oil by their number in `CHOICES`, from 1 on."""
 
 
-def supply_faults(parameters: Parameters, conditions: Mapping[str, float]) -> list[str]:
-    """Return the faults of the oil supply at the edges and in openings, one sentence each.
+def numbers_of(parameters: Parameters) -> Numbers:
+    """Return the numbers of a film and its oil."""
+    values = vars(parameters.oil) | vars(parameters)
+    return Numbers(*(values[name] for name in NUMBERS))
 
-    `conditions` are those of `supply_of`.
-    """
-    noted = none_yet()
-    check_supply(supply_of(parameters, conditions), noted)
-    return sentences_of(noted, FAULTS)
+
+def chosen_of(parameters: Parameters) -> Chosen:
+    """Return the choices of a film and its oil."""
+    values = vars(parameters.oil) | vars(parameters)
+    return Chosen(*(1 + CHOICES[name].index(values[name]) for name in CHOSEN))
 
 
 def faults(parameters: Parameters) -> list[str]:
@@ -261,19 +263,10 @@ def faults(parameters: Parameters) -> list[str]:
     list of str
         One sentence a fault.
     """
-    p = parameters
+    x, chosen = numbers_of(parameters), chosen_of(parameters)
+    cells = parameters.open_cells
     noted = none_yet()
-    kind = Kind(
-        p.surface == "bearing",
-        p.open_cells is not None and bool(p.open_cells.any()),
-        p.oil_supply != "edges",
-        p.flow_factors != "none",
-        p.oil.viscosity_law == "two_point",
-        p.sector_angle,
-        p.roughness_rms,
-        p.oil.viscosity_40,
-        p.oil.viscosity_100,
-    )
-    check_kind(kind, noted)
-    conditions = {name: getattr(p, name) for name in CONDITION_NAMES}
-    return supply_faults(p, conditions) + sentences_of(noted, FAULTS)
+    check_supply(supply_of(x, chosen), noted)
+    cut_outs = cells is not None and bool(cells.any())
+    check_parameters(x, chosen, parameters.surface == "bearing", cut_outs, noted)
+    return sentences_of(noted, FAULTS)

@@ -33,6 +33,7 @@ from .balance.grid import (
 from .balance.oil_layer import Bore, OilLayer, Passed
 from .balance.reynolds import Filling
 from .balance.transport import Lift
+from .contradictions import FROM_BORE_AND_RING, FROM_EDGES
 from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
 from .laws import cavitation, circumferential, coating, friction
 from .laws.asperity import contact_constants
@@ -41,7 +42,7 @@ from .laws.coating import Softness
 from .laws.contact import contact_changes, has_narrow_steps
 from .laws.friction import ForceSlopes, ShearInputs
 from .laws.piezoviscosity import NONE, TruePressure, raised, true_pressure
-from .oil import Thinning
+from .oil import thinning_law
 from .solvers.sparse import LinearSolver
 from .summary import Halves
 from .surroundings import Surroundings
@@ -50,6 +51,8 @@ from .surroundings import Surroundings
 # bearing, to the sliding velocity
 SHARE_OF_A_SKIRT = -0.5
 SHARE_OF_A_BEARING = 0.5
+
+BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `parameters.Chosen`
 
 NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
 
@@ -71,19 +74,6 @@ class Fixed(NamedTuple):
     bore: Bore
 
 
-class Choices(NamedTuple):
-    """Choices of a film.
-
-    bearing : whether it is a bearing's; shears_by_fraction : whether cavities shear by their film
-    fraction; follows_oil, has_ring : oil on the bore, and from a ring.
-    """
-
-    bearing: bool
-    shears_by_fraction: bool
-    follows_oil: bool
-    has_ring: bool
-
-
 class Tables(NamedTuple):
     """Arrays of a film.
 
@@ -99,17 +89,20 @@ class Tables(NamedTuple):
 
 
 @compilable
-def fixed_of(x: Any, domain: Domain, choices: Choices, tables: Tables, thinning: Thinning) -> Fixed:
-    """Return what stays of a film.
+def fixed_of(
+    x: Any, chosen: Any, bearing: bool, on_bore: bool, domain: Domain, tables: Tables
+) -> Fixed:
+    """Return the constants of a film.
 
     Parameters
     ----------
-    x : parameters.Parameters or native_step.Numbers
-        Numbers by name.
+    x, chosen : parameters.Numbers, parameters.Chosen
+    bearing : bool
+        Whether the film is that of a bearing.
+    on_bore : bool
+        False omits the oil on the bore, which a tangent does not need.
     domain : film_step.Domain
-    choices : Choices
     tables : Tables
-    thinning : oil.Thinning
     """
     cells = domain.cells
     n_c, n_a = domain.open_cells.shape
@@ -125,11 +118,12 @@ def fixed_of(x: Any, domain: Domain, choices: Choices, tables: Tables, thinning:
         coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
         x.cavitation_pressure,
         x.friction_rounding_velocity,
-        choices.shears_by_fraction,
+        chosen.cavity_shear == BY_FILM_FRACTION,
     )
+    thinning = thinning_law(int(chosen.shear_thinning_law) - 1, x)
     supply = oil_layer.Supply(
-        choices.follows_oil,
-        choices.has_ring,
+        on_bore and chosen.oil_supply != FROM_EDGES,
+        chosen.oil_supply == FROM_BORE_AND_RING,
         x.initial_oil_layer,
         x.stroke,
         x.chamfer_capacity,
@@ -139,8 +133,8 @@ def fixed_of(x: Any, domain: Domain, choices: Choices, tables: Tables, thinning:
         domain,
         surfaces,
         FilmLaws(x.minimum_flow_film, x.roughness_rms, tables.factors, thinning),
-        choices.bearing,
-        SHARE_OF_A_BEARING if choices.bearing else SHARE_OF_A_SKIRT,
+        bearing,
+        SHARE_OF_A_BEARING if bearing else SHARE_OF_A_SKIRT,
         x.bore_radius,
         oil_layer.bore_of(supply, tables.faces, cells, n_a),
     )

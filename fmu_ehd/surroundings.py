@@ -5,11 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..master.fmi.compiled import compiled
+from ..master.fmi.noted import none_yet
 from .balance.grid import Array, Edges
-from .contradictions import Outside, edges_of, outside_of
-from .laws.cavitation import NotConverged
-from .laws.piezoviscosity import PressureLaw
-from .parameters import CONDITION_NAMES, Parameters, supply_faults, supply_of
+from .contradictions import Outside, check_supply, edges_of, outside_of, supply_of
+from .faults import raise_noted
+from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
+from .oil import low_shear_law, low_shear_viscosity
+from .parameters import Parameters, chosen_of, numbers_of
 
 
 class Surroundings(NamedTuple):
@@ -31,15 +34,51 @@ class Surroundings(NamedTuple):
     splash: float
 
 
+@compiled
+def temperature_between_edges(x, temperature):
+    """Set the temperature [K] of every cell, shape (n_c, n_a), linear between both edges."""
+    n_c, n_a = temperature.shape
+    for j in range(n_a):
+        along = (j + 0.5) / n_a
+        for i in range(n_c):
+            temperature[i, j] = x.oil_temperature_lower_edge * (1.0 - along)
+            temperature[i, j] += x.oil_temperature_upper_edge * along
+
+
+@compiled
+def viscosity_by_temperature(x, chosen, temperature, viscosity):
+    """Set the low-shear viscosity [Pa s] of every cell from its temperature, Eqs. (O1) to (O3)."""
+    oil = low_shear_law(int(chosen.viscosity_law) - 1, x)
+    for i in range(temperature.shape[0]):
+        for j in range(temperature.shape[1]):
+            viscosity[i, j] = low_shear_viscosity(oil, temperature[i, j])
+
+
+@compiled
+def pressure_law_of(x, chosen, viscosity):
+    """Return `piezoviscosity.PressureLaw` of a film."""
+    kind = int(chosen.pressure_viscosity_law) - 1
+    return pressure_law(kind, x.pressure_viscosity_coefficient, viscosity, np.zeros(TABLE))
+
+
+@compiled
+def surroundings_of(x, chosen, temperature, viscosity, law):
+    """Return `Surroundings` from numbers, choices, both fields and the pressure law."""
+    supply = supply_of(x, chosen)
+    outside = outside_of(supply)
+    edges = edges_of(supply, outside, law, viscosity.shape)
+    return Surroundings(edges, outside, temperature, viscosity, law, x.oil_ring_layer, x.oil_splash)
+
+
 def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
-    """Edges, temperature and viscosity of a step.
+    """Return edges, temperature and viscosity of a step.
 
     Parameters
     ----------
     parameters : parameters.Parameters
     conditions : mapping
-        Any of `parameters.CONDITION_NAMES` in place of the parameter of that name, and
-        `oil_temperature` [K], float or ndarray of shape (n_c, n_a), in place of both edge
+        Any of `parameters.CONDITION_NAMES` instead of the parameter of that name, and
+        `oil_temperature` [K], float or ndarray of shape (n_c, n_a), instead of both edge
         temperatures.
 
     Returns
@@ -51,29 +90,18 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     cavitation.NotConverged
         If the oil supply at an edge is impossible, `contradictions`.
     """
-    p = parameters
-    given = {name: conditions.get(name, getattr(p, name)) for name in CONDITION_NAMES}
-    if sentences := supply_faults(p, given):
-        raise NotConverged("; ".join(sentences))
-    _, n_axial = p.shape
-    along = (np.arange(n_axial) + 0.5) / n_axial
-    profile = (
-        given["oil_temperature_lower_edge"] * (1.0 - along)
-        + given["oil_temperature_upper_edge"] * along
-    )
-    temperature = np.broadcast_to(
-        np.asarray(conditions.get("oil_temperature", profile), dtype=float), p.shape
-    )
-    viscosity = np.ascontiguousarray(p.oil.low_shear_viscosity(temperature))
-    law = p.oil.pressure_law(viscosity)
-    supply = supply_of(p, given)
-    outside = outside_of(supply)
-    return Surroundings(
-        edges_of(supply, outside, law, p.shape),
-        outside,
-        np.ascontiguousarray(temperature),
-        viscosity,
-        law,
-        given["oil_ring_layer"],
-        given["oil_splash"],
-    )
+    numbers = {n: float(v) for n, v in conditions.items() if n != "oil_temperature"}
+    x = numbers_of(parameters)._replace(**numbers)
+    chosen = chosen_of(parameters)
+    noted = none_yet()
+    check_supply(supply_of(x, chosen), noted)
+    raise_noted(noted)
+    temperature = np.empty(parameters.shape)
+    if "oil_temperature" in conditions:
+        temperature[...] = conditions["oil_temperature"]
+    else:
+        temperature_between_edges(x, temperature)
+    viscosity = np.empty(parameters.shape)
+    viscosity_by_temperature(x, chosen, temperature, viscosity)
+    law = pressure_law_of(x, chosen, viscosity)
+    return surroundings_of(x, chosen, temperature, viscosity, law)

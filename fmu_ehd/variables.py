@@ -8,14 +8,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
-from .declaration import choices_of, variables_of
+from .declaration import variables_of
 from .oil import Oil
 from .parameters import OF_BEARINGS, Parameters
 
 CONTRACT_VERSION = 2
-
-# allowed values of the parameters that choose a law
-CHOICES = choices_of(Parameters) | choices_of(Oil)
 
 OIL_VARIABLES = variables_of(Oil)
 FILM_VARIABLES = variables_of(Parameters)

@@ -6,7 +6,14 @@ from scipy.integrate import trapezoid
 
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, Sheared, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
-from piston_cosim.fmu_ehd.laws.piezoviscosity import pressure_of, reduced_pressure, viscosity_ratio
+from piston_cosim.fmu_ehd.laws.piezoviscosity import (
+    PRESSURE_VISCOSITY_LAWS,
+    TABLE,
+    pressure_law,
+    pressure_of,
+    reduced_pressure,
+    viscosity_ratio,
+)
 from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning, thinning
 from piston_cosim.models import MODELS
 from piston_cosim.tests.verification.cases.thinned_pad import (
@@ -43,8 +50,8 @@ def test_no_oil_of_the_library_is_left_out(library):
 @pytest.fixture(params=["barus_1893", "roelands_1966"])
 def law(request):
     """A pressure law, alpha = 20 1/GPa."""
-    oil = Oil(pressure_viscosity_law=request.param, pressure_viscosity_coefficient=2e-8)
-    return oil.pressure_law(np.full((1, 1), 0.03))
+    kind = PRESSURE_VISCOSITY_LAWS.index(request.param)
+    return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), np.zeros(TABLE))
 
 
 def test_reduced_pressure_is_its_integral_and_inverts(law):

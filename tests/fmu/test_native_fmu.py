@@ -17,12 +17,11 @@ import pytest
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.native import PART, uncovered
-from piston_cosim.fmu_ehd.native_step import CHOSEN, NUMBERS, ROOM_ON_BORE
+from piston_cosim.fmu_ehd.native_step import ROOM_ON_BORE
 from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.parameters import CHOICES, CHOSEN, NUMBERS, Parameters
 from piston_cosim.fmu_ehd.step import Fields, Scalars
 from piston_cosim.fmu_ehd.variables import (
-    CHOICES,
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
     TURNING_INPUT,

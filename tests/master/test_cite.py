@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.variables import CHOICES as LAWS
+from piston_cosim.fmu_ehd.parameters import CHOICES as LAWS
 from piston_cosim.master.api import cite
 
 ROOT = Path(__file__).parents[2]
