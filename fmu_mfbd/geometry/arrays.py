@@ -1,4 +1,4 @@
-"""Shapes of arrays in named tuples, by which `master.fmi.block` lays them out."""
+"""Types of arrays in named tuples, from which `master.fmi.block` generates the layout."""
 
 from typing import Annotated
 

@@ -1,8 +1,7 @@
-"""The film's geometry: thickness and sliding velocity on the skirt grid from the motion, and forces
-back by virtual work.
+"""Geometry of the film on the skirt: thickness, sliding velocity, and forces by virtual work.
 
-Points (i, j) of the grid ride on the skirt; arrays are (n_circumferential, n_axial). theta counts
-from +z towards +x. Inside, rows are heights and columns angles, as `modal_field` wants them.
+Points (i, j) of the grid move with the skirt; arrays are (n_circumferential, n_axial). theta is the
+angle from +z towards +x. Modal fields have heights as rows and angles as columns.
 """
 
 from typing import NamedTuple
@@ -24,11 +23,11 @@ class Skirt(NamedTuple):
     height : ndarray, shape (a,)
         y' above A [m].
     gap : ndarray, shape (c, a)
-        Clearance and profile: film thickness in the concentric, undeformed place [m].
+        Clearance and profile: film thickness of the concentric, undeformed skirt [m].
     radius, pin_offset : float
         Skirt radius; x of A from the skirt's axis [m].
     radial, axial : ModalField
-        Modal displacement outwards and along y at the grid points, a rows.
+        Modal displacement outwards and along y at the grid points, with a rows.
     """
 
     angle: Vector
@@ -48,9 +47,9 @@ class BoreSplines(NamedTuple):
     lowest, spacing : float
         Height of the first coefficient's knot and distance of knots [m].
     radial, axial : ModalField
-        Spline coefficients at the angles of the grid, one row a knot.
+        Spline coefficients at the angles of the grid, one row for each knot.
     shape : ndarray, shape (knots, c)
-        Likewise of the undeformed bore's widening; no rows where it is a cylinder [m].
+        Spline coefficients of the undeformed bore's widening; no rows for a cylinder [m].
     """
 
     lowest: float
@@ -61,7 +60,7 @@ class BoreSplines(NamedTuple):
 
 
 class FilmSurface(NamedTuple):
-    """One film surface: a part of the piston that slides in the bore on a film of its own."""
+    """Film surface: a part of the piston with its own film in the bore."""
 
     skirt: Skirt
     bore: BoreSplines
@@ -73,7 +72,7 @@ class NodalForces(NamedTuple):
     Parameters
     ----------
     pressure, friction : ndarray, shape (c, a)
-        Pushing the surfaces apart; along y on the skirt [N].
+        Force that separates the surfaces, and force along y on the skirt [N].
     """
 
     pressure: np.ndarray
@@ -115,16 +114,16 @@ class FilmForces(NamedTuple):
 
 
 class Window(NamedTuple):
-    """The part of the bore that faces the skirt when A stands at a given height.
+    """Part of the bore that faces the skirt at a given height of A.
 
     Parameters
     ----------
     first, knots : int
-        First knot of the splines in use and how many.
+        First knot of the splines in use, and number of knots.
     knot : ndarray of int, shape (a,)
         First of the four knots of each grid row, counted from `first`.
     value, slope : ndarray, shape (a, 4)
-        Weights of these knots for the spline [-] and its slope in height [1/m].
+        Weights of these knots for the spline [-] and for its slope in height [1/m].
     """
 
     first: int
@@ -135,7 +134,7 @@ class Window(NamedTuple):
 
 
 class FilmState(NamedTuple):
-    """The film's geometry at an instant, and the power of the forces on it.
+    """Geometry of the film at an instant, and power of the forces on it.
 
     Parameters
     ----------
@@ -155,7 +154,7 @@ class FilmState(NamedTuple):
 
 
 class LineWork(NamedTuple):
-    """A line's share of `FilmState.axial_force` [N], `.power` and `.power_size` [W]."""
+    """Part of a line in `FilmState.axial_force` [N], `.power` and `.power_size` [W]."""
 
     axial_force: float
     power: float
@@ -169,11 +168,11 @@ def bore_splines(
     kind: np.ndarray | None = None,
     shape: np.ndarray | None = None,
 ) -> BoreSplines:
-    """Cubic spline through tabulated bore modes.
+    """Return the cubic spline through tabulated bore modes.
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
 
-    Twice continuously differentiable in height, so that a moving skirt sees no kinks.
+    It is twice continuously differentiable in height, so that a moving skirt sees no kinks.
 
     Parameters
     ----------
@@ -205,9 +204,7 @@ def bore_splines(
 
 
 def knot_rule(stations: int) -> np.ndarray:
-    """Spline coefficients by values at the stations, (stations + 2, stations): the inverse of
-    Eq. (H3).
-    """
+    """Return the matrix from values to spline coefficients, (stations + 2, stations), Eq. (H3)."""
     s = stations
     straight = [1.0, -2.0, 1.0]
     rule = np.zeros((s + 2, s + 2))
@@ -220,7 +217,7 @@ def knot_rule(stations: int) -> np.ndarray:
 
 @compiled
 def window_at(lowest: float, spacing: float, height_of_A: float, rows: np.ndarray) -> Window:
-    """Where the skirt's grid rows stand on the bore's splines.
+    """Return the positions of the skirt's grid rows on the bore's splines.
 
     Eq. (H5):  b_0 = (1 - t)^3/6,  b_1 = (4 - 6 t^2 + 3 t^3)/6
                b_2 = (1 + 3 t + 3 t^2 - 3 t^3)/6,  b_3 = t^3/6       t: from one knot to the next
@@ -269,8 +266,9 @@ def window_at(lowest: float, spacing: float, height_of_A: float, rows: np.ndarra
 
 @compiled
 def on_rows(window: Window, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """Values at the grid rows, (a, c), from spline coefficients at the window's knots, (knots,
-    c); `weight`: of the four knots of each row, `window.value` or `window.slope`.
+    """Return values at the grid rows, (a, c), from spline coefficients at the window's knots.
+
+    knots : (knots, c). weight : `window.value` or `window.slope`.
     """
     a = len(window.knot)
     c = knots.shape[1]
@@ -287,8 +285,9 @@ def on_rows(window: Window, weight: np.ndarray, knots: np.ndarray) -> np.ndarray
 
 @compiled
 def on_knots(window: Window, force: np.ndarray) -> np.ndarray:
-    """Forces on the window's knots, (knots, c), from forces (a, c) at the grid rows: the transpose
-    of `on_rows`.
+    """Return forces on the window's knots, (knots, c), from forces (a, c) at the grid rows.
+
+    It is the transpose of `on_rows`.
     """
     out = np.zeros((window.knots, force.shape[1]))
     for j in range(len(window.knot)):
@@ -310,14 +309,14 @@ def opening(
     piston: np.ndarray,
     block: np.ndarray,
 ) -> np.ndarray:
-    """What motion and deformation add to the film thickness.
+    """Return the change of the film thickness by motion and deformation.
 
     Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore)
                the bore read at Y_0(crank angle) + y'
 
-    Linear in the small motions: with the coordinates' velocities it gives the rate of change. The
-    bore is read at the height that A has when x_A = 0: the true one differs by less than x_A r/L,
-    micrometres on a field that varies over millimetres.
+    It is linear in the small motions, so that velocities give the rate of change. The bore is read
+    at the height of A for x_A = 0. The error is less than x_A r/L, micrometres on a field that
+    varies over millimetres.
 
     Parameters
     ----------
@@ -341,7 +340,7 @@ def opening(
 
 @compiled
 def _opening(skirt, lateral, angle, inner, outer):
-    """Eq. (H1) without the gap, the displacements of skirt and bore given on the rows, (a, c)."""
+    """Return Eq. (H1) without the gap for displacements of skirt and bore on the rows, (a, c)."""
     c, a = skirt.gap.shape
     out = np.empty((c, a))
     for i in range(c):
@@ -362,7 +361,7 @@ def sliding(
     piston: np.ndarray,
     block: np.ndarray,
 ) -> np.ndarray:
-    """Axial velocity of the skirt minus that of the bore.
+    """Return the axial velocity of the skirt minus that of the bore.
 
     Eq. (H2):  v = Y_A' + angle' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
 
@@ -372,7 +371,7 @@ def sliding(
     bore : BoreSplines
     window : Window
     axial_velocity, angular_velocity : float
-        Of A [m/s], of the rocking angle [rad/s].
+        Velocity of A along y [m/s] and of the rocking angle [rad/s].
     piston, block : ndarray, shapes (k,), (k',)
         Modal velocities [kg^1/2 m/s].
 
@@ -395,7 +394,7 @@ def sliding(
 
 @compiled
 def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalForces) -> FilmForces:
-    """Forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
+    """Return the forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
     Parameters
     ----------
@@ -420,7 +419,7 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
 
 @compiled
 def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
-    """Resultants of the film's forces on the piston, and moment about A.
+    """Return the resultants of the film's forces on the piston, and the moment about A.
 
     Eq. (G1):  lateral = -sum F sin theta,  axial = sum f
                moment = sum (F y' sin theta + f (R sin theta - pin offset))
@@ -458,7 +457,7 @@ def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
 
 @compiled
 def by_rows(field: np.ndarray) -> np.ndarray:
-    """The transpose (a, c), contiguous."""
+    """Return the contiguous transpose, (a, c)."""
     out = np.empty((field.shape[1], field.shape[0]))
     for i in range(field.shape[0]):
         for j in range(field.shape[1]):
@@ -468,7 +467,7 @@ def by_rows(field: np.ndarray) -> np.ndarray:
 
 @compiled
 def subtract(a: np.ndarray, b: np.ndarray) -> None:
-    """a -= b, in a loop: array expressions take the compiler seconds each."""
+    """Subtract b from a in place, in a loop, because array expressions compile slowly."""
     for k in range(len(a)):
         a[k] -= b[k]
 
@@ -484,8 +483,7 @@ def film_now(
     position: np.ndarray,
     velocity: np.ndarray,
 ) -> FilmState:
-    """Film thickness and sliding velocity at an instant, and the power of the interface forces at
-    the grid points.
+    """Return film thickness, sliding velocity and power of the interface forces at an instant.
 
     Parameters
     ----------
@@ -544,7 +542,7 @@ def film_now(
 
 @compiled
 def _work(push, drag, opening_rate, sliding_velocity, slope, guided_velocity):
-    """A line's share of axial force and power, see `film_now`."""
+    """Return the part of a line in axial force and power, see `film_now`."""
     axial_force = 0.0
     power = 0.0
     power_size = 0.0

@@ -1,11 +1,9 @@
-"""Modal displacement on a regular grid around a cylinder, and modal forces back, in the least
-arithmetic.
+"""Modal displacement on a regular grid around a cylinder, and modal forces of forces on it.
 
 A body that is its own mirror image about the thrust plane and across it has modes that are even or
-odd about both. Then a quarter of the circumference and a quarter of the modes at a time hold
-everything, and both products cost a quarter. Angles on a plane of symmetry are their own images and
-count half. A body without that symmetry has one class, all of the circumference; the code is the
-same.
+odd about both. A quarter of the circumference and of the modes is then sufficient, and both
+products cost a quarter. Angles on a plane of symmetry are their own images and count half. A body
+without that symmetry has one class with the whole circumference.
 """
 
 from typing import NamedTuple
@@ -30,28 +28,28 @@ across x = 0, z = 0.
 
 
 class ModalField(NamedTuple):
-    """One displacement component of k modes.
+    """Displacement component of k modes.
 
-    Modes of one symmetry class stand together, four at a time: a pass over the points then serves
-    four of them. Places left over hold zeros. Single precision halves what has to be fetched, and
-    that is what a product costs; forces and displacements use the same rounded values (6e-8 of
-    them), so that work and sensitivities stay exact.
+    The table contains groups of four modes of one symmetry class, filled up with zeros, so that one
+    pass over the points serves four modes. Single precision halves the memory traffic, which
+    determines the cost. Forces and displacements use the same rounded values (6e-8), so that work
+    and sensitivities are exact.
 
     Parameters
     ----------
     table : ndarray of float32, shape (4 groups, rows * part)
-        Values [kg^-1/2]; each row of the grid (a height) holds `part` angles from theta = 0 on.
+        Values [kg^-1/2]; each row of the grid (a height) has `part` angles from theta = 0 on.
     mode : ndarray of int, shape (4 groups,)
-        Number of the mode; -1: none.
+        Number of the mode, -1 for none.
     kind : ndarray of int, shape (groups,)
         Symmetry class.
     modes, classes, part : int
-        k; 4 and a quarter of the angles, those on the planes of symmetry included, or 1 and all of
-        them.
+        k, then 4 and a quarter of the angles with those on the planes of symmetry, or 1 and all
+        angles.
     image : ndarray of int, shape (classes, part)
         Number of the angle at theta, pi - theta, -theta, pi + theta.
     share : ndarray, shape (part,)
-        1, or 1/2 where two of these are one [-].
+        1, or 1/2 if two of these angles are equal [-].
     """
 
     table: Singles
@@ -65,7 +63,7 @@ class ModalField(NamedTuple):
 
 
 class FourCoordinates(NamedTuple):
-    """Coordinates of the four modes of a group, or their velocities [kg^1/2 m], [kg^1/2 m/s]."""
+    """Coordinates or velocities of the four modes of a group [kg^1/2 m], [kg^1/2 m/s]."""
 
     a: float
     b: float
@@ -74,8 +72,9 @@ class FourCoordinates(NamedTuple):
 
 
 def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalField:
-    """Pack values (angles of `grid.cell_centres`, rows, k) by the modes' symmetry classes; kind
-    None (or an odd number of angles): no symmetry.
+    """Return values (angles of `grid.cell_centres`, rows, k), sorted by symmetry classes.
+
+    If kind is None, or the number of angles is odd, there is no symmetry.
     """
     angles, rows, k = values.shape
     if kind is None or angles % 2:
@@ -106,9 +105,7 @@ def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalFiel
 
 
 def _fours(kind, classes):
-    """Modes in the order of the table, -1 where a group has a place left over, and each group's
-    class.
-    """
+    """Return the modes in the order of the table, -1 for none, and the class of each group."""
     order = []
     groups = []
     for number in range(classes):
@@ -120,8 +117,9 @@ def _fours(kind, classes):
 
 
 def mirrors(angles: int) -> np.ndarray:
-    """Numbers of theta_i, pi - theta_i, -theta_i, pi + theta_i for the angles up to the thrust
-    line, shape (4, angles // 4 + 1); of an even number of angles.
+    """Return the numbers of theta_i, pi - theta_i, -theta_i, pi + theta_i, (4, angles // 4 + 1).
+
+    The angles are those up to the thrust line, and the number of all angles is even.
     """
     thrust = angles // 4
     i = np.arange(thrust + 1)
@@ -131,7 +129,7 @@ def mirrors(angles: int) -> np.ndarray:
 
 @compiled
 def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> np.ndarray:
-    """Displacement on some rows of the grid.
+    """Return the displacement on some rows of the grid.
 
     Eq. (H4):  u(theta, row) = sum_k value_k(theta, row) q_k
 
@@ -166,9 +164,7 @@ def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> n
 def read_both(
     field: ModalField, first: int, rows: int, position: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and its velocity in one pass over the table, which is what a reading costs; both
-    as `read` gives them.
-    """
+    """Return displacement and velocity, both as `read` does, in one pass over the table."""
     start = first * field.part
     count = rows * field.part
     sums = np.zeros((field.classes, count))
@@ -190,7 +186,7 @@ def read_both(
 
 @compiled
 def _four(field, group, start, count):
-    """Values of the four modes of a group on some points."""
+    """Return the values of the four modes of a group on some points."""
     k = 4 * group
     stop = start + count
     return (
@@ -203,14 +199,14 @@ def _four(field, group, start, count):
 
 @compiled
 def _four_coordinates(ordered, group):
-    """Coordinates of the four modes of a group."""
+    """Return the coordinates of the four modes of a group."""
     k = 4 * group
     return FourCoordinates(ordered[k], ordered[k + 1], ordered[k + 2], ordered[k + 3])
 
 
 @compiled
 def _in_table_order(field, coordinates):
-    """Modal coordinates in the order of the table."""
+    """Return the modal coordinates in the order of the table."""
     out = np.zeros(len(field.mode))
     for s in range(len(out)):
         if field.mode[s] >= 0:
@@ -220,7 +216,7 @@ def _in_table_order(field, coordinates):
 
 @compiled
 def _unfold(field, sums, rows):
-    """All angles (rows, angles) from the sums of each symmetry class."""
+    """Return values at all angles, (rows, angles), from the sums of each symmetry class."""
     part = field.part
     image = field.image
     if field.classes == 1:
@@ -242,7 +238,7 @@ def _unfold(field, sums, rows):
 
 @compiled
 def _fold(field, force):
-    """Sums of each symmetry class from forces (rows, angles): the transpose of `_unfold`."""
+    """Return the sums of each class from forces (rows, angles): the transpose of `_unfold`."""
     part = field.part
     image = field.image
     rows = len(force)
@@ -266,7 +262,7 @@ def _fold(field, force):
 
 @compiled
 def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
-    """Modal forces of forces at the points of some rows: the transpose of `read`.
+    """Return the modal forces of forces at the points of some rows: the transpose of `read`.
 
     Parameters
     ----------

@@ -1,9 +1,8 @@
-"""Films of a pin that turns in a shell: thickness and velocity from where it stands and how it
-turns, and forces back on pin and shell.
+"""Films of a pin that rotates in a shell: thickness, velocity, and forces on pin and shell.
 
-Points (i, j) of the grid rest on the shell; arrays are (n_circumferential, n_axial). i counts from
-the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin does not move along the
-shell. It stays parallel to it, or tilts and bends by shapes of its axis, which are read row by row.
+Points (i, j) of the grid are fixed to the shell; arrays are (n_circumferential, n_axial). i counts
+from the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin does not move along
+the shell. It is parallel to it, or tilts and bends by shapes of its axis, which are read by row.
 """
 
 from typing import NamedTuple
@@ -18,13 +17,11 @@ PIN_SURFACES = ("boss_left", "boss_right", "small_end")
 """Film surfaces of a floating pin: bosses, then the rod's eye."""
 
 CRANK_SURFACES = ("big_end", "main_bearing")
-"""Film surfaces of a crank that may come with them: its pin in the rod's big end, its journal in
-the block; each a `PinSurface` likewise.
-"""
+"""Optional film surfaces of a crank: its pin in the rod's big end, and its journal in the block."""
 
 
 class ShellModes(NamedTuple):
-    """How a shell yields, by k modes of its body; k = 0: it is rigid.
+    """Modes of a shell's body; a rigid shell has k = 0 modes.
 
     Parameters
     ----------
@@ -40,41 +37,39 @@ class ShellModes(NamedTuple):
 
 
 class Yielding(NamedTuple):
-    """Where a shell yields and how fast: modal coordinates and velocities, (k,)."""
+    """Modal coordinates and velocities of a shell, (k,)."""
 
     position: np.ndarray
     velocity: np.ndarray
 
 
 class Bent(NamedTuple):
-    """How a pin tilts and bends, and how fast: coordinates of its n shapes along x and y [m], and
-    their velocities [m/s], (n, 2).
-    """
+    """Coordinates of a pin's n shapes along x and y [m], and velocities [m/s], each (n, 2)."""
 
     position: np.ndarray
     velocity: np.ndarray
 
 
 PARALLEL = np.zeros((0, 2))
-"""Coordinates of a pin without shapes, or forces on them."""
+"""Coordinates of a pin without shapes, or forces on its shapes."""
 
 
 class PinSurface(NamedTuple):
-    """A pin in a shell, on a grid of (c, a) cells around and along it.
+    """Pin in a shell, on a grid of (c, a) cells around and along it.
 
     Parameters
     ----------
     outward, onward : ndarray, shape (2, c)
-        Across the film and along it, in the shell's axes: (cos a, sin a), (-sin a, cos a).
+        Directions across and along the film in the shell's axes: (cos a, sin a), (-sin a, cos a).
     radius : float
-        Of the pin [m].
+        Radius of the pin [m].
     clearance : ndarray, shape (a,)
         Radius of the shell minus that of the pin, by row [m].
     modes : ShellModes
-        None of a rigid shell.
+        Modes of the shell; a rigid shell has none.
     axis : ndarray, shape (a, n)
-        Values psi of the pin's shapes at the grid's rows [-]; none where it stays parallel to the
-        shell.
+        Values psi of the pin's shapes at the grid's rows [-]; a pin that is parallel to the shell
+        has none.
     """
 
     outward: Matrix
@@ -86,8 +81,10 @@ class PinSurface(NamedTuple):
 
 
 class PinForces(NamedTuple):
-    """Of the film on its grid, shape (c, a), or stacked: pushing pin and shell apart, and around,
-    on the pin with ascending i [N].
+    """Forces of the film on its grid, (c, a), or of several films.
+
+    pressure : force that separates pin and shell [N].
+    circumferential : force on the pin towards ascending i [N].
     """
 
     pressure: np.ndarray
@@ -95,12 +92,12 @@ class PinForces(NamedTuple):
 
 
 class PinResultants(NamedTuple):
-    """What a film does to pin and shell.
+    """Resultants of a film on pin and shell.
 
     Parameters
     ----------
     force : ndarray, shape (2,)
-        On the pin, in space; its opposite acts on the shell [N].
+        Force on the pin in space; its opposite acts on the shell [N].
     on_pin, on_shell : float
         Moments about the pin's axis and about the shell's, about +z [N m].
     on_shapes : ndarray, shape (n, 2)
@@ -121,12 +118,12 @@ class FilmPower(NamedTuple):
 
 
 def shell_angles(around: int) -> np.ndarray:
-    """Angles of the grid's lines from the shell's own +x about +z, (around,) [rad]."""
+    """Return the angles of the grid's lines from the shell's own +x about +z, (around,) [rad]."""
     return 2 * np.pi * np.arange(around) / around
 
 
 def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
-    """Modes of a shell, given on its grid, (c, a, k)."""
+    """Return the modes of a shell from their values on its grid, (c, a, k)."""
     around, along, k = outward.shape
     step = 2 * np.pi / around
     slope = (np.roll(outward, -1, axis=0) - np.roll(outward, 1, axis=0)) / (2 * step)
@@ -141,8 +138,10 @@ def pin_surface(
     modes: ShellModes | None = None,
     axis: np.ndarray | None = None,
 ) -> PinSurface:
-    """Film surface on a grid (c, a); `clearance` even or by row, no modes: a rigid shell, no axis:
-    the pin stays parallel to it.
+    """Return a film surface on a grid (c, a).
+
+    clearance : constant or by row. modes : default: rigid shell. axis : default: the pin is
+    parallel to the shell.
     """
     around, along = shape
     angle = shell_angles(around)
@@ -159,16 +158,16 @@ def pin_surface(
 def relieved(
     clearance: float | np.ndarray, relief: float, rows: np.ndarray, length: float
 ) -> np.ndarray:
-    """Clearance of a shell that widens towards its ends, by row.
+    """Return the clearance of a shell that widens towards its ends, by row.
 
     Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length
 
     Parameters
     ----------
     clearance : float or ndarray, shape (a,)
-        c amid, even or by row [m].
+        c in the middle, constant or by row [m].
     relief : float
-        r, by which it is more at the ends [m].
+        r, the additional clearance at the ends [m].
     rows : ndarray, shape (a,)
         z of the grid's rows [m].
     length : float
@@ -184,13 +183,13 @@ def relieved(
 
 @compilable
 def turned(angle: float) -> np.ndarray:
-    """Matrix, (2, 2), that takes components in axes turned by an angle [rad] to space."""
+    """Return the matrix, (2, 2), from axes that are rotated by an angle [rad] to space."""
     return axes_of(np.cos(angle), np.sin(angle))
 
 
 @compilable
 def axes_of(cosine: float, sine: float) -> np.ndarray:
-    """The matrix of `turned`, of an angle's cosine and sine."""
+    """Return the matrix of `turned` for an angle's cosine and sine."""
     out = np.empty((2, 2))
     out[0, 0] = cosine
     out[0, 1] = -sine
@@ -201,7 +200,7 @@ def axes_of(cosine: float, sine: float) -> np.ndarray:
 
 @compilable
 def pair(x: float, y: float) -> np.ndarray:
-    """A vector in the plane, (2,)."""
+    """Return a vector in the plane, (2,)."""
     out = np.empty(2)
     out[0] = x
     out[1] = y
@@ -210,19 +209,19 @@ def pair(x: float, y: float) -> np.ndarray:
 
 @compilable
 def across(vector: np.ndarray) -> np.ndarray:
-    """Z v, a vector turned by a quarter about +z."""
+    """Return Z v, a vector that is rotated by 90 deg about +z."""
     return pair(-vector[1], vector[0])
 
 
 @compilable
 def cross(a: np.ndarray, b: np.ndarray) -> float:
-    """a x b about +z."""
+    """Return a x b about +z."""
     return a[0] * b[1] - a[1] * b[0]
 
 
 @compilable
 def in_space(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """R v: from axes of `turned` to space."""
+    """Return R v, a vector in space from its components in axes of `turned`."""
     return pair(
         axes[0, 0] * vector[0] + axes[0, 1] * vector[1],
         axes[1, 0] * vector[0] + axes[1, 1] * vector[1],
@@ -231,7 +230,7 @@ def in_space(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 @compilable
 def in_axes(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """R^T v: from space into axes of `turned`."""
+    """Return R^T v, the components of a vector in axes of `turned`."""
     return pair(
         axes[0, 0] * vector[0] + axes[1, 0] * vector[1],
         axes[0, 1] * vector[0] + axes[1, 1] * vector[1],
@@ -240,15 +239,15 @@ def in_axes(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 @compilable
 def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
-    """What the pin's place adds to the film thickness.
+    """Return the change of the film thickness by the pin's position.
 
     Eq. (H6):  h = c - d . e      d = R(chi)^T (P - C), from the shell's axis C to the pin's P in
-                                  the axes of the shell, which has turned by chi; e = (cos a, sin a)
+                                  the axes of the shell, rotated by chi; e = (cos a, sin a)
 
-    Eq. (H7):  W = R (phi' - chi')      circumferential velocity of the pin's surface; R times what
-                                        the pin turns faster than its shell
+    Eq. (H7):  W = R (phi' - chi')      circumferential velocity of the pin's surface from its
+                                        rotation relative to the shell
 
-    Of first order in d/R. Linear: with changes of d it gives those of h.
+    It is of first order in d/R, and linear in d.
 
     Parameters
     ----------
@@ -274,7 +273,7 @@ def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
 
 @compilable
 def row_of(surface: PinSurface, shapes: np.ndarray, j: int) -> np.ndarray:
-    """sum_k psi_kj s_k of the shapes' coordinates (n, 2) at row j, (2,)."""
+    """Return sum_k psi_kj s_k of the shapes' coordinates (n, 2) at row j, (2,)."""
     x = 0.0
     y = 0.0
     for k in range(surface.axis.shape[1]):
@@ -285,15 +284,15 @@ def row_of(surface: PinSurface, shapes: np.ndarray, j: int) -> np.ndarray:
 
 @compilable
 def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
-    """What the pin's tilt and bending add to the film thickness, or to its change in time.
+    """Return the change of the film thickness by the pin's tilt and bending, or its rate.
 
-    Eq. (H11):  d_j = d + sum_k psi_kj s_k      in place of d in Eq. (H6), row by row
+    Eq. (H11):  d_j = d + sum_k psi_kj s_k      replaces d in Eq. (H6) in each row
 
     Parameters
     ----------
     surface : PinSurface
     shapes : ndarray, shape (n, 2)
-        s in the axes of the shell [m], or its change.
+        s in the axes of the shell [m], or its rate [m/s].
 
     Returns
     -------
@@ -315,7 +314,7 @@ def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
 
 @compilable
 def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
-    """What the shell's yielding adds to the film thickness, or to its change in time.
+    """Return the change of the film thickness by the shell's deformation, or its rate.
 
     Eq. (H8):  h = c - d . e + u_e,   u_e = sum_k Phi_ek q_k
 
@@ -323,7 +322,7 @@ def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
     ----------
     surface : PinSurface
     modal : ndarray, shape (k,)
-        q [kg^1/2 m], or its change; not looked at for a rigid shell.
+        q [kg^1/2 m], or its rate; not used for a rigid shell.
 
     Returns
     -------
@@ -339,7 +338,7 @@ def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
 
 @compilable
 def modal_push(surface: PinSurface, forces: PinForces) -> np.ndarray:
-    """Forces of a film on its shell's modes by virtual work, (k,) [kg^-1/2 N].
+    """Return the forces of a film on its shell's modes by virtual work, (k,) [kg^-1/2 N].
 
     Eq. (G6):  Q_k = sum p Phi_ek - sum f Phi_tk
     """
@@ -354,12 +353,12 @@ def modal_push(surface: PinSurface, forces: PinForces) -> np.ndarray:
 
 @compilable
 def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
-    """Moment of pressure on the pin about +z, by modal coordinate, (k,) [kg^-1/2 N].
+    """Return the moment of pressure on the pin about +z per modal coordinate, (k,) [kg^-1/2 N].
 
     Eq. (G5):  M_pin = .. + sum p du_e/da,   M_shell = .. - sum p du_e/da
 
-    Pressure stands upright on a shell that is not round any more, and so has a moment about its
-    axis; what is left of the film's balance about it acts on the pin, as in Eq. (G3).
+    Pressure is normal to the deformed shell and therefore has a moment about its axis. The rest of
+    the film's balance about this axis acts on the pin, as in Eq. (G3).
     """
     cells, k = surface.modes.slope.shape
     if k == 0:
@@ -369,7 +368,7 @@ def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
 
 @compilable
 def with_slopes(found: PinResultants, moment: float) -> PinResultants:
-    """Resultants with the moment of pressure by the slopes of a yielding shell (Eq. (G5)) [N m]."""
+    """Return resultants with the moment of pressure on an elastic shell, Eq. (G5) [N m]."""
     on_pin = found.on_pin + moment
     return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
 
@@ -382,14 +381,14 @@ def resultants_on(
     axes: np.ndarray,
     shapes: np.ndarray = PARALLEL,
 ) -> PinResultants:
-    """What a film does to pin and shell.
+    """Return the resultants of a film on pin and shell.
 
     Eq. (G3):  F = R(chi) sum (-p e + f t),   M_shell = -R sum f,   M_pin = R sum f - d x F
                t = (-sin a, cos a)
     Eq. (G8):  Q_k = sum_j psi_kj F_j,   M_pin = .. - sum_k s_k x Q_k      F_j: F of row j
 
-    f is the opposite of the shear on the shell, about whose axis pressure has no moment: what is
-    left of the film's balance about it acts on the pin, with the lever of its force.
+    f is the opposite of the shear on the shell. Pressure has no moment about the shell's axis, so
+    the rest of the film's balance acts on the pin.
 
     Parameters
     ----------
@@ -452,7 +451,7 @@ def grid_power(
     yielding: Yielding | None = None,
     bent: Bent | None = None,
 ) -> FilmPower:
-    """`power_on_grid`; without `yielding` or `bent` the shell does not yield, the pin not bend."""
+    """Return `power_on_grid`; default: the shell is rigid, and the pin does not bend."""
     if yielding is None:
         yielding = Yielding(*[np.zeros(surface.modes.outward.shape[1])] * 2)
     if bent is None:
@@ -470,13 +469,13 @@ def power_on_grid(
     yielding: Yielding,
     bent: Bent,
 ) -> FilmPower:
-    """Power of the film on pin and shell, from what every cell sees.
+    """Return the power of the film on pin and shell as the sum over its cells.
 
     Eq. (G4):  P = sum p (dh/dt + w dh/da) + sum f ((R - d . e) w + t . d' - u_t')
                w = phi' - chi'
 
-    Pressure works on the normal velocity of the pin's surface, which turning adds to where the film
-    is not even; f on its tangential one.
+    Pressure acts on the normal velocity of the pin's surface, which includes that by rotation if
+    the film is not uniform. f acts on its tangential velocity.
 
     Parameters
     ----------
@@ -487,9 +486,9 @@ def power_on_grid(
     turning : float
         w [rad/s].
     yielding : Yielding
-        Of a shell with modes.
+        Modal motion of a shell with modes.
     bent : Bent
-        Of a pin with shapes, in the axes of the shell; d is d_j then (Eq. (H11)).
+        Motion of a pin with shapes, in the axes of the shell; d is then d_j of Eq. (H11).
 
     Returns
     -------
@@ -549,8 +548,9 @@ def power_on_grid(
 
 @compilable
 def diameters(opened: np.ndarray) -> tuple[float, float]:
-    """By how much a shell is wider along its own x and y, amid its length, from what it yields by,
-    (c, a).
+    """Return how much wider a shell is along its own x and y in the middle of its length.
+
+    opened : outward displacement of the shell, (c, a) [m].
 
     Eq. (H13):  D(a) = u(a) + u(a + pi),   u linear between the grid's lines and rows
     """
@@ -563,7 +563,7 @@ def diameters(opened: np.ndarray) -> tuple[float, float]:
 
 @compilable
 def _amid(opened, turn):
-    """Value amid the length, at a share of a turn."""
+    """Return the value in the middle of the length at a fraction of a revolution."""
     around, along = opened.shape
     line = int(np.floor(turn * around))
     share = turn * around - line

@@ -1,9 +1,9 @@
 """Shapes of a pin's axis: a hollow cylinder that tilts and bends as a free beam.
 
-The beam is Timoshenko's: a piston pin is some two to three diameters long, and what its sections
-shear is as large as what they bend. No shape has a part in the pin's shift or in another shape; the
-same ones hold in both directions across the axis. Left out: sections that become oval, and the
-moments of a pin that turns while it tilts.
+The beam is Timoshenko's: a piston pin is two to three diameters long, and its shear deflection is
+as large as that by bending. The shapes are orthogonal to each other and to the pin's shift, and are
+the same in both directions across the axis. The model neglects oval sections and the gyroscopic
+moments of the pin.
 
 References
 ----------
@@ -16,12 +16,10 @@ import numpy as np
 from numpy.polynomial import legendre
 
 DEGREE = 30
-"""Of the polynomials for deflection and turning of the sections: the tenth bending shape to 1e-9
-of its frequency.
-"""
+"""Degree of the polynomials for deflection and rotation of the sections."""
 
 MOST = 11
-"""As many shapes as are offered: tilt and ten that bend."""
+"""Maximum number of shapes: tilt and ten bending shapes."""
 
 
 class HollowPin(NamedTuple):
@@ -32,7 +30,7 @@ class HollowPin(NamedTuple):
     mass : float
         [kg]
     length, radius, bore_radius : float
-        [m]; the bore's is less than the pin's, 0 of a solid one.
+        [m]; the radius of the bore is smaller than that of the pin, 0 for a solid pin.
     young, poisson : float
         [Pa], [-]
     """
@@ -45,7 +43,7 @@ class HollowPin(NamedTuple):
     poisson: float
 
     def spin_inertia(self) -> float:
-        """About its axis [kg m2].
+        """Return the moment of inertia about the pin's axis [kg m2].
 
         Eq. (J26):  J = m (R^2 + r^2)/2
         """
@@ -53,8 +51,18 @@ class HollowPin(NamedTuple):
 
 
 class Section(NamedTuple):
-    """Stiffness of a beam against shear kappa G A [N] and bending E I [N m2]; mass [kg/m] and
-    moment of inertia about a diameter [kg m], both by length.
+    """Section of a beam.
+
+    Parameters
+    ----------
+    shear : float
+        kappa G A [N].
+    bending : float
+        E I [N m2].
+    mass : float
+        Mass per length [kg/m].
+    turning : float
+        Moment of inertia about a diameter per length [kg m].
     """
 
     shear: float
@@ -64,17 +72,18 @@ class Section(NamedTuple):
 
 
 class AxisShapes(NamedTuple):
-    """n shapes of a pin's axis, the same along x and y; no shape: a pin that stays parallel to its
-    shells. Coordinates s are displacements [m]: each shape has the mass of the pin.
+    """Shapes of a pin's axis, the same along x and y; without shapes it is parallel to its shells.
+
+    Coordinates s are displacements [m], and each of the n shapes has the mass of the pin.
 
     Parameters
     ----------
     mass, stiffness, damping : ndarray, shape (n,)
         [kg], [N/m], [N s/m]
     slope : ndarray, shape (n,)
-        Tilt of the whole pin by s [1/m].
+        Tilt of the pin per s [1/m].
     sag : ndarray, shape (n,)
-        Displacement of the middle from the mean of both ends, by s [-].
+        Displacement of the middle from the mean of both ends per s [-].
     """
 
     mass: np.ndarray
@@ -85,19 +94,19 @@ class AxisShapes(NamedTuple):
 
 
 STRAIGHT = AxisShapes(*[np.zeros(0)] * 5)
-"""Of a pin that neither tilts nor bends."""
+"""Shapes of a pin that neither tilts nor bends."""
 
 
 class Beam(NamedTuple):
-    """Its shapes before they are damped.
+    """Undamped shapes of a pin.
 
     Parameters
     ----------
     pin : HollowPin
     omega : ndarray, shape (n,)
-        [rad/s], 0 of tilt.
+        Angular eigenfrequencies, 0 for tilt [rad/s].
     polynomials : ndarray, shape (degree + 1, n)
-        Legendre's, of 2 z/L.
+        Coefficients of Legendre polynomials of 2 z/L.
     """
 
     pin: HollowPin
@@ -105,11 +114,11 @@ class Beam(NamedTuple):
     polynomials: np.ndarray
 
     def at(self, z: np.ndarray) -> np.ndarray:
-        """Value of each shape at places along the pin [m] from its middle, (len(z), n)."""
+        """Return the value of each shape at positions from the pin's middle [m], (len(z), n)."""
         return legendre.legval(2 * z / self.pin.length, self.polynomials).T
 
     def shapes(self, damping: np.ndarray) -> AxisShapes:
-        """With damping by mass, 2 zeta omega [rad/s], (n,)."""
+        """Return the shapes with a damping by mass, 2 zeta omega [rad/s], (n,)."""
         n = len(self.omega)
         mass = np.full(n, self.pin.mass)
         ends = self.pin.length / 2 * np.array([-1.0, 0.0, 1.0])
@@ -126,7 +135,7 @@ class Beam(NamedTuple):
 
 
 def section(pin: HollowPin) -> Section:
-    """Of a pin.
+    """Return the section of a pin.
 
     Eq. (J27):  A = pi (R^2 - r^2),   I = pi (R^4 - r^4)/4,   G = E/(2 (1 + nu))
     Eq. (J28):  kappa = 6 (1 + nu) (1 + m^2)^2/((7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2)
@@ -151,15 +160,15 @@ def section(pin: HollowPin) -> Section:
 
 
 def free_beam(pin: HollowPin, n: int) -> Beam:
-    """Its first n shapes: tilt, then those that bend, by rising frequency.
+    """Return the first n shapes: tilt, then bending shapes by ascending frequency.
 
     Eq. (J29):  2 T = int (rho A w'^2 + rho I b'^2) dz
                 2 V = int (kappa G A (dw/dz - b)^2 + E I (db/dz)^2) dz
-                w, b: displacement of the axis and turning of the section, Legendre polynomials
+                w, b: displacement of the axis and rotation of the section, Legendre polynomials
     Eq. (J30):  2 T = m s'^2 of each;   tilt: w = s z (12/(L^2 + 12 I/A))^1/2
 
-    Ends are free by themselves: nothing holds w or b there. Shapes are orthogonal in T, to the
-    pin's shift as well.
+    The ends are free, because no condition restricts w or b there. Shapes are orthogonal in T, also
+    to the pin's shift.
 
     Parameters
     ----------

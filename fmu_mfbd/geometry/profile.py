@@ -1,9 +1,8 @@
-"""Shapes that are not cylinders: the skirt's machined profile, measured tables, thermal growth, a
-distorted bore.
+"""Deviations from cylinders: machined profile, measured tables, thermal growth, distorted bore.
 
-A skirt's shape is a gap (positive: further from the bore than the nominal cylinder), a bore's is a
-widening (positive: outwards); both add to the film thickness, and any number of them may be
-superimposed.
+The shape of a skirt is a gap, positive if it is further from the bore than the nominal cylinder.
+The shape of a bore is a widening, positive outwards. Both add to the film thickness, and any number
+of them can be superimposed.
 """
 
 from collections.abc import Iterable
@@ -16,14 +15,14 @@ from ...master.fmi.compiled import compilable
 
 @dataclass(frozen=True)
 class MeasuredShape:
-    """A shape measured over angle and height; a single angle is a round shape.
+    """Measured shape over angle and height; a shape with a single angle is round.
 
     Parameters
     ----------
     angle : ndarray, shape (m,)
-        theta, rising within one turn [rad].
+        theta, ascending within one revolution [rad].
     height : ndarray, shape (k,)
-        Rising [m].
+        Ascending heights [m].
     value : ndarray, shape (k, m)
         Gap of a skirt, widening of a bore [m].
     """
@@ -35,7 +34,7 @@ class MeasuredShape:
 
 @dataclass(frozen=True)
 class BoreOrder:
-    """One Fourier order of a bore's distortion: order [-], amplitude [m], phase [rad]."""
+    """Fourier order of a bore's distortion: order [-], amplitude [m], phase [rad]."""
 
     order: int
     amplitude: float
@@ -44,7 +43,7 @@ class BoreOrder:
 
 @compilable
 def barrel(height: np.ndarray, lower: float, upper: float, drop: float) -> np.ndarray:
-    """Parabolic barrel: no gap at mid skirt, `drop` at both ends.
+    """Return the gap of a parabolic barrel, 0 in the middle of the skirt and `drop` at both ends.
 
     Eq. (I6):  gap = drop ((2 y - y_l - y_u)/(y_u - y_l))^2
 
@@ -67,7 +66,7 @@ def barrel(height: np.ndarray, lower: float, upper: float, drop: float) -> np.nd
 
 @compilable
 def ovality(angle: np.ndarray, difference: float) -> np.ndarray:
-    """Oval section: full size across the thrust faces, smaller along the pin.
+    """Return the gap of an oval section, which is smaller along the pin.
 
     Eq. (I7):  gap = difference/4 (1 + cos 2 theta)
 
@@ -87,17 +86,16 @@ def ovality(angle: np.ndarray, difference: float) -> np.ndarray:
 
 
 def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Measured shape, cubic splines between its points, periodic in angle, its outermost rows held
-    beyond its ends.
+    """Return a measured shape on a grid by cubic splines, periodic in angle.
 
-    Straight lines between 24 points around cut off 0.3 um of the thrust face for each 40 um of
-    ovality, more than a film may be thick.
+    Beyond its first and last row, the shape is constant. Linear interpolation would change the
+    thrust face by more than the film thickness.
 
     Parameters
     ----------
     table : MeasuredShape
     angle, height : ndarray, shapes (c,), (a,)
-        Where it is wanted [rad], [m].
+        Lines of the grid [rad], [m].
 
     Returns
     -------
@@ -121,7 +119,7 @@ def table_shape(table: MeasuredShape, angle: np.ndarray, height: np.ndarray) -> 
 
 
 def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
-    """Bore distortion by orders, as head bolts and heat make it.
+    """Return the bore distortion by Fourier orders.
 
     Eq. (I8):  widening = sum_n amplitude_n cos(n (theta - phase_n))
 
@@ -134,8 +132,8 @@ def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (c,)
-        Radial widening [m]; order 0 is growth, order 1 an offset of the axis, 2 ovality, 4 four
-        bolts.
+        Radial widening [m]. Order 0 is growth, 1 an offset of the axis, 2 ovality, and 4 the effect
+        of four bolts.
     """
     widening = np.zeros_like(angle)
     for term in orders:
@@ -147,13 +145,13 @@ def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
 def linear_growth(
     height: np.ndarray, lower: float, upper: float, at_lower: float, at_upper: float
 ) -> np.ndarray:
-    """Radial growth that varies linearly between two heights [m], and beyond them likewise."""
+    """Return the radial growth, linear in height, from its values at two heights [m]."""
     return at_lower + (at_upper - at_lower) * (height - lower) / (upper - lower)
 
 
 @compilable
 def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarray:
-    """Gap of a skirt turned about the x axis, by a pin that is not square to the bore.
+    """Return the gap of a skirt that is rotated about x by a pin not perpendicular to the bore.
 
     Eq. (I9):  gap = -tilt y' cos theta
 
@@ -162,7 +160,7 @@ def tilt_about_x(angle: np.ndarray, height: np.ndarray, tilt: float) -> np.ndarr
     angle, height : ndarray, shapes (c, 1), (a,)
         theta [rad], y' above A [m].
     tilt : float
-        About +x [rad], small: the upper edge leans to +z.
+        Small angle about +x [rad]; the upper edge moves to +z.
 
     Returns
     -------

@@ -1,8 +1,8 @@
-"""Film geometry of a piston that moves in space: what its shift along the pin (z), its roll (about
-x) and its yaw (about y) add to film thickness and sliding velocity, and forces back.
+"""Film geometry of a piston that moves in space.
 
-Coordinates are [z, roll, yaw] of pin point A, small; arrays are (n_circumferential, n_axial) and
-the grid rides on the skirt, as in `film`.
+Shift along the pin (z), roll (about x) and yaw (about y) change film thickness and sliding
+velocity. Coordinates are [z, roll, yaw] of pin point A and small. Arrays are (n_circumferential,
+n_axial), and the grid moves with the skirt, as in `film`.
 """
 
 from typing import NamedTuple
@@ -12,11 +12,11 @@ import numpy as np
 from .film import BoreSplines, FilmSurface, NodalForces, Window, on_rows
 
 SHIFT, ROLL, YAW = range(3)
-"""Coordinates beside those in the plane of the crank."""
+"""Coordinates that are not in the plane of the crank."""
 
 
 class Levers(NamedTuple):
-    """How the film sees them.
+    """Derivatives of film thickness and sliding velocity by the coordinates.
 
     Parameters
     ----------
@@ -30,11 +30,11 @@ class Levers(NamedTuple):
     sliding: np.ndarray
 
     def opening(self, coordinates: np.ndarray) -> np.ndarray:
-        """What coordinates, or their velocities, add to film thickness, or its rate, (c, a)."""
+        """Return the change of film thickness by coordinates, or its rate by velocities, (c, a)."""
         return np.tensordot(coordinates, self.thickness, 1)
 
     def forces(self, film: NodalForces) -> np.ndarray:
-        """Generalised forces, (3,) [N], [N m], [N m].
+        """Return the generalised forces, (3,) [N], [N m], [N m].
 
         Eq. (G7):  Q_k = sum F dh/dq_k + sum f dv/dq'_k        the transpose of Eqs. (H9), (H10)
         """
@@ -45,23 +45,23 @@ class Levers(NamedTuple):
 
 
 def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:
-    """How a film surface sees the motion.
+    """Return the derivatives of a film surface.
 
     Eq. (H9):   h = .. - (z + roll y' + yaw p) cos theta + yaw dw/dtheta
     Eq. (H10):  v = .. - roll' R cos theta
                 p the pin offset, w the bore's widening, R the skirt's radius; .. Eqs. (H1), (H2)
 
-    Of first order: A moves by z, the skirt turns by roll and yaw about A, which stands at p from
-    its axis; a point (R sin theta - p, y', R cos theta) from A comes outwards by
-    (z + roll y' + yaw p) cos theta. Yaw about the skirt's own axis changes nothing in a round bore:
-    barrel and ovality ride with the grid and have no part in it, and pressure on a round wall has
-    no moment about its axis. A bore that is not round is read at theta + yaw.
+    They are of first order: A moves by z, and the skirt rotates by roll and yaw about A, at the
+    distance p from its axis. A point (R sin theta - p, y', R cos theta) from A moves outwards by
+    (z + roll y' + yaw p) cos theta. Yaw about the skirt's own axis has no effect in a round bore,
+    because barrel and ovality move with the grid, and pressure on a round wall has no moment about
+    its axis. A bore that is not round is read at theta + yaw.
 
     Parameters
     ----------
     surface : FilmSurface
     around : ndarray, shape (knots, c)
-        Of its bore, by `slope_around`.
+        Result of `slope_around` for its bore.
     window : Window
     """
     skirt = surface.skirt
@@ -76,10 +76,10 @@ def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:
 
 
 def slope_around(bore: BoreSplines) -> np.ndarray:
-    """dw/dtheta of the undeformed bore, (knots, c) [m], as spline coefficients like `Bore.shape`.
+    """Return dw/dtheta of the undeformed bore, (knots, c) [m], as spline coefficients.
 
-    By its Fourier series over the grid's angles: exact for orders below half of them. An order of
-    half of them has no slope on the grid.
+    The Fourier series over the grid's angles is exact for orders below half their number. An order
+    of half their number has no slope on the grid.
     """
     count = bore.shape.shape[1]
     orders = np.arange(count // 2 + 1.0)

@@ -1,5 +1,7 @@
-"""All film surfaces of a body in one block of float64 numbers. How many there are, kernels are told
-when they run; of a tuple they know it when they are compiled, and are compiled for each number.
+"""All film surfaces of a body in one array of float64 numbers.
+
+Kernels read the number of surfaces from the array. A tuple would require a compilation for each
+number.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,7 @@ from .film import BoreSplines, FilmSurface, Skirt, knot_rule
 from .pin import PinSurface
 
 HEAD = 1
-"""A block begins with the number of its rows and the place of each."""
+"""Number of values before the offsets of the rows: the number of rows."""
 
 _skirt = reader(Skirt)
 _bore = reader(BoreSplines)
@@ -23,7 +25,7 @@ put_pin_surface, _pin_surface = flatten(PinSurface)
 
 
 def in_block(surfaces: Sequence[FilmSurface]) -> np.ndarray:
-    """Return surfaces as one block, two rows each; a bore that several have lies in it once."""
+    """Return surfaces as one block of two rows each, with a common bore only once."""
     return _rows([side for surface in surfaces for side in surface])
 
 
@@ -33,22 +35,20 @@ def pins_in_block(surfaces: Sequence[PinSurface]) -> np.ndarray:
 
 
 def _rows(trees):
-    """Return rows of trees behind their number and places."""
+    """Return the number of trees, the offset of each, and their rows."""
     end = HEAD + len(trees)
-    places: dict[int, int] = {}
+    offsets: dict[int, int] = {}
     rows = []
     for tree in trees:
-        if id(tree) not in places:
-            places[id(tree)] = end
+        if id(tree) not in offsets:
+            offsets[id(tree)] = end
             rows.append(row_of(tree))
             end += rows[-1].size
-    return np.concatenate([[len(trees)], [places[id(tree)] for tree in trees], *rows])
+    return np.concatenate([[len(trees)], [offsets[id(tree)] for tree in trees], *rows])
 
 
 def with_room(surfaces: Sequence[FilmSurface], stations: int) -> Sequence[FilmSurface]:
-    """Return the same, with room for what widens the bore that they share at its stations where
-    nothing does.
-    """
+    """Return the surfaces with a table for the widening of their common bore, if it has none."""
     bore = surfaces[0].bore
     if len(bore.shape):
         return surfaces
@@ -58,7 +58,7 @@ def with_room(surfaces: Sequence[FilmSurface], stations: int) -> Sequence[FilmSu
 
 
 def each_of(block: np.ndarray) -> tuple[FilmSurface, ...]:
-    """Return all surfaces, their arrays the block's own numbers."""
+    """Return all surfaces; their arrays are views of the block."""
     return tuple(surface_at(block, k) for k in range(count_of(block)))
 
 
@@ -67,29 +67,29 @@ def each_of(block: np.ndarray) -> tuple[FilmSurface, ...]:
 
 @compilable
 def row_at(block: np.ndarray, k: int) -> np.ndarray:
-    """Return the k-th row, and what is behind it."""
+    """Return the k-th row and all following ones."""
     return block[int(block[HEAD + k]) :]
 
 
 @compilable
 def count_of(block: np.ndarray) -> int:
-    """Return how many surfaces there are."""
+    """Return the number of surfaces."""
     return int(block[0]) // 2
 
 
 @compilable
 def surface_at(block: np.ndarray, k: int) -> FilmSurface:
-    """Return the k-th surface, its arrays the block's own numbers."""
+    """Return the k-th surface; its arrays are views of the block."""
     return FilmSurface(_skirt(row_at(block, 2 * k)), _bore(row_at(block, 2 * k + 1)))
 
 
 @compilable
 def pins_of(block: np.ndarray) -> int:
-    """Return how many films of pin and crank there are."""
+    """Return the number of films of pin and crank."""
     return int(block[0])
 
 
 @compilable
 def pin_surface_at(block: np.ndarray, k: int) -> PinSurface:
-    """Return the k-th film of pin and crank, its arrays the block's own numbers."""
+    """Return the k-th film of pin and crank; its arrays are views of the block."""
     return _pin_surface(row_at(block, k))
