@@ -355,7 +355,8 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
     """Path of the reduced small end, made or found in the cache."""
 
     def made() -> ReducedSmallEnd:
-        from .reduction.small_end import read_small_end, reduce_small_end, small_end_body
+        from .finite_elements.matrices import assembled
+        from .reduction.small_end import read_small_end, reduce_small_end
 
         with _reducing("small_end", options.mesh, progress) as say:
             mesh = read_small_end(
@@ -367,7 +368,7 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
                 say,
             )
             material = options.young, options.poisson, options.density
-            return reduce_small_end(small_end_body(mesh, material), film, say)
+            return reduce_small_end(assembled(mesh, *material), film, say)
 
     decided = options.model_dump(mode="json") | {"film": list(film)}
     decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()

@@ -1,4 +1,4 @@
-"""Stiffness and mass matrices from other programs: Matrix Market, Abaqus text, Nastran DMIG."""
+"""Stiffness and mass matrices of a body: from elements, or from files of other programs."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -6,11 +6,25 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from .element import Sparse, rigid_motions
+from .element import Sparse, consistent_mass, rigid_motions, stiffness
 from .mesh import Mesh, MeshFault
 from .nastran import cards
 
 NASTRAN = (".bdf", ".dat", ".nas", ".pch", ".dmig")
+
+
+class FullModel(NamedTuple):
+    """Mesh of a body [m], its stiffness [N/m] and its mass [kg], matrices of shape (3 n, 3 n)."""
+
+    mesh: Mesh
+    K: Sparse
+    M: Sparse
+
+
+def assembled(mesh: Mesh, young: float, poisson: float, density: float) -> FullModel:
+    """Return a body of one material: [Pa], [-], [kg/m3]."""
+    K = stiffness(mesh.points, mesh.tets, young, poisson)
+    return FullModel(mesh, K, consistent_mass(mesh.points, mesh.tets, density))
 
 
 class Entries(NamedTuple):

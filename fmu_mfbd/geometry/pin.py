@@ -451,7 +451,7 @@ def grid_power(
     yielding: Yielding | None = None,
     bent: Bent | None = None,
 ) -> FilmPower:
-    """Return `power_on_grid`; default: the shell is rigid, and the pin does not bend."""
+    """`power_on_grid`; without `yielding` or `bent` the shell does not yield, the pin not bend."""
     if yielding is None:
         yielding = Yielding(*[np.zeros(surface.modes.outward.shape[1])] * 2)
     if bent is None:

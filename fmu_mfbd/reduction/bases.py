@@ -1,4 +1,4 @@
-"""Reduction bases: which displacement shapes a body keeps."""
+"""Reduction bases: sets of displacement shapes of a body."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,21 +12,20 @@ from ..finite_elements.element import Sparse, rigid_motions
 from ..finite_elements.solver import Factorise, Factors, factorise
 
 EQUAL = 1e-6
-"""Entries of a shape that differ by less than this share are equal but for round-off [-]."""
+"""Entries of a shape with a smaller relative difference are equal up to round-off [-]."""
 
 
 class Modes(NamedTuple):
-    """Mass-orthonormal modes [kg^-1/2], one a column, and their angular frequencies [rad/s],
-    rising.
-    """
+    """Mass-orthonormal modes as columns [kg^-1/2], and ascending angular frequencies [rad/s]."""
 
     shapes: np.ndarray
     omega: np.ndarray
 
 
 class Elastic:
-    """Stiffness and mass on the free degrees of freedom, factorised once; some nodes held (RBE2:
-    they move rigidly with the frame).
+    """Stiffness and mass of the free degrees of freedom, factorised once.
+
+    Fixed nodes move rigidly with the frame (RBE2).
 
     Parameters
     ----------
@@ -37,7 +36,7 @@ class Elastic:
     fixed_nodes : ndarray of int
         Nodes that do not move; none for a body on springs.
     factors : callable
-        Factorises a matrix; `solver.factorise` or one that remembers.
+        Factorises a matrix: `solver.factorise` or a `solver.CachedFactorise`.
 
     Raises
     ------
@@ -62,25 +61,22 @@ class Elastic:
         self._lu: Factors = factors(self.K)
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """Displacement under nodal forces, both on the free degrees of freedom."""
+        """Return the displacement under nodal forces, both of the free degrees of freedom."""
         return self._lu.solve(load)
 
     def forget_factors(self) -> None:
-        """Give back the memory of the factors, for large bodies several times that of all else;
-        `solve` ends with it.
-        """
+        """Release the memory of the factors; `solve` is not possible afterwards."""
         del self._lu
 
     def full(self, shapes: np.ndarray) -> np.ndarray:
-        """Put zeros back at the fixed nodes: (free, k) -> (3 n, k)."""
+        """Return shapes, (free, k), on all degrees of freedom, (3 n, k), 0 at fixed nodes."""
         out = np.zeros((self.size, shapes.shape[1]))
         out[self.free] = shapes
         return out
 
 
 class MeanElastic(Elastic):
-    """The same for a body whose mean motions over given surfaces vanish instead of every node's
-    (RBE3): soft where RBE2 is stiff.
+    """Body whose mean motions over given surfaces are zero (RBE3).
 
     Eq. (J5):  K u + C^T lambda = f,   C u = 0
                row of C: sum_i w_i R_i^T u_i, w_i the area of node i, R_i a rigid motion there
@@ -107,8 +103,7 @@ class MeanElastic(Elastic):
         self.free = np.arange(self.size)
         self.K = K.tocsc()
         self.M = M.tocsc()
-        # six well-placed degrees of freedom make K regular; what they carry is cancelled by the
-        # small system
+        # six suitable supports make K regular; the small system cancels their reactions
         touched = np.flatnonzero(conditions.any(axis=0))
         order = la.qr(rigid[touched].T, mode="r", pivoting=True)[-1]
         self._loose = np.setdiff1d(self.free, touched[order[:6]])
@@ -131,9 +126,7 @@ class MeanElastic(Elastic):
         return out
 
     def solve(self, load: np.ndarray) -> np.ndarray:
-        """Displacement under nodal forces on all degrees of freedom, mean motions zero (Eq.
-        (J5)).
-        """
+        """Return the displacement under nodal forces on all degrees of freedom, Eq. (J5)."""
         first = self._supported(load)
         unknown = la.lu_solve(self._small, np.concatenate([self._C @ first, self._R.T @ load]))
         m = len(self._C)
@@ -141,7 +134,7 @@ class MeanElastic(Elastic):
 
 
 def mean_conditions(points: np.ndarray, weights: Sequence[np.ndarray]) -> np.ndarray:
-    """Rows of C in Eq. (J5), six for each surface: (6 s, 3 n).
+    """Return C of Eq. (J5) with six rows for each surface, (6 s, 3 n).
 
     Parameters
     ----------
@@ -158,12 +151,12 @@ def mean_conditions(points: np.ndarray, weights: Sequence[np.ndarray]) -> np.nda
 
 
 def craig_bampton(body: Elastic, modes: int) -> np.ndarray:
-    """Fixed-interface normal modes, lowest frequencies first.
+    """Return fixed-interface normal modes, lowest frequencies first.
 
-    Eq. (J1):  K phi = omega^2 M phi, interface held
+    Eq. (J1):  K phi = omega^2 M phi, interface fixed
 
     With one master (the frame point A, or the ground) the constraint modes are the rigid motions,
-    which the floating frame carries.
+    which the floating frame contains.
 
     Parameters
     ----------
@@ -183,7 +176,7 @@ def craig_bampton(body: Elastic, modes: int) -> np.ndarray:
 
 
 def _lowest(K, M, solve, modes):
-    """Shapes of the lowest frequencies; `solve` applies K^-1."""
+    """Return the shapes of the lowest frequencies; `solve` applies K^-1."""
     inverse = LinearOperator(K.shape, matvec=solve, dtype=float)  # pyright: ignore
     start = _start(K.shape[0])
     _, shapes = eigsh(K, modes, M, sigma=0.0, OPinv=inverse, v0=start, tol=1e-10)  # pyright: ignore
@@ -198,14 +191,14 @@ def pressure_modes(
     first: np.ndarray,
     psi: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Static shapes under the pressure patterns to which a surface yields most, beside given ones.
+    """Return static shapes under the pressure patterns of the largest compliance, and given shapes.
 
     Eq. (J2):  D W G W^T D p = mu p,   phi = G W^T D p,   largest mu first
-               G = K^-1, or K^-1 - Psi Psi^T: what the given shapes do not answer
+               G = K^-1, or K^-1 - Psi Psi^T: the compliance without that of the given shapes
 
-    W reads the normal displacement at the points of a regular grid, W^T spreads forces at these
-    points, D says where force is expected. The spectrum mu falls fast, so that few shapes catch
-    what a film pressure can do.
+    W reads the normal displacement at the points of a regular grid, W^T distributes forces at these
+    points, and D is the expected force. mu decreases fast, so that few shapes are sufficient for
+    film pressures.
 
     Parameters
     ----------
@@ -219,7 +212,7 @@ def pressure_modes(
     first : ndarray, shape (free, k)
         Shapes that must be in the basis, k < modes (`static_answers`).
     psi : ndarray, shape (free, k), optional
-        Psi, where the first ones fulfil Psi^T K Psi = 1.
+        Psi with Psi^T K Psi = 1, the span of the first shapes.
 
     Returns
     -------
@@ -227,10 +220,10 @@ def pressure_modes(
 
     References
     ----------
-    Own choice; compliance modes are a Lanczos-truncated interface reduction, [Castanier2001] for
-    the idea. Measured by `piston-cosim verify mfbd`.
+    Our own choice, based on [Castanier2001]. Checked by `piston-cosim verify mfbd`.
     """
-    radial = _diagonal(weight) @ radial
+    diagonal: Sparse = sp.diags(weight)
+    radial = diagonal @ radial
     spread = radial.T.tocsr()
     count = modes - first.shape[1]
     points = radial.shape[0]
@@ -249,16 +242,16 @@ def pressure_modes(
 
 
 def static_answers(body: Elastic, loads: np.ndarray, modes: int | float) -> np.ndarray:
-    """Static deflection under loads that a basis must hold exactly (gas pressure, inertia).
+    """Return the static deflection under loads that a basis must represent exactly.
 
     Parameters
     ----------
     body : Elastic
     loads : ndarray, shape (free, k)
-        Most important first.
+        Loads, most important first.
     modes : int or float
-        Number of modes of the whole basis; at most half of it is used for these loads. A float is
-        the error of a basis of unknown size, which answers all of them.
+        Number of modes of the basis, of which at most half are used for these loads. A float is the
+        error of a basis of unknown size, which includes all loads.
     """
     if isinstance(modes, int):
         loads = loads[:, : modes // 2]
@@ -268,24 +261,17 @@ def static_answers(body: Elastic, loads: np.ndarray, modes: int | float) -> np.n
 
 
 def expected_pressure(angle: np.ndarray, n_axial: int) -> np.ndarray:
-    """Where on a skirt or bore film pressure is expected: across the pin, where the side force acts
-    and the profile stands out.
+    """Return the expected film pressure on skirt or bore, largest across the pin.
 
     Eq. (J4):  weight = 0.1 + sin^2 theta      at (theta_i, height_j), j fastest
 
-    A nearly round skirt also carries near the pin, where this weight expects little.
+    A nearly round skirt also carries load near the pin, where this weight is small.
     """
     return np.repeat(0.1 + np.sin(angle) ** 2, n_axial)  # Eq. (J4)
 
 
-def _diagonal(values: np.ndarray) -> Sparse:
-    return sp.diags(values)
-
-
 def _start(size: int) -> np.ndarray:
-    """Start vector of a Lanczos run: fixed, so that the same body always reduces to the same
-    bytes.
-    """
+    """Return the start vector of a Lanczos run, always the same for a reproducible reduction."""
     return np.random.default_rng(1).standard_normal(size)
 
 
@@ -323,8 +309,9 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
 
 
 def of_unit_energy(body: Elastic, shapes: np.ndarray) -> np.ndarray:
-    """Combine shapes, (free, k), so that Psi^T K Psi = 1; arguments and errors as of
-    `orthonormal_modes`.
+    """Combine shapes, (free, k), so that Psi^T K Psi = 1.
+
+    Arguments and errors are those of `orthonormal_modes`.
     """
     if not shapes.shape[1]:
         return shapes
@@ -341,7 +328,7 @@ def of_unit_energy(body: Elastic, shapes: np.ndarray) -> np.ndarray:
 
 
 def characteristic_constraint_modes(body: Elastic, interface: np.ndarray, modes: int) -> np.ndarray:
-    """Lowest eigenmodes of the body condensed statically onto its interface.
+    """Return the lowest eigenmodes of the body after static condensation to its interface.
 
     Eq. (J6):  K_cc x = omega^2 M_cc x,  phi = Psi x
                K_cc = Psi^T K Psi,  M_cc = Psi^T M Psi,  Psi = [1; -K_ii^-1 K_ic]
@@ -350,7 +337,7 @@ def characteristic_constraint_modes(body: Elastic, interface: np.ndarray, modes:
     ----------
     body : Elastic
     interface : ndarray of int
-        Nodes of the surface that the film touches; held ones are left out.
+        Nodes of the film surface; fixed nodes are omitted.
     modes : int
 
     Returns
@@ -368,23 +355,23 @@ def characteristic_constraint_modes(body: Elastic, interface: np.ndarray, modes:
     link = body.K[inner][:, outer].tocsr()
 
     def extend(x):
-        """Psi x."""
+        """Return Psi x."""
         out = np.empty(body.K.shape[0])
         out[outer] = x
         out[inner] = -within.solve(link @ x)
         return out
 
     def stiff(x):
-        """K_cc x."""
+        """Return K_cc x."""
         return (body.K @ extend(x.ravel()))[outer]
 
     def heavy(x):
-        """M_cc x."""
+        """Return M_cc x."""
         f = body.M @ extend(x.ravel())
         return f[outer] - link.T @ within.solve(f[inner])
 
     def answer(f):
-        """K_cc^-1 f: the body's own compliance, seen from the interface."""
+        """Return K_cc^-1 f, the body's own compliance at the interface."""
         load = np.zeros(body.K.shape[0])
         load[outer] = f.ravel()
         return body.solve(load)[outer]

@@ -1,6 +1,4 @@
-"""Pin bosses of a piston as film surfaces: how the mesh is read on grids about the pin's axis, and
-what the bosses' films ask of the modes.
-"""
+"""Pin bosses of a piston as film surfaces: readings of the mesh on their grids, and modes."""
 
 from typing import NamedTuple
 
@@ -12,21 +10,22 @@ from ..finite_elements.mesh import Mesh, MeshFault
 from ..geometry.pin import shell_angles
 from .bases import Elastic, of_unit_energy, pressure_modes
 from .geometry import OUT_OF_ROUND
-from .interpolation import covered, interpolation
+from .interpolation import covered, directed, interpolation
 from .reduced_body import BossFilms
 
 SURFACE = "pin_bore"
-"""Surface of the mesh that both bosses are."""
+"""Surface of the mesh that contains both bosses."""
 
 SIDES = {"boss_left": -1.0, "boss_right": 1.0}
-"""Where each boss lies along z."""
+"""Side of each boss along z."""
 
 
 class ShellReading(NamedTuple):
-    """Matrices (grid points, 3 n) that read how a shell about the pin's axis moves outwards and
-    around it, and z of the grid's rows, (a,) [m].
+    """Matrices (grid points, 3 n) for the displacements of a shell, and z of its rows, (a,) [m].
 
     Eq. (I11):  u_e = u_x cos a + u_y sin a,   u_t = u_y cos a - u_x sin a
+
+    `outward` reads u_e away from the pin's axis, and `onward` reads u_t around it.
     """
 
     outward: Sparse
@@ -35,34 +34,33 @@ class ShellReading(NamedTuple):
 
 
 class Shells(NamedTuple):
-    """Readings of shells about the pin's axis, both bosses, that at z < 0 first, or the eye; their
-    mean radius [m].
-    """
+    """Readings of both bosses, that at z < 0 first, or of the eye, and mean radius [m]."""
 
     sides: tuple[ShellReading, ...]
     radius: float
 
     def outward(self) -> Sparse:
-        """Outward readings of all, one below the other."""
+        """Return the outward readings of all shells in one matrix."""
         return sp.vstack([side.outward for side in self.sides], format="csr")
 
 
 def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
-    """Both bosses of a mesh, read where their films lie: from where a boss begins, seen from z = 0,
-    over the films' length.
+    """Return the readings of both bosses of a mesh on the grids of their films.
+
+    A film begins where its boss begins, seen from z = 0.
 
     Parameters
     ----------
     mesh : Mesh
         With a surface `pin_bore`.
     position : ndarray, shape (n, 3)
-        Its nodes from pin point A, the pin's axis along z [m].
+        Its nodes from pin point A, with the pin's axis along z [m].
     films : BossFilms
 
     Raises
     ------
     MeshFault
-        Where there is no boss on a side, or its bore is not round, or ends within the film.
+        If there is no boss on a side, or its bore is not round, or ends within the film.
     """
     faces = mesh.faces[SURFACE]
     middle = position[faces[:, :3], 2].mean(axis=1)
@@ -76,17 +74,17 @@ def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
                 f"surface '{SURFACE}': expected faces at z {'>' if sign > 0 else '<'} 0, got none"
             )
             continue
-        found, fault = _read(position, own, sign, radius, films)
+        side, fault = _read(position, own, sign, radius, films)
         if fault:
             faults.append(f"surface '{SURFACE}', {name}: {fault}")
-        sides.append(found)
+        sides.append(side)
     if faults:
         raise MeshFault(faults)
     return Shells(tuple(sides), radius)
 
 
 def _read(position, faces, sign, radius, films):
-    """A boss's reading, and a sentence if its film does not lie on it."""
+    """Return the reading of a boss, and a sentence if its film is not completely on it."""
     z = position[np.unique(faces), 2]
     around, along = films.grid
     begin = float(np.abs(z).min())
@@ -106,7 +104,7 @@ def _read(position, faces, sign, radius, films):
 
 
 def out_of_round(position: np.ndarray, faces: np.ndarray, radius: float) -> str:
-    """A sentence if a bore's nodes lie beside a cylinder about the pin's axis."""
+    """Return a sentence if a bore's nodes are not on a cylinder about the pin's axis."""
     x, y, _ = position[np.unique(faces)].T
     scatter = float(np.abs(np.hypot(x, y) - radius).max())
     if scatter <= OUT_OF_ROUND * radius:
@@ -117,58 +115,53 @@ def out_of_round(position: np.ndarray, faces: np.ndarray, radius: float) -> str:
 def without_shell(
     position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
 ) -> int:
-    """How many cells of a film have no bore under them; arguments as of `shell_reading`."""
+    """Return how many cells of a film have no bore under them; arguments as for `shell_reading`."""
     there = covered(_about_y(position), faces, shell_angles(around), stations, radius)
     return int(np.count_nonzero(~there))
 
 
 def _about_y(position):
-    """About the pin's axis as the skirt lies about the cylinder's: theta from +z towards +x."""
+    """Return positions in axes with the pin along y, as the skirt's axis: theta from +z to +x."""
     return position[:, [1, 2, 0]]
 
 
 def shell_reading(
     position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
 ) -> ShellReading:
-    """A bore about z, read at the cells of a film (Eq. (I11)).
+    """Return the reading of a bore about z at the cells of a film, Eq. (I11).
 
     Parameters
     ----------
     position : ndarray, shape (n, 3)
-        Nodes, z the pin's axis [m].
+        Nodes, with z along the pin's axis [m].
     faces : ndarray of int, shape (t, 3 or 6)
     radius : float
-        Of the bore [m].
+        Radius of the bore [m].
     around : int
-        Cells around.
+        Number of cells around.
     stations : ndarray, shape (a,)
         z of the rows [m].
     """
     angle = shell_angles(around)
     at = interpolation(_about_y(position), faces, angle, stations, radius)
     a = np.repeat(angle, len(stations))
-    identity = sp.identity(len(position), format="csr")
-    x_of, y_of = (sp.kron(identity, row[None, :], format="csr") for row in np.eye(3)[:2])
-    cosine = sp.diags(np.cos(a))
-    sine = sp.diags(np.sin(a))
-    # Eq. (I11)
-    outward = cosine @ at @ x_of + sine @ at @ y_of
-    onward = cosine @ at @ y_of - sine @ at @ x_of
-    return ShellReading(outward.tocsr(), onward.tocsr(), stations)
+    cosine, sine, zero = np.cos(a), np.sin(a), np.zeros_like(a)
+    outward = directed(at, [cosine, sine, zero])  # Eq. (I11)
+    return ShellReading(outward, directed(at, [-sine, cosine, zero]), stations)
 
 
 def with_boss_modes(
     elastic: Elastic, bosses: Shells, grid: tuple[int, int], shapes: np.ndarray, modes: int
 ) -> np.ndarray:
-    """Shapes of a basis and, after them, those under the smooth pressures to which all shells
-    yield most beside what these answer: Eq. (J2) with D S in place of D, `modes` in all.
+    """Return shapes of a basis, and shapes under the smooth pressures of the largest compliance.
+
+    The additional shapes are those of Eq. (J2) with D S instead of D.
 
     Eq. (J24):  D = 0.1 + sin^2 a,   S: normal distribution, 10 deg around and a quarter of the
-                film's length along, rows adding up to 1
+                film's length along, sum of a row 1
 
-    A single cell's force dents the bore, films press over tens of degrees. The error of the
-    deflection under half a turn of even pressure and under a cosine over +-30 deg that falls along
-    the pin, 60 of them: with S 1.6 and 1.3 %, without 12 and 1.6 %.
+    S excludes the local dents by the force on a single cell, because films extend over tens of
+    degrees.
 
     Parameters
     ----------
@@ -176,10 +169,11 @@ def with_boss_modes(
     bosses : Shells
         Both bosses, or the eye alone.
     grid : (int, int)
-        Cells around and along each.
+        Cells around and along each shell.
     shapes : ndarray, shape (free, k)
-        k < modes.
+        Shapes of the basis, k < modes.
     modes : int
+        Number of all shapes.
     """
     psi = of_unit_energy(elastic, shapes)
     around, along = grid
@@ -192,11 +186,11 @@ def with_boss_modes(
 
 
 SPREAD_AROUND, SPREAD_ALONG = 1 / 36, 1 / 4
-"""Standard deviations of Eq. (J24), of a turn and of the film's length."""
+"""Standard deviations of Eq. (J24) as fractions of a revolution and of the film's length."""
 
 
 def _smoothing(cells, spread, ring):
-    """Matrix (cells, cells) that spreads each value over its neighbours."""
+    """Return the matrix (cells, cells) that distributes each value over its neighbours."""
     apart = np.arange(cells)[:, None] - np.arange(cells)
     if ring:
         apart = (apart + cells // 2) % cells - cells // 2

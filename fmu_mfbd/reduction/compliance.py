@@ -1,5 +1,6 @@
-"""The whole elastic answer of both bodies to pressure on the film: what no choice of modes has
-taken anything from. Dear: one solution of the full mesh for each cell.
+"""Compliance of both unreduced bodies for pressure on the film.
+
+It requires one solution of the full mesh for each cell.
 """
 
 from pathlib import Path
@@ -14,12 +15,13 @@ from .bases import Elastic
 from .reduce import ends, film_surface, full_model
 
 AT_ONCE = 64
-"""Loads solved together: bounds the memory."""
+"""Number of loads for each solution, which limits the memory."""
 
 
 class RigidPiston(NamedTuple):
-    """Mass [kg]; centre of mass x, y from A [m]; moment of inertia about A and z [kg m2]; edges of
-    the skirt above A [m].
+    """Mass properties of a piston about A, and the edges of its skirt.
+
+    mass [kg]; centre : x, y from A [m]; inertia : about A and z [kg m2]; edges above A [m].
     """
 
     mass: float
@@ -30,7 +32,7 @@ class RigidPiston(NamedTuple):
 
 
 class Compliance(NamedTuple):
-    """Of skirt and bore; n cells of the film grid, s stations of the bore.
+    """Compliance of skirt and bore, with n cells of the film grid and s stations of the bore.
 
     Parameters
     ----------
@@ -56,12 +58,12 @@ class Compliance(NamedTuple):
 
 
 def compliance(options: dict[str, Any], folder: Path) -> Compliance:
-    """Both bodies of a build table, unreduced.
+    """Return the compliance of both bodies of a build table.
 
     Parameters
     ----------
     options, folder
-        As for `build.prepare`; pin bores and bolts are held rigidly (tie "rbe2").
+        As for `build.prepare`; pin bores and bolts are fixed rigidly (tie "rbe2").
     """
     build = read_options(options, folder)
     model, position = _piston(build)
@@ -87,13 +89,13 @@ def compliance(options: dict[str, Any], folder: Path) -> Compliance:
 
 
 def rigid_piston(options: dict[str, Any], folder: Path) -> RigidPiston:
-    """Mass properties of a build table's piston; `options`, `folder` as for `compliance`."""
+    """Return the mass properties of a build table's piston; arguments as for `compliance`."""
     build = read_options(options, folder)
     return _rigid(build, *_piston(build))
 
 
 def _piston(build):
-    """Full model of the piston, and its nodes from A."""
+    """Return the full model of the piston, and its nodes from A."""
     model = full_model(build.piston, ("skirt", "crown", "pin_bore"), _say_nothing)
     return model, model.mesh.points - np.array([build.piston.pin_offset, 0.0, 0.0])
 
@@ -109,7 +111,7 @@ def _rigid(build, model, position):
 
 
 def film_rows(piston: RigidPiston, along: int) -> np.ndarray:
-    """Heights of the film grid's rows above A, (along,) [m]."""
+    """Return the heights of the film grid's rows above A, (along,) [m]."""
     return cell_centres(1, along, piston.skirt_lower, piston.skirt_upper)[1]
 
 
@@ -130,7 +132,7 @@ def _bore(build: Build):
 
 
 def _answers(elastic, reading):
-    """R K^-1 R^T."""
+    """Return R K^-1 R^T."""
     out = np.empty((reading.shape[0],) * 2)
     for first in range(0, reading.shape[0], AT_ONCE):
         some = slice(first, first + AT_ONCE)

@@ -1,4 +1,4 @@
-"""What a film has done to the bodies in a finished run, read from its results file."""
+"""Film forces on the bodies in a finished run, from its results file."""
 
 import hashlib
 import json
@@ -10,17 +10,15 @@ import numpy as np
 from ..geometry.pin import CRANK_SURFACES, PIN_SURFACES
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
-"""Fields that have to be recorded: outputs of the interface contract's film."""
+"""Fields that must be recorded: outputs of the film."""
 HEIGHT = "piston_position"
 """Scalar output of the bodies: height of A above the crank axis [m]."""
-
-
 FILM_THICKNESS = "film_thickness"
 """Output of the bodies for each film on the skirt [m]."""
 
 
 class NotRecorded(ValueError):
-    """A results file that does not say what the film did to the bodies."""
+    """Error for a results file without the film forces on the bodies."""
 
 
 class FilmLoads(NamedTuple):
@@ -29,7 +27,7 @@ class FilmLoads(NamedTuple):
     Parameters
     ----------
     pressure, friction : ndarray, shape (m, c, a)
-        Pushing the surfaces apart; along y on the skirt [N].
+        Force that separates the surfaces, and force along y on the skirt [N].
     """
 
     pressure: np.ndarray
@@ -42,9 +40,9 @@ class RecordedLoads(NamedTuple):
     Parameters
     ----------
     film : FilmLoads
-        On c x a cells.
+        Forces on c x a cells.
     height_of_A : ndarray, shape (m,)
-        Above the crank axis [m].
+        Height above the crank axis [m].
     """
 
     film: FilmLoads
@@ -52,20 +50,20 @@ class RecordedLoads(NamedTuple):
 
 
 class Training(NamedTuple):
-    """Forces that a body is trained on.
+    """Forces for the basis `trained`.
 
     Parameters
     ----------
     loads : RecordedLoads
     rows : ndarray, shape (a,)
-        Heights of the grid rows above A [m]; a piston knows them itself.
+        Heights of the grid rows above A [m], for the block.
     """
 
     loads: RecordedLoads
     rows: np.ndarray
 
     def digest(self) -> str:
-        """Of all its numbers."""
+        """Return the SHA-256 of all numbers."""
         digest = hashlib.sha256()
         for array in (*self.loads.film, self.loads.height_of_A, self.rows):
             digest.update(str(array.shape).encode() + np.ascontiguousarray(array).data)
@@ -75,26 +73,26 @@ class Training(NamedTuple):
 def recorded_loads(
     path: Path | str, grid: tuple[int, int], last_period: bool = False
 ) -> RecordedLoads:
-    """Nodal forces that a run has recorded, of all films on the skirt's grid.
+    """Return the recorded nodal forces of all films on the skirt's grid.
 
-    Which films press on the skirt, and on which of its rows, the wires and the build table in the
-    run's case tell; rows without a film have no forces. Of a file that names no such wires it is
-    the one participant that has recorded forces.
+    The wires and the build table in the case of the run determine the films on the skirt and their
+    rows. Rows without a film have no forces. Without such wires, the forces are those of the only
+    participant that has recorded forces.
 
     Parameters
     ----------
     path : Path
-        Results file (`master.runs.recorder` says how it is laid out) whose case names the nodal
-        forces in record.fields.
+        Results file of `master.runs.recorder`. The case must list the nodal forces in
+        record.fields.
     grid : (int, int)
-        Film grid that is wanted.
+        Expected film grid.
     last_period : bool
         Whether only the instants of the run's last period are read.
 
     Raises
     ------
     NotRecorded
-        If the file lacks them, has them on another grid, or of several bodies.
+        If the file lacks the forces, or has them on another grid or for several bodies.
     """
     import h5py  # slow to import, and used after runs alone
 
@@ -102,7 +100,7 @@ def recorded_loads(
     try:
         with h5py.File(path, "r") as opened:
             file: Any = opened
-            pressure, friction = (_force(file, name, path, grid) for name in FORCES)
+            pressure, friction = (_recorded(file, name, path, grid) for name in FORCES)
             height = _named(file, HEIGHT, path)
             if pressure is None or friction is None or height is None:
                 raise NotRecorded(
@@ -119,63 +117,57 @@ def recorded_loads(
 
 
 def recorded_film_thickness(path: Path | str, grid: tuple[int, int]) -> np.ndarray | None:
-    """Return the film thickness that a run has recorded on the skirt's grid, (m, c, a) [m].
+    """Return the recorded film thickness on the skirt's grid, (m, c, a) [m].
 
-    Rows without a film have inf. The result is None if not all of it was recorded. Arguments as of
-    `recorded_loads`, which finds the films in the same way.
+    Rows without a film have inf. The result is None if a part is not recorded. Arguments are those
+    of `recorded_loads`.
     """
     import h5py  # slow to import, and used after runs alone
 
-    path = Path(path)
-    with h5py.File(path, "r") as opened:
-        file: Any = opened
-        fields = file["fields"]
-        bands = _bands(json.loads(file.attrs.get("case", "{}")), FORCES[0], path)
-        if not bands:
-            thickness = _named(fields, FILM_THICKNESS, path)
-            return None if thickness is None else _shaped(thickness[:], grid, path)
-        whole = np.full((len(fields["time"]), *grid), np.inf)
-        for band in bands:
-            owner, prefix = band.skirt
-            if f"{owner}/{prefix}{FILM_THICKNESS}" not in fields:
-                return None
-            rows = whole[:, :, band.first : band.last]
-            dataset = fields[f"{owner}/{prefix}{FILM_THICKNESS}"]
-            rows[:] = _shaped(dataset[:], rows.shape[1:], path)
-        return whole
+    with h5py.File(path, "r") as file:
+        return _recorded(file, FILM_THICKNESS, Path(path), grid, np.inf)
 
 
 class HeightBand(NamedTuple):
-    """Where a force on some rows of the grid is recorded: port, the participant and prefix of the
-    film surface, and rows from 0 on (`last` is not among them; None: up to the grid's end).
+    """Film on some rows of the grid.
+
+    Parameters
+    ----------
+    rows : slice
+    source, owner : str
+        Recorded field of the force, and beginning of the names of the body's own fields.
     """
 
-    port: str
-    skirt: tuple[str, str]
-    first: int
-    last: int | None
+    rows: slice
+    source: str
+    owner: str
 
 
-def _force(file: Any, name: str, path: Path, grid: tuple[int, int]) -> np.ndarray | None:
-    """A nodal force on the whole grid, (m, c, a); None if not all of it was recorded."""
-    bands = _bands(json.loads(file.attrs.get("case", "{}")), name, path)
+def _recorded(
+    file: Any, name: str, path: Path, grid: tuple[int, int], empty: float = 0.0
+) -> np.ndarray | None:
+    """Return a field on the whole grid, (m, c, a), None if a part is not recorded.
+
+    empty : value of rows without a film.
+    """
+    force = name if name in FORCES else FORCES[0]
+    bands = _bands(json.loads(file.attrs.get("case", "{}")), force, path)
     fields = file["fields"]
     if not bands:
-        found = _named(fields, name, path)
-        return None if found is None else _shaped(found[:], grid, path)
-    whole = np.zeros((len(fields["time"]), *grid))
+        field = _named(fields, name, path)
+        return None if field is None else _shaped(field[:], grid, path)
+    whole = np.full((len(fields["time"]), *grid), empty)
     for band in bands:
-        dataset = fields.get(band.port.replace(".", "/", 1))
+        dataset = fields.get(band.source if name == force else band.owner + name)
         if dataset is None:
             return None
-        around, along = grid
-        last = along if band.last is None else band.last
-        whole[:, :, band.first : last] = _shaped(dataset[:], (around, last - band.first), path)
+        rows = whole[:, :, band.rows]
+        rows[:] = _shaped(dataset[:], rows.shape[1:], path)
     return whole
 
 
 def _shaped(force: np.ndarray, shape: tuple[int, int], path: Path) -> np.ndarray:
-    """The force; NotRecorded if it has another shape."""
+    """Return the force, or raise NotRecorded if it has another shape."""
     if force.shape[1:] != tuple(shape):
         raise NotRecorded(
             f"{path.name} has recorded nodal forces of shape {force.shape[1:]}, the "
@@ -185,9 +177,7 @@ def _shaped(force: np.ndarray, shape: tuple[int, int], path: Path) -> np.ndarray
 
 
 def _bands(case: dict[str, Any], name: str, path: Path) -> list[HeightBand]:
-    """Whence the wires of a run's case bring a force to the skirt; films of a floating pin
-    and of the crank have no part in it.
-    """
+    """Return the sources of a force on the skirt by the wires of a case, without pin and crank."""
     wires = [(*wire["to"].split(".", 1), wire["from"]) for wire in case.get("wires", ())]
     ours = [
         (owner, variable.removesuffix(name), source)
@@ -207,12 +197,13 @@ def _bands(case: dict[str, Any], name: str, path: Path) -> list[HeightBand]:
         build = case["participants"][owner].get("build", {})
         rows = {f"{one['name']}.": one["rows"] for one in build.get("film_surfaces", ())}
         first, last = rows.get(prefix, (1, None))
-        bands.append(HeightBand(source, (owner, prefix), first - 1, last))
+        field = source.replace(".", "/", 1)
+        bands.append(HeightBand(slice(first - 1, last), field, f"{owner}/{prefix}"))
     return bands
 
 
 def _named(group: Any, name: str, path: Path) -> Any:
-    """The dataset of a participant's variable; None if there is none."""
+    """Return the dataset of a participant's variable, None if there is none."""
     found = {
         owner: member[name]
         for owner, member in group.items()
@@ -227,7 +218,7 @@ def _named(group: Any, name: str, path: Path) -> Any:
 
 
 def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) -> FilmLoads:
-    """The same forces at the stations of the bore's table, (m, c, s), by virtual work.
+    """Return the forces at the stations of the bore's table, (m, c, s), by virtual work.
 
     Eq. (J15):  t = S(Y_A + y')^T f      S: natural cubic spline through the stations
 
@@ -249,8 +240,9 @@ def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) ->
 def on_rows(
     table: np.ndarray, height_of_A: np.ndarray, rows: np.ndarray, stations: np.ndarray
 ) -> np.ndarray:
-    """Return values of the bore's table, (m, c, s), at the rows of the moving film, (m, c, a), by
-    the same spline as Eq. (J15).
+    """Return values of the bore's table, (m, c, s), at the film's rows, (m, c, a).
+
+    The spline is that of Eq. (J15).
     """
     reading = spline_matrix(height_of_A, rows, stations)
     return np.einsum("mcs,mas->mca", table, reading, optimize=True)

@@ -1,8 +1,8 @@
-"""Whether a mesh lies as this project's axes want it: what would else be wrong without a word.
+"""Checks of a mesh's position and direction in this project's axes.
 
-x thrust, y towards the head, z pin; a piston's origin on the skirt's axis at the height of the pin,
-a block's on the bore's axis at the height of the crank. Swapped or turned axes, a body upside down,
-off its axis, too high or too low, or in another unit shows in its surfaces.
+x is thrust, y towards the head, z along the pin. The origin of a piston is on the skirt's axis at
+the height of the pin, that of a block on the bore's axis at the height of the crank. The surfaces
+show swapped axes, a wrong origin, or a wrong unit.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ class Circle(NamedTuple):
 
 
 def circle_through(first: np.ndarray, second: np.ndarray) -> Circle:
-    """Circle of least squares through points, in the squares of their distances.
+    """Return the circle of least squares through points, in the squares of their distances.
 
     Eq. (M12):  u^2 + v^2 = 2 a u + 2 b v + c,   R^2 = c + a^2 + b^2
     """
@@ -44,14 +44,14 @@ def circle_through(first: np.ndarray, second: np.ndarray) -> Circle:
 
 
 def area_normals(mesh: Mesh, name: str) -> np.ndarray:
-    """Outward normals of a surface's faces, as long as their area [m2], (t, 3)."""
+    """Return the outward normals of a surface's faces with their areas as lengths [m2], (t, 3)."""
     corner = mesh.points[mesh.faces[name][:, :3]].swapaxes(0, 1)
     first, second, third = corner
     return np.cross(second - first, third - first) / 2
 
 
 def axis_of(mesh: Mesh, name: str) -> np.ndarray:
-    """Direction that a cylindrical surface's normals are all across, of length 1, (3,)."""
+    """Return the unit vector that is perpendicular to the normals of a cylinder, (3,)."""
     normal = area_normals(mesh, name)
     spread = (normal / np.linalg.norm(normal, axis=1)[:, None]).T @ normal
     _, directions = np.linalg.eigh(spread)
@@ -59,7 +59,7 @@ def axis_of(mesh: Mesh, name: str) -> np.ndarray:
 
 
 def cylinder_faults(mesh: Mesh, name: str) -> list[str]:
-    """What is wrong with skirt or bore as a cylinder about y."""
+    """Return the faults of skirt or bore as a cylinder about y."""
     axis = axis_of(mesh, name)
     if abs(axis[1]) < np.cos(TILTED):
         along = ", ".join(f"{part:.2f}" for part in axis)
@@ -165,13 +165,7 @@ def pin_faults(mesh: Mesh, radius: float, pin_offset: float) -> list[str]:
 
 
 def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:
-    """What is wrong with the place, the direction and the mass [kg] of a piston.
-
-    Returns
-    -------
-    list of str
-        One sentence a fault.
-    """
+    """Return a sentence for each fault in position, direction and mass [kg] of a piston."""
     faults = cylinder_faults(mesh, "skirt")
     radius = circle_through(*mesh.points[mesh.nodes("skirt")][:, [0, 2]].T).radius
     _, up, _ = area_normals(mesh, "crown").sum(axis=0)
@@ -193,7 +187,7 @@ def piston_faults(mesh: Mesh, mass: float, pin_offset: float) -> list[str]:
 
 
 def block_faults(mesh: Mesh) -> list[str]:
-    """What is wrong with the place and the direction of a block: one sentence a fault."""
+    """Return a sentence for each fault in position and direction of a block."""
     faults = cylinder_faults(mesh, "bore")
     lowest = float(mesh.points[mesh.nodes("bore"), 1].min())
     if lowest <= 0.0:

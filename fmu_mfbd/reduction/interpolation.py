@@ -1,7 +1,6 @@
-"""From mesh nodes to the regular grid on the developed cylinder (angle x height), by one sparse
-matrix.
-"""
+"""Interpolation from mesh nodes to the regular grid on the developed cylinder."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +10,11 @@ from ..finite_elements.element import Sparse
 from ..finite_elements.faces import triangle_functions
 
 BESIDE = 1e-3
-"""How far, in radii, a point may lie beside a surface whose faces have straight edges."""
+"""Largest distance of a point from a surface with straight edges, relative to the radius."""
 
 
 class SurfacePoints(NamedTuple):
-    """Points on triangles: number of the triangle, s, t in it, and the distance to the points that
-    were looked for [m], each of shape (p,).
-    """
+    """Nearest points on triangles: triangle, s and t in it, and distance [m], each (p,)."""
 
     triangle: np.ndarray
     s: np.ndarray
@@ -39,14 +36,12 @@ def interpolation(
     height: np.ndarray,
     radius: float,
 ) -> Sparse:
-    """Matrix that takes nodal values of a cylinder's faces to the grid points (angle_i, height_j),
-    j fastest.
+    """Return the matrix from nodal values to values at the grid points (angle_i, height_j).
 
     Eq. (I1):  value(theta, y) = sum_k N_k(s, t) value_k     triangle that covers (theta, y) on the
                                                              developed surface
 
-    A grid point with no surface under it (the pin holes) takes the value of the nearest surface
-    point.
+    j is the fastest index. A grid point in a hole has the value of the nearest surface point.
 
     Parameters
     ----------
@@ -56,7 +51,7 @@ def interpolation(
     angle, height : ndarray
         Grid lines [rad], [m].
     radius : float
-        Radius that turns angles into lengths [m].
+        Radius of the cylinder [m].
 
     Returns
     -------
@@ -78,16 +73,18 @@ def covered(
     height: np.ndarray,
     radius: float,
 ) -> np.ndarray:
-    """Which grid points (angle_i, height_j) have the surface under them, but for `BESIDE`, (angles,
-    heights); arguments as of `interpolation`.
+    """Return which grid points have the surface within `BESIDE`, (angles, heights).
+
+    Arguments are those of `interpolation`.
     """
     at = _nearest_points(points, triangles, angle, height, radius, reach=BESIDE * radius)
     return (at.distance <= BESIDE * radius).reshape(len(angle), len(height))
 
 
 def _nearest_points(points, triangles, angle, height, radius, reach=np.inf):
-    """Nearest point of the surface to each grid point, on the developed surface, j fastest; of
-    points further off than `reach` it is only known that they are.
+    """Return the nearest point of the developed surface to each grid point, j fastest.
+
+    The distance of points that are not within `reach` is inf or any larger value.
     """
     theta = np.repeat(angle, len(height))
     y = np.tile(height, len(angle))
@@ -116,10 +113,10 @@ def _nearest_points(points, triangles, angle, height, radius, reach=np.inf):
 
 
 def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints:
-    """Nearest point of the surface to each point.
+    """Return the nearest point of the surface to each point.
 
-    corners (t, 3, 2); x (p, t), because each triangle sees the point on its own branch of the
-    angle; y (p,).
+    corners : (t, 3, 2). x : (p, t), because each triangle has its own branch of the angle.
+    y : (p,).
     """
     origin, second, third = corners.swapaxes(0, 1)
     u = second - origin
@@ -139,9 +136,7 @@ def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints
 
 
 def _clamp(s, t, u, v):
-    """Nearest point of the triangle to the point s u + t v: itself inside, else the nearest of the
-    three edges' nearest points.
-    """
+    """Return the nearest point of the triangle to s u + t v, which may be on one of its edges."""
     uu = (u * u).sum(1)
     uv = (u * v).sum(1)
     vv = (v * v).sum(1)
@@ -165,7 +160,7 @@ def _clamp(s, t, u, v):
 
 
 def radial_and_axial(interpolate: Sparse, angle: np.ndarray, n_axial: int) -> SurfaceReading:
-    """Matrices that read the displacement at the grid points.
+    """Return the matrices that read the displacement at the grid points.
 
     Eq. (I2):  u_r = u_x sin theta + u_z cos theta
 
@@ -176,11 +171,24 @@ def radial_and_axial(interpolate: Sparse, angle: np.ndarray, n_axial: int) -> Su
     angle : ndarray
         Grid lines [rad].
     n_axial : int
-        Points on each.
+        Number of points on each line.
     """
     theta = np.repeat(angle, n_axial)
-    identity = sp.identity(interpolate.shape[1], format="csr")
-    x, y, z = (sp.kron(identity, row[None, :], format="csr") for row in np.eye(3))
-    across: Sparse = sp.diags(np.sin(theta)) @ interpolate @ x
-    along_pin: Sparse = sp.diags(np.cos(theta)) @ interpolate @ z
-    return SurfaceReading((across + along_pin).tocsr(), (interpolate @ y).tocsr())  # Eq. (I2)
+    zero = np.zeros_like(theta)
+    radial = np.stack([np.sin(theta), zero, np.cos(theta)])  # Eq. (I2)
+    return SurfaceReading(
+        directed(interpolate, radial), directed(interpolate, [zero, zero + 1, zero])
+    )
+
+
+def directed(interpolate: Sparse, direction: Sequence[np.ndarray] | np.ndarray) -> Sparse:
+    """Return the matrix (points, 3 n) that reads the displacement along a direction at each point.
+
+    interpolate : (points, n). direction : x, y and z components, (3, points).
+    """
+    parts = [
+        sp.diags(component) @ sp.kron(interpolate, axis[None, :], format="csr")
+        for component, axis in zip(direction, np.eye(3))
+        if component.any()
+    ]
+    return sp.csr_matrix(sum(parts[1:], parts[0]))

@@ -1,6 +1,4 @@
-"""Pictures of a body: mode shapes, its skin deformed and coloured by the displacement along its
-normal; and where the skirt is.
-"""
+"""Pictures of a body: mode shapes on its surface, and cells with a skirt."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,16 +18,16 @@ LIGHT = np.array([0.6, 0.75, 0.28])
 
 
 def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> None:
-    """One PNG of the modes with the largest share in film thickness, by rising frequency.
+    """Write a PNG of the modes with the largest effect on film thickness, by ascending frequency.
 
-    Red moves out of the body, blue into it; thrust side to the right front, pin axis to the left
-    front, head up.
+    Red parts move out of the body, blue parts into it. The thrust side is at the front right, the
+    pin's axis at the front left, and the head at the top.
 
     Parameters
     ----------
     anatomy : Anatomy
     table : sequence of ModeRow
-        The body's `mode_tables.mode_table`.
+        Result of `mode_tables.mode_table` for the body.
     path : Path
     """
     largest = sorted(table, key=lambda row: -row.film_share)[: COLUMNS * ROWS]
@@ -47,7 +45,7 @@ def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> 
 
 
 def _draw(axes, points, corners, shape):
-    """One deformed, shaded skin."""
+    """Draw the deformed surface."""
     size = np.ptp(points, axis=0).max()
     deformed = points + shape * (LARGEST * size / np.linalg.norm(shape, axis=1).max())
     normal = _normals(deformed[corners])
@@ -68,14 +66,14 @@ def _draw(axes, points, corners, shape):
 
 
 def _normals(corner):
-    """Unit normals of triangles (t, 3, 3)."""
+    """Return the unit normals of triangles (t, 3, 3)."""
     first, second, third = corner.swapaxes(0, 1)
     normal = np.cross(second - first, third - first)
     return normal / np.linalg.norm(normal, axis=1)[:, None]
 
 
 def draw_skirt(skirt: np.ndarray, path: Path | str) -> None:
-    """One PNG of the developed film grid: where the skirt is (dark) and where it is not.
+    """Write a PNG of the developed film grid, where cells with a skirt are dark.
 
     Parameters
     ----------

@@ -1,6 +1,4 @@
-"""What a reduced body is made of: table of modes, mode shapes and recovered displacement and stress
-as VTU files.
-"""
+"""Table of modes, mode shapes, and recovered displacement and stress as VTU files."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -13,18 +11,18 @@ from .reduced_body import Anatomy, MeshProperties, ReducedBody
 
 
 class ModeRow(NamedTuple):
-    """One mode of a reduced body.
+    """Mode of a reduced body.
 
     Parameters
     ----------
     number : int
-        From 1, by rising frequency.
+        Number from 1, by ascending frequency.
     frequency : float
         [Hz]
     modal_mass : float
         [kg]
     film_share : float
-        Of what all modes add to the film thickness [-].
+        Part of the effect of all modes on the film thickness [-].
     kind : int
         Symmetry class.
     """
@@ -37,17 +35,25 @@ class ModeRow(NamedTuple):
 
     @property
     def kind_in_words(self) -> str:
-        """The symmetry class in words."""
+        """Name of the symmetry class."""
         return CLASSES[self.kind]
 
 
 CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
-"""Words for the symmetry classes of modes (`symmetry`)."""
+"""Names of the symmetry classes of modes (`symmetry`)."""
 
 
 class MassProperties(NamedTuple):
-    """Mass of a body [kg], its centre of mass from the body's origin, (3,) [m], and its inertia
-    about that centre, (3, 3) [kg m2].
+    """Mass properties of a body.
+
+    Parameters
+    ----------
+    mass : float
+        [kg]
+    centre : ndarray, shape (3,)
+        Centre of mass from the body's origin [m].
+    inertia : ndarray, shape (3, 3)
+        Inertia about the centre of mass [kg m2].
     """
 
     mass: float
@@ -61,11 +67,11 @@ class StressPeak(NamedTuple):
     Parameters
     ----------
     value : float
-        Of the mean stress of the elements that meet at a corner [Pa].
+        Equivalent of the mean stress of the elements at a corner [Pa].
     position : ndarray, shape (3,)
-        From the body's origin [m].
+        Position from the body's origin [m].
     jump : float
-        Range of the elements' own values there [Pa]; it decreases with the size of the elements.
+        Range of the elements' values at the corner [Pa], which decreases with the element size.
     """
 
     value: float
@@ -81,7 +87,7 @@ class Recovered(NamedTuple):
     displacement : ndarray, shape (n, 3)
         [m]
     stress : ndarray, shape (n, 6), or None
-        xx, yy, zz, xy, yz, zx [Pa]; none for a body of matrices, whose material is not known.
+        xx, yy, zz, xy, yz, zx [Pa]; None for a body of matrices, which has no material.
     peak : StressPeak or None
     """
 
@@ -91,19 +97,19 @@ class Recovered(NamedTuple):
 
 
 def mode_table(body: ReducedBody, angles: int) -> list[ModeRow]:
-    """One row a mode.
+    """Return a row for each mode.
 
     Eq. (J10):  modal mass = 1/max(phi)^2 over the film surface
     Eq. (J11):  share_k ~ rms(phi_k) |phi_k . p|/omega_k^2, mean over patches p, sum over k is 1
 
-    The share weighs what the mode adds to the film thickness, statically, under film-like patches
-    on the thrust and the other side.
+    The share is the static effect of the mode on film thickness under pressure patches on the
+    thrust and anti-thrust side.
 
     Parameters
     ----------
     body : ReducedPiston or ReducedBlock
     angles : int
-        Of the film grid.
+        Number of angles of the film grid.
     """
     count = len(body.omega)
     field = body.radial.reshape(angles, -1, count)
@@ -124,7 +130,7 @@ def mode_table(body: ReducedBody, angles: int) -> list[ModeRow]:
 
 
 def film_patches(angles: int, rows: int) -> np.ndarray:
-    """Smooth pressure patches on both thrust faces at three heights, (6, angles, rows)."""
+    """Return smooth pressure patches on both thrust faces at three heights, (6, angles, rows)."""
     theta, height = cell_centres(angles, rows, 0.0, 1.0)
     around = [np.maximum(0.0, np.sin(sign * theta)) ** 4 for sign in (1, -1)]
     along = [np.exp(-(((height - middle) / 0.2) ** 2)) for middle in (0.25, 0.5, 0.75)]
@@ -132,7 +138,7 @@ def film_patches(angles: int, rows: int) -> np.ndarray:
 
 
 def write_modes(anatomy: Anatomy, path: Path | str) -> None:
-    """All mode shapes of a reduced body as point data `mode 1`, `mode 2`, ... of one VTU file."""
+    """Write all mode shapes as point data `mode 1`, `mode 2`, ... of one VTU file."""
     shapes = np.moveaxis(anatomy.shapes, -1, 0)
     _write(path, anatomy, {f"mode {k}": shape for k, shape in enumerate(shapes, 1)})
 
@@ -140,7 +146,7 @@ def write_modes(anatomy: Anatomy, path: Path | str) -> None:
 def recover(
     anatomy: Anatomy, modal_coordinate: np.ndarray, path: Path | str | None = None
 ) -> Recovered:
-    """Displacement and stress of a body at an instant, on its mesh, as a VTU file.
+    """Return displacement and stress of a body at an instant, and write them to a VTU file.
 
     Eq. (J12):  u = Phi q
 
@@ -148,9 +154,9 @@ def recover(
     ----------
     anatomy : Anatomy
     modal_coordinate : ndarray, shape (k,)
-        Of this body at the instant [kg^1/2 m].
+        Modal coordinates of this body at the instant [kg^1/2 m].
     path : Path, optional
-        Of the file.
+        Path of the file; default: no file.
     """
     displacement = anatomy.shapes @ modal_coordinate  # Eq. (J12)
     fields = {"displacement": displacement}
@@ -168,7 +174,7 @@ def recover(
 
 
 def stress_peak(anatomy: Anatomy, in_elements: np.ndarray, stress: np.ndarray) -> StressPeak:
-    """Largest equivalent stress of a body, from `corner_stress` and `nodal_stress`."""
+    """Return the largest equivalent stress from `corner_stress` and `nodal_stress`."""
     equivalent = von_mises(stress)
     corners = anatomy.tets[:, :CORNERS]
     node = corners.ravel()[np.argmax(equivalent[corners])]
@@ -186,8 +192,7 @@ def _write(path, anatomy, point_data):
 
 
 def mass_properties(properties: MeshProperties) -> MassProperties:
-    """Mass, centre of mass and inertia of a reduced piston (origin A) or block (origin on the crank
-    axis).
+    """Return the mass properties of a reduced piston (origin A) or block (origin at the crank).
 
     Eq. (J13):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
     """

@@ -1,7 +1,7 @@
-"""Offline: a block of several cylinders, free in space, to rigid motion and modes of all its bores.
+"""Reduction of a block with several cylinders to rigid motion and modes of all its bores.
 
-The modes move no momentum: the rigid motion is that of the mean frame, and both are coupled by the
-mounts alone.
+The block is free in space. The modes have no momentum: the rigid motion is that of the mean frame,
+and only the mounts couple both.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,15 +9,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
-from ..finite_elements.element import (
-    Sparse,
-    consistent_mass,
-    each_direction,
-    rigid_motions,
-    stiffness,
-)
+from ..finite_elements.element import Sparse, each_direction, rigid_motions
 from ..finite_elements.faces import surface_matrix
+from ..finite_elements.matrices import FullModel, assembled
 from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
@@ -35,24 +31,24 @@ from .reduced_body import ReducedMonoblock
 
 Say = Callable[[str], None]
 SLACK = 1e-3
-"""How far the mesh's bores may lie beside their place and length, by their radius."""
+"""Largest error of the bores' position and length in the mesh, relative to the radius."""
 
 
 class Plan(NamedTuple):
-    """What a block of several cylinders is reduced to.
+    """Options of the reduction of a block with several cylinders.
 
     Parameters
     ----------
     cylinder_z : sequence of float
-        Of each bore's axis, x = 0, from the middle of the crank axis [m].
+        z of each bore's axis at x = 0 from the middle of the crank axis [m].
     bearings, mounts : int
-        Surfaces bearing_1 .. and mount_1 ...
+        Numbers of surfaces bearing_1, ... and mount_1, ...
     grid : (int, int)
         Angles and heights of every bore's fields.
     lower, upper : float
         Ends of the bores above the crank axis [m].
     free_modes, modes : int
-        Lowest free modes kept as they are, and modes in all.
+        Number of lowest free modes in the basis, and of all modes.
     """
 
     cylinder_z: Sequence[float]
@@ -65,22 +61,14 @@ class Plan(NamedTuple):
     modes: int
 
     def surfaces(self) -> list[str]:
-        """Names of all surfaces that the mesh must have."""
+        """Return the names of all surfaces that the mesh must have."""
         counts = (len(self.cylinder_z), "bore"), (self.bearings, "bearing"), (self.mounts, "mount")
         numbered = [f"{name}_{k}" for count, name in counts for k in range(1, count + 1)]
         return [*numbered, "deck"]
 
 
-class FreeBlock(NamedTuple):
-    """Mesh [m], stiffness [N/m] and mass [kg] of the whole block, (3 n, 3 n)."""
-
-    mesh: Mesh
-    K: Sparse
-    M: Sparse
-
-
-class Places(NamedTuple):
-    """How displacements are read and forces spread: matrices with 3 n columns each.
+class Readings(NamedTuple):
+    """Matrices with 3 n columns that read displacements and distribute forces.
 
     Parameters
     ----------
@@ -88,12 +76,12 @@ class Places(NamedTuple):
     deck : ndarray, shape (cylinders, 3 n)
         Mean motion along y of the deck around each cylinder.
     bearing : ndarray, shape (cylinders, 2, 3 n)
-        Along x and y of what holds the crank at each cylinder.
+        Motion along x and y of the bearings of the crank at each cylinder.
     mount : ndarray, shape (mounts, 3, 3 n)
     mount_place : ndarray, shape (mounts, 3)
-        [m]
+        Position of each mount [m].
     radius : float
-        Of the bores [m].
+        Radius of the bores [m].
     """
 
     bores: list[SurfaceReading]
@@ -106,9 +94,8 @@ class Places(NamedTuple):
 
 def free_block(
     mesh: Mesh, material: tuple[float, float, float], head_mass: float, crank_mass: float
-) -> FreeBlock:
-    """Matrices of a block that carries a head on its deck and a crank in its bearings, both without
-    stiffness.
+) -> FullModel:
+    """Return the matrices of a block with the masses of head and crank, which have no stiffness.
 
     Eq. (J40):  M = M_block + sum_s (m_s/A_s) int N_i N_j dA,   s: deck, all bearings
 
@@ -120,18 +107,16 @@ def free_block(
     head_mass, crank_mass : float
         [kg]
     """
-    young, poisson, density = material
-    K = stiffness(mesh.points, mesh.tets, young, poisson)
-    M = consistent_mass(mesh.points, mesh.tets, density)
+    _, K, M = assembled(mesh, *material)
     bearings = [faces for name, faces in mesh.faces.items() if name.startswith("bearing")]
     for faces, mass in ((mesh.faces["deck"], head_mass), (np.vstack(bearings), crank_mass)):
         area = surface_matrix(mesh.points, faces)
         M = M + each_direction(area * (mass / area.sum()))  # Eq. (J40)
-    return FreeBlock(mesh, K, M)
+    return FullModel(mesh, K, M)
 
 
-def inertia_relief(body: FreeBlock, factors: Factorise = factorise) -> MeanElastic:
-    """The body free in space: its answers move no momentum, loads lose what would accelerate it.
+def inertia_relief(body: FullModel, factors: Factorise = factorise) -> MeanElastic:
+    """Return the body free in space, whose deflections have no momentum.
 
     Eq. (J41):  K u + M R lambda = f,   R^T M u = 0       R its rigid motions: Eq. (J5), C = R^T M
     """
@@ -139,13 +124,13 @@ def inertia_relief(body: FreeBlock, factors: Factorise = factorise) -> MeanElast
     return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid, factors)  # Eq. (J41)
 
 
-def places(mesh: Mesh, plan: Plan) -> Places:
-    """Where forces act and fields are read.
+def readings(mesh: Mesh, plan: Plan) -> Readings:
+    """Return the matrices of all forces and fields.
 
     Raises
     ------
     MeshFault
-        Bores that are not where the plan has them.
+        If bores are not at the positions of the plan.
     """
     angle, _ = cell_centres(plan.grid[0], 1, 0.0, 1.0)
     heights = np.linspace(plan.lower, plan.upper, plan.grid[1])
@@ -165,7 +150,7 @@ def places(mesh: Mesh, plan: Plan) -> Places:
     stands = along @ mesh.points[:, 2]
     share = np.array([held_by(z, stands) for z in plan.cylinder_z])
     mounts = np.array([_mean(mesh, f"mount_{k}") for k in range(1, plan.mounts + 1)])
-    return Places(
+    return Readings(
         bores=bores,
         deck=_directed(_deck_parts(mesh, plan.cylinder_z))[:, 1],
         bearing=_directed(share @ along)[:, :2],
@@ -176,7 +161,7 @@ def places(mesh: Mesh, plan: Plan) -> Places:
 
 
 def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
-    """What is wrong with a bore, its axis moved to z = 0."""
+    """Return the faults of a bore whose axis is at z = 0."""
     x, y, z = mesh.points[mesh.nodes(name)].T
     radius = np.hypot(x, z)
     slack = SLACK * radius.mean()
@@ -194,8 +179,10 @@ def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
 
 
 def held_by(z: float, stands: np.ndarray) -> np.ndarray:
-    """Shares of the bearings at heights `stands` along the crank, rising, of a force at z: the two
-    beside it, by the lever; outside of all the nearest bears it.
+    """Return the shares of the bearings at z = `stands` in a force at z.
+
+    The two adjacent bearings share it by the lever rule. Beyond the last bearing, the nearest one
+    carries it.
 
     Returns
     -------
@@ -208,7 +195,7 @@ def held_by(z: float, stands: np.ndarray) -> np.ndarray:
 
 
 def _mean(mesh: Mesh, name: str) -> np.ndarray:
-    """Weights of the nodes in the mean over a surface, (n,), sum 1."""
+    """Return the weights of the nodes in the mean over a surface, (n,), sum 1."""
     return _weights(mesh, mesh.faces[name])
 
 
@@ -218,7 +205,7 @@ def _weights(mesh: Mesh, faces: np.ndarray) -> np.ndarray:
 
 
 def _deck_parts(mesh: Mesh, cylinder_z: Sequence[float]) -> np.ndarray:
-    """Weights of the mean over the deck nearest to each cylinder, (cylinders, n)."""
+    """Return the weights of the mean over the deck nearest to each cylinder, (cylinders, n)."""
     faces = mesh.faces["deck"]
     middle = mesh.points[faces[:, :3], 2].mean(axis=1)
     nearest = np.abs(middle[:, None] - np.array(cylinder_z)).argmin(axis=1)
@@ -226,33 +213,33 @@ def _deck_parts(mesh: Mesh, cylinder_z: Sequence[float]) -> np.ndarray:
 
 
 def _directed(weights: np.ndarray) -> np.ndarray:
-    """Rows that read x, y and z by weights of the nodes, (.., n) -> (.., 3, 3 n)."""
+    """Return rows that read x, y and z by weights of the nodes, (.., n) -> (.., 3, 3 n)."""
     return np.einsum("sn,ab->sanb", weights, np.eye(3)).reshape(len(weights), 3, -1)
 
 
 def reduce_monoblock(
-    body: FreeBlock, plan: Plan, progress: Say = print, factors: Factorise = factorise
+    body: FullModel, plan: Plan, progress: Say = print, factors: Factorise = factorise
 ) -> ReducedMonoblock:
-    """The reduced block.
+    """Reduce a block.
 
-    Its shapes: the lowest free modes, static answers with inertia relief to forces on deck,
-    bearings and mounts, and those to the pressures on the bores to which they yield most.
+    Its shapes are the lowest free modes, deflections with inertia relief by forces on deck,
+    bearings and mounts, and deflections by the pressures on the bores of the largest compliance.
 
     Parameters
     ----------
-    body : FreeBlock
+    body : FullModel
     plan : Plan
     progress : callable
-        Takes a sentence now and then.
+        Prints a sentence.
     factors : callable
         Factorises a matrix (`solver`).
 
     Raises
     ------
     MeshFault, ValueError
-        What is wrong with the mesh or the number of modes.
+        If the mesh or the number of modes is wrong.
     """
-    read = places(body.mesh, plan)
+    read = readings(body.mesh, plan)
     rigid = rigid_motions(body.mesh.points)
     size = body.K.shape[0]
     pushed = [one.reshape(-1, size) for one in (read.deck, read.bearing, read.mount)]
@@ -267,7 +254,7 @@ def reduce_monoblock(
     progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")
     first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(rows.T)])
     psi = of_unit_energy(elastic, first)
-    radial = _stacked(read.bores)
+    radial: Sparse = sp.vstack([one.radial for one in read.bores], format="csr")
     angle, _ = cell_centres(plan.grid[0], 1, 0.0, 1.0)
     weight = np.tile(expected_pressure(angle, plan.grid[1]), len(read.bores))
     modes = orthonormal_modes(
@@ -289,17 +276,10 @@ def reduce_monoblock(
     )
 
 
-def _stacked(bores: Sequence[SurfaceReading]) -> Sparse:
-    """Radial readings of all bores, one below the other."""
-    import scipy.sparse as sp
-
-    return sp.vstack([one.radial for one in bores], format="csr")
-
-
 def read_block(
     path: str, plan: Plan, unit: float, axes: Sequence[str], origin: Sequence[float], say: Say
 ) -> Mesh:
-    """The block's mesh with all its surfaces.
+    """Read the block's mesh with all its surfaces.
 
     Raises
     ------

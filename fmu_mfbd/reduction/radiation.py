@@ -1,4 +1,4 @@
-"""Which sides of a block radiate, and how much of each mode moves along their normals.
+"""Sound radiation of a block's sides by the normal motion of its modes.
 
 References
 ----------
@@ -16,23 +16,23 @@ from .reduced_body import Anatomy, ReducedBlock
 SIDES = (("+x", 0, 1), ("-x", 0, -1), ("+y", 1, 1), ("-y", 1, -1), ("+z", 2, 1), ("-z", 2, -1))
 """Name, axis and sign of the outward normal's largest component."""
 ON_BORE = 1e-2
-"""Faces whose corners are all this near to the bore, over its radius, belong to it."""
+"""Largest distance of the corners of the bore's faces from it, relative to its radius."""
 
 
 @dataclass(frozen=True)
 class Radiation:
-    """What outer faces make of the modes' motion; power of a side, radiation efficiency 1:
+    """Matrices for the radiated power of each side.
 
-    Eq. (J25):  P = rho c q'^T R q',   R of Eq. (M19)
+    Eq. (J25):  P = rho c q'^T R q',   R of Eq. (M19)      power of a side, radiation efficiency 1
 
     Parameters
     ----------
     first : int
-        Of the block's own among all modal coordinates.
+        Index of the block's first modal coordinate among all.
     areas : dict of str to float
-        Side -> its area [m2].
+        Area of each side [m2].
     products : dict of str to ndarray, shape (k, k)
-        Side -> R, with mass-normalised modes [m2/kg].
+        R of each side for mass-normalised modes [m2/kg].
     """
 
     first: int
@@ -41,7 +41,7 @@ class Radiation:
 
 
 def radiation(block: ReducedBlock, anatomy: Anatomy, first: int) -> Radiation:
-    """Of all outer faces but the bore's, by the side that they look to."""
+    """Return the matrices of all outer faces except the bore's, by the sides of `SIDES`."""
     corners = anatomy.points[anatomy.skin[:, :3]]
     away = np.hypot(corners[..., 0], corners[..., 2])
     on_bore = (np.abs(away - block.radius) < ON_BORE * block.radius).all(axis=1)

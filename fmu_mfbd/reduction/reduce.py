@@ -1,4 +1,4 @@
-"""Offline: a mesh and a material in, or a mesh and its matrices, a small exact body out."""
+"""Reduction of a mesh and a material, or a mesh and its matrices, to a small body."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -9,13 +9,11 @@ import scipy.sparse as sp
 
 from ..finite_elements.element import (
     Sparse,
-    consistent_mass,
     each_direction,
     rigid_motions,
-    stiffness,
 )
 from ..finite_elements.faces import face_load, surface_matrix
-from ..finite_elements.matrices import matrix_faults, read_matrix
+from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
 from ..finite_elements.solver import Factorise, factorise
@@ -68,8 +66,9 @@ Grid = tuple[int, int]
 
 
 class FrameIntegrals(NamedTuple):
-    """Inertia of a flexible body in planar motion (Eq. (J7)): mass [kg], S (2,) [kg m], I0 [kg m2],
-    T (2, k), b (k,), B (k, k), g (k,), G (k, k), in the units that follow.
+    """Inertia of a flexible body in planar motion, Eq. (J7).
+
+    mass [kg], S (2,) [kg m], I0 [kg m2], T (2, k), b (k,), B (k, k), g (k,), G (k, k).
     """
 
     mass: float
@@ -82,17 +81,11 @@ class FrameIntegrals(NamedTuple):
     G: np.ndarray
 
 
-class FullModel(NamedTuple):
-    """Mesh of a body [m], its stiffness [N/m] and its mass [kg], matrices of shape (3 n, 3 n)."""
-
-    mesh: Mesh
-    K: Sparse
-    M: Sparse
-
-
 class Reduced(NamedTuple):
-    """A reduced body with its mesh, what its modes leave out (None without modes), and the bosses
-    of a piston with films in them.
+    """Reduced body with its mesh.
+
+    left_out : what its modes leave out, None without modes. bosses : of a piston with films in its
+    bosses.
     """
 
     body: ReducedBody
@@ -103,12 +96,12 @@ class Reduced(NamedTuple):
 
 
 class FilmSide(NamedTuple):
-    """What a basis must know of the side that the film touches.
+    """Film surface of a body, for the choice of its modes.
 
     Parameters
     ----------
     surface : str
-        Its name in the mesh.
+        Name in the mesh.
     reading : SurfaceReading
         Matrices that read its displacement on the grid.
     angle, height : ndarray
@@ -120,7 +113,7 @@ class FilmSide(NamedTuple):
     training : FilmLoads or None
         Film forces of an earlier run at the points.
     bosses, boss_films
-        Those of a piston with films in its bosses.
+        Bosses of a piston with films in them.
     """
 
     surface: str
@@ -135,22 +128,21 @@ class FilmSide(NamedTuple):
 
 
 class Basis(NamedTuple):
-    """Modes of a body and what they leave out; None of a rigid one."""
+    """Modes of a body and what they leave out; None for a rigid body."""
 
     modes: ClassedModes
     left_out: LeftOut | None
 
 
 class CylinderReading(NamedTuple):
-    """A cylindrical surface: mean radius [m] and the matrices that read it on a grid."""
+    """Mean radius of a cylindrical surface [m], and the matrices that read it on a grid."""
 
     radius: float
     reading: SurfaceReading
 
 
 def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray) -> FrameIntegrals:
-    """Everything that the inertia of a flexible body needs in planar motion, from its consistent
-    mass matrix.
+    """Return the inertia of a flexible body in planar motion from its consistent mass matrix.
 
     Eq. (J7):  m = 1^T M 1,  S = E^T M r,  I0 = r^T M P r,  T = E^T M Phi,  b = Phi^T M P r,
                B = Phi^T M P Phi,  g = Phi^T M Z r,  G = Phi^T M Z Phi
@@ -161,7 +153,7 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
     M : scipy.sparse matrix, shape (3 n, 3 n)
         Mass [kg].
     position : ndarray, shape (n, 3)
-        Nodes in the body frame, origin at A [m].
+        Nodes in the body frame with the origin at A [m].
     modes : ndarray, shape (n, 3, k)
         Mode shapes in the body frame [kg^-1/2].
 
@@ -199,7 +191,7 @@ def reduce_piston(
     training: Training | None = None,
     bosses: BossFilms | None = None,
 ) -> Reduced:
-    """Reduced piston: mass properties, modes and their values on the skirt grid.
+    """Reduce a piston to mass properties, modes and their values on the skirt grid.
 
     Pin point A is on the axis of the mesh's pin bores; `ReducedPiston.about` moves it.
 
@@ -209,23 +201,23 @@ def reduce_piston(
     grid : (int, int)
         Cells around and along the skirt.
     progress : callable
-        Takes a sentence now and then.
+        Prints a sentence.
     factors : callable
         Factorises a matrix (`solver`).
     training : Training, optional
-        For the basis `trained`.
+        Forces for the basis `trained`.
     bosses : BossFilms, optional
-        Films in the bosses, which the modes answer to as well.
+        Films in the bosses, for which modes are added.
 
     Raises
     ------
     MeshFault, ValueError
-        What is wrong with mesh, matrices, supports or number of modes.
+        If mesh, matrices, supports or number of modes are wrong.
     """
     mesh, K, M = full_model(options, ("skirt", "crown", "pin_bore"), progress)
     east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
     mass = float(east @ (M @ east))
-    _refuse(piston_faults(mesh, mass, options.pin_offset), options)
+    _check(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
     axis, _ = pin_bore(mesh)
@@ -251,11 +243,10 @@ def reduce_piston(
     root = pressure_root(angle, height, ALONG["skirt"], there.ravel(), options.symmetric_film)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
-    del K  # the elastic body holds what of it is needed
+    del K  # the elastic body contains the needed part
     film_forces = training.loads.film if training else None
-    grid_lines = angle, height
     film = FilmSide(
-        "skirt", surface.reading, *grid_lines, root, there.ravel(), film_forces, read, bosses
+        "skirt", surface.reading, angle, height, root, there.ravel(), film_forces, read, bosses
     )
     modes, left = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
@@ -277,7 +268,7 @@ def reduce_piston(
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
-    """Modes, (3 n, k), in both bosses."""
+    """Return the values of modes, (3 n, k), in both bosses."""
     table = (*grid, shapes.shape[1])
     return ReducedBosses(
         boss_outward=np.stack([(one.outward @ shapes).reshape(table) for one in bosses.sides]),
@@ -294,24 +285,25 @@ def reduce_block(
     factors: Factorise = factorise,
     training: Training | None = None,
 ) -> Reduced:
-    """Reduced cylinder block: modes and their values on a table of the bore (angles of the film
-    grid x `stations` heights).
+    """Reduce a cylinder block to modes and their values on a table of the bore.
+
+    The table has the angles of the film grid and `stations` heights.
 
     Parameters
     ----------
     options : Block
     grid : (int, int)
-        Film grid; its angles are the table's.
+        Film grid with the angles of the table.
     progress, factors, training
         As for `reduce_piston`.
 
     Raises
     ------
     MeshFault, ValueError
-        As `reduce_piston`.
+        As for `reduce_piston`.
     """
     mesh, K, M = full_model(options, ("bore", "bolts"), progress)
-    _refuse(block_faults(mesh), options)
+    _check(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -341,13 +333,14 @@ def reduce_block(
     return Reduced(body, anatomy, _properties(mesh.points, M, nowhere), left)
 
 
-def _refuse(faults: list[str], options: Piston | Block) -> None:
+def _check(faults: list[str], options: Piston | Block) -> None:
     """Raise MeshFault with the faults, if there are any."""
     if faults:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
 def _anatomy(mesh, position, shapes, options):
+    """Return mesh and mode shapes for pictures and recovery."""
     return Anatomy(
         points=position,
         tets=mesh.tets,
@@ -359,17 +352,18 @@ def _anatomy(mesh, position, shapes, options):
 
 
 def _properties(position, M, skirt):
+    """Return the properties of the full model."""
     rigid = rigid_motions(position)
     return MeshProperties(rigid.T @ (M @ rigid), len(skirt), skirt)  # Eq. (J8)
 
 
 def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> FullModel:
-    """A body with the named surfaces and its matrices, from elements or from files.
+    """Return a body with the named surfaces and its matrices, from elements or from files.
 
     Raises
     ------
     MeshFault
-        What is wrong with mesh or matrices.
+        If mesh or matrices are wrong.
     """
     path = Path(options.mesh or "")
     regions = {name: surface.region() for name, surface in options.surfaces.items()}
@@ -384,8 +378,7 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
         progress(f"assembling {freedoms} degrees of freedom")
         # options without matrices have a material
         assert options.young and options.density and options.poisson is not None
-        K = stiffness(mesh.points, mesh.tets, options.young, options.poisson)
-        return FullModel(mesh, K, consistent_mass(mesh.points, mesh.tets, options.density))
+        return assembled(mesh, options.young, options.poisson, options.density)
     if labels is None:
         if mesh.labels is None:
             raise MeshFault(
@@ -405,7 +398,7 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
 
 
 def film_surface(mesh, name, angle, height):
-    """A cylindrical surface and how it is read at the points of a grid."""
+    """Return the radius and the reading of a cylindrical surface at the points of a grid."""
     x, _, z = mesh.points[mesh.nodes(name)].T
     radius = float(np.hypot(x, z).mean())
     interpolate = interpolation(mesh.points, mesh.faces[name], angle, height, radius)
@@ -413,8 +406,9 @@ def film_surface(mesh, name, angle, height):
 
 
 def ends(mesh, name, lower, upper):
-    """Lowest and highest height of a surface [m], unless given; those must lie on it, but for a
-    hundredth of its length.
+    """Return lowest and highest height of a surface [m]; default: those of its nodes.
+
+    Given heights must be on the surface, with a tolerance of a hundredth of its length.
     """
     height = mesh.points[mesh.nodes(name), 1]
     least = float(height.min())
@@ -440,7 +434,7 @@ def _modes(
     loads: np.ndarray,
     progress: Say,
 ) -> Basis:
-    """Modes of a body by the chosen basis; none of a rigid one."""
+    """Return the modes of a body by the chosen basis; a rigid body has none."""
     if elastic is None:
         no_shapes = np.empty((3 * len(mesh.points), 0))
         return Basis(ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int)), None)
@@ -476,7 +470,7 @@ def _modes(
 
 
 def _selected(modes: ClassedModes, film: FilmSide, count: int) -> ClassedModes:
-    """Return the modes with the largest part in the deflection under the prior.
+    """Return the modes with the largest part of the deflection under the prior.
 
     Eq. (J35):  part_k = |R phi_k| |S^T R phi_k| / omega_k^2
     """
@@ -488,7 +482,7 @@ def _selected(modes: ClassedModes, film: FilmSide, count: int) -> ClassedModes:
 
 
 def _switched_on(modes: ClassedModes, off: list[int]) -> ClassedModes:
-    """Modes without those of the given numbers, from 1 on."""
+    """Return the modes without those of the given numbers, counted from 1."""
     count = len(modes.omega)
     if unknown := [number for number in off if number > count]:
         raise ValueError(
@@ -507,9 +501,9 @@ def _film_shapes(
     loads: np.ndarray,
     modes: int | float,
 ) -> np.ndarray:
-    """Return shapes that answer to a film, (free, k); they answer `loads`, (free, j), exactly.
+    """Return shapes for film pressures, (free, k), which represent `loads`, (free, j), exactly.
 
-    Those of an earlier run, if the body is trained on one, are added to those of the prior.
+    For the basis `trained`, shapes of an earlier run are added to those of the prior.
     """
     first = static_answers(elastic, loads, modes)
     if options.basis == "pressure_modes":
@@ -532,22 +526,21 @@ def faults_of_modes(
     angle: np.ndarray,
     height: np.ndarray,
 ) -> None:
-    """Refuse, before anything is factorised, supports that let the body move and more modes than
-    there are shapes.
+    """Check supports and number of modes before the factorisation.
 
     Parameters
     ----------
     mesh : Mesh
     options : Piston or Block
     held, surface : str
-        Names of the surface that holds the body, and of the one that the film touches.
+        Names of the surface that supports the body, and of the film surface.
     angle, height : ndarray
         Lines of the film grid [rad], [m].
 
     Raises
     ------
     MeshFault
-        Names the surface, or the number of modes that can be.
+        If the supports do not prevent rigid motions, or there are not enough shapes.
     """
     count = options.modes_from or options.modes
     grid_points = len(angle) * len(height)
@@ -593,9 +586,7 @@ def _held(
     options: Piston | Block,
     factors: Factorise,
 ) -> Elastic | None:
-    """The body tied to its frame by the named surface: rigidly, by mean motions, or on springs;
-    None for a rigid body.
-    """
+    """Return the body, supported at the named surface by the chosen tie, None without modes."""
     if not options.modes:
         return None
     if options.tie == "rbe2":

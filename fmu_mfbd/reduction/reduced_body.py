@@ -1,6 +1,4 @@
-"""A reduced body as it stands in its .npz file: what the running model needs, and what reports,
-pictures and recovery need besides.
-"""
+"""Contents of a reduced body's .npz file, for runs, reports, pictures and recovery."""
 
 import zipfile
 from dataclasses import dataclass, fields, replace
@@ -31,8 +29,10 @@ def offset_faults(bore: float, radius: float, pin_offset: float) -> list[str]:
 
 
 class BossFilms(NamedTuple):
-    """Films in both bosses: cells of each around and along the pin, their length along it [m], and
-    how many of the piston's modes are chosen for them.
+    """Films in both bosses.
+
+    grid : cells around and along the pin. length : along the pin [m]. modes : number of the
+    piston's modes that are selected for these films.
     """
 
     grid: tuple[int, int]
@@ -41,8 +41,9 @@ class BossFilms(NamedTuple):
 
 
 class EyeFilm(NamedTuple):
-    """Film in the eye: cells around and along the pin, its length along it [m], and how many modes
-    the eye yields by.
+    """Film in the eye of the rod.
+
+    grid : cells around and along the pin. length : along the pin [m]. modes : number of modes.
     """
 
     grid: tuple[int, int]
@@ -61,7 +62,7 @@ class ReducedPiston:
     S, I0, T, b, B, g, G
         Inertia in planar motion, Eq. (J7).
     omega : ndarray, shape (k,)
-        Angular eigenfrequencies [rad/s], rising.
+        Ascending angular eigenfrequencies [rad/s].
     kind : ndarray of int, shape (k,)
         Symmetry class of each mode, -1 without symmetry (`symmetry`).
     gas_force : ndarray, shape (k,)
@@ -69,9 +70,9 @@ class ReducedPiston:
     radial, axial : ndarray, shape (grid points, k)
         Displacement of the skirt, outwards and along y, at the cells of the film grid [kg^-1/2].
     radius : float
-        Of the skirt [m].
+        Radius of the skirt [m].
     skirt_lower, skirt_upper : float
-        Its edges above A [m].
+        Edges of the skirt above A [m].
     pin_offset : float
         x of A from the skirt's axis [m].
     """
@@ -149,23 +150,24 @@ class ReducedBlock:
 
 @dataclass(frozen=True)
 class ReducedMonoblock:
-    """A block of n cylinders in line, free in space: rigid motion about O, the middle of the crank
-    axis, and k modes that move no momentum.
+    """Block of n cylinders in line, free in space, with k modes that have no momentum.
+
+    Its rigid motion is about O, the middle of the crank axis.
 
     Parameters
     ----------
     omega : ndarray, shape (k,)
-        Angular eigenfrequencies [rad/s], rising.
+        Ascending angular eigenfrequencies [rad/s].
     radial : ndarray, shape (n, angles, stations, k)
         Displacement of each bore outwards from its axis [kg^-1/2].
     deck : ndarray, shape (n, k)
-        Along y, of the deck around each cylinder [kg^-1/2].
+        Displacement of the deck at each cylinder along y [kg^-1/2].
     bearing : ndarray, shape (n, 2, k)
-        Along x and y, of what holds the crank at each cylinder [kg^-1/2].
+        Displacement of the crank's bearings at each cylinder along x and y [kg^-1/2].
     mount : ndarray, shape (m, 3, k)
         [kg^-1/2]
     mount_place : ndarray, shape (m, 3)
-        From O [m].
+        Position from O [m].
     cylinder_z : ndarray, shape (n,)
         [m]
     rigid_mass : ndarray, shape (6, 6)
@@ -173,7 +175,7 @@ class ReducedMonoblock:
     heights : ndarray, shape (stations,)
         Above the crank axis [m].
     radius : float
-        Of the bores [m].
+        Radius of the bores [m].
     """
 
     omega: np.ndarray
@@ -190,18 +192,19 @@ class ReducedMonoblock:
 
 @dataclass(frozen=True)
 class ReducedBosses:
-    """Values of a piston's modes in its two pin bosses, that at z < 0 first, on the grids of their
-    films, (c, a) cells each, in its own file; k modes.
+    """Values of a piston's k modes in its two pin bosses, that at z < 0 first.
+
+    The grids of the films have (c, a) cells each.
 
     Parameters
     ----------
     boss_outward, boss_onward : ndarray, shape (2, c, a, k)
-        Displacement of the shell away from the pin's axis, and around it with ascending i
+        Displacement of the shell away from the pin's axis, and around it towards ascending i
         [kg^-1/2].
     boss_stations : ndarray, shape (2, a)
         z of the grid's rows [m].
     boss_radius : float
-        Mean one of the bores [m].
+        Mean radius of the bores [m].
     """
 
     boss_outward: np.ndarray
@@ -212,18 +215,17 @@ class ReducedBosses:
 
 @dataclass(frozen=True)
 class ReducedSmallEnd:
-    """Modes of a rod's small end on the grid of the film in its eye, (c, a) cells, in the rod's
-    axes; k modes.
+    """Values of a small end's k modes on the (c, a) cells of the film, in the rod's axes.
 
     Parameters
     ----------
     eye_omega : ndarray, shape (k,)
-        Angular eigenfrequencies, the shank held at its cut [rad/s], rising.
+        Ascending angular eigenfrequencies of the small end, fixed at its cut [rad/s].
     eye_outward, eye_onward : ndarray, shape (c, a, k)
-        Displacement of the eye's bore away from its axis, and around it with ascending i
+        Displacement of the eye's bore away from its axis, and around it towards ascending i
         [kg^-1/2].
     eye_radius : float
-        Of the bore [m].
+        Radius of the bore [m].
     """
 
     eye_omega: np.ndarray
@@ -234,8 +236,9 @@ class ReducedSmallEnd:
 
 @dataclass(frozen=True)
 class Anatomy:
-    """Mesh and mode shapes of a reduced body, for pictures and recovery. Neither FMUs nor shipped
-    files contain them.
+    """Mesh and mode shapes of a reduced body, for pictures and recovery.
+
+    Neither FMUs nor shipped files contain them.
 
     Parameters
     ----------
@@ -274,9 +277,9 @@ class MeshProperties:
     skirt : ndarray of bool, shape (angles, rows)
         Which cells of the film grid have the skirt under them; empty for a block.
     seconds : float
-        What the reduction took [s].
+        Time of the reduction [s].
     peak_memory : int
-        Of the process that made it [bytes].
+        Peak memory of the process [bytes].
     """
 
     rigid_mass: np.ndarray
@@ -288,8 +291,7 @@ class MeshProperties:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Static shapes that the modes of a body leave out, for the truncation error of a run
-    (`truncation`); no FMU carries them.
+    """Static shapes that the modes of a body leave out, for `truncation`. No FMU contains them.
 
     Parameters
     ----------
@@ -317,7 +319,7 @@ Part = TypeVar(
 
 
 def mode_classes(body: ReducedBody) -> np.ndarray | None:
-    """Symmetry classes of a body's modes, None where it has no two planes of symmetry."""
+    """Return the symmetry classes of a body's modes, None without two planes of symmetry."""
     known = body.kind.size == body.omega.size and body.kind.min(initial=0) >= 0
     return body.kind if known else None
 
@@ -336,7 +338,7 @@ def load(part: type[Part], path: Path) -> Part:
     Raises
     ------
     ValueError
-        Naming what the file lacks.
+        If the file lacks a field.
     """
     if not zipfile.is_zipfile(path):
         raise ValueError(f"reduced: expected an .npz file, got {path.name}")
@@ -359,7 +361,7 @@ def save(
     | MeshProperties
     | LeftOut,
 ) -> None:
-    """Write parts of a reduced body into one .npz, in one go."""
+    """Write parts of a reduced body into one .npz file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".partial.npz")
     np.savez(partial, **{name: value for part in parts for name, value in vars(part).items()})

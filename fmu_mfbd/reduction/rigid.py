@@ -1,4 +1,4 @@
-"""Bodies of a data sheet, without modes: mass, centre, inertia, cylinder in place of a mesh."""
+"""Rigid bodies of a data sheet with mass, centre, inertia and cylinder."""
 
 import numpy as np
 
@@ -7,11 +7,12 @@ from .reduced_body import ReducedBlock, ReducedPiston
 
 
 def rigid_piston(options: Piston, grid: tuple[int, int]) -> ReducedPiston:
-    """Piston of `options.rigid`.
+    """Return the piston of `options.rigid`.
 
     Eq. (J14):  S = m (c - a),   I0 = I + m |c - a|^2
 
-    c centre of mass and a pin point A from the skirt's axis at the height of A, I about c.
+    c is the centre of mass and a the pin point A, both from the skirt's axis at the height of A; I
+    is about c.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def rigid_piston(options: Piston, grid: tuple[int, int]) -> ReducedPiston:
 
 
 def rigid_block(options: Block, grid: tuple[int, int]) -> ReducedBlock:
-    """Block of `options.rigid`; `grid`: cells around and along the skirt."""
+    """Return the block of `options.rigid`; `grid` : cells around and along the skirt."""
     sheet = options.rigid
     assert sheet and options.bore_lower is not None and options.bore_upper is not None  # validated
     around, _ = grid

@@ -1,13 +1,14 @@
-"""Offline: the small end of a rod, its eye on a piece of shank, to modes on the grid of the film in
-the eye. The shank is held at its cut by the rigid rod, whose motion the modes know nothing of.
+"""Reduction of a rod's small end to modes on the grid of the film in its eye.
+
+The small end is the eye with a part of the shank. The rigid rod fixes the shank at its cut, and the
+modes do not depend on the motion of the rod.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from ..finite_elements.element import Sparse, consistent_mass, stiffness
+from ..finite_elements.matrices import FullModel
 from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
 from ..finite_elements.regions import Region
 from ..finite_elements.solver import Factorise, factorise
@@ -20,15 +21,7 @@ from .reduced_body import EyeFilm, ReducedSmallEnd
 Say = Callable[[str], None]
 
 EYE, CUT = "eye", "cut"
-"""Surfaces of the mesh: the bore, about z, and the section at which the rod holds the shank."""
-
-
-class SmallEndBody(NamedTuple):
-    """Mesh [m], stiffness [N/m] and mass [kg] of the small end, (3 n, 3 n)."""
-
-    mesh: Mesh
-    K: Sparse
-    M: Sparse
+"""Surfaces of the mesh: the bore about z, and the section where the rod fixes the shank."""
 
 
 def read_small_end(
@@ -39,7 +32,7 @@ def read_small_end(
     origin: Sequence[float],
     say: Say,
 ) -> Mesh:
-    """The small end's mesh with its two surfaces; arguments as of `read_mesh`.
+    """Read the small end's mesh with its two surfaces; arguments as for `read_mesh`.
 
     Raises
     ------
@@ -49,24 +42,14 @@ def read_small_end(
     return read_mesh(path, surfaces | dict(regions), unit, axes, origin, say)
 
 
-def small_end_body(mesh: Mesh, material: tuple[float, float, float]) -> SmallEndBody:
-    """A small end of one material: Young's modulus [Pa], Poisson's ratio [-], density [kg/m3]."""
-    young, poisson, density = material
-    return SmallEndBody(
-        mesh,
-        stiffness(mesh.points, mesh.tets, young, poisson),
-        consistent_mass(mesh.points, mesh.tets, density),
-    )
-
-
 def eye_shell(mesh: Mesh, film: EyeFilm) -> Shells:
-    """The eye of a mesh, read where its film lies: over the film's length about z = 0.
+    """Return the reading of the eye over the film's length about z = 0.
 
     Raises
     ------
     MeshFault
-        Where the bore is not round about the origin's z, or ends within the film, or the shank
-        does not leave the eye towards -y.
+        If the bore is not round about z, or ends within the film, or the shank is not on the side
+        of -y.
     """
     faces = mesh.faces[EYE]
     x, y, z = mesh.points[mesh.nodes(EYE)].T
@@ -95,13 +78,13 @@ def eye_shell(mesh: Mesh, film: EyeFilm) -> Shells:
     return Shells((shell_reading(mesh.points, faces, radius, around, stations),), radius)
 
 
-def held_at_cut(body: SmallEndBody, factors: Factorise = factorise) -> Elastic:
-    """The small end, every node of its cut moving with the rigid rod.
+def held_at_cut(body: FullModel, factors: Factorise = factorise) -> Elastic:
+    """Return the small end, with all nodes of its cut fixed to the rigid rod.
 
     Raises
     ------
     MeshFault
-        A cut that holds nothing.
+        If the nodes of the cut are on a line.
     """
     held = body.mesh.nodes(CUT)
     place = body.mesh.points[held] - body.mesh.points[held].mean(axis=0)
@@ -116,24 +99,23 @@ def held_at_cut(body: SmallEndBody, factors: Factorise = factorise) -> Elastic:
 
 
 def reduce_small_end(
-    body: SmallEndBody, film: EyeFilm, progress: Say = print, factors: Factorise = factorise
+    body: FullModel, film: EyeFilm, progress: Say = print, factors: Factorise = factorise
 ) -> ReducedSmallEnd:
-    """The small end by the shapes it takes under the smooth pressures to which it yields most (Eqs.
-    (J2), (J24)), held at its cut.
+    """Reduce a small end, fixed at its cut, to shapes of Eqs. (J2) and (J24).
 
     Parameters
     ----------
-    body : SmallEndBody
+    body : FullModel
     film : EyeFilm
     progress : callable
-        Takes a sentence now and then.
+        Prints a sentence.
     factors : callable
         Factorises a matrix (`solver`).
 
     Raises
     ------
     MeshFault, ValueError
-        What is wrong with mesh or number of modes.
+        If the mesh or the number of modes is wrong.
     """
     shell = eye_shell(body.mesh, film)
     elastic = held_at_cut(body, factors)
@@ -142,7 +124,7 @@ def reduce_small_end(
 
 
 def yielding_shell(elastic: Elastic, shell: Shells, film: EyeFilm) -> ReducedSmallEnd:
-    """Modes of a body, held somehow, on the grid of the film in its one shell."""
+    """Return the modes of an elastic body on the grid of the film in its only shell."""
     none = np.empty((len(elastic.free), 0))
     shapes = with_boss_modes(elastic, shell, film.grid, none, film.modes)
     modes = orthonormal_modes(elastic, shapes)

@@ -1,4 +1,4 @@
-"""Modes from the pressures that a film is expected to have: smooth in angle and height."""
+"""Modes from the expected pressures of a film, which are smooth in angle and height."""
 
 from typing import NamedTuple
 
@@ -18,12 +18,12 @@ ALONG = {"skirt": 5 / 27, "bore": 12 / 95}
 skirt, 12 mm of the 95 mm bore of models/numerical_example. Profile and edges scale with the skirt.
 The bore has one set of modes for all positions of the skirt, so that it resolves less."""
 THRUST, NEAR = 0.01, np.radians(10.0)
-"""On the thrust lines 1 % more pressure is expected, falling over 10 deg. Otherwise round-off
-would choose between equal patterns of a body that is the same about both axes."""
+"""Additional expected pressure near the thrust lines, and its width. Otherwise round-off would
+choose between equal patterns of a symmetric body."""
 NEGLIGIBLE = 1e-8
-"""Patterns of less than this share of the strongest variance are not solved for."""
+"""Smallest variance of a pattern that is used, relative to the largest."""
 AT_ONCE = 64
-"""Loads solved together: a block takes a third of the time of single loads."""
+"""Number of loads for each solution, which limits the memory."""
 
 
 class SurfaceAnswers(NamedTuple):

@@ -1,5 +1,7 @@
-"""Cache of reduced bodies: an .npz file per mesh, options and code, and the shipped files of
-`models/bodies` per mesh and options. A lookup does not import the code that reduces, which is slow.
+"""Cache of reduced bodies.
+
+It contains an .npz file for each mesh, options and code. The shipped files of `models/bodies`
+depend on mesh and options only. A lookup does not import the code that reduces, which is slow.
 """
 
 import hashlib
@@ -21,8 +23,8 @@ from .reduced_body import BossFilms, ReducedBody, ReducedPiston, save
 
 FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
-ROOMS = ("finite_elements", "geometry", "reduction")
-"""Rooms of this part whose code makes a reduced body."""
+SOURCES = ("finite_elements", "geometry", "reduction")
+"""Folders whose code determines a reduced body."""
 SHIPPED = MODELS / "bodies"
 """Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
 IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "modes_off", "tie", "spring_stiffness"}
@@ -36,10 +38,10 @@ Grid = tuple[int, int]
 
 @cache
 def code_digest() -> str:
-    """SHA-256 of the code that makes a reduced body: whoever changes a line gets a new body."""
+    """Return the SHA-256 of the code that determines a reduced body."""
     digest = hashlib.sha256()
     part = Path(__file__).parents[1]
-    for file in sorted(file for room in ROOMS for file in (part / room).glob("*.py")):
+    for file in sorted(file for name in SOURCES for file in (part / name).glob("*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()
 
@@ -69,7 +71,7 @@ def kept_body(
     folder : Path
     progress : callable
     training : Training, optional
-        For the basis `trained`. The key contains its forces, not its file.
+        Forces for the basis `trained`. The key contains the forces, not the path of their file.
     bosses : BossFilms, optional
         Films in a piston's bosses.
     shapes : bool

@@ -1,6 +1,4 @@
-"""Bodies that are their own mirror image about x = 0 and z = 0: modes that are even or odd about
-both planes.
-"""
+"""Modes that are even or odd about x = 0 and z = 0, for symmetric bodies."""
 
 from typing import NamedTuple
 
@@ -11,8 +9,16 @@ from .bases import Elastic, Modes, orthonormal_modes
 
 
 class ClassedModes(NamedTuple):
-    """Modes on all degrees of freedom, (3 n, k) [kg^-1/2], their angular frequencies [rad/s],
-    rising, and their classes 2 x + z (x, z = 1 where odd across x = 0, z = 0), -1 for none, (k,).
+    """Modes with their symmetry classes.
+
+    Parameters
+    ----------
+    shapes : ndarray, shape (3 n, k)
+        Modes on all degrees of freedom [kg^-1/2].
+    omega : ndarray, shape (k,)
+        Ascending angular frequencies [rad/s].
+    kind : ndarray of int, shape (k,)
+        Class 2 x + z, where x, z = 1 if odd across x = 0, z = 0; -1 without symmetry.
     """
 
     shapes: np.ndarray
@@ -21,8 +27,9 @@ class ClassedModes(NamedTuple):
 
 
 def mirror_image(points: np.ndarray, axis: int) -> np.ndarray | None:
-    """Node that is the mirror image of each node about the plane axis = 0, or None if one has none
-    within 1e-6 of the size.
+    """Return the mirror image of each node about the plane axis = 0, None if one has no image.
+
+    The tolerance is 1e-6 of the size.
     """
     flipped = points.copy()
     flipped[:, axis] *= -1.0
@@ -31,7 +38,7 @@ def mirror_image(points: np.ndarray, axis: int) -> np.ndarray | None:
 
 
 def class_parts(modes: np.ndarray, points: np.ndarray) -> list[np.ndarray] | None:
-    """Parts of modes (n, 3, k) in the four classes, or None without both symmetries.
+    """Return the parts of modes, (n, 3, k), in the four classes, None without both symmetries.
 
     Eq. (J9):  phi_(sx sz) = (1 + sx S_x)(1 + sz S_z) phi / 4
                class 2 x + z: x, z = 1 where the sign is -1 (odd)
@@ -45,28 +52,28 @@ def class_parts(modes: np.ndarray, points: np.ndarray) -> list[np.ndarray] | Non
 
 
 def _even_and_odd(modes, image, axis):
-    """Parts of modes that are even and odd about the plane axis = 0."""
+    """Return the parts of modes that are even and odd about the plane axis = 0."""
     reflected = modes[image]
     reflected[:, axis] *= -1.0
     return (modes + reflected) / 2, (modes - reflected) / 2
 
 
 def symmetric_modes(body: Elastic, modes: Modes, points: np.ndarray) -> ClassedModes:
-    """Clean modes of round-off and of mesh noise across the symmetry planes.
+    """Remove round-off and mesh noise across the symmetry planes from modes.
 
     Parameters
     ----------
     body : Elastic
     modes : Modes
-        On all degrees of freedom, (3 n, k).
+        Modes on all degrees of freedom, (3 n, k).
     points : ndarray, shape (n, 3)
-        Nodes, the planes through the origin [m].
+        Nodes; the planes contain the origin [m].
 
     Returns
     -------
     ClassedModes
-        As given, or exactly even or odd and orthonormal again, by rising frequency; class -1 for a
-        body without these symmetries.
+        Orthonormal modes that are exactly even or odd, by ascending frequency. For a body without
+        these symmetries, the modes are unchanged with class -1.
     """
     shapes, omega = modes
     count = len(omega)

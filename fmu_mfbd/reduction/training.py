@@ -1,4 +1,4 @@
-"""Shapes that a body takes under the film forces of a finished run, most important first."""
+"""Shapes of a body under the film forces of a finished run, most important first."""
 
 from typing import NamedTuple
 
@@ -10,30 +10,27 @@ from .bases import Elastic
 from .film_loads import FilmLoads
 
 NEGLIGIBLE = 1e-4
-"""Load patterns of less than this share of the strongest are not solved for."""
+"""Smallest strength of a load pattern that is used, relative to the largest."""
 ENOUGH = 1e-3
-"""Share of the deflection, in the energy's norm, that given and trained shapes may leave."""
+"""Largest remaining deflection, in the energy norm, relative to the whole."""
 AT_ONCE = 20
-"""Loads solved together: bounds the memory."""
+"""Number of loads for each solution, which limits the memory."""
 
 
 class LoadPatterns(NamedTuple):
-    """Orthonormal patterns of pressure and friction at the points, (r, 2 points), and how strong
-    each is over all instants, falling, (r,) [N].
-    """
+    """Orthonormal patterns of pressure and friction, (r, 2 points), and strengths, (r,) [N]."""
 
     pattern: np.ndarray
     strength: np.ndarray
 
 
 def load_patterns(film: FilmLoads) -> LoadPatterns:
-    """Dominant patterns of film forces that may also come mirrored, each even or odd about both
-    planes of symmetry.
+    """Return the dominant patterns of film forces, even or odd about both planes of symmetry.
 
     Eq. (J18):  [p, f] = sum_j s_j u_j v_j^T      for each class of Eq. (J9), largest s_j first
 
-    A slap on one side may be one on the other side in the next run, and modes that are even or odd
-    cost a quarter. Around with an odd number of points there are no mirror images, and one class.
+    A slap on one side may be on the other side in the next run, and modes that are even or odd cost
+    a quarter. An odd number of points around has no mirror images, and one class.
 
     Parameters
     ----------
@@ -55,7 +52,7 @@ def load_patterns(film: FilmLoads) -> LoadPatterns:
 
 
 def _mirrored_classes(fields: np.ndarray) -> list[np.ndarray]:
-    """Parts of fields (m, c, s, 2) that are even and odd in x and z, or the fields themselves."""
+    """Return parts of fields (m, c, s, 2) that are even and odd in x and z, or the fields."""
     around = fields.shape[1]
     if around % 2:
         return [fields]
@@ -72,12 +69,12 @@ def _mirrored_classes(fields: np.ndarray) -> list[np.ndarray]:
 def trained_shapes(
     body: Elastic, spread: Sparse, film: FilmLoads, given: np.ndarray, most: int
 ) -> np.ndarray:
-    """Static shapes that leave the least of what film forces do to a body, by its elastic energy.
+    """Return the static shapes with the smallest remaining energy under film forces.
 
     Eq. (J19):  X = (K^-1 - Psi Psi^T) B V S,   X^T K X w_k = e_k w_k,   phi_k = X w_k e_k^-1/2
                 largest e_k first, until less than `ENOUGH`^2 of the energy of K^-1 B V S is left
 
-    B spreads pressure and friction from the points, V S are the patterns of Eq. (J18).
+    B distributes pressure and friction from the points, V S are the patterns of Eq. (J18).
 
     Parameters
     ----------
@@ -87,20 +84,20 @@ def trained_shapes(
     film : FilmLoads
         At the points.
     given : ndarray, shape (free, j)
-        Psi: shapes that the basis has already, Psi^T K Psi = 1.
+        Psi: shapes that the basis already contains, Psi^T K Psi = 1.
     most : int
-        At most so many shapes.
+        Maximum number of shapes.
 
     Returns
     -------
     ndarray, shape (free, k)
-        k <= most, none if the given shapes leave less than that; phi^T K phi = 1 and
+        k <= most shapes, none if the given shapes are sufficient; phi^T K phi = 1 and
         Psi^T K phi = 0.
 
     Raises
     ------
     ValueError
-        Without any force.
+        If there is no force.
 
     References
     ----------

@@ -1,5 +1,6 @@
-"""What a reduced body leaves out: its static answer to film forces compared with that of the finite
-elements, from the answers to smooth pressures that the reduction computes.
+"""Truncation error of a reduced body: its static deflection compared with that of its mesh.
+
+The error follows from the deflections by smooth pressures, which the reduction computes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ if TYPE_CHECKING:  # slow to import, and used after runs without
     from .smooth_prior import SurfaceAnswers
 
 COUNTED = 0.1
-"""Share of the largest deflection: instants with less are not compared. Our own choice."""
+"""Smallest deflection of an instant that is compared, relative to the largest. Our own choice."""
 NEGLIGIBLE = 1e-9
 """Missing shapes of less than this share of the strongest answer's energy are round-off."""
 THIN = 1e-7
@@ -24,7 +25,7 @@ THIN = 1e-7
 
 
 class StaticModes(NamedTuple):
-    """What a static answer needs of a reduced body of k modes.
+    """Properties of k modes that determine a static deflection.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ class StaticModes(NamedTuple):
 
 
 class Truncation(NamedTuple):
-    """How far a reduced body's static deflection under the film is from the whole body's.
+    """Error of a reduced body's static deflection under the film.
 
     Parameters
     ----------

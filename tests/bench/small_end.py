@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.reduction.small_end import (
@@ -29,7 +30,6 @@ from piston_cosim.fmu_mfbd.reduction.small_end import (
     held_at_cut,
     read_small_end,
     reduce_small_end,
-    small_end_body,
 )
 from piston_cosim.master.case.reading import find_case
 
@@ -90,7 +90,7 @@ def known_pressures(results):
 def main():
     """Both tables."""
     mesh = read_small_end(str(PATH), {}, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), print)
-    body = small_end_body(mesh, STEEL)
+    body = assembled(mesh, *STEEL)
     factors = Once()
     elastic = held_at_cut(body, factors)
     (side,) = eye_shell(mesh, EyeFilm(GRID, LENGTH, 1)).sides

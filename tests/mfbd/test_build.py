@@ -286,12 +286,12 @@ def test_bodies_that_are_kept_are_found_without_what_reduces_them():
 
 def test_whoever_changes_how_bodies_are_reduced_gets_new_ones(tmp_path, monkeypatch):
     part = tmp_path / "fmu_mfbd"
-    for room in store.ROOMS:
+    for room in store.SOURCES:
         shutil.copytree(Path(store.__file__).parents[1] / room, part / room)
     shipped = store.code_digest.__wrapped__()
     monkeypatch.setattr(store, "__file__", str(part / "reduction" / "store.py"))
     assert store.code_digest.__wrapped__() == shipped
-    for room in store.ROOMS:
+    for room in store.SOURCES:
         before = store.code_digest.__wrapped__()
         (part / room / "__init__.py").write_text("CHANGED = 1\n")
         assert store.code_digest.__wrapped__() != before

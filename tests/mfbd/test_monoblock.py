@@ -31,8 +31,8 @@ from piston_cosim.fmu_mfbd.reduction.monoblock import (
     Plan,
     free_block,
     held_by,
-    places,
     read_block,
+    readings,
     reduce_monoblock,
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston
@@ -135,7 +135,7 @@ def test_cross_talk_is_the_meshs(whole):
     both bores do, against a direct solution of the whole mesh.
     """
     reduced, body = whole.reduced, whole.body
-    read = places(body.mesh, PLAN)
+    read = readings(body.mesh, PLAN)
     theta = np.pi / 2 + (np.arange(24) - 6) * 2 * np.pi / 24
     patch = np.maximum(np.cos(theta - np.pi / 2), 0.0)[:, None] ** 2
     force = 2e3 * patch * np.exp(-(((reduced.heights - 0.22) / 0.03) ** 2)) / 10
@@ -491,7 +491,7 @@ def test_bores_that_are_not_there_are_refused():
     ):
         mesh = read_block(str(MESH), plan, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), lambda text: None)
         with pytest.raises(Exception, match=told):
-            places(mesh, plan)
+            readings(mesh, plan)
 
 
 def test_variables_of_the_block():

@@ -20,6 +20,7 @@ from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
@@ -34,7 +35,6 @@ from piston_cosim.fmu_mfbd.reduction.small_end import (
     eye_shell,
     held_at_cut,
     reduce_small_end,
-    small_end_body,
     yielding_shell,
 )
 
@@ -98,7 +98,7 @@ def test_even_pressure_widens_a_thick_ring_as_lame_says():
     ring has many softer shapes, which come first.
     """
     inner, outer, pressure = 8e-3, 14e-3, 60e6
-    body = small_end_body(ring(inner, outer, (32, 2, 8)), STEEL)
+    body = assembled(ring(inner, outer, (32, 2, 8)), *STEEL)
     film = EyeFilm((48, 20), 2 * HALF, 100)
     reduced = yielding_shell(free(body), eye_shell(body.mesh, film), film)
     cell = 2 * np.pi * inner / 48 * 2 * HALF / 20
@@ -115,7 +115,7 @@ def test_two_opposite_loads_flatten_a_thin_ring_as_timoshenko_says():
     cell miss 0.3 %, faces beside cells as much, curvature of a section (t/R = 0.1) below 1 %.
     """
     mean, thick, load = 20e-3, 2e-3, 500.0
-    body = small_end_body(ring(mean - thick / 2, mean + thick / 2, (72, 1, 2), 2e-3), STEEL)
+    body = assembled(ring(mean - thick / 2, mean + thick / 2, (72, 1, 2), 2e-3), *STEEL)
     film = EyeFilm((72, 4), 4e-3, 40)
     reduced = yielding_shell(free(body), eye_shell(body.mesh, film), film)
     assert reduced.eye_radius == pytest.approx(mean - thick / 2, rel=1e-12)
@@ -136,7 +136,7 @@ def test_friction_on_an_eye_turns_it_against_its_shank():
     """1 N around on every cell: by Eq. (G6) the modes move the bore against the pin's sense, by as
     much as the whole mesh, -f pushing along t; 60 modes chosen for pressure miss 5 %.
     """
-    body = small_end_body(ring(8e-3, 12e-3, (24, 2, 6)), STEEL)
+    body = assembled(ring(8e-3, 12e-3, (24, 2, 6)), *STEEL)
     film = EyeFilm((36, 6), 18e-3, 60)
     reduced = reduce_small_end(body, film, lambda text: None)
     push = -reduced.eye_onward.sum(axis=(0, 1))
@@ -152,7 +152,7 @@ def test_friction_on_an_eye_turns_it_against_its_shank():
 @pytest.fixture(scope="module")
 def eye():
     """A thick ring held below."""
-    return small_end_body(ring(8e-3, 12e-3, (24, 2, 6)), STEEL)
+    return assembled(ring(8e-3, 12e-3, (24, 2, 6)), *STEEL)
 
 
 def test_a_known_displacement_is_read_where_the_film_lies(eye):
