@@ -6,7 +6,8 @@ from functools import cached_property
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant, Functions
+from .fmi2 import WHOLE, FmuParticipant
+from .transfer import Functions
 
 LARGEST_ITERATION = 1000
 """Maximum number of calls of fmi3UpdateDiscreteStates in an event."""
@@ -15,9 +16,7 @@ LARGEST_ITERATION = 1000
 class Fmu3Participant(FmuParticipant):
     """FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
-    version, derivative_flag = "3", "providesDirectionalDerivatives"
-    _whole_numbers = {}
-    _is_cached = False  # the size of arrays depends on `sizes`
+    version = "3"
 
     @property
     def can_interpolate(self) -> bool:
@@ -133,6 +132,10 @@ class Fmu3Participant(FmuParticipant):
             if not reached.value > at:
                 raise Discard(f"{self.name}: returns early at t = {at:.6g} s without progress")
             at = reached.value
+
+    def _wants_to_end(self):
+        """Return False, because fmi3DoStep itself returns whether the simulation ends."""
+        return False
 
     def _handle_event(self, reached, end, step):
         """Handle an event at time `reached` of a step to `end` [s]; return whether the FMU ends."""

@@ -3,9 +3,10 @@
 from contextlib import contextmanager
 
 from ..fmi.errors import Discard, ParticipantFault
+from .participant import Wrapper
 
 
-class OneWayParticipant:
+class OneWayParticipant(Wrapper):
     """Participant whose states are not restored.
 
     Parameters
@@ -23,9 +24,6 @@ class OneWayParticipant:
     def __init__(self, participant):
         self.participant = participant
         self._steps = 0
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
 
     def step(self, time, step):
         """Take a step [s]."""
