@@ -1,0 +1,506 @@
+"""The C front of FMUs on a toy model: in Python, and with native entries written in C."""
+
+import ctypes
+import json
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from piston_cosim.master.fmi import builder_native
+from piston_cosim.master.fmi.block import memory_of
+from piston_cosim.master.fmi.builder import build_fmu_of_file
+from piston_cosim.master.fmi.compiler import FRONTS, HOME, compiler, link
+from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.fmi.native_parts import NativePart
+from piston_cosim.master.fmi.noted import (
+    ROOM,
+    none_yet,
+    refuse,
+    remark,
+    remark_of,
+    sentences_of,
+    take_over,
+)
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.participants.pointers import FUNCTIONS, Instance, Pointed
+
+from .front_toy import SHAPE, Toy
+
+pytestmark = pytest.mark.skipif(not compiler(), reason="no C compiler, or not Linux on x86-64")
+
+HERE = Path(__file__).parent
+U = np.array([[0.5, -1.0, 1.5], [2.0, -2.5, 3.0]])
+PART = NativePart(
+    entries=(),
+    given=lambda slave: memory_of({}, {"state": U.size + 1, "faults": ROOM}),
+    uncovered=lambda options: (),
+    covered={"law": ("linear", "square"), "bias": 0.0},
+    faults=(
+        "x0: expected at most 100 %d, got {a}",
+        "starts below 0",
+        "{a} in {i}, {j} at {b} s for {c} s",
+    ),
+    refusal="the step to {a} s fails: ",
+)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """Native libraries of the toy by version of FMI."""
+    entries = [f"-Dnative_{name}=toy_{name}" for name in builder_native.ENTRIES]
+    made = {}
+    for version, (*_, front) in FRONTS.items():
+        sources = [HOME / name for name in (*builder_native.SOURCES, front)]
+        files = [*sources, HERE / "front_toy.c", "-lm"]
+        made[version] = link("linux64", files, [*entries, f"-I{HOME}", "-Wall", "-Werror"])
+    return made
+
+
+@pytest.fixture(scope="module", params=["2.0", "3.0"])
+def version(request):
+    return request.param
+
+
+@pytest.fixture(scope="module", params=["python", "native"])
+def fmu(request, version, library, tmp_path_factory):
+    """The toy as an FMU, in Python or native."""
+    if request.param == "python":
+        options = {"texts": True}
+        return build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", options, version=version)
+    folder = tmp_path_factory.mktemp("toy")
+    (folder / "build.json").write_text(json.dumps({}))
+    slave = Toy("toy", folder)
+    inside = builder_native.Inside(slave, PART, PART.given(slave))
+    members = builder_native._members(inside, {"linux64": library[version]}, version)
+    builder_native.write_archive(members, folder / "front toy.fmu")
+    return folder / "front toy.fmu"
+
+
+@pytest.fixture
+def toy(fmu):
+    participant = open_fmu("toy", fmu)
+    yield participant
+    participant.close()
+
+
+def started(toy, **parameters):
+    toy.start(parameters, 0.0, 1.0)
+    toy.set("u", U)
+    return toy
+
+
+def is_native(toy):
+    return (toy.folder / "resources/slave.bin").exists()
+
+
+def test_values_steps_states_and_derivatives(toy):
+    """Two steps by hand, one of them repeated from a saved state and from its bytes."""
+    started(toy, gain=0.5, x0=1.0, rounds=2, law=2)
+    np.testing.assert_array_equal(toy.get("x"), np.ones(SHAPE))
+    assert toy.get("total") == 6.0 and toy.get("cells") == 6
+    assert (toy.get("gain"), toy.get("law"), toy.get("rounds")) == (0.5, 2, 2)
+    first = toy.save()
+    toy.step(0.0, 0.25)
+    once = 1.0 + 0.25 * U**2
+    np.testing.assert_array_equal(toy.get("x"), once)
+    seed = np.arange(1.0, 7.0).reshape(SHAPE)
+    change = toy.derivative({"u": seed}, ["x", "total"])
+    np.testing.assert_allclose(change["x"], 0.25 * 2 * U * seed, rtol=1e-15)
+    assert change["total"] == pytest.approx((0.5 * U * seed).sum(), rel=1e-15)
+    if toy.version == "2":  # one element alone
+        (u, *_), (x, *_) = toy.fields["u"].references, toy.fields["x"].references
+        assert toy._fmu.getDirectionalDerivative([x, x + 1], [u], [1.0]) == [0.25, 0.0]
+    second = toy.save()
+    data = toy.serialise(second)
+    toy.set("u", -U)
+    toy.step(0.25, 0.5)
+    np.testing.assert_array_equal(toy.get("x"), once + 0.5 * U**2)
+    assert toy.get("count") == 2
+    for state in (second, toy.deserialise(data), second):
+        toy.restore(state)
+        np.testing.assert_array_equal(toy.get("x"), once)
+        assert toy.get("count") >= 2  # work is not undone
+        toy.set("u", U / 2)
+        toy.step(0.25, 0.5)
+        np.testing.assert_array_equal(toy.get("x"), once + 0.5 * (U / 2) ** 2)
+    toy.restore(first)
+    assert toy.get("total") == 6.0
+    toy.free(first)
+    toy.free(second)
+
+
+def test_a_state_of_other_parameters_is_started_again(toy):
+    started(toy, gain=0.5, x0=1.0, law=2)
+    toy.step(0.0, 0.5)
+    data = toy.serialise(toy.save())
+    toy.close()
+    started(toy, gain=2.0, x0=7.0)
+    toy.restore(toy.deserialise(data))
+    np.testing.assert_array_equal(toy.get("x"), 1.0 + 0.25 * U**2)
+    toy.set("u", U / 2)
+    toy.step(0.5, 1.0)
+    np.testing.assert_array_equal(toy.get("x"), 1.0 + 0.375 * U**2)
+    changed = data[:-3] + bytes([data[-3] ^ 1]) + data[-2:]
+    for damaged in (data[:-8], b"", *([changed] if is_native(toy) else ())):
+        with pytest.raises(FMICallException):
+            toy.deserialise(damaged)
+
+
+def test_a_failed_step_changes_nothing_and_says_why(toy):
+    started(toy, gain=4.0)
+    state = toy.save()
+    with pytest.raises(Discard) as refusal:
+        toy.step(0.5, 0.1)
+    reasons = "too fast"
+    if is_native(toy):
+        reasons = "-10 in 2, 2 at 0.5 s for 0.1 s; 12 in 2, 3 at 0.5 s for 0.1 s"
+        reasons = f"the step to 0.6 s fails: {reasons}"
+    assert str(refusal.value) == f"toy: {reasons}"
+    toy.restore(state)
+    toy.set("u", U / 4)
+    toy.step(0.0, 0.1)
+    np.testing.assert_array_equal(toy.get("x"), 0.1 * U)
+    for step, words in ((0.0, "0 s: must be positive"), (np.inf, "inf s: must be positive")):
+        with pytest.raises(Discard, match=f"step size = {words}"):
+            toy.step(0.1, step)
+    toy.set("u", np.where(U == -2.5, np.nan, U))
+    with pytest.raises(Discard, match=re.escape("u[2,2]: expected a finite value, got nan m")):
+        toy.step(0.1, 0.1)
+
+
+def test_every_parameter_out_of_range_is_named(toy):
+    with pytest.raises(BadInput) as refusal:
+        started(toy, gain=10.5, rounds=4, law=5)
+    assert refusal.value.faults == [
+        "participants.toy, gain: expected 0 to 10 1/s, got 10.5 1/s",
+        "participants.toy, law: expected 1 linear, 2 square, 3 cubic, got 5",
+        "participants.toy, rounds: expected 1 to 3, got 4",
+    ]
+    with pytest.raises(BadInput, match="x0: expected at most 100 %d, got 101"):
+        started(toy, x0=101.0)
+    started(toy, gain=10.0, rounds=1)  # the ends of ranges are inside
+
+
+def test_outputs_follow_inputs_in_initialization_mode(toy):
+    toy.enter({"x0": 3.0}, 0.0, 1.0)
+    assert toy.get("total") == 18.0
+    toy.set("x0", 4.0)
+    assert toy.get("total") == 24.0
+    toy.set("gain", 99.0)
+    toy.set("x0", 5.0)
+    assert toy.get("total") == 24.0  # of valid parameters
+    toy.set("gain", 1.0)
+    toy.leave()
+    assert toy.get("total") == 30.0
+    toy.set("u", U)
+    toy.step(0.0, 0.5)
+    np.testing.assert_array_equal(toy.get("x"), 5.0 + 0.5 * U)
+    toy._fmu.reset()
+    assert (toy._fmu.getReal if toy.version == "2" else toy._fmu.getFloat64)(
+        [toy.fields["gain"].references[0]]
+    ) == [2.0]
+
+
+def test_wrong_references_tokens_and_calls_are_errors(toy, fmu):
+    started(toy)
+    fmi, gain = toy._fmu, toy.fields["gain"].references[0]
+    whole, rounds = toy.fields["cells"].references[0], toy.fields["rounds"].references[0]
+    real, integer = ("Real", "Integer") if toy.version == "2" else ("Float64", "Int32")
+    after = max(k for v in toy.fields.values() if v.is_double for k in v.references) + 1
+    wrong = [(real, 10**6), (real, rounds), (integer, gain), (integer, 10**6)]
+    for kind, reference in [*wrong, *([(real, after)] if toy.version == "2" else ())]:
+        with pytest.raises(FMICallException) as failure:
+            getattr(fmi, f"get{kind}")([reference])
+        assert failure.value.status == 3 and str(reference) in toy.log[-1][1]
+        with pytest.raises(FMICallException):
+            getattr(fmi, f"set{kind}")([reference], [1])
+    assert getattr(fmi, f"get{integer}")([whole, rounds]) == [6, 1]
+    for name in ("getBoolean", "getString"):
+        with pytest.raises(FMICallException):
+            getattr(fmi, name)([gain])
+    if toy.version == "3":
+        (u,) = toy.fields["u"].references
+        assert len(fmi.getFloat64([u], 6)) == 6
+        with pytest.raises(FMICallException):
+            fmi.getFloat64([u], 5)
+    derive = fmi.getDirectionalDerivative
+    assert derive([gain], [gain], [1.0]) == [0.0]  # nothing follows a parameter within a step
+    with pytest.raises(FMICallException):
+        derive([10**6], [gain], [1.0])
+    toy.description.guid = "{another}"
+    with pytest.raises(BadInput, match="another.* is not the identifier of this FMU"):
+        toy.start({}, 0.0, 1.0)
+
+
+def test_time_is_a_variable_of_fmi_3_and_reached_of_fmi_2(toy):
+    started(toy)
+    toy.set("u", U / 2)
+    toy.step(0.0, 0.25)
+    toy.step(0.25, 0.5)
+    if toy.version == "3":
+        assert toy.get("time") == 0.75
+        assert toy._fmu.doStep(0.75, 0.25) == (False, False, False, 1.0)
+        return
+    reached = ctypes.c_double()
+    toy._call("fmi2GetRealStatus", ctypes.c_int(2), ctypes.byref(reached))
+    assert reached.value == 0.75
+
+
+@pytest.mark.parametrize("fmu", ["python"], indirect=True)
+def test_texts_and_courses(toy):
+    """A text that the model rejects, and inputs whose derivatives are set for one step."""
+    with pytest.raises(BadInput, match="label: expected another text"):
+        started(toy, label="bad")
+    started(toy, label="good", gain=1.0)
+    assert toy.get("label") == "good"
+    if toy.version == "3":
+        return
+    toy.set_course("u", np.array([U, 2 * U, 6 * U, -24 * U]) / 8)
+    toy.step(0.0, 1.0)
+    np.testing.assert_allclose(toy.get("x"), U / 8 * (1 + 1 + 1 - 1), rtol=1e-15)
+    toy.step(1.0, 1.0)  # they are those of one step
+    np.testing.assert_allclose(toy.get("x"), U / 8 * (2 + 1), rtol=1e-15)
+    derivatives, number = toy._fmu.fmi2SetRealInputDerivatives, ctypes.c_uint * 1
+    for name, order in (("u", 0), ("u", 4), ("x", 1)):
+        reference = number(toy.fields[name].references[0])
+        with pytest.raises(FMICallException):
+            derivatives(toy.component, reference, 1, (ctypes.c_int * 1)(order), ctypes.c_double())
+
+
+@pytest.mark.parametrize("fmu", ["native"], indirect=True)
+def test_what_native_code_does_not_cover(toy):
+    with pytest.raises(BadInput) as refusal:
+        started(toy, law=3, bias=0.5)
+    assert refusal.value.faults == [
+        "participants.toy, bias: expected 0 to 0 1/s, got 0.5 1/s; a native FMU covers no other",
+        "participants.toy, law: expected 1 linear, 2 square, got 3 cubic; "
+        "a native FMU covers no other",
+    ]
+    started(toy, x0=-1.0)
+    assert toy.warned() == ["starts below 0"]
+    toy.step(0.0, 0.1)
+    assert toy.log == []  # once
+    toy.set("u", np.full(SHAPE, -1234.0))
+    with pytest.raises(Discard, match="there is not enough memory for a step"):
+        toy.step(0.0, 0.1)
+
+
+@pytest.mark.parametrize("fmu", ["native"], indirect=True)
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda b: b[:40],
+        lambda b: b[:-8],
+        lambda b: b"X" + b[1:],
+        lambda b: b[:24] + b[32:40] + b[24:32] + b[40:],
+    ],
+)
+def test_a_damaged_model_file_is_rejected(toy, damage):
+    path = toy.folder / "resources/slave.bin"
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    try:
+        with pytest.raises(BadInput, match="slave.bin is (cut short or )?damaged"):
+            toy.start({}, 0.0, 1.0)
+    finally:
+        path.write_bytes(whole)
+
+
+@pytest.mark.parametrize("fmu", ["native"], indirect=True)
+def test_addresses_of_other_instances_are_rejected(toy, fmu):
+    """A freed state, and one that no FMU has given."""
+    started(toy)
+    state = toy.save()
+    freed = ctypes.c_void_p(state.value)
+    toy.free(state)
+    for wrong in (freed, ctypes.cast(ctypes.create_string_buffer(4096), ctypes.c_void_p)):
+        with pytest.raises(FMICallException):
+            toy.restore(wrong)
+    assert "no state of this FMU" in toy.log[-1][1]
+
+
+# ---- runtime.c, fmi_parts.c
+
+
+@pytest.fixture(scope="module")
+def runtime(library, tmp_path_factory):
+    path = tmp_path_factory.mktemp("runtime") / "toy.so"
+    path.write_bytes(library["2.0"])
+    return ctypes.CDLL(str(path))
+
+
+def pointer(array):
+    return array.ctypes.data_as(ctypes.c_void_p)
+
+
+@pytest.mark.parametrize("wide", [0, 1])
+def test_products_have_the_same_bits_with_all_vectors(runtime, wide):
+    runtime.toy_dot.restype = ctypes.c_double
+    had = runtime.toy_wide(0)
+    if wide and not had:
+        pytest.skip("this processor has no AVX2")
+    runtime.toy_wide(wide)
+    rng = np.random.default_rng(1)
+    try:
+        for m, n in ((1, 1), (3, 2), (4, 4), (7, 5), (8, 9), (21, 6), (40, 7)):
+            a = rng.standard_normal((m + 2, n), dtype=float).T.copy()  # columns, lead m + 2
+            for turned, rows in ((b"n", n), (b"t", m)):
+                x = rng.standard_normal(rows)
+                y = np.full(m + n - rows, 9.0)
+                sizes = ctypes.c_int64(m), ctypes.c_int64(n), pointer(a), ctypes.c_int64(m + 2)
+                runtime.toy_times(ctypes.c_char(turned), *sizes, pointer(x), pointer(y))
+                exact = a[:, :m] @ x if turned == b"t" else a[:, :m].T @ x
+                np.testing.assert_allclose(y, exact, rtol=0, atol=1e-14)
+        for n in (*range(20), 63):
+            a, b = rng.standard_normal((2, n))
+            lanes = np.zeros(8)
+            for k in range(0, n - n % 8, 8):
+                lanes += a[k : k + 8] * b[k : k + 8]
+            total = 0.0
+            for part in (*(a * b)[n - n % 8 :], *lanes):
+                total += part
+            assert runtime.toy_dot(ctypes.c_int64(n), pointer(a), pointer(b)) == total
+    finally:
+        runtime.toy_wide(had)
+
+
+@pytest.mark.parametrize(
+    "shape, strides, new, by_columns, wanted",
+    [
+        ((6,), (8,), (2, 3), 0, (24, 8)),
+        ((2, 3), (24, 8), (6,), 0, (8,)),
+        ((2, 1, 3), (24, 999, 8), (3, 2), 0, (16, 8)),
+        ((2, 3), (48, 8), (6,), 0, None),
+        ((2, 3), (24, 8), (6,), 1, None),
+    ],
+)
+def test_new_shapes_of_arrays(runtime, shape, strides, new, by_columns, wanted):
+    def numbers(values):
+        return (ctypes.c_ssize_t * len(values))(*values)
+
+    got = numbers([0] * len(new))
+    old = ctypes.c_ssize_t(len(shape)), numbers(shape), numbers(strides)
+    fits = runtime.toy_reshape(*old, ctypes.c_ssize_t(len(new)), numbers(new), got, by_columns)
+    assert (tuple(got) if fits else None) == wanted
+
+
+def test_blocks_of_memory_are_aligned_apart_and_used_again(runtime):
+    sizes = np.array([300, 300, 512, 513, -1 - 1, 400, -1 - 0, -1 - 2, 257, 500], dtype=np.int64)
+    at = np.zeros(len(sizes))
+    count = ctypes.c_int64(len(sizes))
+    runtime.toy_allocate(count, pointer(sizes), pointer(at), ctypes.c_double(32.0))
+    assert at[5] == at[1] and at[8] == at[2] and at[9] == at[0]  # the last one freed comes first
+    begins = at[[0, 1, 2, 3]]
+    assert (begins > 0).all() and (begins % 64 == 0).all()
+    order = np.argsort(begins)
+    room = np.array([512, 512, 512, 1024])[order][:-1]
+    assert (np.diff(begins[order]) >= room).all()
+    one = np.array([64], dtype=np.int64)
+    runtime.toy_allocate(ctypes.c_int64(1), pointer(one), pointer(at), ctypes.c_double(128.0))
+    assert at[0] == 0.0  # no such alignment
+
+
+TOY_ITERATION = """
+#include "native.h"
+int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers);
+int32_t master_coupling_iterate(void **result, void **raised, double *real, int64_t *integer,
+                                double *memory, double *numbers, const int64_t lengths[4])
+{
+    (void)result, (void)raised, (void)integer, (void)lengths;
+    return native_part((int64_t)numbers[2], memory, real, numbers);
+}
+"""
+
+
+def test_compiled_iteration_calls_instances_by_pointers(tmp_path):
+    """The calls of a step and of a derivative, and the first that fails ends them."""
+    (tmp_path / "iterate.c").write_text(TOY_ITERATION)
+    files = [HOME / "runtime.c", HOME / "fmi_parts.c", tmp_path / "iterate.c"]
+    (tmp_path / "it.so").write_bytes(link("linux64", files, [f"-I{HOME}"]))
+    library = ctypes.CDLL(str(tmp_path / "it.so"))
+    library.iteration_make.restype = ctypes.c_void_p
+    pool = ctypes.c_void_p(library.iteration_make())
+    calls, answer = [], {}
+
+    def function(name, *kinds):
+        def call(*given):
+            calls.append((name, *given))
+            if name == "get":
+                given[3][0] = 5.0
+            if name == "derive":
+                given[6][0] = 2.0 * given[5][1]
+            return answer.get(name, 0)
+
+        return ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(call)
+
+    at, count = ctypes.c_void_p, ctypes.c_size_t
+    real = ctypes.POINTER(ctypes.c_double)
+    functions = [
+        function("restore", at, at),
+        function("set", at, at, count, real),
+        function("step", at, ctypes.c_double, ctypes.c_double, ctypes.c_int),
+        function("get", at, at, count, real),
+        function("derive", at, at, count, at, count, real, real),
+    ]
+    assert len(functions) == len(FUNCTIONS)
+    participant: Any = SimpleNamespace(
+        component=11,
+        references=lambda names: (13, 2) if names == ["u"] else (14, 1),
+        addresses=lambda names: [ctypes.cast(f, at).value for f in functions],
+        fault=lambda function, status: (function, status),
+    )
+    pointed = Pointed(participant, ["u"], ["y"])
+    pointed.begin(12)
+    one = pointed.instance
+    memory = np.array([1.0, 2.0, 0.0, 3.0, 4.0, 0.0])  # inputs, outputs, seeds, products
+    row = np.array([float(ctypes.addressof(one)), 0.0])
+    lengths = (ctypes.c_int64 * 4)(6, 0, 2, 4)
+
+    def run(entry):
+        numbers = np.array([0.1, 0.7, entry, 0.0])
+        calls.clear()
+        given = pointer(memory), pointer(row), pointer(numbers), lengths
+        return library.iteration_run(pool, *given), [name for name, *_ in calls]
+
+    assert run(2) == (0, ["restore", "set", "step", "get"])
+    assert calls[0][1:] == (11, 12) and calls[1][1:4] == (11, 13, 2)
+    assert calls[2][1:] == (11, 0.7, 0.1, 1) and calls[3][1:4] == (11, 14, 1)
+    assert memory[2] == 5.0 and (one.calls, one.failed, one.is_called) == (1, 0, 0)
+    assert 0.0 < one.spent < 10.0 and 0.0 < one.carried < 10.0
+    assert run(3) == (0, ["derive"])
+    assert calls[0][1:6] == (11, 14, 1, 13, 2) and memory[5] == 8.0 and one.calls == 2
+    for number, (name, last) in enumerate(
+        (("restore", 1), ("set", 2), ("step", 3), ("get", 4), ("derive", 1)), 1
+    ):
+        answer[name] = 1  # a warning does not end it
+        assert run(3 if name == "derive" else 2)[0] == 0
+        answer[name] = 2
+        status, called = run(3 if name == "derive" else 2)
+        assert (status, len(called)) == (1, last)
+        assert pointed.fault() == (FUNCTIONS[number - 1], 2) and not one.is_called
+        answer.clear()
+    asked = []
+    other = Instance(ask=type(one.ask)(lambda entry: asked.append(entry) or 7))
+    row[0] = float(ctypes.addressof(other))
+    assert run(3)[0] == 7 and asked == [3]
+    library.iteration_free(pool)
+
+
+def test_noted_faults_and_warnings():
+    """Faults of two lists, whose sentences are in one, and a warning next to none."""
+    faults, others = none_yet(), none_yet()
+    for number, of in ((0.0, faults), (1.0, faults), (0.0, others), (1.0, others)):
+        refuse.py_func(of, number, 1.0, 2.0, 0.5 + number, -1e-6, 3.0)
+    take_over.py_func(faults, others, 2.0)
+    sentences = ["a {a} at {i}", "b {a} {b}", "c {a} at {j}", "d {c}"]
+    assert sentences_of(faults, sentences) == ["a 0.5 at 1", "b 1.5 -1e-06", "c 0.5 at 2", "d 3"]
+    remark.py_func(faults, 3.0)
+    assert remark_of(faults, sentences) == ""  # a fault is more
+    faults = none_yet()
+    remark.py_func(faults, 3.0)
+    assert remark_of(faults, sentences) == "d {c}" and sentences_of(faults, sentences) == []
