@@ -222,6 +222,7 @@ def parameters():
     from piston_cosim.fmu_mfbd import variables as of_bodies
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
     from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
+    from piston_cosim.fmu_mfbd.dynamics.pin_instant import PinScalars
 
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
@@ -233,11 +234,7 @@ def parameters():
     own = [*of_bodies.space_outputs(), *of_bodies.parameters(SpaceParameters)]
     space = [variable for variable in own if variable.name not in told]
     of_crank = [
-        *(
-            one
-            for name, what in of_bodies.OF_CRANK.items()
-            for one in of_bodies.crank_outputs(name, *what)
-        ),
+        *(v for v in of_bodies.declared(PinScalars) if v.name.startswith(tuple(CRANK_PARAMETERS))),
         *of_bodies.parameters(*CRANK_PARAMETERS.values()),
     ]
     crank = [variable for variable in of_crank if variable.name not in told]

@@ -1,5 +1,6 @@
-"""Flexible bodies: piston and cylinder block reduced from finite elements, on a rigid slider-crank.
-Its rooms:
+"""Flexible bodies: piston and block reduced from finite elements, on a rigid slider-crank.
+
+Its subpackages:
 
     finite_elements  meshes, surfaces, matrices, the ten-node tetrahedron, sparse solvers
     reduction        from a mesh or matrices to a small exact body: bases, grid, tables and pictures

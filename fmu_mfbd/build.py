@@ -1,5 +1,6 @@
-"""Offline work of the FMU builder: reduce both bodies (or find them in the cache) and hand over
-what the FMU carries.
+"""Build-time work of the body FMU: reduce both bodies or find them in the cache.
+
+The result is the content of the FMU's resources.
 """
 
 import hashlib
@@ -241,7 +242,7 @@ def in_space(build: Build, piston: Path) -> InSpace:
 
 
 def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
-    """The film surfaces that a build table names."""
+    """Return the film surfaces of a build table."""
     out = []
     for one in build.film_surfaces:
         first, last = one.rows
@@ -484,7 +485,7 @@ def _check_bosses(path: Path, films: BossFilms) -> None:
 
 
 def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:
-    """The file that goes into the FMU: the body without its anatomy, named by its content."""
+    """Return the file for the FMU: the body without its anatomy, named by its content."""
     digest = hashlib.sha256()
     for value in vars(body).values():
         array = np.asarray(value)

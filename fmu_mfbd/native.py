@@ -1,5 +1,6 @@
-"""Bodies as a library that needs no Python: what its memory begins with, its entries, and what it
-covers. The entries put the kernels and functions of `dynamics` together, as `model` does.
+"""Native entries of the bodies, which need no Python, and their limits.
+
+The entries compose the kernels and functions of `dynamics`, as `model` does.
 """
 
 from collections.abc import Iterable, Mapping
@@ -136,7 +137,7 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
 
 
 def given(slave: Any) -> np.ndarray:
-    """What the memory of a slave begins with: head, then the parts that depend on no parameter.
+    """Return the constant part of the memory of an FMU: head and parts without parameters.
 
     Parameters
     ----------
@@ -297,7 +298,7 @@ def machine_pins(given, p):
 
 @compiled
 def widen(given, p):
-    """The bore's widening, as `assembly.bore_shape`: of the one bore of all surfaces."""
+    """Write the widening of the bore, as `assembly.bore_shape`; all surfaces share one bore."""
     heights = given.heights
     shape = surface_at(given.system.surfaces, 0).bore.shape
     knots, c = shape.shape
@@ -314,7 +315,7 @@ def widen(given, p):
 
 @compiled
 def prepare(real, integer, given):
-    """What follows from the parameters, as `assembly.assemble`."""
+    """Write what follows from the parameters, as `assembly.assemble`."""
     for k in range(len(given.settings)):
         at = int(given.places.settings[k])
         given.settings[k] = 0.0
@@ -335,7 +336,7 @@ def prepare(real, integer, given):
 
 @compiled
 def gathered(real, begins, cells):
-    """A field of all film surfaces, their cells one after another."""
+    """Return a field of all film surfaces, their cells one after another."""
     field = np.empty(int(cells.sum()))
     first = 0
     for s in range(len(cells)):
@@ -347,7 +348,7 @@ def gathered(real, begins, cells):
 
 @compiled
 def scatter(real, begins, cells, field):
-    """The opposite: a stacked field into the variables of all film surfaces."""
+    """Write a stacked field into the variables of all film surfaces."""
     first = 0
     for s in range(len(cells)):
         for k in range(int(cells[s])):
@@ -372,7 +373,7 @@ def put_stacked(real, first, values):
 
 @compiled
 def forces_at(real, places, of_seeds):
-    """Normal and tangential forces of films, or their seeds."""
+    """Return normal and tangential forces of films, or their seeds."""
     push = places.push_seed if of_seeds else places.push
     drag = places.drag_seed if of_seeds else places.drag
     return NodalForces(gathered(real, push, places.cells), gathered(real, drag, places.cells))
@@ -380,7 +381,7 @@ def forces_at(real, places, of_seeds):
 
 @compiled
 def rings_at(real, places):
-    """Forces of the rings, or their seeds."""
+    """Return the forces of the rings, or their seeds."""
     return RingForce(real[places.side_force], real[places.axial_force], real[places.moment])
 
 
@@ -411,7 +412,7 @@ def keep(to, what):
 
 @compiled
 def publish(real, integer, given, now, scalars):
-    """Outputs into the variables, and how much work there was so far."""
+    """Write the outputs and the numbers of evaluations into the variables."""
     places = given.places
     put_each(real, places.scalars, scalars)
     scatter(real, places.skirt.thickness, places.skirt.cells, now.film_thickness)
@@ -430,7 +431,7 @@ def publish(real, integer, given, now, scalars):
 
 @compiled
 def publish_pin(real, given, bodies, found):
-    """Outputs of pin and crank into the variables."""
+    """Write the outputs of pin and crank into the variables."""
     places = given.places
     pins = places.pins
     scatter(real, pins.thickness, pins.cells, found.film_thickness)
@@ -463,8 +464,9 @@ def crown_pressure(real, memory, given, p, crank_angle):
 
 @compiled
 def solve(real, integer, memory, c, before, auxiliary, at):
-    """The `End` of a step as `model.PistonInBore._solve`, state and outputs. A fault is noted where
-    it is not found, and the state stays.
+    """Solve a step as `model.PistonInBore._solve`, and write its state and outputs.
+
+    If the step is rejected, the fault is noted and the state stays.
     """
     crank = at.crank
     if not np.isfinite(crank.angle):
@@ -529,7 +531,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
 
 @compiled
 def put_block_force(real, places, force):
-    """Forces on a mounted block into the variables."""
+    """Write the forces on a mounted block into the variables."""
     real[places.force_on_block_x] = force.x
     real[places.force_on_block_y] = force.y
     real[places.moment_on_block] = force.moment
@@ -537,7 +539,7 @@ def put_block_force(real, places, force):
 
 @compiled
 def make_direction(memory, given, system, last):
-    """Derivatives of the last step of a tied pin that every direction shares, into the memory."""
+    """Write the derivatives that all directions of a tied pin share into the memory."""
     found = linearise(system, last)
     columns = np.zeros((len(FIXED), 0))
     if is_mounted(given):

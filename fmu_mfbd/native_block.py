@@ -162,8 +162,10 @@ class GasCurve(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What a memory begins with; from `settings` on it is made at the start, from the parameters,
-    and so are gaps and dampers in `system`.
+    """Constant part of a memory.
+
+    Members from `settings` on are made at the start, from the parameters, as are gaps and dampers
+    in `system`.
 
     system : of any parameters; measured, widening : what is measured of skirt and bore;
     evaluations, tangents : work so far.

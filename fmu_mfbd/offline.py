@@ -1,5 +1,7 @@
-"""Reduce bodies and put everything about them into a folder; recover displacement and stress on
-their meshes: the commands `reduce` and `results recover`, and as a library.
+"""Commands `reduce` and `results recover`, also as a library.
+
+They write everything about reduced bodies into a folder, and recover displacement and stress on
+their meshes.
 """
 
 import csv
@@ -143,8 +145,9 @@ class Skin:
     stress: np.ndarray | None = None
 
     def von_mises(self, coordinates: np.ndarray) -> np.ndarray | None:
-        """Equivalent stress at the points [Pa], shape (instants, n), of modal coordinates
-        (instants, k); None where there is no stress.
+        """Return the equivalent stress at the points [Pa], (instants, n); None without stress.
+
+        The modal coordinates are (instants, k).
 
         Eq. (J23):  sigma = S q,   then Eq. (M5); that of `recover`, as stress is linear in q
         """
@@ -179,7 +182,7 @@ def _cylinder(name: str, file: Path) -> Skin:
 
 
 def cylinder(name: str, radius: float, ends: tuple[float, float], top: bool) -> Skin:
-    """A cylinder about the y axis, without modes.
+    """Return a cylinder about the y axis, without modes.
 
     Parameters
     ----------
@@ -246,8 +249,7 @@ def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
 def reduce(
     options: dict[str, Any], folder: Path, output: Path, progress: Say = print
 ) -> list[BodyReport]:
-    """Reduce the bodies of a build table, or find them in the cache, and write what they are made
-    of.
+    """Reduce the bodies of a build table, or find them in the cache, and write their data.
 
     Into `output`, for each body: `NAME.npz`, which a case file may name as `reduced`;
     `NAME-modes.csv`, the table of modes; `NAME-modes.vtu`, all mode shapes; `NAME-modes.png`, the
@@ -280,8 +282,7 @@ def recover(
     path: Path,
     progress: Say = print,
 ) -> list[Recovery]:
-    """Displacement and stress of the bodies of a build table at an instant, as VTU files on their
-    meshes.
+    """Write displacement and stress of the bodies at an instant, as VTU files on their meshes.
 
     Parameters
     ----------
@@ -338,7 +339,7 @@ def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> R
 
 
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:
-    """The reduced bodies but for those of a data sheet, which have neither mesh nor modes."""
+    """Return the reduced bodies except data sheets, which have neither mesh nor modes."""
     files = reduced_bodies(options, folder, progress, shapes=True)
     for name, body in vars(read_options(options, folder, Bodies)).items():
         if name in files and body.rigid:
@@ -398,7 +399,7 @@ def _write_table(table: Sequence[ModeRow], path: Path) -> None:
 
 
 def _whole(name: str, path: Path) -> Reduced:
-    """A reduced body with its mesh and mode shapes."""
+    """Read a reduced body with its mesh and mode shapes."""
     body = load(ReducedPiston if name == "piston" else ReducedBlock, path)
     try:
         return Reduced(body, load(Anatomy, path), load(MeshProperties, path))

@@ -88,8 +88,9 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_
 
 
 class Surface(BaseModel):
-    """Surface defined by geometry, in the project's axes: a cylinder about y with its ends, a bore
-    about z, or a plane across y.
+    """Surface defined by geometry, in the project's axes.
+
+    It is a cylinder about y with its ends, a bore about z, or a plane across y.
     """
 
     model_config = STRICT
@@ -325,8 +326,9 @@ class Table(BaseModel):
 
 
 class Gas(Table):
-    """Gas pressure over crank angle, see `tables.gas_table`. The parameter `gas_source` selects
-    whether it adds to the input `gas_pressure`.
+    """Gas pressure over crank angle, see `tables.gas_table`.
+
+    The parameter `gas_source` selects whether it adds to the input `gas_pressure`.
     """
 
     angle_unit: Annotated[Angle, Field(gt=0)]
@@ -336,8 +338,9 @@ class Gas(Table):
 
 
 class Speed(Table):
-    """Crank speed over time or crank angle, see `speed_table.speed_table`. It replaces the input
-    `crank_speed`.
+    """Crank speed over time or crank angle, see `speed_table.speed_table`.
+
+    It replaces the input `crank_speed`.
     """
 
     time_unit: Annotated[Time, Field(gt=0)] | None = None
@@ -355,8 +358,10 @@ class Speed(Table):
 
 
 class Piston(Body):
-    """Options of the piston. The mesh origin is on the skirt axis at the height of pin point A.
-    Surfaces: `skirt`, `crown`, `pin_bore`.
+    """Options of the piston.
+
+    The mesh origin is on the skirt axis at the height of pin point A. Surfaces: `skirt`, `crown`,
+    `pin_bore`.
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
@@ -396,8 +401,9 @@ class BoreFromOutside(BaseModel):
 
 
 class Block(Body):
-    """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
-    Surfaces: `bore`, `bolts`.
+    """Options of the block.
+
+    The mesh origin is on the bore axis at the height of the crank axis. Surfaces: `bore`, `bolts`.
     """
 
     ENDS = ("bore_lower", "bore_upper")
@@ -463,8 +469,10 @@ class FilmSurface(BaseModel):
 
 
 class SmallEnd(BaseModel):
-    """Flexible small end of the rod. The mesh origin is on its axis at mid-length, with the shank
-    towards -y. Surfaces: eye (the bore) and cut, where the rigid rod holds the shank.
+    """Flexible small end of the rod.
+
+    The mesh origin is on its axis at mid-length, with the shank towards -y. Surfaces: eye (the
+    bore) and cut, where the rigid rod holds the shank.
     """
 
     model_config = STRICT
@@ -518,8 +526,9 @@ class FloatingPin(BaseModel):
 
 
 class CrankBearing(BaseModel):
-    """Film between the crank and the rod or block, in addition to those of a floating pin. Its
-    surface has the fields of a bearing.
+    """Film between the crank and the rod or block, in addition to those of a floating pin.
+
+    Its surface has the fields of a bearing.
     """
 
     model_config = STRICT
@@ -721,7 +730,7 @@ class Build(Common):
 
 
 def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
-    """What keeps a piston from moving in space."""
+    """Return the faults of a piston that moves in space."""
     faults = []
     for name, body in (("piston", build.piston), ("block", build.block)):
         if not body.rigid and body.modes:
@@ -765,7 +774,7 @@ def _missing(keys: list[str], context: str) -> str:
 
 
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
-    """What keeps a flexible piston's bosses from yielding to their films."""
+    """Return the faults of the flexible bosses of a piston."""
     faults = []
     if isinstance(piston.modes, float):
         faults.append(f"piston.modes: expected a number with boss_modes, got {piston.modes:g}")
@@ -843,8 +852,9 @@ def _faults_of_body(
     upper: tuple[str, float | None],
     folder: Path | str,
 ) -> list[str]:
-    """What is wrong with a body's modes, files and ends (their keys and heights [m]); its paths
-    become absolute.
+    """Return the faults of a body's modes, files and ends, and make its paths absolute.
+
+    `lower` and `upper` are key and height [m] of the ends.
     """
     faults = []
     most = MOST_MODES if isinstance(body.modes, float) else body.modes

@@ -1,5 +1,7 @@
-"""What the body FMU will be, seen from its build table and parameters before anything is reduced:
-geometry, masses, clearance cold and hot, cells with a film, faults; and a picture of both shapes.
+"""Preview of the body FMU from its build table and parameters, before anything is reduced.
+
+It has geometry, masses, clearance cold and hot, cells with a film, faults, and a picture of both
+shapes.
 """
 
 from collections.abc import Callable, Sequence
@@ -156,7 +158,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
 def _tried(
     look: Callable[[Build, list[str]], Sized], build: Build, wrong: list[str], remarks: list[str]
 ) -> Sized | None:
-    """What is seen of a body; None, and faults, where nothing can be."""
+    """Return a body, or None with its faults."""
     try:
         return look(build, remarks)
     except MeshFault as error:
@@ -167,7 +169,7 @@ def _tried(
 
 
 def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
-    """The mesh of a rod's eye, if it yields and can be read."""
+    """Read the mesh of the rod's eye, if it is flexible."""
     film = eye_film(build)
     if not film:
         return None
@@ -193,7 +195,7 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
 
 
 def _piston(build: Build, remarks: list[str]) -> Sized:
-    """The piston, rigid."""
+    """Return the piston, rigid."""
     options = build.piston
     if options.rigid:
         return Sized(rigid_piston(options, build.grid))
@@ -239,7 +241,7 @@ def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, floa
 
 
 def _block(build: Build, remarks: list[str]) -> Sized:
-    """The block, rigid."""
+    """Return the block, rigid."""
     options = build.block
     if options.rigid:
         return Sized(rigid_block(options, build.grid))
@@ -258,7 +260,7 @@ def _block(build: Build, remarks: list[str]) -> Sized:
 
 
 def _mesh(options: Piston | Block, names: Sequence[str], remarks: list[str]) -> Mesh:
-    """A body's mesh, or its nodes."""
+    """Read the mesh of a body, or its nodes."""
     path = Path(options.mesh or "")
     regions = {name: surface.region() for name, surface in options.surfaces.items()}
     surfaces = dict.fromkeys(names) | regions
@@ -384,8 +386,9 @@ def _of_crank(prepared: BuildOptions, given: dict[str, Any]) -> list[Figure]:
 
 
 def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisParameters | None:
-    """Parameters of a pin that tilts or bends; None where the places of its bosses are those of a
-    mesh that is not reduced yet.
+    """Return the parameters of a pin that tilts or bends, else None.
+
+    It is also None if the positions of its bosses come from a mesh that is not reduced yet.
     """
     pin = prepared.floating_pin
     if pin is None or not pin.pin_shapes or (build.floating_pin and build.floating_pin.boss_modes):
@@ -397,7 +400,7 @@ def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisPa
 def _of_axis(
     prepared: BuildOptions, piston: Sized, chosen: Parameters, axis: AxisParameters
 ) -> list[Figure]:
-    """What a pin that tilts or bends is made of."""
+    """Return the figures of a pin that tilts or bends."""
     assert prepared.floating_pin
     beam = pin_beam(piston.body, prepared.floating_pin, chosen, None, axis)
     pin = beam.pin
@@ -513,9 +516,7 @@ class Narrowest(NamedTuple):
 
 
 def narrowest(shapes: Shapes, hot: bool) -> Narrowest:
-    """Smallest clearance of the concentric, undeformed piston over the stroke, where there is a
-    film.
-    """
+    """Return the smallest clearance of the concentric, undeformed piston where there is a film."""
     gap = np.where(shapes.film, shapes.clearance(hot), np.inf)
     i, j = np.unravel_index(gap.argmin(), gap.shape)
     degrees = float(np.degrees(shapes.angle[i])) % 360.0
@@ -539,7 +540,7 @@ def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
 def _remarks(
     build: Build, piston: Sized, block: Sized, chosen: Parameters, shapes: Shapes
 ) -> list[str]:
-    """What is worth a look."""
+    """Return remarks on clearance, heat and profile."""
     out = []
     fit = block.body.radius - piston.body.radius
     if abs(fit - chosen.radial_clearance) > MISFIT:
@@ -598,12 +599,12 @@ def _remarks_on_profiles(profiles: Sequence[MeasuredShape], piston: ReducedPisto
 
 
 def _um(length: float) -> str:
-    """A length [m] as text."""
+    """Return a length [m] as text."""
     return f"{1e6 * length:.4g} \N{MICRO SIGN}m"
 
 
 def _thin_openings(film: np.ndarray) -> list[str]:
-    """A remark where the openings in the skirt are few cells wide."""
+    """Return a remark if the openings in the skirt are few cells wide."""
     widest = max((run for line in film.T for run in _runs(~line)), default=FEWEST)
     if widest >= FEWEST:
         return []

@@ -49,8 +49,9 @@ class Shapes(NamedTuple):
     pin_height: np.ndarray
 
     def clearance(self, hot: bool) -> np.ndarray:
-        """Return the smallest clearance of each cell over the stroke [m], shape (c, a): that of the
-        concentric, undeformed piston.
+        """Return the smallest clearance of each cell over the stroke [m], shape (c, a).
+
+        The piston is concentric and undeformed.
         """
         skirt = self.skirt_hot if hot else self.skirt_cold
         bore = self.bore_hot if hot else self.bore_cold
@@ -62,8 +63,10 @@ class Shapes(NamedTuple):
 
 
 def draw_shapes(shapes: Shapes, path: Path | str) -> None:
-    """Draw skirt and bore developed, with grey openings, and the skirt around at three heights and
-    along on three sides, cold and hot; the suffix of the path is the type of the picture.
+    """Draw skirt and bore, cold and hot: developed with grey openings, around and along.
+
+    Sections are at three heights and on three sides. The suffix of the path is the type of the
+    picture.
     """
     figure = Figure(figsize=(12, 8))
     FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
@@ -118,7 +121,7 @@ def _mark(panel):
 
 
 def _around(panel, shapes):
-    """The skirt's clearance around, at its lower and upper quarter and in the middle."""
+    """Draw the skirt's clearance around, at its lower and upper quarter and in the middle."""
     closed = np.r_[: len(shapes.angle), 0]
     degrees = np.degrees(shapes.angle[0]) + np.linspace(0.0, 360.0, len(closed))
     count = len(shapes.height)
@@ -135,7 +138,7 @@ def _around(panel, shapes):
 
 
 def _along(panel, shapes):
-    """The skirt's clearance along the thrust faces and above the pin."""
+    """Draw the skirt's clearance along the thrust faces and above the pin."""
     degrees = np.degrees(shapes.angle) % 360
     hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
     for name, where in SIDES.items():

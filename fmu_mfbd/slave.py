@@ -101,12 +101,13 @@ class Mfbd(FieldSlave):
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
-        """The table of variables for the options of build.json."""
+        """Return the variables for the options of build.json."""
         return table.variables(BuildOptions.from_json(options))
 
     def start(self, values: dict[str, Any]) -> tuple[PistonState, dict[str, Any]]:
-        """Load the reduced bodies and begin at rest, or with the motion that the build names;
-        returns (state, outputs).
+        """Load the reduced bodies and start at rest, or with the motion of the build table.
+
+        Returns (state, outputs).
         """
         options = self.built
         self._gas_told = False
@@ -147,8 +148,10 @@ class Mfbd(FieldSlave):
         return state, outputs
 
     def _tell_of_bend(self, bend: float) -> None:
-        """Log the change of the gap [m] by modes without inertia at the start. A film starts with
-        the oil of this gap, whereas modes with inertia start undeformed and squeeze oil out.
+        """Log the change of the gap at the start by modes without inertia [m].
+
+        A film starts with the oil of this gap. Modes with inertia start undeformed and squeeze oil
+        out.
         """
         if bend > 0.0:
             self.log(
@@ -224,14 +227,14 @@ class Mfbd(FieldSlave):
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
-        """Forces of the films of a floating pin."""
+        """Return the forces of the films of a floating pin."""
         return tuple(
             PinForces(*(values[f"{film.prefix}{name}"] for name in ON_PIN))
             for film in self.built.pin_grids()
         )
 
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:
-        """A field of all film surfaces, their cells one after another."""
+        """Return a field of all film surfaces, their cells one after another."""
         return np.concatenate([values[field].ravel() for field in self.force_fields[name]])
 
 

@@ -1,5 +1,6 @@
-"""What the reduced bodies of a build table leave out at the film forces of a run: read from what
-the reduction saved, so that nothing of finite elements is loaded after a run.
+"""Truncation errors of the reduced bodies of a build table at the film forces of a run.
+
+They come from what the reduction saved, so that no finite elements are loaded after a run.
 """
 
 from pathlib import Path
@@ -38,8 +39,9 @@ class Truncations(NamedTuple):
 def truncations(
     options: dict[str, Any], folder: Path, results: Path, progress: Say = print
 ) -> Truncations:
-    """Return what the flexible bodies of a build table leave out at the film forces of a run's last
-    period, Eqs. (J17), (J34).
+    """Return what the flexible bodies omit at the film forces of a run's last period.
+
+    These are Eqs. (J17), (J34).
 
     Parameters
     ----------

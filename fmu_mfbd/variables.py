@@ -2,10 +2,11 @@
 
 from dataclasses import fields
 from math import pi
-from typing import Any
+from typing import Any, get_type_hints
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
+from .dynamics.drive import Scalars
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     AxisParameters,
@@ -13,6 +14,7 @@ from .dynamics.parameters import (
     PinParameters,
     SpaceParameters,
 )
+from .dynamics.pin_instant import PinScalars
 
 Rows = tuple[tuple[Any, ...], ...]
 """Name, unit, description and numbers of variables, as `input_variable` and `output_variable` take
@@ -117,117 +119,14 @@ PIN_OUTPUTS: Rows = (
         1.0,
     ),
 )
-MOTION: Rows = (
-    ("crank_angle", "rad", "Crank angle, 0 at firing top dead centre", 1.0),
-    ("rotation_speed", "rad/s", "Current speed of the crank", 300.0),
-    ("piston_position", "m", "Height of pin point A above the crank axis", 0.1),
-    ("piston_velocity", "m/s", "Velocity of pin point A towards the head", 10.0),
-    (
-        "lateral_displacement",
-        "m",
-        "Displacement of pin point A from its concentric position towards the thrust side",
-        1e-5,
-    ),
-    ("rocking_angle", "rad", "Rotation of the piston about the pin axis +z", 1e-3),
-    ("lateral_velocity", "m/s", "Velocity of pin point A towards the thrust side", 1e-2),
-    ("rocking_velocity", "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0),
-    (
-        "side_force",
-        "N",
-        "Force of the piston on the bore through the film, positive on the thrust side",
-        1e3,
-    ),
+OTHER_OUTPUTS: Rows = (
     (
         "side_force_demand",
         "N",
         "Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore",
         1e3,
     ),
-    ("crank_torque", "N.m", "Torque of the drive on the crank in its direction of rotation", 10.0),
     ("cylinder_pressure", "Pa", "Current gauge pressure on the crown", 1e6),
-    ("pin_force_x", "N", "Force of the pin on the piston along x", 1e3),
-    ("pin_force_y", "N", "Force of the pin on the piston along y", 1e3),
-    ("pin_friction_moment", "N.m", "Friction moment of the pin on the piston about +z", 0.1),
-    ("pin_friction_power", "W", "Friction power at the pin", 10.0),
-)
-PIN_MOTION: Rows = (
-    (
-        "pin_displacement_x",
-        "m",
-        "Displacement of the pin axis from the axis of the bosses along x",
-        1e-5,
-    ),
-    (
-        "pin_displacement_y",
-        "m",
-        "Displacement of the pin axis from the axis of the bosses along y",
-        1e-5,
-    ),
-    (
-        "small_end_displacement_x",
-        "m",
-        "Displacement of the pin axis from the axis of the small end along x",
-        1e-5,
-    ),
-    (
-        "small_end_displacement_y",
-        "m",
-        "Displacement of the pin axis from the axis of the small end along y",
-        1e-5,
-    ),
-    ("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
-    ("pin_rotation_speed", "rad/s", "Angular velocity of the pin about +z", 10.0),
-    ("small_end_force_x", "N", "Force of the pin on the rod along x", 1e3),
-    ("small_end_force_y", "N", "Force of the pin on the rod along y", 1e3),
-    ("small_end_friction_moment", "N.m", "Friction moment of the pin on the rod about +z", 0.1),
-)
-"""Motion of a floating pin and its forces on the rod."""
-ENERGIES: Rows = (
-    (
-        "kinetic_energy",
-        "J",
-        "Kinetic energy of the motion across the bore, including rocking and modes",
-        1e-3,
-    ),
-    (
-        "piston_kinetic_energy",
-        "J",
-        "Kinetic energy of the piston alone in lateral translation and rocking",
-        1e-3,
-    ),
-    (
-        "lower_edge_velocity",
-        "m/s",
-        "Velocity of the lower edge of the films on the skirt towards the thrust side",
-        1e-2,
-    ),
-    (
-        "upper_edge_velocity",
-        "m/s",
-        "Velocity of the upper edge of the films on the skirt towards the thrust side",
-        1e-2,
-    ),
-    ("elastic_energy", "J", "Elastic energy of all modes", 1e-3),
-    ("film_work", "J", "Work of the film on the bodies over the step", 1e-3),
-    (
-        "energy_error",
-        "J",
-        "Energy that time integration creates in the motion across the bore; negative: lost",
-        1e-3,
-    ),
-    (
-        "energy_gain",
-        "J",
-        "Energy that the bodies received from the film over the step, computed from their motion",
-        1e-3,
-    ),
-    (
-        "energy_size",
-        "J",
-        "Kinetic energy across the bore, including the rod, plus the energy exchanged with forces "
-        "other than the film over the step",
-        1e-3,
-    ),
 )
 MODES: Rows = (
     (
@@ -251,22 +150,21 @@ def signals(options: BuildOptions) -> list[Variable]:
     modes = options.piston.modes + options.block.modes
     films = options.film_grids()
     pins = options.pin_grids()
-    bending = options.floating_pin is not None and options.floating_pin.pin_shapes > 0
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
-    if bending:
-        answers = answers + axis_outputs()
-    if pins and options.floating_pin and options.floating_pin.small_end_modes:
-        answers = answers + eye_outputs(options.floating_pin.small_end_modes)
-    answers = answers + [
-        one for name in options.crank_surfaces() for one in crank_outputs(name, *OF_CRANK[name])
-    ]
+    pin = options.floating_pin
+    if pin:
+        answers = answers + declared(PinScalars, options.absent_parts())
+    if pin and pin.small_end_modes:
+        answers = answers + eye_outputs(pin.small_end_modes)
     if options.mounted:
         acting, answers = acting + block_inputs(), answers + block_outputs()
     if outside := options.block.bore_from_outside:
         acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:
         answers = answers + space_outputs()
-    kinds: list[type] = [PinParameters] * bool(pins) + [AxisParameters] * bending
+    kinds: list[type] = [PinParameters] * bool(pins) + [AxisParameters] * bool(
+        pin and pin.pin_shapes
+    )
     kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
     kinds += [SpaceParameters] * (options.in_space is not None)
     return acting + answers + parameters(*kinds)
@@ -303,7 +201,8 @@ def outputs(
     return [
         *(one for film in films for one in on_grid(output_variable, film, SKIRT_OUTPUTS)),
         *(one for pin in pins for one in on_grid(output_variable, pin, PIN_OUTPUTS)),
-        *(output_variable(*row) for row in MOTION),
+        *declared(Scalars),
+        *(output_variable(*row) for row in OTHER_OUTPUTS),
         *(
             output_variable(
                 f"{film.prefix}interface_work_error",
@@ -313,8 +212,6 @@ def outputs(
             )
             for film in (*films, *pins)
         ),
-        *(output_variable(*row) for row in PIN_MOTION if pins),
-        *(output_variable(*row) for row in ENERGIES),
         output_variable(
             "residual_evaluations",
             "1",
@@ -328,6 +225,15 @@ def outputs(
             start=0,
         ),
         *(output_variable(*one, shape=(modes,)) for one in MODES if modes),
+    ]
+
+
+def declared(kind: type, absent: tuple[str, ...] = ()) -> list[Variable]:
+    """Return the outputs of a named tuple, except those whose names begin like absent parts."""
+    return [
+        output_variable(name, *hint.__metadata__)
+        for name, hint in get_type_hints(kind, include_extras=True).items()
+        if not name.startswith(absent)
     ]
 
 
@@ -384,48 +290,9 @@ def block_outputs() -> list[Variable]:
     ]
 
 
-OF_CRANK = {
-    "big_end": ("crank pin", "rod's big end", "rod"),
-    "main_bearing": ("main journal", "main bearing", "block"),
-}
-"""Surface of the crank -> journal, shell, and the body of the shell."""
-
-
-def crank_outputs(name: str, journal: str, shell: str, body: str) -> list[Variable]:
-    """Return position and forces of the crank in one of its films."""
-    of = f"Displacement of the {journal} from the middle of the {shell} along"
-    force = f"Force of the {journal} on the {body} along"
-    return [
-        output_variable(f"{name}_displacement_x", "m", f"{of} x", 1e-5),
-        output_variable(f"{name}_displacement_y", "m", f"{of} y", 1e-5),
-        output_variable(f"{name}_force_x", "N", f"{force} x", 1e3),
-        output_variable(f"{name}_force_y", "N", f"{force} y", 1e3),
-        output_variable(
-            f"{name}_friction_moment",
-            "N.m",
-            f"Friction moment of the {journal} on the {body} about +z",
-            0.1,
-        ),
-    ]
-
-
-def axis_outputs() -> list[Variable]:
-    """Return tilt and bending of a floating pin."""
-    middle = "Displacement of the floating pin at mid-length from the mean of both ends along"
-    return [
-        output_variable("pin_tilt_x", "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4),
-        output_variable("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
-        output_variable("pin_bending_x", "m", f"{middle} x", 1e-5),
-        output_variable("pin_bending_y", "m", f"{middle} y", 1e-5),
-    ]
-
-
 def eye_outputs(modes: int) -> list[Variable]:
-    """Return the deflection of a flexible small end."""
-    wider = "Change of the small-end diameter at mid-length, "
+    """Return the modal motion of a flexible small end."""
     return [
-        output_variable("small_end_widening_across", "m", f"{wider}across the rod", 1e-5),
-        output_variable("small_end_widening_along", "m", f"{wider}along the rod", 1e-5),
         output_variable(
             "small_end_modal_coordinate",
             "1",

@@ -24,8 +24,7 @@ def account(
     others: tuple[np.ndarray, np.ndarray],
     axial_work: float,
 ) -> EnergyAccount:
-    """Energy that the bodies took from the film over a step, by what their motion shows, and what
-    it is to be measured by.
+    """Compute the energy that the bodies took from the film over a step, from their motion.
 
     Eq. (D14):  E = T_1 - T_0 - (q_1 - q_0) . (O_0 + O_1)/2 + h (axial power)
     Eq. (D16):  Z = max(T_0, T_1) + |q_1 - q_0| . (|O_0| + |O_1|)/2

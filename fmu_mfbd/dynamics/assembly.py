@@ -101,7 +101,7 @@ def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
 def assemble(
     piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
 ) -> PistonInBore:
-    """The model.
+    """Return the model of a piston on a tied pin.
 
     Parameters
     ----------
@@ -184,9 +184,11 @@ def assemble_floating(
     *,
     small_end: ReducedSmallEnd | None = None,
 ) -> PistonOnFloatingPin:
-    """The model of a piston whose pin floats; `pin` are its own parameters, `bosses` those of a
-    flexible piston, `axis` the parameters of a pin with shapes, `crank` those of each film of the
-    crank, `small_end` an eye that yields, others as of `assemble`.
+    """Return the model of a piston whose pin floats.
+
+    `pin` holds its own parameters, `bosses` those of a flexible piston, `axis` those of a pin with
+    shapes. `crank` holds those of each film of the crank, and `small_end` is a flexible eye. The
+    others are as in `assemble`.
     """
     assert options.floating_pin
     radius = pin_radius(piston.radius, parameters)
@@ -209,6 +211,7 @@ def assemble_floating(
         shapes,
         eye,
         crankshaft(options, parameters, crank),
+        absent=options.absent_parts(),
     )
 
 
@@ -240,7 +243,7 @@ def with_shapes(
     beam: Beam,
     axis: AxisParameters,
 ) -> tuple[PinSurface, ...]:
-    """The same films for a pin that tilts and bends, their shells relieved."""
+    """Return the films of a pin that tilts and bends, with relieved shells."""
     reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
     each = zip(films, pin_rows(pin, bosses), reliefs, pin.lengths().values())
     of_pin = [
@@ -257,7 +260,7 @@ def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
 
 
 def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
-    """The crank with the films that the build table gives it."""
+    """Return the crank with the films of the build table."""
     big_end = "big_end" in options.crank_surfaces()
     main = crank.get("main_bearing")
     if not isinstance(main, MainBearingParameters):
@@ -273,8 +276,10 @@ def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
-    """z of the rows of all films of the pin [m]; those of bosses lie where the mesh has its own,
-    and of a piston without one begin beside the rod's eye.
+    """Return z of the rows of all films of the pin [m].
+
+    Rows of bosses are those of the mesh. For a piston without a mesh of bosses they begin at the
+    end of the rod's eye.
     """
     half = pin.small_end_length / 2
     outer = half + pin.boss_length
@@ -300,7 +305,7 @@ def pin_beam(
     bosses: ReducedBosses | None,
     axis: AxisParameters,
 ) -> Beam:
-    """A floating pin as a free beam with the shapes of the build table."""
+    """Return a floating pin as a free beam with the shapes of the build table."""
     hollow = HollowPin(
         mass=parameters.pin_mass,
         length=axis.pin_length or pin_span(pin, bosses),
@@ -319,8 +324,9 @@ def assemble_in_space(
     parameters: Parameters,
     space: SpaceParameters,
 ) -> PistonInSpace:
-    """The model of a rigid piston that moves in space; `space` are its own parameters, others as of
-    `assemble`.
+    """Return the model of a rigid piston that moves in space.
+
+    `space` holds its own parameters. The others are as in `assemble`.
 
     Eq. (J21):  m_pin (R^2/4 + L^2/12)      of a solid pin about a diameter
     """
@@ -364,8 +370,9 @@ def faults(
     axis: AxisParameters | None = None,
     eye_radius: float = 0.0,
 ) -> list[str]:
-    """Return sentences about parameters that do not fit each other, with the radius [m] of an eye
-    that yields.
+    """Return sentences about parameters that do not fit each other.
+
+    `eye_radius` is the radius of a flexible eye [m].
     """
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
@@ -556,8 +563,9 @@ def skirt_gap(
     options: PistonOptions,
     parameters: Parameters,
 ) -> np.ndarray:
-    """Film thickness around the concentric, undeformed piston in a cylinder, (c, a) [m]: clearance,
-    machined profile, heat, tilt, measured shapes.
+    """Return the film thickness around the concentric, undeformed piston, (c, a) [m].
+
+    It is the sum of clearance, machined profile, heat, tilt and measured shapes.
     """
     gap = machined_gap(angle[:, None], height, piston.skirt_lower, piston.skirt_upper, parameters)
     return gap + measured(options.profiles, angle, height)
@@ -565,8 +573,9 @@ def skirt_gap(
 
 @compilable
 def machined_gap(angle, height, lower, upper, parameters):
-    """What of `skirt_gap` is not measured, at angles (c, 1) [rad] and heights (a,) between the
-    skirt's edges [m].
+    """Return the part of `skirt_gap` that is not measured.
+
+    Angles are (c, 1) [rad], and heights between the skirt's edges (a,) [m].
     """
     gap = parameters.radial_clearance + barrel(height, lower, upper, parameters.barrel)
     gap = gap + ovality(angle, parameters.ovality)
@@ -599,8 +608,9 @@ def bore(
 def bore_shape(
     heights: np.ndarray, angle: np.ndarray, options: BlockOptions, parameters: Parameters
 ) -> np.ndarray:
-    """Widening of the undeformed bore on the table of its modes, (c, s) [m]: measured, by Fourier
-    orders, by heat.
+    """Return the widening of the undeformed bore on the table of its modes, (c, s) [m].
+
+    It is the sum of Fourier orders, heat and measured shapes.
     """
     orders = fourier_bore(options.orders, angle)[:, None]
     heat = linear_growth(

@@ -48,7 +48,7 @@ def block_force(
     now: Motion,
     crank: CrankMotion,
 ) -> BlockForce:
-    """Forces on the block.
+    """Compute the forces on the block.
 
     Eq. (D24):  main bearings:  F_b = -(pin + m_pin A'' + m_r G'' + U e'')
                e = P/r,  P the crank pin,  U the crank's unbalance
@@ -99,8 +99,9 @@ def block_force(
 
 @compiled
 def _unbalance(mechanism, load, at, px, py):
-    """Acceleration of the end of e [1/s2]; the block's translation pushes the crank's mass, which
-    counts among the block's.
+    """Return the acceleration of the end of e [1/s2].
+
+    Translation of the block is omitted, because the crank's mass counts among the block's.
     """
     r = mechanism.crank_radius
     carrier = load.carrier
@@ -120,7 +121,7 @@ def force_at(system: System, crank_unbalance: float, last: StepEnd) -> BlockForc
 
 @compiled
 def _carried_by(load, change, share):
-    """A load with the block's motion changed by a share of a change, (4,)."""
+    """Return a load with the block's motion changed by a share of a change, (4,)."""
     carrier = Carrier(
         load.carrier.ax + share * change[AX],
         load.carrier.ay + share * change[AY],
@@ -132,8 +133,7 @@ def _carried_by(load, change, share):
 
 @compiled
 def by_carrier(system: System, last: StepEnd) -> np.ndarray:
-    """Change of the forces on the piston's moving coordinates with each of the block's motions,
-    shape (4, 2 + k).
+    """Compute the change of the forces on the piston with each motion of the block, (4, 2 + k).
 
     Eq. (D19):  -dR/dc,    R of Eq. (D5), of second order in the block's motion c: central
                            differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
@@ -155,8 +155,9 @@ def by_carrier(system: System, last: StepEnd) -> np.ndarray:
 
 @compilable
 def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
-    """Change of the forces on the piston's moving coordinates with a change of the block's motion,
-    (4,), by `by_carrier`.
+    """Return the change of the forces on the piston with a change of the block's motion, (4,).
+
+    `columns` come from `by_carrier`.
     """
     return carried @ columns
 

@@ -1,5 +1,7 @@
-"""A bore whose deflection another participant says: a field on a fixed grid of the bore, read under
-the moving skirt as the bore's own modes are, and forces back on that grid by virtual work.
+"""Bore whose deflection comes from another participant, as a field on a fixed grid.
+
+It is read under the moving skirt like the bore's own modes. Forces return to that grid by virtual
+work.
 
 Both directions are one linear map and its transpose, so that what the film's forces do on its own
 grid is what the forces on the bore's grid do there, to round-off. The deflection is radial: what
@@ -45,7 +47,7 @@ class OutsideBore(NamedTuple):
         return np.ascontiguousarray(self.along @ field.T @ self.around.T)  # Eq. (H20)
 
     def transpose(self, on_all_knots: np.ndarray) -> np.ndarray:
-        """Forces on the bore's grid, (n, s), from those on all knots, (s + 2, c) [N].
+        """Return the forces on the bore's grid, (n, s), from those on all knots, (s + 2, c) [N].
 
         Eq. (H21):  F_W = A_theta^T f^T A_y,   the transpose of Eq. (H20)
         """
@@ -82,8 +84,9 @@ def outside_bore(
 
 
 def periodic_rule(given: int, wanted: int) -> np.ndarray:
-    """Values at the `wanted` angles of `cell_centres` by those at `given` ones, (wanted, given): a
-    periodic cubic spline through all of them.
+    """Return the matrix from values at `given` angles to those at `wanted` ones, (wanted, given).
+
+    Both are angles of `cell_centres`. It is the periodic cubic spline through all values.
 
     Eq. (H22):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i,   i modulo n;   read by Eq. (H5)
     """
@@ -109,7 +112,7 @@ def periodic_rule(given: int, wanted: int) -> np.ndarray:
 
 
 def deflected(system: System, bore: OutsideBore, field: np.ndarray) -> System:
-    """The system with its bore widened by a field (n, s) [m], besides what widens it anyway."""
+    """Return the system with its bore widened further by a field (n, s) [m]."""
     surfaces = system.surfaces.copy()
     widening = surface_at(surfaces, 0).bore.shape  # of the one bore that all share
     widening += bore.knots(field)
@@ -119,8 +122,9 @@ def deflected(system: System, bore: OutsideBore, field: np.ndarray) -> System:
 def seen(
     bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, field: np.ndarray
 ) -> np.ndarray:
-    """What a field (n, s) on the bore adds to the film thickness of all surfaces, stacked (cells,);
-    the bore is read at the height `guided` [m].
+    """Return the change of all film thicknesses with a field (n, s) on the bore, stacked (cells,).
+
+    The bore is read at the height `guided` [m].
     """
     knots = bore.knots(field)
     parts = []

@@ -1,12 +1,12 @@
 """What is decided when the FMU is built, as its build.json holds it."""
 
-import json
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from types import UnionType
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from ..geometry.pin import PIN_SURFACES
+from ..geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from ..geometry.profile import BoreOrder, MeasuredShape
 from .speed_table import SpeedTable
 from .start_state import StartState
@@ -227,8 +227,9 @@ class BuildOptions:
         return self.surfaces or (SurfaceOptions(name, 0, along),)
 
     def pin_grids(self) -> tuple[FilmGrid, ...]:
-        """Names and shapes of the fields of a floating pin's surfaces and of the crank's; none
-        where it is tied.
+        """Return names and shapes of the fields of the surfaces of a floating pin and of the crank.
+
+        It is empty for a tied pin.
         """
         if self.floating_pin is None:
             return ()
@@ -242,6 +243,17 @@ class BuildOptions:
         """Names of the crank's film surfaces."""
         return tuple(one.name for one in self.crank_bearings)
 
+    def absent_parts(self) -> tuple[str, ...]:
+        """Return how names of outputs begin whose part of pin, eye or crank is absent."""
+        pin = self.floating_pin
+        parts = {
+            "pin_tilt": pin and pin.pin_shapes,
+            "pin_bending": pin and pin.pin_shapes,
+            "small_end_widening": pin and pin.small_end_modes,
+        }
+        there = parts | dict.fromkeys(self.crank_surfaces(), 1)
+        return tuple(name for name in (*parts, *CRANK_SURFACES) if not there.get(name))
+
     def film_grids(self) -> tuple[FilmGrid, ...]:
         """Names and shapes of the fields of the skirt's surfaces."""
         around, _ = self.grid
@@ -250,76 +262,51 @@ class BuildOptions:
         )
 
     def to_json(self) -> dict[str, Any]:
-        """As build.json holds it: numbers, texts, lists and tables of them; of several surfaces
-        with the skirt of each, NAME.skirt, besides.
+        """Return the content of build.json: all values that differ from their defaults.
+
+        If there are several surfaces, it also has the skirt of each, NAME.skirt.
         """
-        content = json.loads(json.dumps(asdict(self), default=np.ndarray.tolist))
-        if self.floating_pin is None:
-            del content["floating_pin"]
-        else:  # an FMU with rigid shells or a pin without shapes stays the same file
-            for name in ("bosses", "pin_shapes", "small_end", "small_end_modes"):
-                if not content["floating_pin"][name]:
-                    del content["floating_pin"][name]
-        if not self.mounted:  # an FMU with a block at rest stays the same file
-            del content["mounted"]
-        if self.block.bore_from_outside is None:  # likewise of a bore of its own
-            del content["block"]["bore_from_outside"]
-        if self.in_space is None:  # likewise of a piston in its plane
-            del content["in_space"]
-        if not self.crank_bearings:  # likewise of a rod that hangs on the crank without play
-            del content["crank_bearings"]
-        parts = {}
-        if self.skirt is not None:
-            parts = {
-                f"{one.prefix}skirt": [row[one.first : one.last] for row in self.skirt]
-                for one in self.film_surfaces()
-                if one.name
-            }
-        return content | parts
+        parts = {
+            f"{one.prefix}skirt": [row[one.first : one.last] for row in self.skirt]
+            for one in self.film_surfaces()
+            if one.name and self.skirt is not None
+        }
+        return _written(self) | parts
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> "BuildOptions":
-        """The options that `to_json` made this of."""
-        around, along = content["grid"]
-        piston = content["piston"] | {"profiles": _shapes(content["piston"]["profiles"])}
-        block = content["block"] | {
-            "orders": tuple(BoreOrder(**order) for order in content["block"]["orders"]),
-            "profiles": _shapes(content["block"]["profiles"]),
+        """Return the options from the content of build.json."""
+        return _read(cls, content)
+
+
+def _written(value: Any) -> Any:
+    """Return a value of an option as numbers, texts, lists and tables."""
+    if is_dataclass(value):
+        return {
+            one.name: _written(member)
+            for one, member in ((one, getattr(value, one.name)) for one in fields(value))
+            if one.default is MISSING or member != one.default
         }
-        if outside := block.get("bore_from_outside"):
-            block["bore_from_outside"] = BoreGrid(*outside)
-        gas = content["gas"]
-        speed = content["speed"]
-        start = content["start"]
-        pin = content.get("floating_pin")
-        space = content.get("in_space")
-        return cls(
-            grid=(around, along),
-            piston=PistonOptions(**piston),
-            block=BlockOptions(**block),
-            gas=GasTable(**_arrays(gas)) if gas else None,
-            speed=SpeedTable(**_arrays(speed)) if speed else None,
-            start=StartState(**_arrays(start)) if start else None,
-            damping_bands=tuple(DampingBand(**band) for band in content["damping_bands"]),
-            skirt=content["skirt"],
-            surfaces=tuple(SurfaceOptions(**one) for one in content["surfaces"]),
-            floating_pin=FloatingPin(**pin | {"grid": tuple(pin["grid"])}) if pin else None,
-            mounted=content.get("mounted", False),
-            in_space=InSpace(**_arrays(space)) if space else None,
-            crank_bearings=tuple(
-                CrankBearing(one["name"], tuple(one["grid"]), one["length"])
-                for one in content.get("crank_bearings", ())
-            ),
+    if isinstance(value, tuple | list):
+        return [_written(one) for one in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _read(hint: Any, value: Any) -> Any:
+    """Return the option of this type that `_written` wrote."""
+    if value is None:
+        return None
+    if isinstance(hint, UnionType):
+        kind, _ = get_args(hint)
+        return _read(kind, value)
+    if get_origin(hint) is tuple:
+        kind, _ = get_args(hint)
+        return tuple(_read(kind, one) for one in value)
+    if hasattr(hint, "__dataclass_fields__"):
+        hints = get_type_hints(hint)
+        return hint(
+            **{name: _read(hints[name], one) for name, one in value.items() if name in hints}
         )
-
-
-def _shapes(tables: list[dict[str, Any]]) -> tuple[MeasuredShape, ...]:
-    return tuple(MeasuredShape(**_arrays(table)) for table in tables)
-
-
-def _arrays(table: dict[str, Any]) -> dict[str, Any]:
-    """A table with its lists as arrays."""
-    return {
-        key: np.array(value, dtype=float) if isinstance(value, list) else value
-        for key, value in table.items()
-    }
+    if hasattr(hint, "_fields"):
+        return hint(*value)
+    return np.array(value, dtype=float) if hint is np.ndarray else value

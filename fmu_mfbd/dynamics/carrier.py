@@ -61,8 +61,9 @@ class Carried(NamedTuple):
 
 @compiled
 def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tuple[float, float]:
-    """What the block's motion adds to the acceleration of a point at (x, y) from the crank axis
-    that moves in the block at (vx, vy).
+    """Return the part of a point's acceleration that comes from the block's motion.
+
+    The point is at (x, y) from the crank axis and moves in the block at (vx, vy).
 
     Eq. (K14):  a_O + alpha Z r - w^2 r + 2 w Z v        Z = [0, -1; 1, 0]
     """
@@ -75,8 +76,9 @@ def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tup
 
 
 class MechanismMotion(NamedTuple):
-    """Where the rod stands: crank pin P, pin point A and the rod's centre of mass G [m], from the
-    crank axis, and their velocities in the block [m/s].
+    """Positions and velocities of crank pin P, pin point A and the rod's centre of mass G.
+
+    Positions are from the crank axis [m]. Velocities are relative to the block [m/s].
     """
 
     px: float
@@ -127,7 +129,7 @@ def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> M
 def carried(
     mechanism: Mechanism, carrier: Carrier, lateral: LateralMotion, crank: CrankMotion
 ) -> Carried:
-    """What the block's motion adds to accelerations and to the rod's inertia forces.
+    """Compute what the block's motion adds to accelerations and to the rod's inertia forces.
 
     Eq. (K15):  on x_A:  k m_r e . g + J_r psi1 alpha,    on phi:  m_r G_phi . g + J_r psi_phi alpha
                 g of Eq. (K14) at G, the rest as in Eq. (K3) to (K5)

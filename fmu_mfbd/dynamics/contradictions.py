@@ -1,5 +1,6 @@
-"""What is refused at a start and in a step, and parameters that do not fit one another: the same
-for Python and machine code.
+"""Faults of a start and of a step, and parameters that do not fit one another.
+
+Python and machine code share them.
 """
 
 from typing import NamedTuple

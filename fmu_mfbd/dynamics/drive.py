@@ -1,8 +1,9 @@
-"""What a step says around `instant.end_of_step`: what acts on the piston beside the film, and what
-the outside sees. Called by the model and by the native FMU alike.
+"""Forces on the piston other than the film's, and scalar outputs of a step.
+
+The model and the native FMU both call them around `instant.end_of_step`.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -18,31 +19,82 @@ from .system import OtherForces, RingForce, System
 
 
 class Scalars(NamedTuple):
-    """Scalar outputs, as `variables.outputs` names and describes them."""
+    """Scalar outputs, each declared once: unit, description and nominal value."""
 
-    crank_angle: float
-    rotation_speed: float
-    piston_position: float
-    piston_velocity: float
-    lateral_displacement: float
-    rocking_angle: float
-    lateral_velocity: float
-    rocking_velocity: float
-    side_force: float
-    crank_torque: float
-    pin_force_x: float
-    pin_force_y: float
-    pin_friction_moment: float
-    pin_friction_power: float
-    kinetic_energy: float
-    piston_kinetic_energy: float
-    lower_edge_velocity: float
-    upper_edge_velocity: float
-    elastic_energy: float
-    film_work: float
-    energy_error: float
-    energy_gain: float
-    energy_size: float
+    crank_angle: Annotated[float, "rad", "Crank angle, 0 at firing top dead centre", 1.0]
+    rotation_speed: Annotated[float, "rad/s", "Current speed of the crank", 300.0]
+    piston_position: Annotated[float, "m", "Height of pin point A above the crank axis", 0.1]
+    piston_velocity: Annotated[float, "m/s", "Velocity of pin point A towards the head", 10.0]
+    lateral_displacement: Annotated[
+        float,
+        "m",
+        "Displacement of pin point A from its concentric position towards the thrust side",
+        1e-5,
+    ]
+    rocking_angle: Annotated[float, "rad", "Rotation of the piston about the pin axis +z", 1e-3]
+    lateral_velocity: Annotated[
+        float, "m/s", "Velocity of pin point A towards the thrust side", 0.01
+    ]
+    rocking_velocity: Annotated[
+        float, "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0
+    ]
+    side_force: Annotated[
+        float,
+        "N",
+        "Force of the piston on the bore through the film, positive on the thrust side",
+        1e3,
+    ]
+    crank_torque: Annotated[
+        float, "N.m", "Torque of the drive on the crank in its direction of rotation", 10.0
+    ]
+    pin_force_x: Annotated[float, "N", "Force of the pin on the piston along x", 1e3]
+    pin_force_y: Annotated[float, "N", "Force of the pin on the piston along y", 1e3]
+    pin_friction_moment: Annotated[
+        float, "N.m", "Friction moment of the pin on the piston about +z", 0.1
+    ]
+    pin_friction_power: Annotated[float, "W", "Friction power at the pin", 10.0]
+    kinetic_energy: Annotated[
+        float,
+        "J",
+        "Kinetic energy of the motion across the bore, including rocking and modes",
+        1e-3,
+    ]
+    piston_kinetic_energy: Annotated[
+        float, "J", "Kinetic energy of the piston alone in lateral translation and rocking", 1e-3
+    ]
+    lower_edge_velocity: Annotated[
+        float,
+        "m/s",
+        "Velocity of the lower edge of the films on the skirt towards the thrust side",
+        1e-2,
+    ]
+    upper_edge_velocity: Annotated[
+        float,
+        "m/s",
+        "Velocity of the upper edge of the films on the skirt towards the thrust side",
+        1e-2,
+    ]
+    elastic_energy: Annotated[float, "J", "Elastic energy of all modes", 1e-3]
+    film_work: Annotated[float, "J", "Work of the film on the bodies over the step", 1e-3]
+    energy_error: Annotated[
+        float,
+        "J",
+        "Energy that time integration creates in the motion across the bore; negative: lost",
+        1e-3,
+    ]
+    energy_gain: Annotated[
+        float,
+        "J",
+        "Energy that the bodies received from the film over the step, computed from their motion",
+        1e-3,
+    ]
+    energy_size: Annotated[
+        float,
+        "J",
+        "Kinetic energy across the bore, including the rod, plus the energy exchanged with "
+        "forces other than the film over the step",
+        1e-3,
+    ]
 
 
 class End(NamedTuple):
@@ -57,7 +109,7 @@ class End(NamedTuple):
 def others_of(
     gas_area: float, pressure: float, rings: RingForce, land_pressure: float, carrier: Carrier
 ) -> OtherForces:
-    """What acts beside the film and the pin, of gas [m2], [Pa], rings, and the block's motion."""
+    """Return the forces other than those of film and pin, with gas area [m2] and pressure [Pa]."""
     return OtherForces(gas_area * pressure, rings, WallPressures(pressure, land_pressure), carrier)
 
 

@@ -1,5 +1,6 @@
-"""Small systems of linear equations, by elimination: to the model and to machine code, which has no
-LAPACK, the same operations in the same order.
+"""Elimination for small systems of linear equations.
+
+The model and machine code, which has no LAPACK, run the same operations in the same order.
 
 References
 ----------

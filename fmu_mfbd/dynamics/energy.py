@@ -60,7 +60,7 @@ class Moving(NamedTuple):
 
 @compiled
 def motion_product(moving: Moving, a: np.ndarray, b: np.ndarray) -> float:
-    """a . M b of the rigid motion across the bore (Eq. (N6)) and of all modes that have inertia.
+    """Return a . M b of the rigid motion across the bore (Eq. (N6)) and of modes with inertia.
 
     Eq. (D9):  a . M b = Eq. (N6) + sum ((a_x T_x + a_t g) b_q + (b_x T_x + b_t g) a_q + a_q b_q)
 
@@ -151,8 +151,10 @@ def film_work(
 
 @compiled
 def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
-    """All forces on the motion across the bore but the film's, from what it does: of springs,
-    damping, gas and pin, and of the rod but its inertia against x_A'' where `moving` holds that.
+    """Compute all forces on the motion across the bore except the film's, from its acceleration.
+
+    They are forces of springs, damping, gas, pin and rod. If `moving` holds the rod's inertia
+    against x_A'', that part is omitted.
 
     Eq. (D15):  O = M q'' - Q
 

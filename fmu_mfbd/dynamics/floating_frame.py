@@ -1,5 +1,6 @@
-"""Planar motion of a flexible body in a frame that rides on its point A: inertia and elastic forces
-and their exact tangent.
+"""Planar motion of a flexible body in a frame that is fixed to its point A.
+
+It has inertia and elastic forces, and their exact tangent.
 
 References
 ----------
@@ -24,8 +25,9 @@ RIGID = 3
 
 
 class FlexibleBody(NamedTuple):
-    """Inertia integrals (Eq. (J7)) and modal springs of a reduced body; k modes, mass-orthonormal.
-    k = 0 is a rigid body.
+    """Inertia integrals (Eq. (J7)) and modal springs of a reduced body.
+
+    The k modes are mass-orthonormal. A rigid body has k = 0.
 
     Parameters
     ----------
@@ -101,8 +103,9 @@ class FrameForce(NamedTuple):
 
 
 class Arrow(NamedTuple):
-    """A tangent whose modes couple to the rigid motions and to themselves: what is left out couples
-    modes among each other.
+    """Tangent whose modes couple to the rigid motions and to themselves.
+
+    Coupling of modes among each other is omitted.
 
     Parameters
     ----------
@@ -119,26 +122,6 @@ class Arrow(NamedTuple):
     diagonal: Vector
 
 
-def rigid_body(mass: float, centre: tuple[float, float], inertia: float) -> FlexibleBody:
-    """Rigid body of given mass [kg], centre of mass (x, y) from A [m] and moment of inertia about A
-    [kg m2].
-    """
-    none = np.zeros(0)
-    square = np.zeros((0, 0))
-    return FlexibleBody(
-        mass=float(mass),
-        S=mass * np.asarray(centre, dtype=float),
-        I0=float(inertia),
-        T=np.zeros((2, 0)),
-        b=none,
-        B=square,
-        g=none,
-        G=square,
-        stiffness=none,
-        damping=none,
-    )
-
-
 @compiled
 def _times(start, matrix, q):
     """start + matrix q."""
@@ -150,8 +133,10 @@ def _times(start, matrix, q):
 
 @compiled
 def frame_force(body: FlexibleBody, motion: FrameMotion) -> FrameForce:
-    """Generalised force that a given motion needs, along the body frame's x and y, about A, and on
-    each mode.
+    """Compute the generalised force that a motion needs.
+
+    Its members are forces along the body frame's x and y, the moment about A, and the force on each
+    mode.
 
     Eq. (D1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                       s = S + T q
     Eq. (D2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
@@ -213,8 +198,9 @@ def frame_force(body: FlexibleBody, motion: FrameMotion) -> FrameForce:
 
 @compiled
 def frame_arrow(body: FlexibleBody, motion: FrameMotion, c1: float, c2: float) -> Arrow:
-    """Derivative of `frame_force` with the time integrator's coefficients folded in, without
-    `mode_coupling`.
+    """Compute the derivative of `frame_force` with the coefficients of the time integrator.
+
+    `mode_coupling` is omitted.
 
     Columns: a along the body's x and y (held in that frame), then the angle and the modal
     coordinates, each with its acceleration changed by 1, its velocity by c1 and itself by c2.
@@ -280,7 +266,7 @@ def frame_arrow(body: FlexibleBody, motion: FrameMotion, c1: float, c2: float) -
 
 @compiled
 def mode_coupling(body: FlexibleBody, alpha: float, w: float, c1: float, c2: float) -> np.ndarray:
-    """What `frame_arrow` leaves out: Coriolis, Euler and centrifugal coupling of modes.
+    """Compute the part that `frame_arrow` omits: Coriolis, Euler and centrifugal coupling of modes.
 
     Eq. (D4):  (2 w c1 + alpha c2) G - w^2 c2 B
 
@@ -307,13 +293,13 @@ def mode_coupling(body: FlexibleBody, alpha: float, w: float, c1: float, c2: flo
 
 
 def whole(arrow: Arrow, coupling: np.ndarray) -> np.ndarray:
-    """The tangent as one matrix, (m + k, m + k)."""
+    """Return the tangent as one matrix, (m + k, m + k)."""
     return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])
 
 
 @compiled
 def in_frame(ax: float, ay: float, angle: float) -> tuple[float, float]:
-    """A vector's components in a frame turned by an angle [rad]."""
+    """Return a vector's components in a frame turned by an angle [rad]."""
     c = np.cos(angle)
     s = np.sin(angle)
     return c * ax + s * ay, -s * ax + c * ay

@@ -1,5 +1,4 @@
-"""Equations of motion of a piston, its floating pin and its rod, in the coordinates of
-`pin_coordinates`.
+"""Equations of motion of a piston, its floating pin and its rod, by `pin_coordinates`.
 
 Bosses and eye hold the pin by their films alone. Where the films are thin the pin moves by
 micrometres in them: relative coordinates keep these digits, and the rod stays on the crank without
@@ -53,8 +52,9 @@ NO_FILM = PinResultants(np.zeros(2), 0.0, 0.0)
 
 
 class PinFilms(NamedTuple):
-    """What the films of the pin do, those of all bosses together, and that in the eye; `force`
-    acts on the pin, of the crank's films on the crank.
+    """Resultants of the pin's films: all bosses together, and the eye.
+
+    `force` acts on the pin. The force of the crank's films acts on the crank.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ class Lack(NamedTuple):
 
 @compilable
 def towards_crank_pin(angle: float) -> np.ndarray:
-    """Unit vector from the crank's axis to its pin, (2,)."""
+    """Return the unit vector from the crank's axis to its pin, (2,)."""
     return pair(-np.sin(angle), np.cos(angle))
 
 
@@ -321,8 +321,9 @@ def imbalance(
 
 
 class Pushes(NamedTuple):
-    """What acts on the piston beside the pin: along x and y [N], about A [N m], on its modes (k,)
-    [kg^-1/2 N]; or changes of it.
+    """Forces on the piston other than the pin's, or changes of them.
+
+    They act along x and y [N], about A [N m], and on its modes (k,) [kg^-1/2 N].
     """
 
     lateral: float

@@ -1,5 +1,4 @@
-"""Gas that widens the bore: modal forces of the chamber's pressure above the top ring and of the
-land's between the rings.
+"""Modal forces of gas on the bore, above the top ring and between the rings.
 
 Pressure stands on the whole wall above a ring's middle and ends there; it is even around, and the
 rings' own push on the wall is left out. Where a ring is goes by the crank alone, as the bore is
@@ -19,8 +18,9 @@ from ..geometry.arrays import Matrix
 
 
 class WallPressures(NamedTuple):
-    """Gauge pressures on the bore above the top ring, and between the rings beside the share of it
-    that `BoreWall` holds [Pa].
+    """Gauge pressures on the bore above the top ring and between the rings [Pa].
+
+    The second one excludes the share in `BoreWall`.
     """
 
     chamber: float
@@ -59,7 +59,7 @@ def bore_wall(
     second_ring: float,
     land_share: float = 0.0,
 ) -> BoreWall:
-    """What gas needs to know of the bore's modes.
+    """Return the data of the bore's modes that the gas forces need.
 
     Eq. (D17):  W_k(y) = int_y^top int_0^2pi phi_k R dtheta dy
 

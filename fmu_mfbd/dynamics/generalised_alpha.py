@@ -1,5 +1,4 @@
-"""Generalised-alpha time integration: the coefficients and the update, shared by every equation of
-motion here.
+"""Generalised-alpha time integration: coefficients and update of every equation of motion.
 
 References
 ----------

@@ -54,7 +54,7 @@ class Inertia(NamedTuple):
 
 @compiled
 def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
-    """a . M b, twice the kinetic energy across the bore where both are the velocity.
+    """Return a . M b; if both are the velocity, twice the kinetic energy across the bore.
 
     Eq. (N6):  a . M b = m a_x b_x - S_y (a_x b_t + a_t b_x) + I0 a_t b_t
 
@@ -77,8 +77,9 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
 def limit_memory(
     inertia: Inertia, before: Motion, end: Motion, auxiliary: np.ndarray, step: float
 ) -> bool:
-    """Bound what a step that was an impact hands to the next one; positions stay, and so does the
-    film.
+    """Bound what the end of an impact step passes on to the next step.
+
+    Positions and the film do not change.
 
     Eq. (N7):  impact:  h |q''_1 - q''_0| > max(|q'_0|, |q'_1|)/4,  |q''_1 - q''_0| > 0.5 |q''_0|,
                         q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0

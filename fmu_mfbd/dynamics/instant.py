@@ -1,5 +1,6 @@
-"""One instant of the whole body side in compiled code: from predicted motion and forces to
-accelerations, films and outputs. The equations are in `film`, `piston_motion` and `slider_crank`.
+"""End of a step of the bodies: from predicted motion and forces to accelerations and outputs.
+
+The equations are in `film`, `piston_motion` and `slider_crank`.
 """
 
 from typing import NamedTuple
@@ -110,8 +111,7 @@ def end_of_step(
     step: StepProblem,
     forces: NodalForces,
 ) -> Instant:
-    """Return the end of a step: accelerations that fulfil the equations of motion with the forces
-    there, and everything that follows from them.
+    """Solve the equations of motion at the end of a step, with the forces there.
 
     Parameters
     ----------

@@ -1,6 +1,4 @@
-"""The body side as one model: a flexible piston on its crank in a flexible bore, one implicit step
-at a time.
-"""
+"""Model of the bodies: a flexible piston on its crank in a flexible bore, by implicit steps."""
 
 from copy import copy
 from dataclasses import dataclass, field
@@ -115,8 +113,9 @@ class Crank:
         return CrankMotion(angle, speed, 0.0)
 
     def turn(self, state: PistonState, step: float, speed: float) -> CrankMotion:
-        """Motion of the crank a step [s] after a state, `speed` [rad/s] being the input's at its
-        end.
+        """Return the motion of the crank a step [s] after a state.
+
+        `speed` is the input at the end of the step [rad/s].
 
         Eq. (K8):  free, order 2 in the step:  phi + h w + h^2 w'/2 + h^3 w''/6
                    w + h w' + h^2 w''/2,  w' + h w''
@@ -139,8 +138,7 @@ def on_skirt(pressure: np.ndarray, friction: np.ndarray) -> NodalForces:
 
 
 class PistonInBore:
-    """Flexible piston, rigid rod and crank at given speed, flexible block, and the geometry of any
-    number of films between them.
+    """Flexible piston, rigid rod and crank, flexible block, and any number of films between them.
 
     Parameters
     ----------
@@ -194,8 +192,9 @@ class PistonInBore:
     def start(
         self, crank_angle: float, lateral: float, angle: float, inputs: Inputs
     ) -> tuple[PistonState, dict]:
-        """State at rest, undeformed, at a given position, with the accelerations that the forces of
-        `inputs` ask for.
+        """Return the state at rest, undeformed, at a given position.
+
+        Its accelerations follow from the forces of `inputs`.
 
         Parameters
         ----------
@@ -247,7 +246,7 @@ class PistonInBore:
         return state, outputs
 
     def unyielding(self) -> "PistonInBore":
-        """The same without a deformation of the modes that follow statically."""
+        """Return the same model without deformation of the modes that follow statically."""
         system = self.system
         held = [
             modes._replace(stiffness=np.full_like(modes.stiffness, np.inf))
@@ -259,8 +258,9 @@ class PistonInBore:
         return model
 
     def advance(self, state: PistonState, inputs: Inputs, step: float) -> tuple[PistonState, dict]:
-        """One step of the generalised-alpha method, the first two of backward Euler; equations
-        hold at its end, with the forces given for its end.
+        """Take one step of the generalised-alpha method; the first two are backward Euler.
+
+        The equations hold at the end of the step, with the forces at its end.
 
         The crank follows its table; without one it turns with constant acceleration over the step,
         which the input's change asks for; free, it goes on as its torques asked for up to the start
@@ -312,8 +312,9 @@ class PistonInBore:
     def _solve(
         self, c: Coefficients, before: Motion, auxiliary: np.ndarray, at: End, inputs: Inputs
     ) -> tuple[PistonState, dict]:
-        """Return state and outputs that fulfil the equations of motion a step after the motion
-        `before` with its auxiliary acceleration.
+        """Return state and outputs that solve the equations of motion a step after `before`.
+
+        `auxiliary` is the auxiliary acceleration of that motion.
         """
         crank = at.crank
         pressure = inputs.gas_pressure
@@ -360,7 +361,7 @@ class PistonInBore:
         return end_of_step(system, step, forces), no_factors()
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
-        """Forces of all films on the bore's grid at the end of the last step [N]."""
+        """Return the forces of all films on the bore's grid at the end of the last step [N]."""
         surfaces, guided = self.film_surfaces, self._last.guided
         return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
 
@@ -408,7 +409,7 @@ class PistonInBore:
         return outputs
 
     def _on_block(self):
-        """Forces on a mounted block, by output."""
+        """Return the forces on a mounted block, by output."""
         names = (*ON_BLOCK, *BEARINGS)
         return dict(zip(names, force_at(self.system, self.crank_unbalance or 0.0, self._last)))
 
@@ -426,7 +427,7 @@ class PistonInBore:
         return dict(zip(names, found))
 
     def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
-        """A stacked field of all surfaces as one of each, by name."""
+        """Return a stacked field of all surfaces as one field for each, by name."""
         return {
             f"{film.prefix}{name}": stacked[cells].reshape(film.shape)
             for film, cells in zip(self.films, self.cells)
@@ -439,8 +440,9 @@ class PistonInBore:
         rings: RingForce = NO_RINGS,
         carried: np.ndarray = NOT_CARRIED,
     ) -> dict[str, np.ndarray | float]:
-        """Change of film and motion, and of the forces on a mounted block, at the end of the last
-        step with the forces at its end (Eq. (D7)).
+        """Return the change of outputs with the forces at the end of the last step (Eq. (D7)).
+
+        These are film, motion and the forces on a mounted block.
 
         Parameters
         ----------
@@ -483,8 +485,9 @@ class PistonInBore:
         }
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
-        """Change of the films' thickness with the deflection (n, s) [m] of a bore from outside, by
-        output: at the end of the last step; nothing else changes with it there.
+        """Return the change of film thickness with a bore's deflection from outside, by output.
+
+        The deflection is (n, s) [m]. At the end of the last step nothing else changes with it.
         """
         assert self.outside
         surfaces, guided = self.film_surfaces, self._last.guided

@@ -1,5 +1,4 @@
-"""A flexible block of several cylinders on its mounts: rigid motion and modes, one implicit step at
-a time, and what each cylinder sees of it.
+"""Flexible block of several cylinders on its mounts: rigid motion and modes, by implicit steps.
 
 Eq. (U30):  M q'' + C q' + K q = F,   q = (u, rotation, modal coordinates)
             M = diag(R^T M R, 1),   K = diag(0, Omega^2) + sum_j G_j^T k_j G_j
@@ -60,9 +59,10 @@ class Cylinder(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a cylinder sees of the block: acceleration of its place on the crank axis [m/s2],
-    angular acceleration and velocity about z [rad/s2], [rad/s], deflection of its bore (angles,
-    stations) [m].
+    """Motion of the block at a cylinder.
+
+    It has the acceleration on the crank axis [m/s2], the angular acceleration [rad/s2] and velocity
+    about z [rad/s]. The deflection of the bore is (angles, stations) [m].
     """
 
     acceleration_x: float
@@ -74,8 +74,9 @@ class Seen(NamedTuple):
 
 @dataclass(frozen=True)
 class BlockState:
-    """Motion of all coordinates, the time integrator's auxiliary acceleration and the forces F,
-    each (6 + k,); length of the last step [s]; steps taken.
+    """Motion of all coordinates, auxiliary acceleration and forces F, each (6 + k,).
+
+    It also has the length of the last step [s] and the number of steps.
     """
 
     position: np.ndarray
@@ -113,8 +114,7 @@ class Mounting:
 
 
 class Rule(NamedTuple):
-    """Step of every coordinate: what an unknown of 1 adds to velocity and position at the end, and
-    the factors of all unknowns at once.
+    """Step of every coordinate: its effect on velocity and position at the end, and all factors.
 
     Of coordinates with inertia the unknown is the end acceleration, of the others the position.
     """
@@ -189,7 +189,7 @@ class MountedMonoblock:
     def seen(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
     ) -> list[Seen]:
-        """What each cylinder sees of a motion, or of a change of it."""
+        """Return the motion of the block, or a change of it, at each cylinder."""
         across, up, _, pitch, yaw, roll = acceleration[:RIGID_MOTIONS].tolist()
         rolling = float(velocity[RIGID_MOTIONS - 1])
         # Eq. (U32)
@@ -227,8 +227,9 @@ class MountedMonoblock:
         )
 
     def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[Seen]:
-        """Change of what each cylinder sees at the end of the last step with a change of what they
-        do there: exact, the equations are linear.
+        """Return the change of the block's motion at each cylinder with all cylinders' forces.
+
+        It is exact, because the equations are linear.
         """
         if not after.steps:
             nothing = np.zeros(self.size)
@@ -247,7 +248,7 @@ class MountedMonoblock:
         return float(kinetic), float(state.position @ self.stiffness @ state.position / 2)
 
     def lost(self, before: BlockState, after: BlockState) -> float:
-        """What mounts and modes turn into heat over a step, by the trapezoidal rule [J]."""
+        """Return the heat of mounts and modes over a step, by the trapezoidal rule [J]."""
         mean = (before.velocity + after.velocity) / 2
         return float((after.position - before.position) @ self.damping @ mean)
 

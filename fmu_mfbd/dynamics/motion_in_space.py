@@ -1,5 +1,6 @@
-"""Equations of motion of a rigid piston in space on a tied pin, in coordinates [x_A, rocking angle,
-z, roll, yaw].
+"""Equations of motion of a rigid piston in space on a tied pin.
+
+The coordinates are [x_A, rocking angle, z, roll, yaw].
 
 z is the shift of A along the pin, +z; roll and yaw are rotations about x and y of the axes that
 turn with the rocking angle. They are small, and the equations of first order in them; the motion in
@@ -32,8 +33,9 @@ IN_SPACE = slice(SHIFT, COORDINATES)
 
 
 class SpaceBody(NamedTuple):
-    """Inertia of a rigid piston: mass [kg], first moment (3,) [kg m] and tensor of inertia (3, 3)
-    [kg m2], both about A in its own axes.
+    """Inertia of a rigid piston: mass [kg], first moment (3,) [kg m] and tensor (3, 3) [kg m2].
+
+    The moments are about A in its own axes.
     """
 
     mass: float
@@ -102,8 +104,9 @@ class SpaceLoad(NamedTuple):
 
 
 class Held(NamedTuple):
-    """Force of a `Stop`, opposite to the motion, (n,), and its slopes against position and
-    velocity, (n, n).
+    """Force of a `Stop`, opposite to the motion, (n,), and its slopes, (n, n).
+
+    The slopes are against position and velocity.
     """
 
     force: np.ndarray
@@ -131,8 +134,10 @@ class Spin(NamedTuple):
 
 
 class SpaceKinematics(NamedTuple):
-    """Where everything stands: link, rod, axes R (2, 2), acceleration of A (2,) in space, piston,
-    and the piston with the pin, which turns with it but for the rocking angle.
+    """Positions of all parts: link, rod, axes R (2, 2), and acceleration of A (2,) in space.
+
+    It also has the piston without and with the pin, which turns with it except for the rocking
+    angle.
     """
 
     link: Link
@@ -177,7 +182,7 @@ def skew(vector: np.ndarray) -> np.ndarray:
 
 
 def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> Held:
-    """What a stop does against a motion in any direction, of n coordinates.
+    """Compute the force of a stop against a motion of n coordinates in any direction.
 
     Eq. (K17):  F = k max(0, |q| - play) q/|q| + d q'
 
@@ -222,8 +227,9 @@ def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
 
 
 def needed_change(body: SpaceBody, spin: Spin, by: Spin) -> tuple[np.ndarray, np.ndarray]:
-    """Derivative of `needed` along n changes of the motion, `by` with arrays (3, n): both
-    (3, n).
+    """Compute the derivative of `needed` along n changes of the motion, (3, n).
+
+    The arrays of `by` are also (3, n).
     """
     t = skew(spin.tilt)
     w = skew(spin.velocity)
@@ -275,8 +281,9 @@ def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinem
 
 
 def with_pin(bodies: SpaceBodies) -> SpaceBody:
-    """The piston with the pin's inertia about its diameters; the pin does not turn with the rocking
-    angle, and its mass at A is counted apart.
+    """Return the piston with the pin's inertia about its diameters.
+
+    The pin does not turn with the rocking angle, and its mass at A is counted separately.
     """
     thin = bodies.pin_inertia * np.diag([1.0, 1.0, 0.0])
     return bodies.piston._replace(J=bodies.piston.J + thin)
@@ -344,7 +351,7 @@ def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMot
 
 
 def _held(bodies, now):
-    """What holds z, and what roll and yaw."""
+    """Return what holds z, and what holds roll and yaw."""
     ways = (bodies.along, slice(SHIFT, ROLL)), (bodies.askew, slice(ROLL, COORDINATES))
     return [held(stop, now.position[way], now.velocity[way]) for stop, way in ways]
 
@@ -352,8 +359,9 @@ def _held(bodies, now):
 def tangent(
     bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion, c1: float, c2: float
 ) -> np.ndarray:
-    """Derivative of the residual (Eq. (D27)), (5, 5), when each end acceleration moves its velocity
-    by c1 [s] and its position by c2 [s2].
+    """Compute the derivative of the residual (Eq. (D27)), (5, 5).
+
+    Each end acceleration changes its velocity by c1 [s] and its position by c2 [s2].
 
     Parameters
     ----------
@@ -425,7 +433,7 @@ def tangent(
 def pushed(
     bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion, change: SpaceLoad
 ) -> np.ndarray:
-    """What a change of the load adds to the residual (Eq. (D27)), shape (5,)."""
+    """Return the change of the residual (Eq. (D27)) with a change of the load, (5,)."""
     at = place_of(bodies, now, crank)
     lack = imbalance(bodies, load, now, crank)
     slip = now.velocity[ROCKING] - at.rod.velocity

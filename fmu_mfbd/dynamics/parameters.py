@@ -11,7 +11,7 @@ def _declared(
     minimum: float | None = None,
     maximum: float | None = None,
 ) -> Any:
-    """A parameter's default and, for the table of variables, its unit, description and range."""
+    """Declare the default of a parameter with unit, description and range."""
     metadata = dict(unit=unit, description=description, minimum=minimum, maximum=maximum)
     return field(default=start, metadata=metadata)
 
@@ -29,8 +29,10 @@ NO_GAS_TABLE = "gas_source: expected a table build.gas with gas_source = table, 
 
 @dataclass(frozen=True)
 class Parameters:
-    """Values of all parameters in SI. This is their one declaration: the table of variables
-    (`variables.parameters`) is read from it; the defaults are those of the shipped case.
+    """Values of all parameters in SI.
+
+    This is their only declaration, which `variables.parameters` reads. The defaults are those of
+    the shipped case.
     """
 
     radial_clearance: float = _declared(
@@ -225,8 +227,9 @@ class PinParameters:
 
 @dataclass(frozen=True)
 class AxisParameters:
-    """Those of a body FMU whose floating pin tilts or bends, beside `PinParameters`, in SI; the
-    pin's density is its mass by its volume, relief is what keeps it from bearing at edges.
+    """Parameters of a floating pin that tilts or bends, in addition to `PinParameters`, in SI.
+
+    The pin's density is its mass divided by its volume. Relief keeps it from bearing at edges.
     """
 
     pin_length: float = _declared(
@@ -261,8 +264,9 @@ class BigEndParameters:
 
 @dataclass(frozen=True)
 class MainBearingParameters:
-    """Those of a body FMU whose crank turns in the block in a film, beside `PinParameters`, in SI:
-    one bearing that carries one cylinder; `crank_unbalance` acts on it.
+    """Parameters of a crank with a film in the block, in addition to `PinParameters`, in SI.
+
+    One bearing carries one cylinder, and `crank_unbalance` acts on it.
     """
 
     main_bearing_radius: float = _declared(
@@ -282,8 +286,9 @@ CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingPara
 
 @dataclass(frozen=True)
 class SpaceParameters:
-    """Those of a body FMU whose piston moves in space, beside `Parameters`, in SI; what holds the
-    piston across its plane beside the film is our own choice (`motion_in_space`).
+    """Parameters of a piston that moves in space, in addition to `Parameters`, in SI.
+
+    The supports of the piston across its plane are our own choice (`motion_in_space`).
     """
 
     pin_axial_play: float = _declared(

@@ -1,7 +1,9 @@
-"""Coordinates of a piston on a floating pin: [x_A, rocking angle, pin from the piston's bosses
-(x, y), pin from the rod's eye (x, y), angle of the pin, modal coordinates of the piston, shapes of
-the pin's axis along x, along y, modal coordinates of the rod's eye, crank pin from the rod's big
-end (x, y), crank's journal from the main bearing (x, y)], the last two where they have films.
+"""Coordinates of a piston on a floating pin.
+
+They are [x_A, rocking angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y),
+angle of the pin, modal coordinates of the piston, shapes of the pin's axis along x and along y,
+modal coordinates of the rod's eye]. Films of the crank add [crank pin from the rod's big end (x,
+y), journal from the main bearing (x, y)].
 """
 
 from typing import NamedTuple
@@ -62,8 +64,9 @@ RIGID_CRANK = Crankshaft()
 
 
 class PinBodies(NamedTuple):
-    """Piston with all its modes, mechanism, the pin's moment of inertia about its axis [kg m2],
-    shapes of its axis, modes of the rod's eye, the crank.
+    """Piston with all modes, mechanism, inertia of the pin about its axis [kg m2], and other parts.
+
+    These are the shapes of the pin's axis, the modes of the rod's eye, and the crank.
     """
 
     piston: FlexibleBody
@@ -83,8 +86,9 @@ class PinBodies(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Number of the first coordinate of each block, `crank` of its films together, `NOWHERE` of
-    those that it has not; and of coordinates in all.
+    """Number of the first coordinate of each block, and of all coordinates.
+
+    `crank` is the first one of all its films. Absent blocks are `NOWHERE`.
     """
 
     modes: int
@@ -147,8 +151,9 @@ def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
 
 @compilable
 def shift_of(first: Layout, coordinates: np.ndarray) -> np.ndarray:
-    """By which the rod's big end lies beside its place on a crank without play (Eq. (K25)), or its
-    change, (2,).
+    """Return the displacement of the rod's big end due to play at the crank (Eq. (K25)), (2,).
+
+    A change of the coordinates gives its change.
     """
     journal = play_at(first.main_bearing, coordinates)
     crank_pin = play_at(first.big_end, coordinates)
@@ -163,8 +168,10 @@ def is_held(coordinate: int) -> bool:
 
 @compilable
 def small_end(first: Layout, coordinates: np.ndarray) -> float:
-    """x of the rod's eye from its concentric place, less that of its big end from the place on a
-    crank without play, or its change in time, by the coordinates'.
+    """Return x of the rod's eye from its concentric position, minus that of its big end.
+
+    The big end counts from its position on a crank without play. Velocities of the coordinates give
+    the rate.
     """
     aside = shift_of(first, coordinates)
     return coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X] - aside[0]

@@ -78,7 +78,7 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 def resultants_of(
     surface: PinSurface, forces: PinForces, shell: Shell, modal: np.ndarray
 ) -> PinResultants:
-    """What a film does, its shell yielding by modal coordinates."""
+    """Return the resultants of a film whose shell deflects by modal coordinates."""
     bent = shell.bent.position
     found = resultants_on(surface, forces, shell.place, shell.axes, bent)
     push = slope_push(surface, forces.pressure)
@@ -110,9 +110,10 @@ def no_film(shapes: int) -> PinResultants:
 
 
 class OnModes(NamedTuple):
-    """Moments on the pin by the slopes of all bosses and of the eye (Eq. (G5)), by modal
-    coordinate; forces of the films in bosses on the piston's modes, in the eye on its own
-    (Eq. (G6)).
+    """Loads of the pin's films by the modes of their shells.
+
+    Moments on the pin come from the slopes of bosses and eye (Eq. (G5)), by modal coordinate.
+    Forces act on the piston's modes and on those of the eye (Eq. (G6)).
     """
 
     slope_push: np.ndarray
@@ -123,7 +124,7 @@ class OnModes(NamedTuple):
 
 @compilable
 def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnModes:
-    """What the films do by the modes of their shells; `surfaces` as in `PinSystem`."""
+    """Return the loads of the films by the modes of their shells; `surfaces` as in `PinSystem`."""
     k = first.shapes - first.modes
     m = first.crank - first.eye
     out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
@@ -163,8 +164,9 @@ def films_at(
     crank: CrankMotion,
     by: OnModes,
 ) -> PinFilms:
-    """What the films do with their shells where a motion has them; both bosses as one. `surfaces`
-    as in `PinSystem`.
+    """Return the resultants of all films of the pin in a motion, both bosses as one.
+
+    `surfaces` are those of `PinSystem`.
     """
     shapes = (first.eye - first.shapes) // 2
     both = no_film(shapes)

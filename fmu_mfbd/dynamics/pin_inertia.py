@@ -29,9 +29,11 @@ def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
 
 
 class Way(NamedTuple):
-    """How a coordinate alone moves A, the pin's axis, the eye from its big end, the big end from
-    its place without play, the crank's journal; the rocking angle; numbers of the piston's mode
-    and of the eye's, `NOWHERE` of another.
+    """Motion of all parts with a single coordinate.
+
+    The parts are A, the pin's axis, the eye from its big end, the big end from its position without
+    play, and the journal. It also has the rocking angle, and the numbers of the piston's mode and
+    of the eye's mode, else `NOWHERE`.
     """
 
     x: float
@@ -123,8 +125,9 @@ def inertia(bodies: PinBodies) -> np.ndarray:
 
 @compiled
 def inertia_with_rod(bodies: PinBodies) -> np.ndarray:
-    """M of `inertia`, of the rod that swings with its eye (Eqs. (K12), (K16)), and of what play
-    at the crank moves of rod and crank.
+    """Compute M of `inertia` with the rod that swings with its eye (Eqs. (K12), (K16)).
+
+    It includes the motion of rod and crank due to play at the crank.
 
     Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
     """

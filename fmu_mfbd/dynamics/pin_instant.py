@@ -1,9 +1,9 @@
-"""One instant of a piston on a floating pin, as `instant` has it of a tied one: from predicted
-motion and forces to accelerations, films and outputs. The equations are in `film`, `pin`,
-`floating_pin` and `slider_crank`.
+"""End of a step of a piston on a floating pin, the counterpart of `instant`.
+
+The equations are in `film`, `pin`, `floating_pin` and `slider_crank`.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -82,35 +82,85 @@ class PinSolution(NamedTuple):
 
 
 class PinScalars(NamedTuple):
-    """Scalar outputs of pin, eye and crank, as `variables` names and describes them; 0 of what is
-    not there.
-    """
+    """Scalar outputs of pin, eye and crank, as `drive.Scalars`; 0 if their part is absent."""
 
-    pin_displacement_x: float
-    pin_displacement_y: float
-    small_end_displacement_x: float
-    small_end_displacement_y: float
-    pin_angle: float
-    pin_rotation_speed: float
-    small_end_force_x: float
-    small_end_force_y: float
-    small_end_friction_moment: float
-    pin_tilt_x: float
-    pin_tilt_y: float
-    pin_bending_x: float
-    pin_bending_y: float
-    small_end_widening_across: float
-    small_end_widening_along: float
-    big_end_displacement_x: float
-    big_end_displacement_y: float
-    big_end_force_x: float
-    big_end_force_y: float
-    big_end_friction_moment: float
-    main_bearing_displacement_x: float
-    main_bearing_displacement_y: float
-    main_bearing_force_x: float
-    main_bearing_force_y: float
-    main_bearing_friction_moment: float
+    pin_displacement_x: Annotated[
+        float, "m", "Displacement of the pin axis from the axis of the bosses along x", 1e-5
+    ]
+    pin_displacement_y: Annotated[
+        float, "m", "Displacement of the pin axis from the axis of the bosses along y", 1e-5
+    ]
+    small_end_displacement_x: Annotated[
+        float, "m", "Displacement of the pin axis from the axis of the small end along x", 1e-5
+    ]
+    small_end_displacement_y: Annotated[
+        float, "m", "Displacement of the pin axis from the axis of the small end along y", 1e-5
+    ]
+    pin_angle: Annotated[float, "rad", "Rotation angle of the pin about +z", 1.0]
+    pin_rotation_speed: Annotated[float, "rad/s", "Angular velocity of the pin about +z", 10.0]
+    small_end_force_x: Annotated[float, "N", "Force of the pin on the rod along x", 1e3]
+    small_end_force_y: Annotated[float, "N", "Force of the pin on the rod along y", 1e3]
+    small_end_friction_moment: Annotated[
+        float, "N.m", "Friction moment of the pin on the rod about +z", 0.1
+    ]
+    pin_tilt_x: Annotated[float, "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4]
+    pin_tilt_y: Annotated[float, "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4]
+    pin_bending_x: Annotated[
+        float,
+        "m",
+        "Displacement of the floating pin at mid-length from the mean of both ends along x",
+        1e-5,
+    ]
+    pin_bending_y: Annotated[
+        float,
+        "m",
+        "Displacement of the floating pin at mid-length from the mean of both ends along y",
+        1e-5,
+    ]
+    small_end_widening_across: Annotated[
+        float, "m", "Change of the small-end diameter at mid-length, across the rod", 1e-5
+    ]
+    small_end_widening_along: Annotated[
+        float, "m", "Change of the small-end diameter at mid-length, along the rod", 1e-5
+    ]
+    big_end_displacement_x: Annotated[
+        float,
+        "m",
+        "Displacement of the crank pin from the middle of the rod's big end along x",
+        1e-5,
+    ]
+    big_end_displacement_y: Annotated[
+        float,
+        "m",
+        "Displacement of the crank pin from the middle of the rod's big end along y",
+        1e-5,
+    ]
+    big_end_force_x: Annotated[float, "N", "Force of the crank pin on the rod along x", 1e3]
+    big_end_force_y: Annotated[float, "N", "Force of the crank pin on the rod along y", 1e3]
+    big_end_friction_moment: Annotated[
+        float, "N.m", "Friction moment of the crank pin on the rod about +z", 0.1
+    ]
+    main_bearing_displacement_x: Annotated[
+        float,
+        "m",
+        "Displacement of the main journal from the middle of the main bearing along x",
+        1e-5,
+    ]
+    main_bearing_displacement_y: Annotated[
+        float,
+        "m",
+        "Displacement of the main journal from the middle of the main bearing along y",
+        1e-5,
+    ]
+    main_bearing_force_x: Annotated[
+        float, "N", "Force of the main journal on the block along x", 1e3
+    ]
+    main_bearing_force_y: Annotated[
+        float, "N", "Force of the main journal on the block along y", 1e3
+    ]
+    main_bearing_friction_moment: Annotated[
+        float, "N.m", "Friction moment of the main journal on the block about +z", 0.1
+    ]
 
 
 class PinInstant(NamedTuple):
@@ -154,8 +204,9 @@ def _along_crank(films, crank, rod_turning):
 
 
 class Reach(NamedTuple):
-    """What an end acceleration of 1 adds to each coordinate's velocity [s] and position [s2] at the
-    end of a step, shape (7 + k + 2 n,).
+    """Effect of a unit end acceleration on velocity [s] and position [s2] at the end of a step.
+
+    The shape is (7 + k + 2 n,).
     """
 
     velocity: np.ndarray
@@ -221,8 +272,9 @@ def solved(
     forces: PinForces,
     by: OnModes,
 ) -> PinSolution:
-    """Accelerations that fulfil Eq. (D21) at the end of a step, by Newton's method, from where
-    the step ends without any and from those at its beginning.
+    """Solve Eq. (D21) for the accelerations at the end of a step, by Newton's method.
+
+    The iteration starts from zero accelerations and from those at the beginning of the step.
     """
     bodies = of.bodies
     first = layout(bodies)
@@ -266,7 +318,7 @@ def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 @compilable
 def scalar_product(a: np.ndarray, b: np.ndarray) -> float:
-    """a . b, in a loop."""
+    """Return a . b, by a loop."""
     total = 0.0
     for k in range(len(a)):
         total += a[k] * b[k]
@@ -377,8 +429,7 @@ def end_of_pin_step(
     skirt_forces: NodalForces,
     forces: PinForces,
 ) -> PinInstant:
-    """One step, as `instant.end_of_step`: accelerations at its end that fulfil Eq. (D21) with the
-    forces there, and everything that follows from them.
+    """Solve the end of a step, as `instant.end_of_step`: accelerations that fulfil Eq. (D21).
 
     Parameters
     ----------

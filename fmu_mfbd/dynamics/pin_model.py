@@ -1,9 +1,10 @@
-"""A piston whose pin floats: the model of `model.PistonInBore` with the films of the pin in both
-bosses and in the rod's eye, which may yield, and those of the crank in rod and block where it has
-any. The pin is rigid or tilts and bends; crank, block and what else there is of the rod are rigid.
+"""Model of a piston whose pin floats, based on `model.PistonInBore`.
+
+It has the films of the pin in both bosses and in the rod's eye, which may be flexible, and those of
+the crank. The pin is rigid, or it tilts and bends. Crank, block and the rest of the rod are rigid.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,38 +13,16 @@ from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from ..geometry.surfaces import pins_in_block
 from .build_options import FilmGrid
 from .elimination import LUFactors
-from .generalised_alpha import Motion
 from .instant import Instant
 from .modal_damping import ModalSprings
 from .model import MOTION, Inputs, PistonInBore, on_skirt
 from .pin_coordinates import RIGID_CRANK, RIGID_EYE, Crankshaft, PinBodies, layout, of_eye, of_modes
 from .pin_films import PinSystem
 from .pin_inertia import inertia, inertia_with_rod
-from .pin_instant import PinInstant, end_of_pin_step
+from .pin_instant import end_of_pin_step
 from .pin_response import respond_pin
-from .pin_shells import Shell, shell_of
 from .slider_crank import CrankMotion
 from .system import NO_RINGS, RingForce, StepProblem
-
-TOLD_BY = {
-    "pin_tilt": "shapes",
-    "pin_bending": "shapes",
-    "small_end_widening": "eye",
-    "big_end": "big_end",
-    "main_bearing": "main_bearing",
-}
-"""How names of `PinScalars` begin that not every pin tells, and what tells them."""
-
-
-class PinEnd(NamedTuple):
-    """The end of the last step: where it left everything, what acted there (stacked [N]), and the
-    shells of every film of pin and crank.
-    """
-
-    step: PinInstant
-    forces: PinForces
-    end: Motion
-    shells: tuple[Shell, ...]
 
 
 class PistonOnFloatingPin(PistonInBore):
@@ -66,6 +45,8 @@ class PistonOnFloatingPin(PistonInBore):
         Those of the rod's eye.
     crank : Crankshaft
         What of it has films.
+    absent : tuple of str
+        `BuildOptions.absent_parts`, which have no outputs.
     """
 
     def __init__(
@@ -77,6 +58,8 @@ class PistonOnFloatingPin(PistonInBore):
         shapes: AxisShapes = STRAIGHT,
         eye: ModalSprings = RIGID_EYE,
         crank: Crankshaft = RIGID_CRANK,
+        *,
+        absent: tuple[str, ...] = (),
     ):
         vars(self).update(vars(tied))
         mechanism = self.system.mechanism
@@ -89,31 +72,18 @@ class PistonOnFloatingPin(PistonInBore):
         self.floating = PinSystem(self.system, self.bodies, block, self.inertia, with_rod)
         self.pins = pins
         self.grids = grids
-        there = {"shapes": len(shapes.mass), "eye": len(eye.stiffness)} | crank._asdict()
-        self.left_out = tuple(name for name, what in TOLD_BY.items() if not there[what])
+        self.absent = absent
 
     def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
         """Everything at the end of a step."""
         skirt = on_skirt(inputs.pressure_force, inputs.friction_force)
-        forces = stacked(inputs.pins)
-        found = end_of_pin_step(self.floating, step, skirt, forces)
-        self._step = found, forces
+        found = self._step = end_of_pin_step(self.floating, step, skirt, stacked(inputs.pins))
         return found.now, found.factors
-
-    @property
-    def _pin(self) -> PinEnd:
-        """The end of the last step."""
-        step, forces = self._step
-        end, crank = self._last.now, self._last.crank
-        mechanism = self.bodies.mechanism
-        each = range(len(self.pins))
-        shells = (shell_of(mechanism, self.layout, end, crank, k) for k in each)
-        return PinEnd(step, forces, end, tuple(shells))
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
         """Those of the tied pin, and the pin's own."""
         outputs = super()._outputs(now, crank)
-        step, _ = self._step
+        step = self._step
         for grid, error in zip(self.grids, step.work_error):
             outputs[f"{grid.prefix}sliding_velocity"] = np.zeros(grid.shape)
             outputs[f"{grid.prefix}interface_work_error"] = float(error)
@@ -127,11 +97,11 @@ class PistonOnFloatingPin(PistonInBore):
             outputs["small_end_modal_velocity"] = of_eye(self.layout, now.kept_velocity).copy()
         scalars = step.scalars._asdict().items()
         return outputs | {
-            name: value for name, value in scalars if not name.startswith(self.left_out)
+            name: value for name, value in scalars if not name.startswith(self.absent)
         }
 
     def _by_pin(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
-        """A stacked field of all films of pin and crank as one of each, by name."""
+        """Return a stacked field of all films of pin and crank as one field for each, by name."""
         fields = {}
         first = 0
         for grid in self.grids:
@@ -147,8 +117,7 @@ class PistonOnFloatingPin(PistonInBore):
         rings: RingForce = NO_RINGS,
         pins: tuple[PinForces, ...] = (),
     ) -> dict[str, np.ndarray | float]:
-        """Change of films and motion at the end of the last step with the forces at its end
-        (Eq. (D23)).
+        """Return the change of outputs with the forces at the end of the last step (Eq. (D23)).
 
         Parameters
         ----------
@@ -175,5 +144,5 @@ class PistonOnFloatingPin(PistonInBore):
 
 
 def stacked(pins: tuple[PinForces, ...]) -> PinForces:
-    """Forces of all films of pin and crank, their cells one after another."""
+    """Return the forces of all films of pin and crank, their cells one after another."""
     return PinForces(*(np.concatenate([np.ravel(one) for one in field]) for field in zip(*pins)))

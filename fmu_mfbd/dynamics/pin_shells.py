@@ -97,7 +97,7 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
 
 @compilable
 def _big_end(first):
-    """Number of the big end's film, -1 without it."""
+    """Return the number of the big end's film, -1 if it has none."""
     return EYE + 1 if first.big_end >= 0 else -1
 
 
@@ -145,8 +145,9 @@ def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray
 
 
 class ShellChange(NamedTuple):
-    """Change of a pin's place in space (2,) [m], of its shell's angle [rad], and of the speed at
-    which it turns in that [rad/s].
+    """Change of a pin's position (2,) [m] and of its shell's angle [rad].
+
+    It includes the change of the speed at which the pin turns in the shell [rad/s].
     """
 
     place: np.ndarray

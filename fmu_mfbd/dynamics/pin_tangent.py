@@ -23,8 +23,10 @@ def tangent(
     to_velocity: np.ndarray,
     to_position: np.ndarray,
 ) -> np.ndarray:
-    """Derivative of the residual (Eq. (D21)) when each end acceleration moves its velocity and its
-    position by what the time integrator has them move. A column says what one of them changes.
+    """Compute the derivative of the residual (Eq. (D21)) by the end accelerations.
+
+    Each one changes its velocity and position as the time integrator does. A column belongs to one
+    of them.
 
     Parameters
     ----------
@@ -105,8 +107,9 @@ def tangent(
 
 @compilable
 def _turned_moments(first, now, films):
-    """Return the change of the moment on the pin with the angles of bosses and eye, (2,) [N m]:
-    the films' forces turn with their shells, the pin's place and shapes do not.
+    """Return the change of the moment on the pin with the angles of bosses and eye, (2,) [N m].
+
+    The films' forces turn with their shells. The pin's position and shapes do not.
     """
     boss = films.bosses.force
     eye = films.eye.force
@@ -125,8 +128,9 @@ def _turned_moments(first, now, films):
 
 @compilable
 def _frame_rows(rows, lack, frame, way, high, boss_turn):
-    """Fill in the change of the frame's rows with a coordinate; return that of the force on the
-    piston in space, (2,).
+    """Fill in the change of the frame's rows with a coordinate.
+
+    Returns the change of the force on the piston in space, (2,).
 
     `high` is the acceleration along y that the rod gives its eye, the frame's axes turn.
     """
@@ -190,9 +194,10 @@ def _add_springs(out, bodies, c1, c2):
 def _frame_tangent(
     piston: FlexibleBody, frame: FrameMotion, c1: np.ndarray, c2: np.ndarray
 ) -> np.ndarray:
-    """Derivative of the frame's rows (Eqs. (D1) to (D3)) by A's acceleration in the body's axes,
-    the angle and the modes, (3 + k, 3 + k); the integrator moves angle and modes each in its own
-    way.
+    """Compute the derivative of the frame's rows (Eqs. (D1) to (D3)), (3 + k, 3 + k).
+
+    The columns are A's acceleration in the body's axes, the angle and the modes. The integrator
+    treats angle and modes differently.
     """
     k = len(frame.q)
     out = np.empty((FRAME + k, FRAME + k))

@@ -1,5 +1,6 @@
-"""Equation of motion of the flexible piston on its crank, in minimal coordinates [x_A, rocking
-angle, modal coordinates].
+"""Equation of motion of the flexible piston on its crank, in minimal coordinates.
+
+They are [x_A, rocking angle, modal coordinates].
 
 A's height and the rod's angle follow from x_A and the crank angle, so that there are no constraints
 and nothing drifts.
@@ -244,10 +245,11 @@ def tangent(
     c1: float,
     c2: float,
 ) -> Arrow:
-    """Derivative of the residual (Eq. (D5)) when each end acceleration moves its velocity by c1 and
-    its position by c2, without the coupling of modes among each other
-    (`floating_frame.mode_coupling`), and with the block's motion as if it added the same wherever A
-    stands: what that leaves out is smaller by 2 w c1, w the block's angular velocity, 1e-5 or so.
+    """Compute the derivative of the residual (Eq. (D5)) by the end accelerations.
+
+    Each one changes its velocity by c1 and its position by c2. `floating_frame.mode_coupling` is
+    omitted. The contribution of the block's motion is constant over A's position. This omits a
+    share 2 w c1, w the block's angular velocity, about 1e-5.
 
     Parameters
     ----------
@@ -308,15 +310,16 @@ def tangent(
 
 @compiled
 def _turn_with_frame(rows, force: FrameForce, c2):
-    """The frame turns, and its force with it."""
+    """Add the rotation of the force with the frame."""
     rows[X, ROCKING] -= c2 * force.y
     rows[Y, ROCKING] += c2 * force.x
 
 
 @compiled
 def _by_coordinates(rows, dx, dy, ax, ay, c2):
-    """Columns for x_A and the rocking angle from those for the frame's acceleration and angle; the
-    others as they are.
+    """Return columns for x_A and the rocking angle from those of the frame's motion.
+
+    The other columns do not change.
 
     (dx, dy) is the change of A's acceleration with x_A'' and (ax, ay) that acceleration, in the
     body frame: it turns by c2.
@@ -427,8 +430,9 @@ def end_accelerations(
     c1: float,
     c2: float,
 ) -> Solution:
-    """End accelerations that fulfil the equations of motion to 1e-15 or so of their size, or of
-    what positions know of them.
+    """Solve for the end accelerations that fulfil the equations of motion.
+
+    The error is about 1e-15 of their size, or the round-off of positions.
 
     Newton's method with the part of the exact tangent that couples the rigid motion to everything
     and each mode to itself. What it leaves out, Coriolis and centrifugal coupling of modes, is
@@ -494,8 +498,9 @@ def end_accelerations(
 
 @compiled
 def _size_of_terms(body, mechanism, load, now, crank, arrow):
-    """The accelerations that the forces would cause if none cancelled another, in the norm of
-    `squared_size`: what the residual's round-off is a share of.
+    """Return the size of accelerations if no forces cancelled, in the norm of `squared_size`.
+
+    The round-off of the residual is a share of it.
     """
     link = motion(mechanism, lateral_motion(now), crank)
     climb = abs(link.axial_acceleration)

@@ -49,7 +49,7 @@ STILL = Ride(0.0, 0.0, 0.0, 0.0)
 
 
 def standing(stiffness: np.ndarray) -> StaticModes:
-    """Static modes of a body whose frame does not move."""
+    """Return static modes of a body whose frame does not move."""
     nothing = np.zeros(len(stiffness))
     return StaticModes(stiffness, np.zeros((2, len(stiffness))), nothing, nothing)
 
@@ -86,8 +86,9 @@ def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.
 
 @compiled
 def follow(position, velocity, position_before, q, first, step):
-    """Put static modes at their coordinates from `first` on; their velocity is the mean one over
-    the step, 0 at the start.
+    """Set static modes to their coordinates from `first` on.
+
+    Their velocity is the mean over the step, 0 at the start.
     """
     for k in range(len(q)):
         position[first + k] = q[k]

@@ -233,8 +233,9 @@ def response(
 
 @compiled
 def _right_side(linear, forces, rings, carried_force):
-    """dQ of Eq. (D7) on the piston's moving coordinates: the pin carries what film and rings do
-    not; and what the block's motion adds.
+    """Return dQ of Eq. (D7) on the piston's moving coordinates.
+
+    The pin carries what film and rings do not. The block's motion adds to it.
     """
     lateral = forces.lateral + rings.lateral
     axial = forces.axial + rings.axial
@@ -253,8 +254,9 @@ def _right_side(linear, forces, rings, carried_force):
 
 @compiled
 def _piston_change(system, linear, acceleration, force):
-    """Changes of the piston's coordinates, static modes included, with those of its accelerations
-    and modal forces.
+    """Return the changes of the piston's coordinates, static modes included.
+
+    They follow from changes of accelerations and modal forces.
     """
     moving = len(system.piston.stiffness)
     out = _changes(linear, acceleration, RIGID + len(force))
@@ -267,7 +269,7 @@ def _piston_change(system, linear, acceleration, force):
 
 @compiled
 def _block_change(system, linear, force):
-    """Changes of the block's coordinates, static modes included, with those of its modal forces."""
+    """Return the changes of all coordinates of the block with its modal forces."""
     block = system.block
     moving = len(block.stiffness)
     acceleration = np.empty(moving)
@@ -284,8 +286,9 @@ def _block_change(system, linear, force):
 
 @compiled
 def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
-    """Change of the frame's motion with changes of x_A'' [m/s2] and of the angular acceleration
-    [rad/s2].
+    """Return the change of the frame's motion with changes of its accelerations.
+
+    These are x_A'' [m/s2] and the angular acceleration [rad/s2].
     """
     x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
     y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
@@ -294,8 +297,9 @@ def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
 
 @compiled
 def _changes(linear, acceleration, size):
-    """Changes of positions and velocities at the end of a step with changes of accelerations there;
-    zeros up to `size`.
+    """Return the changes of positions and velocities at the end of a step with accelerations there.
+
+    They have zeros up to `size`.
     """
     out = Change(np.zeros(size), np.zeros(size))
     for k in range(len(acceleration)):

@@ -1,6 +1,4 @@
-"""All films of the skirt at an instant: forces on the bodies, thickness, sliding velocity, and what
-changes them.
-"""
+"""Films of the skirt at an instant: forces on the bodies, thickness, sliding velocity, changes."""
 
 from typing import NamedTuple
 
@@ -271,9 +269,10 @@ def work_error(
     guided_velocity: float,
     velocity: np.ndarray,
 ) -> float:
-    """Power of the interface forces on the grid minus that in the coordinates, by the sum of all
-    terms' sizes [-]. Both describe the same work, so that anything above round-off is an error in
-    the transfer of forces.
+    """Return the relative error of the interface power on the grid and in the coordinates [-].
+
+    It is their difference, relative to the sum of the sizes of all terms. Both describe the same
+    work, so that anything above round-off is an error in the transfer of forces.
 
     Parameters
     ----------

@@ -342,8 +342,9 @@ class PistonLoad(NamedTuple):
 
 @compilable
 def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion) -> float:
-    """Side force that gas, rings and inertia ask of a rigid piston that stays in the middle of the
-    bore, without friction: what a film must carry on average, whatever the piston does in between.
+    """Return the side force that gas, rings and inertia demand of a piston in mid-bore.
+
+    The piston is rigid and has no friction. A film must carry this force on average.
 
     Eq. (K11):  F = F_x + f1 (F_y - p A - m Y'') - R    with x_A = x_A' = x_A'' = 0
                 Y'', f1 of Eq. (K2), R of Eq. (K4), F_x, F_y of the rings

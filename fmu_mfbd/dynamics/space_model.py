@@ -1,5 +1,7 @@
-"""A rigid piston that moves in space: the model of `model.PistonInBore` with shift along the pin,
-roll and yaw beside the motion in the plane of the crank. Five equations, in plain numpy.
+"""Model of a rigid piston that moves in space, based on `model.PistonInBore`.
+
+It shifts along the pin, rolls and yaws in addition to the motion in the plane of the crank. The
+five equations are in plain numpy.
 """
 
 from typing import Any, NamedTuple
@@ -52,8 +54,10 @@ NO_MODES = np.zeros(0)
 
 
 class SpaceSolution(NamedTuple):
-    """The end of a step: load, motion, what the equations lack, how often they were evaluated (0:
-    not solved), and the last change of accelerations [m/s2, rad/s2].
+    """End of a step: load, motion, residual, evaluations and last change.
+
+    Evaluations are 0 if the equations were not solved. The change is that of accelerations [m/s2,
+    rad/s2].
     """
 
     load: SpaceLoad
@@ -225,8 +229,10 @@ class PistonInSpace(PistonInBore):
         load: SpaceLoad,
         crank: CrankMotion,
     ) -> SpaceSolution:
-        """Accelerations that fulfil Eq. (D27) at the end of a step, by Newton's method; a change
-        after which the next one is no smaller is halved, as in `piston_motion.end_accelerations`.
+        """Solve Eq. (D27) for the accelerations at the end of a step, by Newton's method.
+
+        If the next change is no smaller than a change, that change is halved, as in
+        `piston_motion.end_accelerations`.
         """
         predicted = predict(c, before, auxiliary)
         acceleration = before.acceleration.copy()
@@ -258,9 +264,10 @@ class PistonInSpace(PistonInBore):
         return SpaceSolution(load, end, lack, 0, change)
 
     def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> bool:
-        """Bound what a step that was an impact hands on (Eq. (N7)), the motion in the plane and
-        that across it each by itself: z and roll are to one what x_A and the rocking angle are to
-        the other, the first moment with the other sign. Yaw meets no film that would stop it.
+        """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
+
+        z and roll correspond to x_A and the rocking angle, and the first moment has the other sign.
+        No film stops yaw.
         """
         body = with_pin(self.bodies)
         mass = body.mass + self.system.mechanism.pin_mass

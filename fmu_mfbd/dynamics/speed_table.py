@@ -1,5 +1,6 @@
-"""Crank speed as a table over time or over crank angle, integrated exactly: however the steps fall,
-the angle is the same.
+"""Crank speed as a table over time or over crank angle, integrated exactly.
+
+The angle does not depend on the steps.
 """
 
 from dataclasses import dataclass
@@ -143,5 +144,5 @@ def _slope(table, k):
 
 
 def _segment(points, value):
-    """Number of the segment that holds a value, the earlier one where two meet."""
+    """Return the number of the segment that holds a value, the earlier one at a common point."""
     return int(np.clip(np.searchsorted(points, value) - 1, 0, len(points) - 2))

@@ -42,7 +42,7 @@ class StartState:
         return np.array([self.lateral_displacement, self.rocking_angle, *self.modal_coordinate])
 
     def velocity(self) -> np.ndarray:
-        """The derivatives of `position` in time, (n,)."""
+        """Return the time derivatives of `position`, (n,)."""
         return np.array([self.lateral_velocity, self.rocking_velocity, *self.modal_velocity])
 
 
@@ -91,9 +91,7 @@ def read_start(path: Path | str) -> StartState:
 
 
 def check_modes(start: StartState, modes: int) -> None:
-    """Raise ValueError unless a start belongs to bodies of so many modes, piston and block
-    together.
-    """
+    """Raise ValueError unless a start has this number of modes, piston and block together."""
     for key, values in (
         ("modal_coordinate", start.modal_coordinate),
         ("modal_velocity", start.modal_velocity),

@@ -1,6 +1,4 @@
-"""Tables from files or from the case itself: gas pressure over crank angle, measured profiles; what
-both share with others.
-"""
+"""Tables from files or from the case: gas pressure over crank angle, measured profiles."""
 
 import csv
 from collections.abc import Sequence
@@ -23,9 +21,7 @@ class TableFault(ValueError):
 
 
 class Rows(NamedTuple):
-    """Numbers of a table as the user gave it: its name, what each row is called in messages, and
-    the row's values.
-    """
+    """Numbers of a table as the user gave it: its name, names of rows for messages, and values."""
 
     name: str
     row_names: list[str]
@@ -148,7 +144,7 @@ def two_columns(rows: Rows, first: Column, second: Column) -> np.ndarray:
 def closed(
     rows: Rows, angle: np.ndarray, value: np.ndarray, cycle: float, in_words: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A table over exactly one cycle, its last value the first.
+    """Return a table over exactly one cycle, whose last value equals the first.
 
     Parameters
     ----------
@@ -228,8 +224,10 @@ def gas_pressure(table: GasTable, crank_angle: float) -> float:
 def profile_table(
     path: Path | str, angle_unit: float, height_unit: float, value_unit: float
 ) -> MeasuredShape:
-    """Shape over angle and height: the first row holds the angles (its first cell is not read),
-    each later one a height and its values.
+    """Read a shape over angle and height.
+
+    The first row holds the angles, and its first cell is not read. Each further row holds a height
+    and its values.
 
     Parameters
     ----------

@@ -442,23 +442,6 @@ def resultants_on(
     return PinResultants(force, on_pin - lever, on_shell, on_shapes)
 
 
-def grid_power(
-    surface: PinSurface,
-    forces: PinForces,
-    place: np.ndarray,
-    velocity: np.ndarray,
-    turning: float,
-    yielding: Yielding | None = None,
-    bent: Bent | None = None,
-) -> FilmPower:
-    """`power_on_grid`; without `yielding` or `bent` the shell does not yield, the pin not bend."""
-    if yielding is None:
-        yielding = Yielding(*[np.zeros(surface.modes.outward.shape[1])] * 2)
-    if bent is None:
-        bent = Bent(*[np.zeros((surface.axis.shape[1], 2))] * 2)
-    return power_on_grid(surface, forces, place, velocity, turning, yielding, bent)
-
-
 @compilable
 def power_on_grid(
     surface: PinSurface,

@@ -1,3 +1,4 @@
-"""A flexible block of several cylinders as an FMU of its own, the package `fmu_mfbd.monoblock` of a
-case. Reduction and equations stand in `reduction.monoblock` and `dynamics.monoblock`.
+"""Flexible block of several cylinders as a separate FMU, the package `fmu_mfbd.monoblock`.
+
+Reduction and equations are in `reduction.monoblock` and `dynamics.monoblock`.
 """

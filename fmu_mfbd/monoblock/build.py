@@ -40,8 +40,9 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
 def prepare(
     options: dict[str, Any], folder: Path, progress: Say
 ) -> tuple[dict[str, Any], list[Path]]:
-    """Validate the build table and reduce the block; returns what becomes build.json, and the
-    reduced block for the FMU's resources.
+    """Validate the build table and reduce the block.
+
+    Returns the content of build.json, and the reduced block for the FMU's resources.
 
     Raises
     ------
@@ -76,7 +77,7 @@ def prepare(
 
 
 def plan_of(build: BuildMonoblock) -> Plan:
-    """What the table asks of the reduction."""
+    """Return the options of the reduction."""
     return Plan(
         cylinder_z=build.cylinder_z,
         bearings=build.bearings,

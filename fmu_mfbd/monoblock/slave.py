@@ -39,7 +39,7 @@ class Monoblock(FieldSlave):
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
-        """The table of variables for the options of build.json."""
+        """Return the variables for the options of build.json."""
         around, axial = options["grid"]
         return table.variables(options["cylinders"], options["mounts"], (around, axial))
 
@@ -78,7 +78,7 @@ class Monoblock(FieldSlave):
         return _told(self.model.change(self.state, self._cylinders(seeds)))
 
     def _cylinders(self, values: dict[str, Any]) -> list[Cylinder]:
-        """What each cylinder does."""
+        """Return the forces of each cylinder."""
         out = []
         for k in range(1, self.options["cylinders"] + 1):
             numbers = {name: float(values[f"cylinder_{k}.{name}"]) for name in FORCES}
@@ -96,7 +96,7 @@ class Monoblock(FieldSlave):
         return out
 
     def _shown(self, before: BlockState, now: BlockState) -> dict[str, Any]:
-        """Outputs at the end of a step."""
+        """Return the outputs at the end of a step."""
         model = self.model
         seen = model.seen(now.position, now.velocity, now.acceleration)
         kinetic, elastic = model.energies(now)
@@ -118,7 +118,7 @@ class Monoblock(FieldSlave):
 
 
 def _told(seen: list[Seen]) -> dict[str, Any]:
-    """What cylinders see, by variable."""
+    """Return the motion of the block at the cylinders, by variable."""
     return {
         f"cylinder_{k}.{name}": value
         for k, one in enumerate(seen, 1)
@@ -127,6 +127,6 @@ def _told(seen: list[Seen]) -> dict[str, Any]:
 
 
 def _six(names: tuple[str, str], values: np.ndarray) -> dict[str, float]:
-    """The rigid part of a vector by variable."""
+    """Return the rigid part of a vector, by variable."""
     parts = zip(names, values[:RIGID_MOTIONS].reshape(2, 3))
     return {f"{name}_{axis}": one for name, three in parts for axis, one in zip(AXES, three)}

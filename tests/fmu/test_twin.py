@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.block_force import block_force
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 from .engines import ENGINES, PATH, PITCH, alone, engine_tree, held, in_line
 from .runs import run_tree

@@ -8,7 +8,6 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     frame_arrow,
     frame_force,
     mode_coupling,
-    rigid_body,
     whole,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
@@ -25,7 +24,13 @@ from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiff
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
-from piston_cosim.tests.verification.cases.bodies import bar, beam_in_frame, box_mesh, flexible_body
+from piston_cosim.tests.verification.cases.bodies import (
+    bar,
+    beam_in_frame,
+    box_mesh,
+    flexible_body,
+    rigid_body,
+)
 
 
 @pytest.fixture(scope="module")

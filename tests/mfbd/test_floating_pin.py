@@ -20,17 +20,20 @@ from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters, PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import BOSS_X, BOSS_Y, EYE_X, EYE_Y
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia, inertia_with_rod
+from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.pin import (
+    PARALLEL,
+    Bent,
     PinForces,
     PinResultants,
     Yielding,
-    grid_power,
     modal_push,
     opening_of,
     pin_surface,
+    power_on_grid,
     resultants_on,
     shell_modes,
     slope_push,
@@ -234,6 +237,14 @@ def test_inertia_of_the_play_by_hand():
     assert np.array_equal(M, M.T)
 
 
+def shells_of(model):
+    """Return the shells of all films of pin and crank at the end of the last step."""
+    last = model._last
+    mechanism = model.bodies.mechanism
+    each = range(len(model.pins))
+    return [shell_of(mechanism, model.layout, last.now, last.crank, k) for k in each]
+
+
 def test_the_rod_swings_with_its_eye_by_hand():
     """Eq. (K12) of the eye's way x_A + a_x - e_x: 3 + 4 - 1 m/s here, and nothing of the others."""
     model = floating_model()
@@ -261,10 +272,11 @@ def test_a_shell_that_yields_by_hand():
     np.testing.assert_allclose(slope_push(surface, push), [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
     # pressure stands where the mode has no displacement, friction acts against u_t = sin 90 deg
     np.testing.assert_allclose(modal_push(surface, forces), [-5.0], atol=1e-14)
-    still = grid_power(surface, forces, np.zeros(2), np.zeros(2), 30.0, Yielding(q, 0 * q))
+    none, straight = np.zeros(2), Bent(PARALLEL, PARALLEL)
+    still = power_on_grid(surface, forces, none, none, 30.0, Yielding(q, 0 * q), straight)
     turned_by = -7.0 * 2 * 4 / np.pi * 3e-6 * 30.0
     assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
-    moving = grid_power(surface, forces, np.zeros(2), np.zeros(2), 0.0, Yielding(q, q))
+    moving = power_on_grid(surface, forces, none, none, 0.0, Yielding(q, q), straight)
     assert moving[0] == pytest.approx(-5.0 * 3e-6, rel=1e-12)
 
 
@@ -295,7 +307,7 @@ def test_modes_of_a_standing_engine_yield_by_their_springs():
     wanted = (force - inertial) / piston.omega**2
     np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=2e-2)
     stretched = out["boss_right.film_thickness"] - model.pins[1].clearance
-    d = model._pin.shells[1].own_place()
+    d = shells_of(model)[1].own_place()
     rigid = opening_of(model.pins[1], d)
     np.testing.assert_allclose(
         stretched - rigid, bosses.boss_outward[1] @ out["modal_coordinate"], atol=1e-15

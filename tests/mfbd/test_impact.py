@@ -13,12 +13,12 @@ from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step import Memory
 from piston_cosim.fmu_mfbd.dynamics.account import account
 from piston_cosim.fmu_mfbd.dynamics.energy import Moving, energy_error
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
 from piston_cosim.fmu_mfbd.dynamics.impact import Inertia, limit_memory
 from piston_cosim.master.coupling.ledger import Ledger
 from piston_cosim.master.coupling.stepping import EnergyCreated
 from piston_cosim.master.coupling.work import Exchange
+from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 MASS = 0.3  # [kg]
 INERTIA = Inertia(MASS, 0.0, 1e-3)

@@ -10,13 +10,13 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.block_force import block_force
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, end_accelerations, imbalance
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
+from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 from .test_floating_frame import SKEW, richardson
 from .test_model import SPEED, STEP, forces

@@ -22,9 +22,10 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     Bent,
     PinForces,
     PinResultants,
-    grid_power,
+    Yielding,
     leaning,
     pin_surface,
+    power_on_grid,
     resultants_on,
     turned,
 )
@@ -41,6 +42,7 @@ from .test_floating_pin import (
     products_by_differences,
     random_inputs,
     rough_way,
+    shells_of,
     yielding_bodies,
 )
 
@@ -206,11 +208,11 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     assert found.on_pin == pytest.approx(0.04 - 6e-6, rel=1e-12)
     # rising by 0.1 m/s: pressure closes nothing but the first row, whose pin comes down at 0.2 m/s
     rising = Bent(up @ axes, np.array([[0.0, 0.1]]) @ axes)
-    none = np.zeros(2)
-    power, _ = grid_power(surface, forces, none, none, 0.0, None, rising)
+    none, rigid = np.zeros(2), Yielding(np.zeros(0), np.zeros(0))
+    power, _ = power_on_grid(surface, forces, none, none, 0.0, rigid, rising)
     assert power == pytest.approx(5.0 * 0.2, rel=1e-12)
     # turning by 30 rad/s, the friction's arm is shorter by those 3 um
-    power, _ = grid_power(surface, forces, none, none, 30.0, None, Bent(up @ axes, 0 * up))
+    power, _ = power_on_grid(surface, forces, none, none, 30.0, rigid, Bent(up @ axes, 0 * up))
     assert power == pytest.approx(2.0 * (0.02 - 3e-6) * 30.0, rel=1e-12)
 
 
@@ -348,7 +350,7 @@ CRITICAL = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_dam
 def rows_of(model, forces):
     """Force on the pin by row along y [N], and z of the rows [m], film by film."""
     up, z = [], []
-    for one, surface, shell in zip(split(forces)[1], model.pins, model._pin.shells):
+    for one, surface, shell in zip(split(forces)[1], model.pins, shells_of(model)):
         up.append(-(shell.axes @ surface.outward @ one.pressure)[1])
         z.append(surface.axis[:, 0] / model.bodies.shapes.slope[0])
     return up, z
@@ -390,8 +392,8 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
     assert out["pin_bending_y"] == pytest.approx(eye * sag_of_even_loads(PIN), rel=2.5e-2)
     assert abs(out["pin_tilt_y"]) < 1e-9
     # what the pin stores is half the work of its load, through the displacement of its rows
-    bent = model.bodies.bent(model._pin.end.position)
-    pairs = zip(split(forces)[1], model.pins, model._pin.shells)
+    bent = model.bodies.bent(model._last.now.position)
+    pairs = zip(split(forces)[1], model.pins, shells_of(model))
     rows = [-(shell.axes @ surface.outward @ one.pressure).T for one, surface, shell in pairs]
     ways = [surface.axis @ bent for surface in model.pins]
     work = sum(np.sum(force * way) for force, way in zip(rows, ways)) / 2

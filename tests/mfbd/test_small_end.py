@@ -49,6 +49,7 @@ from .test_floating_pin import (
     products_by_differences,
     random_inputs,
     rough_way,
+    shells_of,
     stiff_is_rigid,
     yielding_bodies,
 )
@@ -301,7 +302,7 @@ def test_modes_of_a_standing_eye_yield_by_their_springs():
     # half the work of a load that grows, to the squares of what is still under way
     assert out["elastic_energy"] == pytest.approx(force @ wanted / 2, rel=2e-2)
     for k, name in enumerate(("boss_left", "boss_right", "small_end")):
-        surface, shell = model.pins[k], model._pin.shells[k]
+        surface, shell = model.pins[k], shells_of(model)[k]
         more = out[f"{name}.film_thickness"] - surface.clearance
         more = more - opening_of(surface, shell.own_place())
         opened = shapes.eye_outward @ found if k == 2 else np.zeros(PIN_GRID)

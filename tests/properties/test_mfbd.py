@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import rigid_body
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
@@ -22,6 +21,7 @@ from piston_cosim.fmu_mfbd.geometry.film import (
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
 from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
+from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 pytestmark = pytest.mark.slow  # random inputs
 small = st.floats(-1e-4, 1e-4)

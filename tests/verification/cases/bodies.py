@@ -19,7 +19,6 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     frame_arrow,
     frame_force,
     mode_coupling,
-    rigid_body,
     whole,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
@@ -77,6 +76,24 @@ from .checks import Check, at_most
 from .exudyn import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
 
 STEEL = dict(young=210e9, poisson=0.3)
+
+
+def rigid_body(mass: float, centre: tuple[float, float], inertia: float) -> FlexibleBody:
+    """Return a rigid body: mass [kg], centre of mass (x, y) from A [m], inertia about A [kg m2]."""
+    none = np.zeros(0)
+    square = np.zeros((0, 0))
+    return FlexibleBody(
+        mass=float(mass),
+        S=mass * np.asarray(centre, dtype=float),
+        I0=float(inertia),
+        T=np.zeros((2, 0)),
+        b=none,
+        B=square,
+        g=none,
+        G=square,
+        stiffness=none,
+        damping=none,
+    )
 
 
 def checks():
