@@ -15,9 +15,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.interpolate import CubicSpline
 
+from piston_cosim.fmu_mfbd.geometry.grid import film_rows
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.quantities import to_si
-from piston_cosim.master.fmi.tree import import_part
 
 from .checks import Check, at_most
 from .coupling import summary_of
@@ -138,12 +138,14 @@ def curves(results) -> dict[str, Any]:
 
 @cache
 def of_mesh(what: str, case: str, pin_offset: str, cells: int):
-    """`rigid_piston` or `compliance` of a case's meshes (fmu_mfbd.reduction.compliance)."""
+    """Return `compliance.rigid_piston` or `compliance.compliance` of a case's meshes."""
+    from . import compliance  # slow to import
+
     path = find_case(case)
     options = tomllib.loads(path.read_text())["participants"]["bodies"]["build"]
     options["grid"] = [cells, cells]
     options["piston"]["pin_offset"] = pin_offset
-    return getattr(import_part("fmu_mfbd.reduction.compliance"), what)(options, path.parent)
+    return getattr(compliance, what)(options, path.parent)
 
 
 def engine(problem: Problem, grid: tuple[int, int]) -> Engine:
@@ -180,9 +182,8 @@ STIFF = 1e-4
 
 def elasticity(problem: Problem, cells: int, share: float = 1.0) -> Elasticity:
     """Both bodies' compliance, times `share`."""
-    part = import_part("fmu_mfbd.reduction.compliance")
     whole = of_mesh("compliance", problem.case, problem.pin_offset, cells)
-    rows = part.film_rows(whole.piston, cells)
+    rows = film_rows(whole.piston.skirt_lower, whole.piston.skirt_upper, (1, cells))
     skirt = symmetric_factor(whole.skirt, cells)
     stations = len(whole.stations)
     table = (cells * stations,) * 2

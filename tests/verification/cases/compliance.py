@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..finite_elements.faces import face_load
-from ..geometry.grid import cell_centres
-from ..options import Build, read_options
-from .bases import Elastic
-from .reduce import ends, film_surface, full_model
+from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
+from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.options import Build, read_options
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic
+from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model
 
 AT_ONCE = 64
 """Number of loads for each solution, which limits the memory."""
@@ -108,11 +108,6 @@ def _rigid(build, model, position):
     centre = (weight * position).sum(axis=0)[:2] / mass
     arm = (position * [1.0, 1.0, 0.0]).ravel()
     return RigidPiston(mass, centre, float(arm @ (model.M @ arm)), lower, upper)
-
-
-def film_rows(piston: RigidPiston, along: int) -> np.ndarray:
-    """Return the heights of the film grid's rows above A, (along,) [m]."""
-    return cell_centres(1, along, piston.skirt_lower, piston.skirt_upper)[1]
 
 
 def _say_nothing(text):
