@@ -328,9 +328,8 @@ def reduce_block(
         heights=heights,
         radius=surface.radius,
     )
-    nowhere = np.zeros((around, 0), dtype=bool)
-    anatomy = _anatomy(mesh, mesh.points, shapes, options)
-    return Reduced(body, anatomy, _properties(mesh.points, M, nowhere), left)
+    properties = _properties(mesh.points, M, np.zeros((around, 0), dtype=bool))
+    return Reduced(body, _anatomy(mesh, mesh.points, shapes, options), properties, left)
 
 
 def _check(faults: list[str], options: Piston | Block) -> None:
@@ -543,7 +542,6 @@ def faults_of_modes(
         If the supports do not prevent rigid motions, or there are not enough shapes.
     """
     count = options.modes_from or options.modes
-    grid_points = len(angle) * len(height)
     patterns = pattern_count(angle, height, ALONG[surface], options.symmetric_film)
     faults = []
     if options.symmetric_film and (len(angle) % 2 or mirror_image(mesh.points, 2) is None):
@@ -560,12 +558,11 @@ def faults_of_modes(
             f"surface '{held}': expected nodes that hold the body, got {len(held_nodes)} that "
             f"leave {loose} rigid motions"
         )
-    free_nodes = len(mesh.points) - len(held_nodes)
     free_on_surface = len(np.setdiff1d(mesh.nodes(surface), held_nodes))
     most = {
-        "craig_bampton": 3 * free_nodes - 2,
+        "craig_bampton": 3 * (len(mesh.points) - len(held_nodes)) - 2,
         "characteristic_constraint_modes": 3 * free_on_surface - 2,
-        "pressure_modes": grid_points - 2,
+        "pressure_modes": len(angle) * len(height) - 2,
         "smooth_pressure_modes": patterns,
         "trained": patterns,
     }[options.basis]
