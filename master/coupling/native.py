@@ -30,8 +30,8 @@ from .native_block import (
     rules_of,
     state_of,
 )
-from .native_newton import converge, open_journal, take_back
-from .native_stepping import accept, forget_products, print_of, reach
+from .native_newton import converge
+from .native_stepping import accept, forget_products, reach
 from .native_system import (
     START,
     System,
@@ -72,25 +72,9 @@ def carry(real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarra
 
 
 @compiled
-def kept_of(real: np.ndarray, rows: np.ndarray):
-    """Return the values that `Last` keeps."""
-    kept = np.empty(len(real))
-    end = 0
-    for k in range(len(rows)):
-        one = exposed_from(rows[k])
-        if one.kept != NOWHERE:
-            end = one.kept + one.length
-            keep(kept[one.kept : end], real[one.place : one.place + one.length])
-    return kept[:end]
-
-
-@compiled
 def remember(real: np.ndarray, memory: np.ndarray, time: float, step: float):
-    """What a derivative of the last step starts from: what was given and what came out."""
-    rows = exposed_of(memory)
-    inputs, outputs = kept_of(real, rows.inputs), kept_of(real, rows.outputs)
-    last = Last(True, time, step, print_of(memory), inputs, outputs)
-    put_last(parts_of(memory).last, last)
+    """Save what a derivative of the last step starts from."""
+    put_last(parts_of(memory).last, Last(True, time, step, real))
 
 
 # ---- start and step
@@ -155,8 +139,8 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
     state = state_of(memory)
     state.known[0] = 0.0
     accept(state, 0.0, y)
-    forget_products(memory)
-    save(system, state.standing)
+    forget_products(state)
+    save(system)
     return True
 
 
@@ -165,15 +149,15 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float
     """From where the participants stand to time + step, as `Coupled.advance`; False where that
     cannot be, and the state stays.
     """
-    open_journal(memory)
+    parts = parts_of(memory)
+    keep(parts.before, parts.state)
     system = system_of(memory)
-    state = state_of(memory)
-    restore(system, state.standing)
+    restore(system)
     carry(real, integer, system, exposed_of(memory).inputs, INWARD)
     if reach(memory, time, step):
-        save(system, state.standing)
+        save(system)
         return True
-    take_back(memory)
+    keep(parts.state, parts.before)
     return False
 
 
@@ -222,7 +206,7 @@ def nudge_of(real: np.ndarray, inputs: np.ndarray, last: Last, nudge: float):
             size = one.nominal
             moves = 0.0
             for i in range(one.length):
-                size = max(size, abs(last.inputs[one.kept + i]))
+                size = max(size, abs(last.real[one.place + i]))
                 moves = max(moves, abs(real[one.reserved + i]))
             largest = max(largest, moves / (size if size != 0.0 else 1.0))
     return float(nudge / largest) if largest > 0.0 else 0.0
@@ -236,7 +220,7 @@ def nudged(real: np.ndarray, inputs: np.ndarray, last: Last, length: float):
         one = exposed_from(inputs[k])
         for i in range(one.length if one.reserved != NOWHERE else 0):
             moves = length * real[one.reserved + i]
-            moved[one.place + i] = last.inputs[one.kept + i] + moves
+            moved[one.place + i] = last.real[one.place + i] + moves
     return moved
 
 
@@ -245,10 +229,8 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: Last)
     """Take the last step again, or the start; whether that could be done."""
     if last.step == 0.0:
         return begin(real, integer, memory)
-    is_another = last.print != print_of(memory)
-    take_back(memory)
-    if is_another:  # a state was set since: its pairs are not those of the last step
-        forget_products(memory)
+    parts = parts_of(memory)
+    keep(parts.state, parts.before)
     return go_on(real, integer, memory, last.time, last.step)
 
 
@@ -260,7 +242,7 @@ def differ(real: np.ndarray, system: System, outputs: np.ndarray, last: Last, le
         if one.reserved != NOWHERE:
             now = real_of(system, one.owner)
             for i in range(one.length):
-                change = now[one.own_place + i] - last.outputs[one.kept + i]
+                change = now[one.own_place + i] - last.real[one.place + i]
                 real[one.reserved + i] = change / length if length > 0.0 else 0.0  # Eq. (Y4)
 
 
@@ -277,12 +259,11 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         refuse(parts.faults, FAULT.no_step, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     length = nudge_of(real, exposed.inputs, last, rules_of(memory).nudge)
-    state, before, marks = parts.state.copy(), parts.before.copy(), parts.marks.copy()
+    state, before = parts.state.copy(), parts.before.copy()
     if length == 0.0 or again(nudged(real, exposed.inputs, last, length), integer, memory, last):
         differ(real, system_of(memory), exposed.outputs, last, length)
     keep(parts.state, state)
     keep(parts.before, before)
-    keep(parts.marks, marks)
 
 
 @compiled
@@ -291,11 +272,12 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     then the wires; numbers: length of the step and its begin [s], the last 1 where it was found,
     else 0, and what is remembered is as before. `integer` unused.
     """
-    parts_of(memory).failures[0] = 0.0
-    open_journal(memory)
+    parts = parts_of(memory)
+    parts.failures[0] = 0.0
+    keep(parts.before, parts.state)
     numbers[-1] = 1.0
     if not converge(memory, real, numbers[1], numbers[0], real):
-        take_back(memory)
+        keep(parts.state, parts.before)
         numbers[-1] = 0.0
 
 

@@ -51,7 +51,7 @@ class ParticipantRow(NamedTuple):
     sentence : first of its sentences;
     variables : real variables that are no seeds or products;
     given, contents : how much its memory begins with, and where in `Given.contents` that is;
-    standing : where it begins in `State.standing` and in the part `saved`.
+    standing : where it begins in `State.standing`.
     """
 
     code: int
@@ -98,7 +98,7 @@ class WireRow(NamedTuple):
 
 class ExposedRow(NamedTuple):
     """A variable seen from outside: its place there, whose it is and its place there; place of its
-    seed or product (NOWHERE: it has none); where `Last` keeps its value (NOWHERE: it does not).
+    seed or product (NOWHERE: it has none).
     """
 
     is_integer: bool
@@ -108,7 +108,6 @@ class ExposedRow(NamedTuple):
     length: int
     reserved: int
     nominal: float
-    kept: int
 
 
 class Rules(NamedTuple):
@@ -165,6 +164,7 @@ def lay_out(
     participants: Sequence[ParticipantRow],
     wires: Sequence[WireRow],
     order: Sequence[int],
+    reals: int,
     exposed: Sequence[Sequence[ExposedRow]] = ((), (), ()),
     starting: Sequence[int] = (),
     contents: np.ndarray | None = None,
@@ -175,6 +175,8 @@ def lay_out(
     ----------
     participants, wires
         Where they begin, one behind the other, is filled in here.
+    reals
+        Number of real variables seen from outside.
     exposed
         Parameters, inputs and outputs seen from outside.
     """
@@ -210,14 +212,11 @@ def lay_out(
     )
     n = dict(standing=standing, predicted=rules.predicted, size=size, unknowns=unknowns)
     state = room(State, pairs=pairs, **n)
-    kept = [sum(one.length for one in rows if one.kept != NOWHERE) for rows in exposed]
     lengths = dict(
         inside=inside,
         state=state,
-        saved=standing,
         before=state,
-        marks=pairs,
-        last=room(Last, inputs=kept[1], outputs=kept[-1]),
+        last=room(Last, reals=reals),
         trail=room(Trail, trail=rules.trail, wires=len(wires)),
         failures=ROOM,
         faults=ROOM,
@@ -236,7 +235,7 @@ def _matrix(rows):
 class State(NamedTuple):
     """What a step goes on from.
 
-    standing : variables and states of all participants; times, past : of accepted vectors, the
+    standing : variables and states of all participants where a macro step begins; times, past : of accepted vectors, the
     oldest first, as many as are `known`.
     """
 
@@ -250,16 +249,13 @@ class State(NamedTuple):
 class Last(NamedTuple):
     """What a derivative of the last step, or of the start, begins with.
 
-    is_there : whether there was one; step : 0 of a start; print : `native_stepping.print_of`;
-    inputs, outputs : those that are real.
+    is_there : whether there was one; step : 0 of a start; real : the variables seen from outside.
     """
 
     is_there: bool
     time: float
     step: float
-    print: float
-    inputs: Annotated[Array, "inputs"]
-    outputs: Annotated[Array, "outputs"]
+    real: Annotated[Array, "reals"]
 
 
 class Trail(NamedTuple):
@@ -273,16 +269,13 @@ class Trail(NamedTuple):
 class Parts(NamedTuple):
     """Parts of the memory: rows of `Given`, `State`, `Last` and `Trail`, and others.
 
-    inside : variables and memories of the participants; saved : as `State.standing`; before : the
-    state when the step began; marks : of each pair, whether it is there already.
+    inside : variables and memories of the participants; before : the state when the step began.
     """
 
     given: Vector
     inside: Vector
     state: Vector
-    saved: Vector
     before: Vector
-    marks: Vector
     last: Vector
     trail: Vector
     failures: Vector

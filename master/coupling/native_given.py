@@ -98,6 +98,7 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
         _participants(insides, codes, len(options.wires)),
         [_wire(wire, slave, insides) for wire in options.wires],
         [names.index(name) for name in options.order],
+        len(slave.real),
         [_exposed(slave, insides, causality) for causality in causalities],
         [names.index(name) for name in options.participants],
         np.concatenate([_contents(one) for one in insides.values()]),
@@ -177,13 +178,11 @@ def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> l
     names = list(insides)
     ports = getattr(slave.inside, causality)
     kind = SEED if causality == "input" else PRODUCT
-    kept = 0
     rows = []
     for v in slave.table:
         if v.causality != causality:
             continue
         owner, name = ports[v.name]
-        is_kept = v.type == "Real" and causality != "parameter"
         rows.append(
             ExposedRow(
                 is_integer=v.type != "Real",
@@ -193,10 +192,8 @@ def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> l
                 length=v.size,
                 reserved=slave.references.get(reserved(kind, v.name), NOWHERE),
                 nominal=v.nominal or 0.0,
-                kept=kept if is_kept else NOWHERE,
             )
         )
-        kept += v.size if is_kept else 0
     return rows
 
 

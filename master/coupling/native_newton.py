@@ -8,8 +8,8 @@ from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse
 from .evaluation import Evaluation
-from .methods.krylov import Goal, Pairs, learn, length, minimise
-from .native_block import FAULT, Rules, State, parts_of, rules_of, state_from, state_of
+from .methods.krylov import Goal, learn, length, minimise
+from .native_block import FAULT, Rules, rules_of, state_of
 from .native_system import (
     System,
     derivative,
@@ -22,80 +22,6 @@ from .native_system import (
     system_of,
     tolerances,
 )
-
-
-class Journal(NamedTuple):
-    """What a communication step overwrites: one that fails is taken back, and a derivative takes
-    the last one again.
-
-    What GMRES remembers is most of the state, megabytes of which a step changes a few rows: a row
-    is copied when it is first overwritten, all else when the step begins.
-
-    before : what was when the step began; marks : of each pair, whether it is there already.
-    """
-
-    now: State
-    before: State
-    marks: np.ndarray
-
-
-@compiled
-def journal_of(memory: np.ndarray):
-    """Return `Journal`."""
-    parts = parts_of(memory)
-    return Journal(state_from(parts.state), state_from(parts.before), parts.marks)
-
-
-@compiled
-def copy(to: State, of: State):
-    """Copy all but images and differences."""
-    keep(to.standing, of.standing)
-    keep(to.known, of.known)
-    keep(to.times, of.times)
-    keep(to.past.reshape(to.past.size), of.past.reshape(of.past.size))
-    keep(to.pairs.gram.reshape(to.pairs.gram.size), of.pairs.gram.reshape(of.pairs.gram.size))
-    keep(to.pairs.oldest, of.pairs.oldest)
-
-
-@compiled
-def copy_pair(to: Pairs, of: Pairs, row: int):
-    """Copy a pair."""
-    keep(to.images[row], of.images[row])
-    keep(to.differences[row], of.differences[row])
-
-
-@compiled
-def open_journal(memory: np.ndarray):
-    """A communication step begins."""
-    journal = journal_of(memory)
-    copy(journal.before, journal.now)
-    keep(journal.marks, np.zeros(len(journal.marks)))
-
-
-@compiled
-def overwrite(memory: np.ndarray, count: int):
-    """Call before so many of the oldest pairs are overwritten."""
-    journal = journal_of(memory)
-    marks = journal.marks
-    pairs = journal.now.pairs
-    for k in range(min(count, len(marks))):
-        row = (int(pairs.oldest[0]) + k) % len(marks)
-        if marks[row] == 0.0:
-            marks[row] = 1.0
-            copy_pair(journal.before.pairs, pairs, row)
-
-
-@compiled
-def take_back(memory: np.ndarray):
-    """Put the state back to where the step began."""
-    journal = journal_of(memory)
-    copy(journal.now, journal.before)
-    for row in range(len(journal.marks)):
-        if journal.marks[row] != 0.0:
-            copy_pair(journal.now.pairs, journal.before.pairs, row)
-
-
-# ---- Newton
 
 
 class Update(NamedTuple):
@@ -135,7 +61,6 @@ def update(memory: np.ndarray, system: System, rules: Rules, at: Evaluation, cha
         return False
     if count == 0 and not product(asked, count, right, np.empty(len(right))):
         return False
-    overwrite(memory, count)
     learn(pairs, solved.space, count)
     keep(change, solved.weights @ products[:count] if count > 0 else products[0])
     scatter(system, solved.x, change)

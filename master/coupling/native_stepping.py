@@ -8,7 +8,7 @@ from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from .native_block import FAULT, State, faults_of, rules_of, state_of
-from .native_newton import converge, overwrite
+from .native_newton import converge
 from .native_system import System, moved, restore, save, system_of
 
 MOST_STEPS = 1e6
@@ -16,24 +16,10 @@ MOST_STEPS = 1e6
 
 
 @compiled
-def print_of(memory: np.ndarray):
-    """A number that tells what is remembered from what another step would: all inner products,
-    each with a weight of its own.
-    """
-    gram = state_of(memory).pairs.gram
-    return gram.reshape(gram.size) @ np.arange(1.0, gram.size + 1.0)
-
-
-@compiled
-def forget_products(memory: np.ndarray):
-    """Begin the memory of GMRES anew."""
-    pairs = state_of(memory).pairs
-    overwrite(memory, len(pairs.gram))
-    nothing = np.zeros(max(pairs.images.shape))
-    for row in range(len(pairs.gram)):
-        keep(pairs.images[row], nothing)
-        keep(pairs.differences[row], nothing)
-        keep(pairs.gram[row], nothing)
+def forget_products(state: State):
+    """Clear the memory of GMRES."""
+    pairs = state.pairs
+    keep(pairs.gram.reshape(pairs.gram.size), np.zeros(pairs.gram.size))
     pairs.oldest[0] = 0.0
 
 
@@ -99,14 +85,14 @@ def macro_step(memory: np.ndarray, time: float, step: float):
         begin = begins[waiting]
         length = lengths[waiting]
         system.failures[0] = 0.0
-        save(system, system.saved)
+        save(system)
         guess = predicted(system, state, begin + length)
         if converge(memory, guess, begin, length, x):
             accept(state, begin + length, x)
             continue
-        restore(system, system.saved)
+        restore(system)
         forget_past(state)
-        forget_products(memory)
+        forget_products(state)
         if left[waiting] == 0.0:
             refuse(system.faults, FAULT.no_halving, 0.0, 0.0, begin, length, 0.0)
             take_over(system.faults, system.failures, 0.0)

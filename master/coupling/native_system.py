@@ -21,6 +21,7 @@ from .native_block import (
     given_of,
     participant_from,
     parts_of,
+    state_from,
     trail_from,
     wire_from,
 )
@@ -42,13 +43,13 @@ native_part = types.ExternalFunction(
 
 
 class System(NamedTuple):
-    """Participants, in their stepping `order`, and wires; `saved` : where evaluations begin."""
+    """Participants, in their stepping `order`, and wires; `standing` : where evaluations begin."""
 
     participants: np.ndarray
     wires: np.ndarray
     order: np.ndarray
     inside: np.ndarray
-    saved: np.ndarray
+    standing: np.ndarray
     trail: Trail
     failures: np.ndarray
     faults: np.ndarray
@@ -64,7 +65,7 @@ def system_of(memory: np.ndarray):
         given.wires,
         given.order,
         parts.inside,
-        parts.saved,
+        state_from(parts.state).standing,
         trail_from(parts.trail),
         parts.failures,
         parts.faults,
@@ -107,41 +108,41 @@ def integer_of(system: System, p: int):
 
 
 @compiled
-def standing_of(system: System, p: int, kept: np.ndarray):
-    """Return its variables and its state, and where `kept` holds both."""
+def standing_of(system: System, p: int):
+    """Return its variables and its state, and where both are saved."""
     one = participant_from(system.participants[p])
     first = one.memory + one.first_state
     middle = one.standing + one.variables
     return (
         system.inside[one.real : one.real + one.variables],
         system.inside[first : first + one.states],
-        kept[one.standing : middle],
-        kept[middle : middle + one.states],
+        system.standing[one.standing : middle],
+        system.standing[middle : middle + one.states],
     )
 
 
 @compiled
-def save(system: System, kept: np.ndarray):
-    """Keep variables and states of all participants."""
+def save(system: System):
+    """Save variables and states of all participants."""
     for p in range(len(system.participants)):
-        variables, state, kept_variables, kept_state = standing_of(system, p, kept)
-        keep(kept_variables, variables)
-        keep(kept_state, state)
+        variables, state, saved_variables, saved_state = standing_of(system, p)
+        keep(saved_variables, variables)
+        keep(saved_state, state)
 
 
 @compiled
-def restore_one(system: System, p: int, kept: np.ndarray):
-    """Put a participant back to what is kept of it."""
-    variables, state, kept_variables, kept_state = standing_of(system, p, kept)
-    keep(variables, kept_variables)
-    keep(state, kept_state)
+def restore_one(system: System, p: int):
+    """Restore a participant."""
+    variables, state, saved_variables, saved_state = standing_of(system, p)
+    keep(variables, saved_variables)
+    keep(state, saved_state)
 
 
 @compiled
-def restore(system: System, kept: np.ndarray):
-    """Put all of them back."""
+def restore(system: System):
+    """Restore all participants."""
     for p in range(len(system.participants)):
-        restore_one(system, p, kept)
+        restore_one(system, p)
 
 
 # ---- wires
@@ -222,7 +223,7 @@ def evaluate(system: System, x: np.ndarray, time: float, step: float, at: Evalua
     numbers[1] = time
     for k in range(len(system.order)):
         p = int(system.order[k])
-        restore_one(system, p, system.saved)
+        restore_one(system, p)
         for w in range(len(system.wires)):
             wire = wire_of(system, w)
             if wire.target == p:

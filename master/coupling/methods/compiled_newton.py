@@ -198,7 +198,7 @@ class Iteration:
         wires = [
             self._wire(k, called[one.source], called[one.target], one) for k, one in enumerate(ends)
         ]
-        head = lay_out(rules, [one.row for one in called], wires, range(len(called)))
+        head = lay_out(rules, [one.row for one in called], wires, range(len(called)), 0)
         self.block = np.zeros(int(head[0]))
         self.block[: len(head)] = head
         self.parts = parts_of(self.block)
