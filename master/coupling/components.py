@@ -39,12 +39,12 @@ class Component:
 
 
 def components(system: System) -> list[Component]:
-    """Return the strongly connected components of the wires in an order in which each depends on
-    none behind it; among equals that of the system.
+    """Return the strongly connected components of the wires.
 
-    Neighbours without a loop are one component if all or none of them can go back: those in
-    processes of their own then step at the same time. Wires that are carried at the beginning of a
-    step (`System.held`) join nothing.
+    No component depends on a later one. Components that do not depend on each other keep the order
+    of the system. Neighbours without a loop are one component if all or none of them can restore a
+    saved state: then isolated participants step at the same time. Wires that are carried at the
+    beginning of a step (`System.held`) join nothing.
     """
     index = {name: k for k, name in enumerate(system.order)}
     able = {name: getattr(system.participants[name], "can_redo", True) for name in index}
@@ -81,8 +81,9 @@ def rolled_back(system: System, iterates: bool = True) -> list[str]:
 
 
 def by_components(method: Method, system: System, halvings: int) -> Method:
-    """Return the method as it is for a system of one loop that can be iterated, and for one that
-    steps once; else the same for each component.
+    """Return a method that solves one component after the other, or the method itself.
+
+    The method itself solves a system of one loop that can be iterated. `Explicit` never changes.
     """
     found = components(system)
     if isinstance(method, Explicit) or (len(found) == 1 and found[0].is_iterated):
@@ -91,10 +92,12 @@ def by_components(method: Method, system: System, halvings: int) -> Method:
 
 
 def table(system: System, method: str) -> list[str]:
-    """Return lines that list the components; none for one loop that is iterated, for a method that
-    iterates nothing, or without wires.
+    """Return lines that list the components.
 
-    method : name of the method, as the case has it.
+    There are none for a single iterated loop, for a method that iterates nothing, and without
+    wires.
+
+    method : name of the method, as in the case.
     """
     found = components(system)
     if method == "explicit" or not system.wires or (len(found) == 1 and found[0].is_iterated):
@@ -199,12 +202,12 @@ class Componentwise:
         self._parts: list[Part] = []
 
     def memory(self) -> list[Any]:
-        """What the method remembers of each component."""
+        """Return the memory of the method for each component."""
         once = Explicit()
         return [(self.method if one.is_iterated else once).memory() for one in self.components]
 
     def solve(self, macro_step: Any, guess: np.ndarray, memory: list[Any]) -> Solution:
-        """The macro step, component by component; raises what the method raises."""
+        """Solve the macro step, one component after the other; raise what the method raises."""
         whole = macro_step.interface
         if self._whole is not whole:
             self._whole = whole
@@ -241,7 +244,7 @@ class Componentwise:
     def _solved(
         self, part: Part, macro_step: MacroStep, guess: np.ndarray, memory: Any, halvings: int
     ) -> Solution:
-        """The step of a component, or its halves."""
+        """Solve the step of a component, or its halves."""
         component, interface = part.component, part.interface
         own = part.of(macro_step)
         first = guess[part.elements]
@@ -258,7 +261,7 @@ class Componentwise:
         return self._halves(part, own, guess, halvings - 1)
 
     def _halves(self, part: Part, own: MacroStep, guess: np.ndarray, halvings: int) -> Solution:
-        """The step of a component in two halves: what comes from upstream is held over both."""
+        """Solve the step of a component in two halves, over which upstream values are held."""
         members = {name: own.interface.participants[name] for name in part.component.names}
         half = own.step / 2
         for name, one in members.items():
@@ -285,7 +288,7 @@ class Componentwise:
 
 
 def _from_upstream(wire: Wire, names: Iterable[str]) -> Wire:
-    """The wire, or one that begins at `Upstream` where it comes from another component."""
+    """Return the wire, which begins at `Upstream` if it comes from another component."""
     if wire.source[0] in names:
         return wire
     source: Port = (UPSTREAM, ".".join(wire.source))
@@ -295,7 +298,7 @@ def _from_upstream(wire: Wire, names: Iterable[str]) -> Wire:
 def _merged(
     trails: Iterable[tuple[np.ndarray, list[list[float]]]], wires: int
 ) -> list[list[float]]:
-    """Measures of all wires by evaluation; one that needed fewer keeps its last ones."""
+    """Return the measures of all wires by evaluation; a shorter trail repeats its last ones."""
     told = [(which.tolist(), trail) for which, trail in trails if trail]
     merged = [[0.0] * wires for _ in range(max((len(trail) for _, trail in told), default=0))]
     for k, row in enumerate(merged):

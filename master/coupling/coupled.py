@@ -21,7 +21,7 @@ from .wiring import Port, System, Wire
 
 @dataclass(frozen=True)
 class State:
-    """States of all participants and what the method remembers, as bytes."""
+    """States of all participants and memory of the method, as bytes."""
 
     data: np.ndarray
 
@@ -73,7 +73,7 @@ class Options:
 
     @staticmethod
     def read(tree: Mapping[str, Any]) -> "Options":
-        """Options from JSON, which knows no tuples."""
+        """Return the options from JSON, which has no tuples."""
         return Options(
             tree["name"],
             tree["title"],
@@ -100,7 +100,7 @@ def _read_ports(entries: Mapping[str, Any]) -> dict[str, Port]:
 
 
 def _size(variable: Variable, value: Any) -> float:
-    """What an input is large against: its nominal value, its own, or 1."""
+    """Return the size of an input: its nominal value, its largest value, or 1."""
     return max(variable.nominal or 0.0, float(np.max(np.abs(value)))) or 1.0
 
 
@@ -127,13 +127,13 @@ class Last:
 
 
 class Coupled(FieldSlave):
-    """A case's participants stepped together: inside, macro steps iterated to agreement; outside,
-    any step.
+    """Participants of a case as one FMU, which iterates its macro steps.
 
-    A communication step is cut into equal macro steps, as few as are at most LENIENCE longer than
-    the case's: an importer's clock may round, and steps of half the length are another run. Inputs
-    are held over it. What build.json holds is written by `case.export`. The directional derivative
-    is that of the step, of all real outputs for all real inputs.
+    A communication step consists of equal macro steps. Their number is the smallest for which they
+    are at most LENIENCE longer than those of the case: an importer's clock may round, and steps of
+    half the length are another run. Inputs are held over the communication step. `case.export`
+    writes build.json. The directional derivative is that of the step, of all real outputs for all
+    real inputs.
     """
 
     name = "coupled"
@@ -148,22 +148,22 @@ class Coupled(FieldSlave):
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """All real inputs."""
+        """Return all real inputs."""
         return tuple(v.name for v in self.inputs if v.type == "Real")
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """All real outputs, where there are inputs."""
+        """Return all real outputs, none without inputs."""
         real = [v.name for v in self.table if v.causality == "output" and v.type == "Real"]
         return tuple(real) if self.derivative_inputs else ()
 
     @staticmethod
     def variables(options):
-        """The exposed variables, as chosen at export."""
+        """Return the variables that were chosen at export."""
         return list(Options.read(options).variables)
 
     def start(self, values):
-        """Start every participant; BadInput with what the first of them refuses."""
+        """Start every participant; raise BadInput if one cannot start."""
         options = self.inside
         parameters: dict[str, dict] = {name: {} for name in options.participants}
         for exposed, (owner, name) in (options.parameter | options.input).items():
@@ -193,7 +193,7 @@ class Coupled(FieldSlave):
         return tree.slave_class(path)(instance_name=name, resources=str(self.resources / name))
 
     def advance(self, state, values, time, step):
-        """Macro steps up to time + step; discarded, everything as before, if one of them fails."""
+        """Take macro steps up to time + step; if one fails, discard all and keep the state."""
         if state is not self.standing:
             self._restore(state)
         self.standing = None
@@ -210,7 +210,7 @@ class Coupled(FieldSlave):
         return self._reached(values, lambda given: self.advance(state, given, time, step))
 
     def _reached(self, values, again):
-        """State and outputs where the participants stand now, noted with how to come here again."""
+        """Return the present state and outputs, and note how to repeat the step."""
         self._pass_on()
         self.standing = self._state()
         outputs = self._outputs()
@@ -218,7 +218,7 @@ class Coupled(FieldSlave):
         return self.standing, outputs
 
     def _pass_on(self):
-        """Log what the participants have logged as warnings."""
+        """Log the warnings of the participants."""
         for name, participant in self.system.participants.items():
             queue = participant.slave.log_queue
             for status, text in queue:
@@ -227,8 +227,9 @@ class Coupled(FieldSlave):
             queue.clear()
 
     def directional_derivative(self, seeds):
-        """Change of all real outputs at the end of the last step, or at the start, for inputs
-        changed in a direction: the step is taken again.
+        """Return the change of all real outputs of the last step for a change of its inputs.
+
+        The step, or the start, is repeated with changed inputs.
 
         Eq. (Y4):  dy = (y(u + e v) - y(u)) / e,   e = NUDGE / max |v| / size(u)
 
@@ -269,7 +270,7 @@ class Coupled(FieldSlave):
         }
 
     def _state(self):
-        """Everything a further step depends on."""
+        """Return everything that a further step depends on."""
         return State(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
 
     def _restore(self, state):

@@ -1,6 +1,4 @@
-"""Instants at which clocks tick: macro steps end there, and what ticks is told to those that it
-triggers.
-"""
+"""Instants at which clocks tick: macro steps end there, and ticks trigger other clocks."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -53,10 +51,9 @@ class Events:
         return bool(self.timed)
 
     def length(self, time: float, step: float) -> float:
-        """Let tick what ticks at `time` [s]; how long the macro step from there may be [s], at most
-        `step`.
+        """Process the ticks at `time` [s]; return the length of the next macro step [s].
 
-        Raises EndlessEvents if that does not come to an end.
+        It is at most `step`. Raises EndlessEvents if the ticks do not come to an end.
         """
         try:
             carry(self.participants, self.held)

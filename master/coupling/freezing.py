@@ -1,5 +1,6 @@
-"""A stepper and its participants as bytes: what every further step depends on, equal content giving
-equal bytes.
+"""Stepper and participants as bytes.
+
+The bytes contain everything that further steps depend on. Equal content has equal bytes.
 """
 
 from ..participants.plain import NotPlain, pack, unpack
@@ -35,12 +36,14 @@ REMEMBERED = (
     Rings,
     StepControl,
 )
-"""Classes of what methods and step control remember; a new one has to be named here."""
+"""Classes of the memories of methods and step control; a new one must be listed here."""
 
 
 def freeze(stepper):
-    """States of all participants, the predictor's history, what the method remembers and step
-    control, as bytes.
+    """Return a stepper as bytes.
+
+    They contain the states of all participants, the accepted vectors, the memory of the method and
+    step control.
     """
     states = {}
     for name, participant in stepper.interface.participants.items():
@@ -52,14 +55,15 @@ def freeze(stepper):
 
 
 def remembered(stepper):
-    """Classes of what a stepper's method and step control remember, those of other packages too."""
+    """Return the classes of the memories of a stepper, including those of other packages."""
     own = (getattr(part, "remembered", ()) for part in (stepper.method, stepper.control))
     return (*REMEMBERED, *(kind for kinds in own for kind in kinds))
 
 
 def thaw(stepper, data):
-    """Put a started stepper and its participants where `freeze` found them; NotPlain if the bytes
-    are of another system.
+    """Restore a started stepper and its participants from the bytes of `freeze`.
+
+    Raises NotPlain if the bytes are those of another system.
     """
     states, past, memory, control = unpack(data, remembered(stepper))
     others = {type(memory), type(control)} != {type(stepper.memory), type(stepper.control)}

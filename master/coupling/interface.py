@@ -1,7 +1,7 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -10,8 +10,8 @@ import numpy as np
 from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, read_each, write_each
-from .evaluation import Evaluation
-from .wiring import Wire, is_unknown, rms
+from .vector import Evaluation
+from .wiring import Wire, is_unknown, layout_of, rms
 
 SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
@@ -72,21 +72,22 @@ class Ends:
             self.write(self.inputs, used[self.into])
 
     def collect(self, y: np.ndarray) -> None:
-        """Put the outputs into their part of `y`."""
+        """Write the outputs into their part of `y`."""
         if self.outputs:
             values = self.read(self.outputs)
             y[self.out] = values if self.said is None else values[self.said]
 
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
-        """Collect the outputs, and let those that go along the order be used at once."""
+        """Collect the outputs; later participants use those of wires along the order."""
         self.collect(y)
         if self.forward is not None:
             used[self.forward] = y[self.forward]
 
 
 def _repeated(ends: Sequence[End]) -> np.ndarray | None:
-    """Indices of the ends' elements among those of their distinct variables, None where every one
-    is a variable of its own.
+    """Return the indices of the ends' elements among those of their distinct variables.
+
+    Return None if each end has a different variable.
     """
     sizes = {end.variable: end.part.stop - end.part.start for end in ends}
     if len(sizes) == len(ends):
@@ -98,7 +99,7 @@ def _repeated(ends: Sequence[End]) -> np.ndarray | None:
 
 
 def _places(parts: Sequence[slice]) -> slice | np.ndarray:
-    """Indices of parts of the vector: a slice where they lie one behind the other."""
+    """Return the indices of parts of the vector: a slice if the parts are contiguous."""
     if all(one.stop == other.start for one, other in zip(parts, parts[1:])):
         return slice(parts[0].start, parts[-1].stop) if parts else slice(0, 0)
     return np.concatenate([np.arange(part.start, part.stop) for part in parts])
@@ -109,9 +110,8 @@ class Interface:
 
     The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of
     wires that run against the stepping order: the unknowns of a sequential (Gauss-Seidel)
-    evaluation (`unknowns`: where they are, a slice if they lie one behind the other;
-    `feedback_wires`: the slice of each wire among them). Norms are scaled: element / nominal
-    of its wire.
+    evaluation (`unknowns`: their positions; `feedback_wires`: the slice of each wire among them).
+    Norms are scaled: element / nominal of its wire.
 
     Parameters
     ----------
@@ -144,13 +144,12 @@ class Interface:
         sizes = [int(np.prod(wire.shape)) for wire in wires]
         self.parts = _slices(sizes)
         self.size = sum(sizes)
-        self.nominal = np.repeat(
-            np.array([wire.nominal for wire in wires], float), np.array(sizes, int)
-        )
+        self.layout = layout_of(wires, list(participants), parallel)
+        self.nominal, self.tolerance = self.layout.nominal, self.layout.tolerance
+        self.unknowns = self.layout.unknowns
         against = [is_unknown(wire, list(participants), parallel) for wire in wires]
         self.feedback = np.repeat(np.array(against, bool), np.array(sizes, int))
         self.feedback_wires = _slices([size for size, back in zip(sizes, against) if back])
-        self.unknowns = _places([part for part, back in zip(self.parts, against) if back])
         whole = list(zip(wires, self.parts))
         self.inputs = {
             name: [End(w.target[1], part, w.shape) for w, part in whole if w.target[0] == name]
@@ -167,10 +166,9 @@ class Interface:
         }
         self._last: Last | None = None
         self.starts = [part.start for part in self.parts]
-        tolerance = np.array([wire.tolerance for wire in wires], float)
-        self.tolerance = np.repeat(tolerance, np.array(sizes, int))
-        is_small = 0 < self.size <= SMALL and set(sizes) == {1} and tolerance.all()
-        self._scalar_tolerances = tolerance.tolist() if is_small and not self.relative else None
+        is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
+        scalars = is_small and not self.relative
+        self._scalar_tolerances = self.tolerance.tolist() if scalars else None
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
@@ -189,19 +187,13 @@ class Interface:
             for k in range(max(depth.values(), default=-1) + 1)
         ]
 
-    @cached_property
-    def limited(self) -> list[tuple[Wire, slice]]:
-        """Wires with a `largest_decrease`, each with its part of the vector."""
-        pairs = zip(self.wires, self.parts)
-        return [(wire, part) for wire, part in pairs if wire.largest_decrease is not None]
-
     def begin(self) -> None:
-        """A macro step is tried."""
+        """Begin an attempt at a macro step."""
         self.trail: list[list[float]] = []
         self.first = [0.0] * len(self.wires)
 
     def read(self) -> np.ndarray:
-        """Vector of what the sources say now."""
+        """Return the vector of the present outputs."""
         y = np.empty(self.size)
         for ends in self.ends.values():
             ends.collect(y)
@@ -210,8 +202,9 @@ class Interface:
     def evaluate(
         self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any] | None
     ) -> Evaluation:
-        """Step every participant once from its saved state, later ones reading what earlier ones
-        have just computed.
+        """Step every participant once from its saved state.
+
+        Later participants read the results of earlier ones.
 
         Parameters
         ----------
@@ -220,7 +213,7 @@ class Interface:
         time, step : float
             Start and length of the macro step [s].
         saved : dict of str to saved state, or None
-            None where the participants stand where they should.
+            None if the participants are in the right state.
         """
 
         def act(stage: Sequence[str]) -> None:
@@ -236,8 +229,9 @@ class Interface:
         act: Callable[[Sequence[str]], None],
         saved: Mapping[str, Any] | None = None,
     ) -> Evaluation:
-        """What the participants say once `act` was done with each stage of them, its inputs set;
-        see `evaluate`.
+        """Return the outputs after `act` was called for each stage with its inputs set.
+
+        See `evaluate`.
         """
         used = x.copy()
         y = np.empty(self.size)
@@ -257,8 +251,9 @@ class Interface:
         return Evaluation(used, y, y - x)
 
     def _step(self, stage: Sequence[str], time: float, step: float) -> None:
-        """Step the participants of a stage, those apart while the others step here; every one is
-        waited for before a refusal or fault of the first of them is raised.
+        """Step the participants of a stage, the isolated ones in parallel.
+
+        A discarded step or a fault is raised after all of them have answered.
         """
         if len(stage) == 1 and stage[0] not in self.apart:
             begun = perf_counter()
@@ -290,10 +285,10 @@ class Interface:
                 raise failures[name]
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
-        """The evaluation linearised at the last step of every participant.
+        """Return the derivative of the evaluation at the last step of every participant.
 
-        A participant without derivatives takes its step once more with changed inputs, and is left
-        there: evaluate again before its state is used.
+        A participant without derivatives repeats its step with changed inputs and stays there, so
+        evaluate again before its state is used.
 
         Parameters
         ----------
@@ -351,7 +346,7 @@ class Interface:
         return (moved[ends.out] - last.at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
-        """Residual that counts as converged, per element, for given values; shape (size,)."""
+        """Return the residual that counts as converged, by element, for given values."""
         if not self.relative:
             return self.tolerance
         return np.concatenate(
@@ -362,9 +357,7 @@ class Interface:
         )
 
     def measure(self, residual: np.ndarray, values: np.ndarray) -> float:
-        """Largest measure of a wire, see `Wire.measure`: converged at 1 and below, NaN if any
-        element is not finite.
-        """
+        """Return the largest `Wire.measure`: converged if at most 1, NaN if not finite."""
         if self.relative and not self.trail:
             self.first = [rms(residual[part]) for part in self.parts]
         self.trail.append(self._measures(residual, values))
@@ -426,7 +419,7 @@ def _element(port: tuple[str, str], element: int, shape: tuple[int, ...]) -> str
 
 
 def largest(measures: Sequence[float]) -> float:
-    """The largest of some numbers not below 0, NaN if one is."""
+    """Return the largest of some numbers not below 0, NaN if one is NaN."""
     found = 0.0
     for measure in measures:
         if not measure <= found:
@@ -437,6 +430,6 @@ def largest(measures: Sequence[float]) -> float:
 
 
 def _slices(sizes: Sequence[int]) -> list[slice]:
-    """Slices of parts that lie one behind the other."""
+    """Return the slices of contiguous parts."""
     ends = np.cumsum(sizes, dtype=int).tolist()
     return [slice(end - size, end) for end, size in zip(ends, sizes)]

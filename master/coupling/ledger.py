@@ -1,5 +1,4 @@
-"""Spurious energy: the sum of the energies that participants receive from each other in a macro
-step.
+"""Spurious energy: sum of the energies that participants receive from each other in a step.
 
 A participant may have an output, named in the contract, for the energy that it received over its
 wires in the last step. It is the sum of the stored and the dissipated energy.
@@ -88,7 +87,7 @@ class Ledger:
         self.lost = REMEMBERED * max(-created, 0.0)
 
     def summary(self) -> dict[str, float]:
-        """Summary entries: the energy that each took [J], and `largest`."""
+        """Return the summary entries: energy received by each participant [J], and `largest`."""
         taken = {f"energy_taken_{name}_j": amount for name, amount in self.taken.items()}
         return taken | {"energy_created_share_max": self.largest}
 
@@ -103,8 +102,9 @@ class Ledger:
 def ledger(
     ports: list[Port], sizes: list[Port], conjugates: int, participants: Mapping
 ) -> Ledger | None:
-    """Of a case in which at least two participants tell what they took, and wires tell what passed;
-    arguments as of `Ledger`.
+    """Return the ledger of a case, None if fewer than two participants report their energy.
+
+    Return None also if no wire has a conjugate. The arguments are those of `Ledger`.
 
     Raises
     ------

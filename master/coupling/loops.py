@@ -80,7 +80,7 @@ def loops(system: System) -> list[Loop]:
 
 
 def _restarted(system: System, name: str) -> RestartedParticipant:
-    """A participant that begins again with the inputs that it has now."""
+    """Return a participant that restarts with its present inputs."""
     one = system.participants[name]
     inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
     now = {key: one.get(key) for key in inputs if key in one.fields}
@@ -88,7 +88,7 @@ def _restarted(system: System, name: str) -> RestartedParticipant:
 
 
 def _loop(own: Part, system: System) -> Loop:
-    """What is known of a loop."""
+    """Return the loop of a component."""
     unknowns = int(own.interface.feedback.sum())
     one = Loop(own.component, unknowns, step=system.step)
     members: Any = own.interface.participants
@@ -107,7 +107,7 @@ def _loop(own: Part, system: System) -> Loop:
 
 
 def _iterated(one: Loop) -> Loop:
-    """Say of a loop that is iterated whether it can be solved."""
+    """Return an iterated loop with the reason if it has no unique solution."""
     singular = not one.condition < 1.0 / np.finfo(float).eps ** 0.5
     return replace(one, why="singular at the start: no unique solution" if singular else "")
 
@@ -125,7 +125,7 @@ def _explicit(one: Loop, own: Part, system: System) -> Loop:
 
 
 def _matrix(own: Part, begin: float, step: float) -> np.ndarray:
-    """J of a loop in nominals, by differences over a step from the start [s]."""
+    """Return J of a loop in nominals, by differences over a step from the start [s]."""
     interface = own.interface
     names: Sequence[str] = own.component.names
     saved = {name: interface.participants[name].save() for name in names}

@@ -30,13 +30,13 @@ from .native_block import (
     rules_of,
     state_of,
 )
-from .native_newton import converge
 from .native_stepping import accept, forget_products, reach
 from .native_system import (
     START,
     System,
     call,
     feed,
+    find,
     integer_of,
     is_fed_well,
     read,
@@ -113,7 +113,7 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
         load_variables(system, given.contents, p)
     carry(real, integer, system, given.exposed.parameters, INWARD)
     carry(real, integer, system, given.exposed.inputs, INWARD)
-    y = np.zeros(given.size)
+    y = np.zeros(len(given.layout.nominal))
     started = np.zeros(len(system.participants))
     numbers = np.zeros(4)
     for _ in range(2):
@@ -276,7 +276,7 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     parts.failures[0] = 0.0
     keep(parts.before, parts.state)
     numbers[-1] = 1.0
-    if not converge(memory, real, numbers[1], numbers[0], real):
+    if not find(memory, real, numbers[1], numbers[0], real):
         keep(parts.state, parts.before)
         numbers[-1] = 0.0
 

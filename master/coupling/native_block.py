@@ -10,10 +10,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..fmi.block import flatten, memory_of, parts, room, row_of
+from ..fmi.block import flatten, memory_of, parts, reader, room, row_of
 from ..fmi.compiled import compilable, compiled
 from ..fmi.noted import ROOM
+from .methods import iteration
 from .methods.krylov import KEPT, Pairs
+from .vector import Layout
 
 Array = np.ndarray
 Vector = Annotated[Array, "n"]
@@ -24,10 +26,8 @@ Number = Annotated[Array, "1"]
 NOWHERE = -1
 
 SENTENCES = {
+    **iteration.SENTENCES,
     "no_halving": "t = {a} s, step {b} s, and no halving is left",
-    "not_finite": "a participant's output is not finite",
-    "grows": "the residual grows: {a} of what is allowed after {i} iterations, {b} at best",
-    "too_many": "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
     "no_memory": "there is not enough memory for a participant's step",
     "no_step": "there was no step to take a derivative of",
     "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
@@ -72,10 +72,9 @@ class ParticipantRow(NamedTuple):
 
 
 class WireRow(NamedTuple):
-    """A wire: both participants and places among their real variables; places of seed and product
-    (NOWHERE: there is none); its elements; the first among the unknowns (NOWHERE: it runs along the
-    order) and in the vector; norms; range of the input; elements of the last index; first of its
-    sentences.
+    """A wire: both participants and positions among their real variables; positions of seed and
+    product (NOWHERE: there is none); its elements, the first of them in the vector; whether it
+    carries unknowns; range of the input; elements of the last index; first of its sentences.
     """
 
     source: int
@@ -84,15 +83,12 @@ class WireRow(NamedTuple):
     target_place: int
     seed: int
     product: int
+    first: int
     elements: int
-    unknown: int
-    nominal: float
-    tolerance: float
-    largest_decrease: float
+    is_unknown: bool
     low: float = -inf
     high: float = inf
     columns: int = 1
-    first: int = 0
     sentence: int = 0
 
 
@@ -122,8 +118,8 @@ class Rules(NamedTuple):
     nudge: float
     predicted: int
     halvings: int
-    iterations: int
-    space: int
+    max_iterations: int
+    largest_krylov_space: int
     accuracy: float
     forcing: float
     trail: int
@@ -140,16 +136,13 @@ class Exposed(NamedTuple):
 class Given(NamedTuple):
     """What the memory begins with.
 
-    inside, standing, size, unknowns, pairs : numbers of all participants; elements of `standing`,
-    of the vector and of its unknowns; pairs of GMRES. order, starting : participants; participants,
-    wires : rows; contents : of participants' memories and variables.
+    standing, pairs : elements of `State.standing`; pairs of GMRES. order, starting : participants;
+    participants, wires : rows; contents : of participants' memories and variables.
     """
 
     rules: Rules
-    inside: int
+    layout: Layout
     standing: int
-    size: int
-    unknowns: int
     pairs: int
     order: Vector
     starting: Vector
@@ -161,10 +154,12 @@ class Given(NamedTuple):
 
 def lay_out(
     rules: Rules,
+    layout: Layout,
     participants: Sequence[ParticipantRow],
     wires: Sequence[WireRow],
     order: Sequence[int],
-    reals: int,
+    *,
+    reals: int = 0,
     exposed: Sequence[Sequence[ExposedRow]] = ((), (), ()),
     starting: Sequence[int] = (),
     contents: np.ndarray | None = None,
@@ -181,7 +176,7 @@ def lay_out(
         Parameters, inputs and outputs seen from outside.
     """
     participants, wires = list(participants), list(wires)
-    inside = filled = standing = size = unknowns = 0
+    inside = filled = standing = 0
     for k, one in enumerate(participants):
         ends = (one.reals, one.integers, one.memories)
         real, integer, memory, inside = accumulate(ends, initial=inside)
@@ -191,18 +186,13 @@ def lay_out(
         filled += one.given + one.reals + one.integers
         standing += one.variables + one.states
     for k, wire in enumerate(wires):
-        is_unknown = wire.unknown != NOWHERE
-        wires[k] = wire._replace(
-            first=size,
-            unknown=unknowns if is_unknown else NOWHERE,
-            sentence=len(SENTENCES) + k * len(WIRE_SENTENCES),
-        )
-        size += wire.elements
-        unknowns += wire.elements if is_unknown else 0
+        wires[k] = wire._replace(sentence=len(SENTENCES) + k * len(WIRE_SENTENCES))
+    size, unknowns = len(layout.nominal), len(layout.unknowns)
     pairs = min(KEPT, unknowns)
     given = Given(
         rules,
-        *(inside, standing, size, unknowns, pairs),
+        layout,
+        *(standing, pairs),
         np.array(order, float),
         np.array(starting, float),
         _matrix(participants),
@@ -235,8 +225,8 @@ def _matrix(rows):
 class State(NamedTuple):
     """What a step goes on from.
 
-    standing : variables and states of all participants where a macro step begins; times, past : of accepted vectors, the
-    oldest first, as many as are `known`.
+    standing : variables and states of all participants where a macro step begins; times, past : of
+    accepted vectors, the oldest first, as many as are `known`.
     """
 
     standing: Annotated[Array, "standing"]
@@ -286,7 +276,7 @@ parts_of = parts(Parts)
 _, participant_from = flatten(ParticipantRow)
 _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
-_, given_from = flatten(Given)
+given_from = reader(Given)
 put_state, state_from = flatten(State)
 put_last, last_from = flatten(Last)
 put_trail, trail_from = flatten(Trail)
@@ -296,12 +286,12 @@ put_trail, trail_from = flatten(Trail)
 def nothing_yet(given: Given):
     """Return `State` and `Trail` before a start."""
     n = given.pairs
-    of_vectors = np.zeros((2, n, given.unknowns))
+    of_vectors = np.zeros((2, n, len(given.layout.unknowns)))
     state = State(
         np.zeros(given.standing),
         np.zeros(1),
         np.zeros(given.rules.predicted),
-        np.zeros((given.rules.predicted, given.size)),
+        np.zeros((given.rules.predicted, len(given.layout.nominal))),
         Pairs(of_vectors[0], of_vectors[1], np.zeros((n, n)), np.zeros(1)),
     )
     measures = np.zeros((given.rules.trail, len(given.wires)))

@@ -23,7 +23,7 @@ from .native_block import (
     WireRow,
     lay_out,
 )
-from .wiring import Wire, is_unknown
+from .wiring import Wire, layout_of
 
 
 def uncovered(coupling: Any) -> Iterator[str]:
@@ -86,22 +86,27 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
         nudge=NUDGE,
         predicted=coupling.predictor + 1,
         halvings=coupling.halvings,
-        iterations=coupling.max_iterations,
-        space=coupling.largest_krylov_space,
+        max_iterations=coupling.max_iterations,
+        largest_krylov_space=coupling.largest_krylov_space,
         accuracy=newton.accuracy,
         forcing=newton.forcing,
         trail=1,
     )
     causalities = ("parameter", "input", "output")
+    layout = layout_of(options.wires, options.order, coupling.parallel)
     head = lay_out(
         rules,
+        layout,
         _participants(insides, codes, len(options.wires)),
-        [_wire(wire, slave, insides) for wire in options.wires],
+        [
+            _wire(wire, insides, end - prod(wire.shape), end - 1 in layout.unknowns)
+            for wire, end in zip(options.wires, layout.ends)
+        ],
         [names.index(name) for name in options.order],
-        len(slave.real),
-        [_exposed(slave, insides, causality) for causality in causalities],
-        [names.index(name) for name in options.participants],
-        np.concatenate([_contents(one) for one in insides.values()]),
+        reals=len(slave.real),
+        exposed=[_exposed(slave, insides, causality) for causality in causalities],
+        starting=[names.index(name) for name in options.participants],
+        contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
     part = native.PART._replace(
         faults=_sentences(options.wires, insides), covered=_covered(slave, insides)
@@ -142,13 +147,12 @@ def _contents(inside: Inside) -> np.ndarray:
     return np.concatenate([inside.given, slave.real, slave.integer.view(float)])
 
 
-def _wire(wire: Wire, slave: Coupled, insides: Mapping[str, Inside]) -> WireRow:
+def _wire(wire: Wire, insides: Mapping[str, Inside], first: int, is_unknown: bool) -> WireRow:
     """Return the row of a wire."""
-    options, names = slave.inside, list(insides)
+    names = list(insides)
     (source, said), (target, heard) = wire.source, wire.target
     places = {name: inside.slave.references for name, inside in insides.items()}
     v = _target(wire, insides)
-    is_against = is_unknown(wire, list(options.order), options.coupling.parallel)
     return WireRow(
         source=names.index(source),
         source_place=places[source][said],
@@ -156,11 +160,9 @@ def _wire(wire: Wire, slave: Coupled, insides: Mapping[str, Inside]) -> WireRow:
         target_place=places[target][heard],
         seed=places[target].get(reserved(SEED, heard), NOWHERE),
         product=places[source].get(reserved(PRODUCT, said), NOWHERE),
+        first=first,
         elements=prod(wire.shape),
-        unknown=0 if is_against else NOWHERE,
-        nominal=wire.nominal,
-        tolerance=wire.tolerance,
-        largest_decrease=NOWHERE if wire.largest_decrease is None else wire.largest_decrease,
+        is_unknown=is_unknown,
         low=-inf if v.minimum is None else v.minimum,
         high=inf if v.maximum is None else v.maximum,
         columns=v.shape[1] if len(v.shape) > 1 else 1,

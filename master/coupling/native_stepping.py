@@ -8,8 +8,8 @@ from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from .native_block import FAULT, State, faults_of, rules_of, state_of
-from .native_newton import converge
-from .native_system import System, moved, restore, save, system_of
+from .native_system import find, restore, save, system_of
+from .vector import extrapolate, moved
 
 MOST_STEPS = 1e6
 """In one communication step: 1400 cycles of the shipped cases."""
@@ -47,24 +47,6 @@ def forget_past(state: State):
 
 
 @compiled
-def predicted(system: System, state: State, time: float):
-    """Guess at `time` [s], as `Predictor`, no further from the last vector than is allowed."""
-    known = int(state.known[0])
-    times = state.times[:known]
-    last = state.past[known - 1]
-    if known == 1:
-        return last.copy()
-    guess = np.zeros(len(last))
-    for a in range(known):
-        weight = 1.0
-        for b in range(known):
-            if times[b] != times[a]:
-                weight *= (time - times[b]) / (times[a] - times[b])
-        keep(guess, guess + state.past[a] * weight)
-    return moved(system, last, guess - last)
-
-
-@compiled
 def macro_step(memory: np.ndarray, time: float, step: float):
     """One macro step or halves of it, as `Stepper._step`; False where no halving is left, why put
     down among the faults.
@@ -86,8 +68,11 @@ def macro_step(memory: np.ndarray, time: float, step: float):
         length = lengths[waiting]
         system.failures[0] = 0.0
         save(system)
-        guess = predicted(system, state, begin + length)
-        if converge(memory, guess, begin, length, x):
+        known = int(state.known[0])
+        last = state.past[known - 1]
+        guess = extrapolate(state.times[:known], state.past[:known], begin + length)
+        guess = moved(system.layout, last, guess - last)
+        if find(memory, guess, begin, length, x):
             accept(state, begin + length, x)
             continue
         restore(system)

@@ -11,7 +11,7 @@ from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.native_parts import CALL
 from ..fmi.noted import refuse, take_over
-from .evaluation import Evaluation
+from .methods.iteration import NONE, Answer, converge
 from .native_block import (
     FAULT,
     NOWHERE,
@@ -21,10 +21,12 @@ from .native_block import (
     given_of,
     participant_from,
     parts_of,
-    state_from,
+    rules_of,
+    state_of,
     trail_from,
     wire_from,
 )
+from .vector import Evaluation, Layout
 
 START, ADVANCE, TANGENT = map(float, range(1, 4))
 """Entries by their number; 0 is size."""
@@ -45,6 +47,7 @@ native_part = types.ExternalFunction(
 class System(NamedTuple):
     """Participants, in their stepping `order`, and wires; `standing` : where evaluations begin."""
 
+    layout: Layout
     participants: np.ndarray
     wires: np.ndarray
     order: np.ndarray
@@ -61,11 +64,12 @@ def system_of(memory: np.ndarray):
     parts = parts_of(memory)
     given = given_of(memory)
     return System(
+        given.layout,
         given.participants,
         given.wires,
         given.order,
         parts.inside,
-        state_from(parts.state).standing,
+        state_of(memory).standing,
         trail_from(parts.trail),
         parts.failures,
         parts.faults,
@@ -202,32 +206,42 @@ def refuse_element(
     refuse(faults, wire.sentence + which, float(i), float(j), a, b, c)
 
 
+class Step(NamedTuple):
+    """Macro step of a system: begin and length [s]."""
+
+    system: System
+    time: float
+    length: float
+
+
 @compiled
-def evaluate(system: System, x: np.ndarray, time: float, step: float, at: Evaluation):
-    """Step every participant once from what is saved, as `Interface.evaluate`; whether all of them
-    took the step.
+def step_all(step: Step, used: np.ndarray, outputs: np.ndarray):
+    """Step every participant once from what is saved, as `Interface.evaluate`.
 
     Parameters
     ----------
-    system : System
-    x : ndarray, shape (size,)
-        Iterate.
-    time, step : float
-        Of the macro step [s].
-    at : Evaluation
-        Overwritten.
+    step : Step
+    used : ndarray, shape (size,)
+        Iterate; the elements that are no unknowns are set to the outputs.
+    outputs : ndarray, shape (size,)
+        Written.
+
+    Returns
+    -------
+    bool
+        Whether all participants took the step.
     """
-    keep(at.used, x)
+    system = step.system
     numbers = np.zeros(4)
-    numbers[0] = step
-    numbers[1] = time
+    numbers[0] = step.length
+    numbers[1] = step.time
     for k in range(len(system.order)):
         p = int(system.order[k])
         restore_one(system, p)
         for w in range(len(system.wires)):
             wire = wire_of(system, w)
             if wire.target == p:
-                feed(system, wire, at.used)
+                feed(system, wire, used)
                 if not is_fed_well(system, wire, system.failures):
                     return False
         if not call(system, p, ADVANCE, numbers, system.failures):
@@ -235,25 +249,34 @@ def evaluate(system: System, x: np.ndarray, time: float, step: float, at: Evalua
         for w in range(len(system.wires)):
             wire = wire_of(system, w)
             if wire.source == p:
-                read(system, wire, at.outputs)
-                if wire.unknown == NOWHERE:
-                    keep(of_wire(wire, at.used), of_wire(wire, at.outputs))
-    # an element that is fed back was used as in x, another one as in the outputs
-    keep(at.residual, at.outputs - x)
+                read(system, wire, outputs)
+                if not wire.is_unknown:
+                    keep(of_wire(wire, used), of_wire(wire, outputs))
     return True
 
 
 @compiled
-def derivative(system: System, change: np.ndarray, result: np.ndarray):
-    """The evaluation linearised at the last step of every participant, as `Interface.derivative`;
-    whether all of them answered.
-    """
+def evaluate(step: Step, x: np.ndarray):
+    """Return the `Answer` of all participants to an iterate."""
+    used = x.copy()
+    outputs = np.zeros(len(x))
+    is_answered = step_all(step, used, outputs)
+    # an element that is fed back was used as in x, another one as in the outputs
+    at = Evaluation(used, outputs, outputs - x)
+    measure = measured(step.system, at.residual) if is_answered else -1.0
+    return Answer(at, measure, step.system.layout.tolerance)
+
+
+@compiled
+def derivative(step: Step, change: np.ndarray, result: np.ndarray):
+    """Linearise an evaluation, as `Interface.derivative`; return whether all of them answered."""
+    system = step.system
     system.trail.products[0] += 1.0
     seen = np.zeros(len(change))
     keep(result, seen)
     for w in range(len(system.wires)):
         wire = wire_of(system, w)
-        if wire.unknown != NOWHERE:
+        if wire.is_unknown:
             keep(of_wire(wire, seen), of_wire(wire, change))
     numbers = np.zeros(4)
     for k in range(len(system.order)):
@@ -278,101 +301,58 @@ def derivative(system: System, change: np.ndarray, result: np.ndarray):
             wire = wire_of(system, w)
             if wire.source == p:
                 keep(of_wire(wire, result), variable_of(system, wire, p, wire.product))
-                if wire.unknown == NOWHERE:
+                if not wire.is_unknown:
                     keep(of_wire(wire, seen), of_wire(wire, result))
     return True
 
 
-# ---- norms
-
-
 @compiled
-def measure(system: System, residual: np.ndarray):
-    """Largest share of an element's residual in its wire's tolerance: converged at 1 and below, NaN
-    if any is not finite. The largest of every wire goes to the trail; where that is full, in the
-    place of the last.
+def measured(system: System, residual: np.ndarray):
+    """Return the largest residual as a share of its tolerance, NaN if one is not finite.
+
+    The largest share of every wire goes to the trail, in the last row if that is full.
     """
     trail = system.trail
     row = min(int(trail.evaluations[0]), len(trail.measures) - 1)
     trail.evaluations[0] += 1.0
-    found = 0.0
+    shares = np.abs(residual) / system.layout.tolerance
+    result = 0.0
     for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        largest = np.max(np.abs(of_wire(wire, residual))) / wire.tolerance
+        largest = np.max(of_wire(wire_of(system, w), shares))
         if np.isnan(largest):
             return largest
         trail.measures[row, w] = largest
-        found = max(found, largest)
-    return found
+        result = max(result, largest)
+    return result
 
 
 @compiled
 def note_worst(system: System, residual: np.ndarray):
-    """Put down which wire is worst, and its largest residual."""
-    largest = -1.0
-    worst = wire_of(system, 0)
-    element = 0
+    """Note the fault of the wire with the largest residual."""
+    shares = np.abs(residual) / system.layout.tolerance
+    shares[np.isnan(shares)] = np.inf
+    k = np.argmax(shares)
     for w in range(len(system.wires)):
         wire = wire_of(system, w)
-        values = of_wire(wire, residual)
-        for k in range(len(values)):
-            share = abs(values[k]) / wire.tolerance
-            share = np.inf if np.isnan(share) else share
-            if share > largest:
-                largest = share
-                worst = wire
-                element = k
-    x = float(residual[worst.first + element])
-    refuse_element(system.failures, worst, element, ON_WIRE.worst, x, worst.tolerance, 0.0)
+        if 0 <= k - wire.first < wire.elements:
+            x, allowed = float(residual[k]), float(system.layout.tolerance[k])
+            refuse_element(system.failures, wire, k - wire.first, ON_WIRE.worst, x, allowed, 0.0)
 
 
 @compiled
-def moved(system: System, x: np.ndarray, change: np.ndarray):
-    """x + share * change, no further than `largest_decrease` of the wires allows, as
-    `methods.step_length`.
-    """
-    share = 1.0
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        if wire.largest_decrease == NOWHERE:
-            continue
-        values = of_wire(wire, x)
-        moves = of_wire(wire, change)
-        smallest = np.min(values)
-        floor = smallest - wire.largest_decrease * max(smallest, wire.nominal / 10)
-        for k in range(len(values)):
-            if moves[k] < 0.0:
-                share = min(share, (values[k] - floor) / -moves[k])
-    return x + share * change
-
-
-# ---- unknowns
-
-
-@compiled
-def scatter(system: System, reduced: np.ndarray, change: np.ndarray):
-    """Set the unknowns among a change of the whole vector to scaled ones."""
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        if wire.unknown != NOWHERE:
-            own = reduced[wire.unknown : wire.unknown + wire.elements]
-            keep(of_wire(wire, change), own * wire.nominal)
-
-
-@compiled
-def gather(system: System, whole: np.ndarray, reduced: np.ndarray):
-    """Set scaled unknowns to those among the whole vector."""
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        if wire.unknown != NOWHERE:
-            own = reduced[wire.unknown : wire.unknown + wire.elements]
-            keep(own, of_wire(wire, whole) / wire.nominal)
-
-
-@compiled
-def tolerances(system: System, whole: np.ndarray):
-    """Set every element of the vector to its wire's tolerance."""
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        own = of_wire(wire, whole)
-        keep(own, np.full(len(own), wire.tolerance))
+def find(memory: np.ndarray, guess: np.ndarray, time: float, length: float, x: np.ndarray):
+    """Write the fixed point of a macro step into `x`; note why if there is none, return False."""
+    system = system_of(memory)
+    system.trail.evaluations[0] = 0.0
+    system.trail.products[0] = 0.0
+    step = Step(system, time, length)
+    pairs = state_of(memory).pairs
+    rules = rules_of(memory)
+    end = converge(evaluate, derivative, step, guess, rules, system.layout, pairs)
+    if end.is_converged:
+        keep(x, end.at.used)
+    if end.failure != NONE:
+        count, best, last = len(end.history), np.min(end.history), end.history[-1]
+        refuse(system.failures, end.failure, float(count), 0.0, last, best, 0.0)
+        note_worst(system, end.at.residual)
+    return end.is_converged

@@ -1,6 +1,4 @@
-"""Which saved states and which own derivatives of participants may be used: checked at the start of
-a run, not believed.
-"""
+"""Checks of the participants' saved states and derivatives at the start of a run."""
 
 from dataclasses import replace
 
@@ -47,7 +45,7 @@ def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
 
 
 def without_rollback(system: System, reasons: dict[str, str]) -> System:
-    """The system with participants that are not restored where there is a reason."""
+    """Return the system in which participants with a reason are never restored."""
     return replace(
         system,
         participants={
@@ -58,8 +56,9 @@ def without_rollback(system: System, reasons: dict[str, str]) -> System:
 
 
 def objections(system: System, method: Method) -> dict[str, str]:
-    """Why a participant's own derivative is not used, by participant; empty for those it is used
-    of. The others offer none, or the method asks for none.
+    """Return why a participant's derivative is not used, by participant; empty if it is used.
+
+    Participants are missing if they offer no derivative or the method needs none.
 
     Parameters
     ----------
@@ -82,7 +81,7 @@ def objections(system: System, method: Method) -> dict[str, str]:
 
 
 def by_differences(system: System, objected: dict[str, str]) -> System:
-    """The system with derivatives by differences of steps where there is an objection."""
+    """Return the system with derivatives by differences where there is an objection."""
     return replace(
         system,
         participants={

@@ -72,7 +72,7 @@ def start(system: System) -> None:
 def _each(
     participants: Mapping[str, Participant], action: Callable[[str], object], faults: list[str]
 ) -> dict[str, Participant]:
-    """Participants for which the action succeeds; the faults of the others are appended."""
+    """Return the participants for which the action succeeds; append the others' faults."""
     succeeded: dict[str, Participant] = {}
     for name, participant in participants.items():
         try:
@@ -84,7 +84,7 @@ def _each(
 
 
 def _fed(system: System, name: str, started: Mapping[str, Participant]) -> dict[str, Any]:
-    """Outputs of the participants that have started, by the input of `name` they are wired to."""
+    """Return outputs of started participants, by the input of `name` they are wired to."""
     return {
         c.target[1]: started[c.source[0]].get(c.source[1])
         for c in (*system.wires, *system.held)
@@ -150,19 +150,17 @@ def _undetermined(begin: "Start", x: np.ndarray) -> list[str]:
 
 
 class Start:
-    """Initialization Mode as a method sees it, in place of a macro step: outputs follow inputs
-    without a step.
-    """
+    """Initialization Mode as a macro step: outputs follow inputs without a step."""
 
     def __init__(self, interface: Interface):
         self.interface = interface
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
-        """Set every participant's inputs, later ones to what earlier ones say."""
+        """Set the inputs of every participant, later ones to the outputs of earlier ones."""
         return self.interface.answer(x, lambda stage: None)
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
-        """Never asked for: Newton takes differences here."""
+        """Raise: Newton uses differences here."""
         raise NotImplementedError
 
 
@@ -170,8 +168,7 @@ class Start:
 def closing(participants: Iterable[Participant]) -> Iterator[None]:
     """Close all participants at the end.
 
-    What goes wrong while they are closed is raised once all are, and only where nothing went wrong
-    before: it is a consequence then.
+    A fault during closing is raised after all are closed, unless another one came before.
     """
     faults: list[ParticipantFault] = []
     try:

@@ -1,5 +1,4 @@
-"""How long the next macro step is: by an embedded estimate of the local error, and by how hard the
-last step was.
+"""Length of the next macro step, from the local error and the effort of the last one.
 
 References
 ----------
@@ -64,8 +63,9 @@ class StepControl:
     past: list[tuple[float, np.ndarray]] = field(default_factory=list)
 
     def length(self, remaining: float) -> tuple[float, bool]:
-        """Next macro step [s], and whether it ends the remaining time, which is cut into equal
-        parts.
+        """Return the next macro step [s], and whether it ends the remaining time.
+
+        The remaining time is divided into equal parts.
         """
         parts = ceil(remaining / max(self.step, self.smallest) - 1e-9)
         return remaining / parts, parts == 1
@@ -73,7 +73,7 @@ class StepControl:
     def accepts(
         self, last: tuple[float, np.ndarray], time: float, step: float, solution: Solution
     ) -> bool:
-        """Whether the local error of a step is small enough; sets the next macro step.
+        """Return whether the local error of a step is small enough; set the next macro step.
 
         Parameters
         ----------
@@ -95,8 +95,9 @@ class StepControl:
         return small or self.error <= 1.0
 
     def _keep(self, time: float, x: np.ndarray) -> None:
-        """Keep an accepted vector, once however often the step after it is tried; the predictor may
-        keep fewer than three.
+        """Keep an accepted vector, once for all attempts at the step after it.
+
+        The predictor may keep fewer than three.
         """
         if not self.past or time > self.past[-1][0]:
             self.past = [*self.past, (time, x)][-3:]
@@ -115,17 +116,13 @@ class StepControl:
         )
 
     def halve(self, step: float) -> bool:
-        """After a step that failed: the next one is half as long; False if that is below the
-        smallest.
-        """
+        """Halve the step after a failure; return False if it is below the smallest."""
         self.step = step / 2
         return self.step >= self.smallest
 
 
 def step_control(wires: Sequence[Wire], smallest: float) -> StepControl | None:
-    """StepControl of the wires with a `local_error`; None if no wire has one: every step is as long
-    as asked then.
-    """
+    """Return the StepControl of the wires with a `local_error`, None if no wire has one."""
     ends = np.cumsum([int(np.prod(c.shape)) for c in wires], dtype=int)
     watched = [
         (slice(int(end) - int(np.prod(c.shape)), int(end)), c.local_error)

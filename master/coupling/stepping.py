@@ -10,16 +10,15 @@ import numpy as np
 from ..fmi.errors import Discard, Stopped, Ticked
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
-from .methods import MacroStep, Method, NotConverged, Solution, step_length
+from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .step_control import StepControl
+from .vector import extrapolate, moved
 from .wiring import HeldWire, System, carry
 
 
 class StepFailed(Stopped):
-    """A macro step that no halving could bring to convergence: the run stops, what was accepted
-    stays.
-    """
+    """Macro step that does not converge after all halvings: the run stops."""
 
     headline = "a macro step failed"
 
@@ -30,8 +29,9 @@ class EnergyCreated(RuntimeError):
 
 @dataclass
 class Counters:
-    """What the run has cost. NRES and NJAC count evaluations (probes for differences too) and
-    linearisations, as an implicit integrator counts them.
+    """Effort of the run.
+
+    Residual and Jacobian evaluations are counted as by an implicit integrator, with probes.
     """
 
     steps: int = 0
@@ -54,54 +54,43 @@ class Counters:
 
 
 class Predictor:
-    """Extrapolates the interface vector through the last accepted ones (Lagrange; order 0 repeats
-    the last).
-    """
+    """Extrapolation through the last accepted vectors; order 0 repeats the last one."""
 
     def __init__(self, order: int):
         self.order = order
         self.past: list[tuple[float, np.ndarray]] = []
 
     def keep(self, time: float, x: np.ndarray) -> None:
-        """Note an accepted vector."""
+        """Add an accepted vector."""
         self.past = [*self.past, (time, x)][-self.order - 1 :]
 
     def clear(self) -> None:
-        """Forget all but the last one."""
+        """Remove all but the last vector."""
         self.past = self.past[-1:]
 
     def __call__(self, time: float) -> np.ndarray:
-        """Guess at `time` [s]; the last vector if there is no more to go by."""
-        if len(self.past) == 1:
-            return self.past[0][1]
-        guess: Any = 0.0
-        for time_a, x in self.past:
-            weight = 1.0
-            for time_b, _ in self.past:
-                if time_b != time_a:
-                    weight *= (time - time_b) / (time_a - time_b)
-            guess = guess + x * weight
-        return guess
+        """Return the guess at `time` [s]."""
+        return extrapolate(*zip(*self.past), time)
 
 
 class Observer(Protocol):
-    """Told of what a stepper does."""
+    """Observer of a stepper."""
 
     def attempted(
         self, time: float, step: float, trail: list[list[float]], failure: object | None
     ) -> None:
-        """An attempt at the macro step from `time` over `step` [s], before it is accepted or taken
-        back: the wires' measures by evaluation, and why it failed or None.
+        """Observe an attempt at the macro step from `time` over `step` [s].
+
+        It is not accepted or rolled back yet. trail : measures of the wires by evaluation; failure
+        : reason, or None.
         """
 
     def accepted(self, time: float, solution: Solution) -> None:
-        """A step that ends at `time` [s] is accepted, halves included; the participants stand
-        there.
-        """
+        """Observe an accepted step or half step that ends at `time` [s]."""
 
 
 class Nobody:
-    """An observer that does not listen."""
+    """Observer that does nothing."""
 
     def attempted(
         self, time: float, step: float, trail: list[list[float]], failure: object | None
@@ -132,7 +121,7 @@ class Stepper:
     begin : float
         Where the participants stand [s].
     judge : callable(time, solution), optional
-        Raises EnergyCreated unless the converged step that ends at `time` [s] is to be believed.
+        Raises EnergyCreated if the converged step that ends at `time` [s] created energy.
     clocks : sequence of HeldWire
         From clock to clock.
     """
@@ -171,13 +160,13 @@ class Stepper:
         self.predictor.keep(begin, self.interface.read())
 
     def advance(self, time: float, step: float) -> None:
-        """Bring all participants from time to time + step [s]: in one macro step, or as step
-        control divides it.
+        """Advance all participants from time to time + step [s].
 
-        A macro step that does not converge, that a participant discards, or in which energy is
-        made, is rolled back with cleared history and taken in two halves, or as step control then
-        says; one whose local error is too large is rolled back and taken shorter. Where clocks
-        tick, a macro step ends (`Events`). Raises StepFailed when no halving is left.
+        This takes one macro step, or those of step control. A macro step is rolled back if it does
+        not converge, if a participant discards it, or if it creates energy. Then the history is
+        cleared, and the step is taken in two halves or as step control decides. If the local error
+        is too large, a shorter step follows. A macro step ends where clocks tick (`Events`).
+        Raises StepFailed if no halving is left.
         """
         try:
             if self.control:
@@ -190,7 +179,7 @@ class Stepper:
             raise StepFailed(str(failure)) from None
 
     def _between_ticks(self, time: float, step: float, halvings: int) -> None:
-        """Macro steps from one tick of a clock to the next."""
+        """Take macro steps from one tick of a clock to the next."""
         end = time + step
         for _ in range(LARGEST_ITERATION):
             length = self.events.length(time, end - time)
@@ -200,8 +189,9 @@ class Stepper:
         raise EndlessEvents(f"t = {time:.6g} s: {LARGEST_ITERATION} clock ticks in a macro step")
 
     def _step(self, time: float, step: float, halvings: int) -> float:
-        """One macro step, or halves of it; the time [s] that it reaches, less than asked for where
-        a clock ticks on the way.
+        """Take a macro step, or halves of it; return the time reached [s].
+
+        A tick of a clock ends the step before time + step.
         """
         saved = self._save()
         try:
@@ -221,7 +211,7 @@ class Stepper:
         return time + step
 
     def _controlled(self, control: StepControl, time: float, step: float) -> None:
-        """Macro steps as step control divides what is asked for, each to a tick at the latest."""
+        """Take the macro steps of step control, each to the next tick at most."""
         end = time + step
         tick = end
         while time < end:
@@ -236,7 +226,7 @@ class Stepper:
                 tick = early.time
 
     def _controlled_step(self, control: StepControl, time: float, step: float) -> bool:
-        """Whether the step was accepted; control knows the next length either way."""
+        """Return whether the step was accepted; set the next length of step control."""
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
@@ -294,9 +284,7 @@ class Stepper:
         failure: NotConverged | Discard | EnergyCreated,
         may_halve: bool,
     ) -> None:
-        """Roll back a step that failed and forget what led there; StepFailed if it may not be
-        halved.
-        """
+        """Roll back a failed step and clear the history; raise StepFailed if it is the last."""
         # the inputs of a first evaluation are accepted values: a second NaN is no accident
         not_finite = getattr(failure, "is_not_finite", False)
         is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
@@ -316,8 +304,5 @@ class Stepper:
 
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
-        guess = self.predictor(time + step)
-        if guess is not start:
-            change = guess - start
-            guess = start + step_length(self.interface, start, change) * change
+        guess = moved(self.interface.layout, start, self.predictor(time + step) - start)
         return self.method.solve(MacroStep(self.interface, time, step, saved), guess, self.memory)

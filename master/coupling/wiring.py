@@ -2,26 +2,29 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf, prod
 from typing import Any
 
 import numpy as np
 
 from ..participants.participant import Participant
+from .vector import Layout
 
 Port = tuple[str, str]
 """(participant, variable)."""
 
 
 def port_of(text: str) -> Port:
-    """Port of "participant.variable"; the variable's own name may hold dots."""
+    """Return the port of "participant.variable"; the variable's name may contain dots."""
     owner, _, name = text.partition(".")
     return owner, name
 
 
 @dataclass(frozen=True)
 class HeldWire:
-    """A wire that carries no real numbers, or ends at a clocked input: what the source says at the
-    beginning of a macro step is set at the target and held over the step.
+    """Wire that carries no real numbers, or ends at a clocked input.
+
+    The target holds the value of the source at the beginning of a macro step.
     """
 
     source: Port
@@ -30,10 +33,9 @@ class HeldWire:
 
 @dataclass(frozen=True)
 class Wire:
-    """A wire ready for use: both ends, shape, and in SI its nominal, tolerance and allowed local
-    error.
+    """Wire in SI.
 
-    tolerance : infinite on a wire that is not measured, 0 where a relative criterion alone counts.
+    tolerance : infinite if the wire is not measured, 0 if only a relative criterion counts.
     """
 
     source: Port
@@ -48,8 +50,9 @@ class Wire:
     local_error: float | None = None
 
     def allowed(self, values: np.ndarray, first: float) -> float:
-        """Size of an element's residual that counts as converged, for given values and rms of the
-        step's first residual.
+        """Return the residual that counts as converged, by element.
+
+        values : outputs of the wire; first : rms of the step's first residual.
         """
         return max(
             self.tolerance,
@@ -58,7 +61,7 @@ class Wire:
         )
 
     def measure(self, residual: np.ndarray, values: np.ndarray, first: float) -> float:
-        """How far the wire is from converged; 1 is just there, NaN if an element is not finite.
+        """Return the measure of convergence: converged if at most 1, NaN if not finite.
 
         Eq. (S1):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
                        rms(r) / (residual-relative tolerance x rms(r of the macro step's first
@@ -75,21 +78,35 @@ class Wire:
 
 
 def rms(values: np.ndarray) -> float:
-    """Root mean square."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def is_unknown(wire: Wire, order: Sequence[str], parallel: bool) -> bool:
-    """Whether a wire runs against the stepping order: what it carries is then an unknown of the
-    iteration.
-    """
+    """Return whether a wire runs against the stepping order and so carries unknowns."""
     return parallel or order.index(wire.target[0]) <= order.index(wire.source[0])
+
+
+def layout_of(wires: Sequence[Wire], order: Sequence[str], parallel: bool) -> Layout:
+    """Return the layout of the vector of wires for a stepping order, see `is_unknown`."""
+    sizes = np.array([prod(wire.shape) for wire in wires], int)
+
+    def by_element(values: Iterable[float]) -> np.ndarray:
+        return np.repeat(np.array([*values], float), sizes)
+
+    limits = [inf if w.largest_decrease is None else w.largest_decrease for w in wires]
+    return Layout(
+        np.cumsum(sizes),
+        np.flatnonzero(by_element(is_unknown(wire, order, parallel) for wire in wires)),
+        by_element(wire.nominal for wire in wires),
+        by_element(wire.tolerance for wire in wires),
+        np.array(limits, float),
+    )
 
 
 @dataclass(frozen=True)
 class System:
-    """Participants in the order they start, stepping order, wires, parameters in SI, times,
-    folder of the case.
+    """Participants in the order they start, wires, parameters in SI, and times.
 
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
     divides macro steps [s]; record_interval : from one record of the fields to the next [s], 0
@@ -119,7 +136,7 @@ class System:
 
 
 def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:
-    """Set what held wires carry, as their sources say it now."""
+    """Set the targets of held wires to the present values of their sources."""
     for wire in held:
         value = participants[wire.source[0]].get(wire.source[1])
         participants[wire.target[0]].set(wire.target[1], value)

@@ -1,5 +1,6 @@
-"""Work that crosses the interface, as each of its two sides computes it: what they do not agree on,
-the iteration has made.
+"""Work that crosses the interface, as each of its two sides computes it.
+
+The difference is an error of the iteration.
 """
 
 from collections.abc import Sequence
@@ -22,8 +23,10 @@ class WireWithConjugate(Protocol):
 
 
 class ConjugatePair(NamedTuple):
-    """Index of a wire, index of its conjugate, whether their product is power, not work, and the
-    wire's absolute tolerance, 0 on one that is not measured.
+    """Indices of a wire and its conjugate.
+
+    is_power : whether their product is power, not work; tolerance : absolute tolerance of the wire,
+    0 if it is not measured.
     """
 
     wire: int
@@ -81,8 +84,9 @@ class InterfaceWork:
         self.last = begin, interface.read(), interface.read()
 
     def exchange(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
-        """What crosses in the macro step that ends at `time` [s]: what inputs were set to and what
-        outputs are there.
+        """Return the exchange in the macro step that ends at `time` [s].
+
+        used, y : values of inputs and outputs.
         """
         before, used_before, y_before = self.last
         step = time - before
@@ -108,8 +112,9 @@ class InterfaceWork:
     def add(
         self, time: float, used: np.ndarray, y: np.ndarray, exchange: Exchange | None = None
     ) -> Exchange:
-        """Add the macro step that ends at `time` [s]; arguments as of `exchange`, and what that
-        has said of them, if anything.
+        """Add the macro step that ends at `time` [s].
+
+        exchange : result of `exchange` for the other arguments, if known.
         """
         exchange = exchange or self.exchange(time, used, y)
         self.last = time, used, y
@@ -118,8 +123,9 @@ class InterfaceWork:
         return exchange
 
     def summary(self) -> dict[str, float]:
-        """Summary entries: W_1 [J], and (W_1 - W_2) / sum |F_in| . |dq_out|; none without
-        conjugates.
+        """Return the summary entries, none without conjugates.
+
+        They are W_1 [J] and (W_1 - W_2) / sum |F_in| . |dq_out|.
         """
         if not self.pairs:
             return {}
@@ -131,7 +137,7 @@ class InterfaceWork:
 
 
 def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> list[ConjugatePair]:
-    """The pair of each wire that names a conjugate."""
+    """Return the pair of each wire that has a conjugate."""
     faults: list[str] = []
     pairs: list[ConjugatePair] = []
     ports = {(".".join(wire.source), ".".join(wire.target)): k for k, wire in enumerate(wires)}
@@ -157,7 +163,7 @@ def conjugates(wires: Sequence[Wire], tables: Sequence[WireWithConjugate]) -> li
 
 
 def _wire_back(wires: Sequence[Wire], wire: Wire, conjugate: str) -> int | None:
-    """Index of the first wire from the port `conjugate` to where `wire` begins, of its shape."""
+    """Return the index of the first wire of this shape from `conjugate` to the source of `wire`."""
     for k, other in enumerate(wires):
         from_there = ".".join(other.source) == conjugate
         if from_there and other.target[0] == wire.source[0] and other.shape == wire.shape:

@@ -61,7 +61,7 @@ class CouplingOptions(Protocol):
 
 
 def method_of(coupling: CouplingOptions) -> Method:
-    """The method a case's coupling table asks for."""
+    """Return the method of a case's coupling table."""
     if coupling.method not in METHODS:
         return made("methods", coupling.method, coupling)
     if coupling.method == "newton":

@@ -19,7 +19,6 @@ import numpy as np
 from ...fmi.block import row_of
 from ..interface import Interface
 from ..native_block import (
-    NOWHERE,
     ParticipantRow,
     Rules,
     WireRow,
@@ -198,7 +197,9 @@ class Iteration:
         wires = [
             self._wire(k, called[one.source], called[one.target], one) for k, one in enumerate(ends)
         ]
-        head = lay_out(rules, [one.row for one in called], wires, range(len(called)), 0)
+        head = lay_out(
+            rules, interface.layout, [one.row for one in called], wires, range(len(called))
+        )
         self.block = np.zeros(int(head[0]))
         self.block[: len(head)] = head
         self.parts = parts_of(self.block)
@@ -213,10 +214,9 @@ class Iteration:
 
     def _wire(self, k: int, source: Called, target: Called, ends: Ends) -> WireRow:
         """Return the row of a wire."""
-        wire, span = self.interface.wires[k], self.interface.parts[k]
+        span = self.interface.parts[k]
         source_place = sum(source.inputs.values()) + place(source.outputs, ends.output)
         target_place = place(target.inputs, ends.input)
-        decrease = wire.largest_decrease
         return WireRow(
             source=ends.source,
             source_place=source_place,
@@ -224,11 +224,9 @@ class Iteration:
             target_place=target_place,
             seed=target.variables + target_place,
             product=source.variables + source_place,
+            first=span.start,
             elements=span.stop - span.start,
-            unknown=0 if self.interface.feedback[span.start] else NOWHERE,
-            nominal=wire.nominal,
-            tolerance=wire.tolerance,
-            largest_decrease=NOWHERE if decrease is None else decrease,
+            is_unknown=bool(self.interface.feedback[span.start]),
         )
 
     # ---- a macro step

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def filtered(columns: list[np.ndarray], limit: float) -> tuple[list[int], np.ndarray, np.ndarray]:
-    """QR decomposition of the columns worth keeping, the first ones preferred.
+    """Return the QR decomposition of the independent columns, the first ones preferred.
 
     Parameters
     ----------

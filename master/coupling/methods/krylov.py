@@ -1,9 +1,9 @@
-"""GMRES that remembers: products of the last solves precondition the next one. Python runs it as
-written, and it is the machine code of native coupled FMUs.
+"""GMRES that is preconditioned by the products of earlier solves.
+
+Python runs it as written, native FMUs compile it.
 """
 
-from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -56,8 +56,7 @@ class Pairs(NamedTuple):
 
 
 class Space(NamedTuple):
-    """Directions of a solve by rows, their products, and what is known of these without another
-    look at them.
+    """Directions of a solve by rows, their products, and coefficients of the products.
 
     Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ki basis_i
 
@@ -72,8 +71,9 @@ class Space(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """A solution: x = sum of weights times the directions of which products were asked for, in that
-    order; without a product the right-hand side, which is within the goal.
+    """Solution x = sum of weights times the directions, in order of their products.
+
+    Without a product it is the right-hand side, which is within the goal.
 
     is_answered : whether every product was there.
     """
@@ -83,15 +83,10 @@ class Solved(NamedTuple):
     space: Space
     is_answered: bool
 
-    @property
-    def products(self) -> int:
-        """How many it took."""
-        return len(self.weights)
-
 
 @compilable
 def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int):
-    """Solution of A x = right as near as `goal` says, or the best in a space of `most` products.
+    """Return the solution of A x = right within `goal`, or the best of `most` products.
 
     The least residual r_k in the space of k products needs no solve: the Hessenberg matrix has
     one vector g with g' H = 0, of which every product gives another element.
@@ -154,7 +149,7 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
 
 @compilable
 def space_of(most: int, n: int, pairs: int):
-    """Room for so many products of vectors of n elements."""
+    """Return an empty space for `most` products of vectors of n elements."""
     return Space(
         np.empty((most, n)),
         np.empty((most, n)),
@@ -165,20 +160,21 @@ def space_of(most: int, n: int, pairs: int):
 
 @compilable
 def length(vector: Array):
-    """2-norm."""
+    """Return the 2-norm."""
     return np.sqrt(vector @ vector)
 
 
 @compilable
 def is_within(vector: Array, limits: Array):
-    """Whether no element is larger than it may be."""
+    """Return whether no element exceeds its limit."""
     return (np.abs(vector) <= limits).all()
 
 
 @compilable
 def pairs_in_use(pairs: Pairs):
-    """F of (Z' Z + n I)^-1 = F' F for the pairs in use, a row for each, the newest first; columns
-    are rows of `pairs`. What is older than Eq. (Q11) allows is put out of use.
+    """Return F of (Z' Z + n I)^-1 = F' F, a row for each pair in use, the newest first.
+
+    Its columns are the rows of `pairs`. Pairs older than Eq. (Q11) allows are removed.
     """
     gram = pairs.gram
     kept = len(gram)
@@ -208,7 +204,7 @@ def pairs_in_use(pairs: Pairs):
 
 @compilable
 def project(pairs: Pairs, used: int, r: Array, projected: Array):
-    """Z' r of the pairs in use into `projected`, shape (pairs,)."""
+    """Write Z' r of the pairs in use into `projected`, shape (pairs,)."""
     oldest = int(pairs.oldest[0])
     first = oldest - used  # they go round the end where it is below 0
     before, end = max(first, 0), len(projected)
@@ -220,7 +216,7 @@ def project(pairs: Pairs, used: int, r: Array, projected: Array):
 
 @compilable
 def precondition(pairs: Pairs, inverse: Array, r: Array, projected: Array, out: Array):
-    """P r into `out`, Eq. (Q7), and Z' r into `projected`, shape (pairs,)."""
+    """Write P r into `out`, Eq. (Q7), and Z' r into `projected`, shape (pairs,)."""
     used = len(inverse)
     keep(out, r)
     if used == 0:
@@ -240,9 +236,9 @@ def precondition(pairs: Pairs, inverse: Array, r: Array, projected: Array, out: 
 
 @compilable
 def orthogonal(vector: Array, basis: Array, column: Array):
-    """What is left of a vector without its shares in an orthonormal basis, shape (m, n).
+    """Return a vector without its shares in an orthonormal basis, shape (m, n).
 
-    The shares are added to `column`, shape (>= m + 1,), what is left of the length behind them.
+    The shares are added to `column`, shape (>= m + 1,), followed by the remaining length.
     """
     m = len(basis)
     for _ in range(2):  # a second pass keeps the basis orthogonal to round-off
@@ -255,8 +251,9 @@ def orthogonal(vector: Array, basis: Array, column: Array):
 
 @compilable
 def least_squares(hessenberg: Array, size: float, count: int):
-    """Weights of `count` directions by which |size e_0 - H' w| is least; shape (>= count,
-    >= count + 1). A direction that adds nothing has the weight 0.
+    """Return the weights of `count` directions that minimise |size e_0 - H' w|.
+
+    H has the shape (>= count, >= count + 1). A direction that adds nothing has the weight 0.
     """
     triangle = hessenberg[:count, : count + 1].copy()
     right = np.zeros(count + 1)
@@ -281,8 +278,10 @@ def least_squares(hessenberg: Array, size: float, count: int):
 
 @compilable
 def learn(pairs: Pairs, space: Space, count: int):
-    """Put the pairs of a solve in the place of the oldest. Their inner products need no look at
-    them: what is remembered knows its own with the basis, and by Eq. (Q10) products are sums of it.
+    """Replace the oldest pairs by those of a solve.
+
+    Their inner products follow from those with the basis, because products are sums of the basis by
+    Eq. (Q10).
     """
     kept = len(pairs.gram)
     sizes = np.empty(count)
@@ -311,14 +310,8 @@ def learn(pairs: Pairs, space: Space, count: int):
     pairs.oldest[0] = row
 
 
-def answered(product: Callable[[Array], Array], k: int, v: Array, out: Array) -> bool:
-    """Write a product of a function."""
-    out[:] = product(v)
-    return True
-
-
 class RecycledGmres:
-    """GMRES for a sequence of systems A x = b whose matrices change little.
+    """Memory of GMRES for a sequence of systems A x = b whose matrices change little.
 
     Eq. (Q7):  P r = r + (V - Z) (Z' Z + n I)^-1 Z' r,   Z = A V,   |z_i| = 1
 
@@ -332,28 +325,15 @@ class RecycledGmres:
     Eq. (Q11):  pairs <= 1.3 d + 4,   d = tr Z' Z (Z' Z + n I)^-1
 
     d counts the directions in which the pairs differ by more than the noise.
-
-    Parameters
-    ----------
-    largest_space : int
-        Products a solve.
     """
 
-    def __init__(self, largest_space: int):
-        self.largest_space = largest_space
+    def __init__(self):
         self.pairs: Pairs | None = None
 
     def pairs_of(self, unknowns: int) -> Pairs:
-        """What is remembered; of a first solve, nothing."""
+        """Return the pairs; before a first solve there are none in use."""
         if self.pairs is None:
             kept = min(KEPT, unknowns)
             images, differences = np.zeros((2, kept, unknowns))
             self.pairs = Pairs(images, differences, np.zeros((kept, kept)), np.zeros(1))
         return self.pairs
-
-    def solve(self, product: Callable[[Array], Array], right: Array, goal: Goal) -> Solved:
-        """Solution of A x = right, see `minimise`; product: v -> A v."""
-        pairs = self.pairs_of(right.size)
-        solved: Any = minimise(answered, product, right, goal, pairs, self.largest_space)
-        learn(pairs, solved.space, solved.products)
-        return solved

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from .krylov import Goal, RecycledGmres
+from .iteration import FAILURES, NONE, SENTENCES, Answer, converge
+from .krylov import RecycledGmres
 from .probing import ProbedStep
-from .solution import NotConverged, Solution, Tried, check_finite, step_length
+from .solution import NotConverged, Solution, Tried, check_finite
 
 SINGULAR = 1e-8
 """Largest |(I - J) dx| / |dx| of a loop that counts as singular; differences are good to 1e-11."""
@@ -18,9 +20,7 @@ STALLED = 0.5
 
 @dataclass(frozen=True)
 class Newton:
-    """Interface Newton-Krylov on directional derivatives.
-
-    Eq. (Q1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x): the feedback wires evaluated at x
+    """Interface Newton-Krylov on directional derivatives, see `iteration.converge`.
 
     J comes as products, one directional derivative of every participant each; GMRES needs few of
     them because it starts from what it learned in the last solves.
@@ -47,7 +47,7 @@ class Newton:
     differences: bool = False
 
     def memory(self) -> RecycledGmres:
-        return RecycledGmres(self.largest_krylov_space)
+        return RecycledGmres()
 
     def solve(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
         if self.differences:
@@ -57,78 +57,39 @@ class Newton:
 
     def _iterate(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
         interface = macro_step.interface
-        at = macro_step.evaluate(guess)
-        history = [interface.measure(at.residual, at.outputs)]
-        products = 0
-        first = None
-        while history[-1] > 1.0 or np.isnan(history[-1]):
-            check_finite(interface, at, history)
-            if failure := self._failure(history):
-                stop = NotConverged(failure, interface, at, history)
-                stop.cause = partial(_cause, macro_step, guess, first, history)
-                raise stop
-            allowed = interface.allowed(at.outputs)
-            change, count = self._update(macro_step, at.outputs - at.used, allowed, memory)
-            products += count
-            first = change if first is None else first
-            at = macro_step.evaluate(at.used + step_length(interface, at.used, change) * change)
-            history.append(interface.measure(at.residual, at.outputs))
-        return Solution(at.used, tuple(history), len(history) - 1, products)
-
-    def _failure(self, history: list[float]) -> str | None:
-        """Return why the iteration ends without a solution, or None."""
-        if len(history) > 3 and history[-1] > 1e3 * min(history):
-            return "the residual grows"
-        if len(history) == self.max_iterations:
-            return f"no convergence in {self.max_iterations} iterations"
-        return None
-
-    def _update(
-        self,
-        macro_step: Tried,
-        residual: np.ndarray,
-        allowed: np.ndarray,
-        memory: RecycledGmres,
-    ) -> tuple[np.ndarray, int]:
-        """Newton update of the whole vector, and the number of products it took."""
-        interface = macro_step.interface
-        unknowns = interface.unknowns
-        scale = interface.nominal[unknowns]
-        seed = np.zeros(interface.size)
-        changes: list[np.ndarray] = []
-
-        def directional(reduced: np.ndarray) -> np.ndarray:
-            seed[unknowns] = reduced * scale
-            changes.append(macro_step.derivative(seed))
-            return reduced - changes[-1][unknowns] / scale
-
-        right = residual[unknowns] / scale
-        if right.size == 1:
-            pivot = directional(np.ones(1))
-            solution = right / pivot if pivot[0] else np.zeros(1)  # Eq. (Q1)
-            change = solution * changes[0]
-            change[unknowns] = solution * scale
-            return change, 1
-        goal = Goal(
-            self.accuracy * allowed[unknowns] / scale,
-            self.forcing * float(np.linalg.norm(right)),
+        pairs = memory.pairs_of(len(interface.unknowns))
+        end: Any = converge(
+            _evaluate, _derivative, macro_step, guess, self, interface.layout, pairs
         )
-        solution, weights, *_ = memory.solve(directional, right, goal)  # Eq. (Q1)
-        if len(weights):
-            change = weights @ np.array(changes)
-        else:
-            directional(solution)
-            change = changes[0]
-        change[unknowns] = solution * scale
-        return change, len(changes)
+        history = end.history.tolist()
+        if end.failure == FAILURES.not_finite:
+            check_finite(interface, end.at, history)
+        if end.failure != NONE:
+            reason = tuple(SENTENCES.values())[int(end.failure)].partition(":")[0]
+            stop = NotConverged(reason.format(i=len(history)), interface, end.at, history)
+            stop.cause = partial(_cause, macro_step, guess, end.first, history)
+            raise stop
+        return Solution(end.at.used, tuple(history), len(history) - 1, end.products)
 
 
-def _cause(
-    macro_step: Tried, guess: np.ndarray, first: np.ndarray | None, history: list[float]
-) -> str:
+def _evaluate(macro_step: Tried, x: np.ndarray) -> Answer:
+    """Return the answer of a macro step to an iterate."""
+    interface = macro_step.interface
+    at = macro_step.evaluate(x)
+    measure = interface.measure(at.residual, at.outputs)
+    return Answer(at, measure, interface.allowed(at.outputs))
+
+
+def _derivative(macro_step: Tried, change: np.ndarray, out: np.ndarray) -> bool:
+    """Write the derivative of a macro step in a direction."""
+    out[:] = macro_step.derivative(change)
+    return True
+
+
+def _cause(macro_step: Tried, guess: np.ndarray, first: np.ndarray, history: list[float]) -> str:
     """Return the likely cause of a failure, from the first update and the history."""
     half = len(history) // 2
-    if first is None or not half:
+    if not len(first) or not half:
         return "there was no update"
     unknowns = macro_step.interface.unknowns
     scale = macro_step.interface.nominal[unknowns]

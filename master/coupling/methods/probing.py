@@ -1,6 +1,4 @@
-"""Linearised evaluations by differences, for participants whose derivatives are missing or not
-wanted.
-"""
+"""Derivatives by differences, for participants without derivatives or on request."""
 
 from collections.abc import Callable
 
@@ -16,9 +14,7 @@ map.
 
 
 class ProbedStep:
-    """A macro step whose derivative is a difference of two evaluations; `learn` is told of
-    each.
-    """
+    """Macro step whose derivative is a difference of two evaluations; each calls `learn`."""
 
     def __init__(
         self,
@@ -36,7 +32,7 @@ class ProbedStep:
         return self.base
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
-        """Change of all outputs, (G(x + s dx) - G(x)) / s."""
+        """Return the change of all outputs, (G(x + s dx) - G(x)) / s."""
         assert self.base is not None, "a derivative is asked for before an evaluation"
         used, y, _ = self.base
         feedback = self.interface.feedback

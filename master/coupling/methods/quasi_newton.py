@@ -1,6 +1,4 @@
-"""Interface quasi-Newton: updates from secant pairs, for participants without directional
-derivatives.
-"""
+"""Interface quasi-Newton by secants, for participants without directional derivatives."""
 
 from dataclasses import dataclass, field
 
@@ -89,14 +87,14 @@ class QuasiNewton:
             x = at.used + self._step(interface, at.used, secants, r)
 
     def _is_astray(self, r: np.ndarray, least: float, iterations: int) -> bool:
-        """Whether the secants have failed."""
+        """Return whether the secants have failed."""
         grown = np.linalg.norm(r) > self.astray * least
         return bool(grown) or 2 * (iterations - 1) > self.max_iterations
 
     def _step(
         self, interface: Interface, used: np.ndarray, secants: SecantMemory, r: np.ndarray
     ) -> np.ndarray:
-        """x_{k+1} - x_k."""
+        """Return x_{k+1} - x_k."""
         change = np.zeros(interface.size)
         factor = self.relaxation if secants.empty else 1.0
         known, rest = secants.update(r, interface.feedback_wires)
@@ -107,8 +105,9 @@ class QuasiNewton:
     def _probe(
         self, macro_step: Tried, guess: np.ndarray, memory: "Memory", history: tuple[float, ...]
     ) -> Solution:
-        """The macro step by Newton on differences, every probe learnt; `history` is what led astray
-        before.
+        """Solve the macro step by Newton on differences and learn from every probe.
+
+        history : measures of the iteration that failed before.
         """
         memory.secants.begin()
         newton = Newton(self.max_iterations, forcing=1e-2)
@@ -124,7 +123,7 @@ class Memory:
     """Secants, and the Krylov pairs of the macro steps that were probed."""
 
     secants: SecantMemory
-    krylov: RecycledGmres = field(default_factory=lambda: RecycledGmres(120))
+    krylov: RecycledGmres = field(default_factory=RecycledGmres)
 
 
 class Astray(RuntimeError):

@@ -15,23 +15,23 @@ from .filtering import filtered
 
 
 class SecantMemory(Protocol):
-    """What has been learnt so far."""
+    """Memory of secant pairs."""
 
     @property
     def empty(self) -> bool: ...
 
     def begin(self) -> None:
-        """A macro step is tried."""
+        """Begin an attempt at a macro step."""
 
     def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
-        """Take a pair."""
+        """Add a pair."""
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
-        """Answer to the residual r, and what of r no pair explains; `wires` are slices of r."""
+        """Return the answer to the residual r and the unexplained rest; `wires` slice r."""
         ...
 
     def close(self) -> None:
-        """The macro step is accepted."""
+        """Accept the macro step."""
 
 
 class Secants(Protocol):
@@ -86,8 +86,9 @@ class LeastSquares:
 
 @dataclass
 class LeastSquaresMemory:
-    """`now` holds the pairs of the running macro step, `past` those of accepted ones, `shares` the
-    residuals seen per wire.
+    """Memory of `LeastSquares`.
+
+    now, past : pairs of the running and of accepted macro steps; shares : residuals seen by wire.
     """
 
     way: LeastSquares
@@ -100,7 +101,7 @@ class LeastSquaresMemory:
         return not (self.now or self.past)
 
     def begin(self) -> None:
-        """A macro step is tried."""
+        """Begin an attempt at a macro step."""
         self.now = []
         self.shares = None
 
@@ -108,9 +109,7 @@ class LeastSquaresMemory:
         self.now.insert(0, Pair(residual_change, change))
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
-        """Answer to the residual r, and what of r no pair explains: (X c, r + V c);
-        `wires` are slices of r.
-        """
+        """Return the answer to the residual r and the unexplained rest: (X c, r + V c)."""
         seen = _shares(r, wires)
         shares = seen if self.shares is None else self.shares + seen
         self.shares = shares
@@ -135,7 +134,7 @@ class LeastSquaresMemory:
 
 
 def _shares(r: np.ndarray, wires: list[slice]) -> np.ndarray:
-    """Share of each wire in the squared residual, spread over its elements."""
+    """Return the share of each wire in the squared residual, by element."""
     total = max(r @ r, np.finfo(float).tiny)
     shares = np.empty_like(r)
     for part in wires:
@@ -168,7 +167,7 @@ class MultiVector:
 
 @dataclass
 class MultiVectorMemory:
-    """`now` holds the running step's pairs, `past` those of every accepted step."""
+    """Memory of `MultiVector`; now, past : pairs of the running and of accepted steps."""
 
     way: MultiVector
     now: list[Pair] = field(default_factory=list)
@@ -179,14 +178,14 @@ class MultiVectorMemory:
         return not (self.now or self.past)
 
     def begin(self) -> None:
-        """A macro step is tried."""
+        """Begin an attempt at a macro step."""
         self.now = []
 
     def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
         self.now.insert(0, Pair(residual_change, change))
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
-        """Answer to the residual r, and what of r no pair explains."""
+        """Return the answer to the residual r and the unexplained rest."""
         change = np.zeros_like(r)
         rest = r.copy()
         for q, triangle, changes in [*self._decomposed(), *self.past]:
@@ -253,7 +252,7 @@ class Rings:
 
 @dataclass
 class AgeingMemory:
-    """`count` pairs have been learnt, `step` macro steps accepted."""
+    """Memory of `Ageing`; count, step : pairs learnt and macro steps accepted."""
 
     way: Ageing
     step: int = 0
@@ -265,7 +264,7 @@ class AgeingMemory:
         return self.count == 0
 
     def begin(self) -> None:
-        """A macro step is tried."""
+        """Begin an attempt at a macro step."""
 
     def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
         size = np.linalg.norm(residual_change)
@@ -287,7 +286,7 @@ class AgeingMemory:
         rings.products[:, k] = rings.products[k]
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
-        """Answer to the residual r, and what of r no pair explains: (-X a, r - V a)."""
+        """Return the answer to the residual r and the unexplained rest: (-X a, r - V a)."""
         if self.rings is None:
             return np.zeros_like(r), r
         from scipy.linalg import cho_factor, cho_solve  # slow to import

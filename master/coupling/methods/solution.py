@@ -1,6 +1,4 @@
-"""What every method shares: the macro step to solve, its solution, its failure, the limit on an
-update.
-"""
+"""Macro step to solve, its solution, its failure, and the limit on an update."""
 
 from collections.abc import Callable, Sequence
 from math import isfinite
@@ -8,12 +6,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from .. import vector
 from ..interface import Evaluation, Interface
 
 
 class MacroStep(NamedTuple):
-    """One macro step: evaluations of `interface` from `time` over `step` [s], every one from the
-    `saved` states.
+    """Macro step of `interface` from `time` over `step` [s].
+
+    Every evaluation begins from the `saved` states.
     """
 
     interface: Interface
@@ -22,17 +22,18 @@ class MacroStep(NamedTuple):
     saved: dict[str, Any]
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
-        """`Interface.evaluate` of this step."""
+        """Return `Interface.evaluate` of this step."""
         return self.interface.evaluate(x, self.time, self.step, self.saved)
 
     def evaluate_once(self, x: np.ndarray) -> Evaluation:
-        """The same as the only evaluation of this step, which restores no state: some FMUs go on
-        differently from a state that is restored.
+        """Return the only evaluation of this step, which restores no state.
+
+        Some FMUs continue differently from a restored state.
         """
         return self.interface.evaluate(x, self.time, self.step, None)
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
-        """`Interface.derivative` at the last evaluation."""
+        """Return `Interface.derivative` at the last evaluation."""
         return self.interface.derivative(change)
 
 
@@ -54,12 +55,12 @@ class Solution(NamedTuple):
 
     @property
     def inputs(self) -> np.ndarray:
-        """What the inputs were set to."""
+        """Values that the inputs were set to."""
         return self.x if self.held is None else self.held
 
     @property
     def iterations(self) -> int:
-        """Evaluations it took, probes left out."""
+        """Number of evaluations without probes."""
         return len(self.history)
 
 
@@ -76,10 +77,10 @@ class Method(Protocol):
     """A way to the fixed point of a macro step."""
 
     def memory(self) -> Any:
-        """What the method carries from one macro step to the next; None if nothing."""
+        """Return what the method carries from one macro step to the next, None if nothing."""
 
     def solve(self, macro_step: Tried, guess: np.ndarray, memory: Any) -> Solution:
-        """The macro step at its fixed point; raises NotConverged."""
+        """Return the macro step at its fixed point; raise NotConverged if there is none."""
         ...
 
 
@@ -130,18 +131,5 @@ def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence
 
 
 def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
-    """Largest share <= 1 of `change` that respects every wire's `largest_decrease`.
-
-    The smallest element m of such a wire may go down to m - s max(m, nominal/10), s =
-    largest_decrease.
-    """
-    share = 1.0
-    for wire, part in interface.limited:
-        values, moves = x[part], change[part]
-        down = np.flatnonzero(moves < 0.0)
-        if not len(down):
-            continue
-        smallest = values.min()
-        floor = smallest - wire.largest_decrease * max(smallest, wire.nominal / 10)
-        share = min(share, float(np.min((values[down] - floor) / -moves[down])))
-    return share
+    """Return the largest share <= 1 of `change` that the wires allow, see `vector.step_length`."""
+    return vector.step_length(interface.layout, x, change)

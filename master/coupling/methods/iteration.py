@@ -1,0 +1,194 @@
+"""Newton iteration of a macro step. Python runs it as written, native FMUs compile it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...fmi.block import keep
+from ...fmi.compiled import compilable
+from ..vector import Array, Evaluation, Layout, moved, put
+from .krylov import Goal, Pairs, learn, length, minimise
+
+NONE = -1.0
+"""Failure of an iteration that converged, or in which a participant rejected a call."""
+SENTENCES = {
+    "not_finite": "a participant's output is not finite",
+    "grows": "the residual grows: {a} of what is allowed after {i} iterations, {b} at best",
+    "too_many": "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
+}
+
+
+class Failures(NamedTuple):
+    """Numbers of the failures, as ordered in `SENTENCES`."""
+
+    not_finite: float = 0.0
+    grows: float = 1.0
+    too_many: float = 2.0
+
+
+FAILURES = Failures()
+
+
+class Answer(NamedTuple):
+    """Evaluation of an iterate.
+
+    measure : largest residual as a share of its tolerance, NaN if one is not finite; negative if a
+    participant rejected the step. allowed : residual that counts as converged, by element.
+    """
+
+    at: Evaluation
+    measure: float
+    allowed: Array
+
+
+class Linear(NamedTuple):
+    """Linear system of a Newton update.
+
+    derivative : callable(step, change, out)
+        Writes the change of all outputs; returns whether all participants answered.
+    step : object
+        Argument of `derivative`.
+    scale : ndarray, shape (unknowns,)
+    seed : ndarray, shape (size,)
+        Argument of `derivative`; 0 except for the unknowns.
+    products : ndarray, shape (most, size)
+        Changes of all outputs, by direction.
+    """
+
+    derivative: Any
+    step: Any
+    layout: Layout
+    scale: Array
+    seed: Array
+    products: Array
+
+
+class Update(NamedTuple):
+    """Newton update of the vector, its number of products, and whether all were answered."""
+
+    change: Array
+    products: int
+    is_answered: bool
+
+
+class Iterated(NamedTuple):
+    """Result of an iteration.
+
+    history : ndarray
+        Measures of the evaluations; the last one is negative if a participant rejected the step.
+    products : int
+        Derivatives of the whole evaluation.
+    first : ndarray
+        First update, empty without one.
+    failure : float
+        Number as in `FAILURES`, or `NONE`.
+    is_converged : bool
+    """
+
+    at: Evaluation
+    history: Array
+    products: int
+    first: Array
+    failure: float
+    is_converged: bool
+
+
+@compilable
+def product(linear: Linear, k: int, direction: Array, out: Array):
+    """Write the k-th product with I - J; return whether all participants answered."""
+    unknowns = linear.layout.unknowns
+    put(linear.seed, unknowns, direction * linear.scale)
+    if not linear.derivative(linear.step, linear.seed, linear.products[k]):
+        return False
+    keep(out, direction - linear.products[k][unknowns] / linear.scale)
+    return True
+
+
+@compilable
+def update(derivative, step, answer: Answer, rules, layout: Layout, pairs: Pairs):
+    """Return the Newton update at an evaluation, see `converge`."""
+    at = answer.at
+    size = len(at.used)
+    scale = layout.nominal[layout.unknowns]
+    right = (at.outputs - at.used)[layout.unknowns] / scale
+    products = np.empty((max(rules.largest_krylov_space, 1), size))
+    linear = Linear(derivative, step, layout, scale, np.zeros(size), products)
+    count = len(right) - 1
+    if count == 0:
+        pivot = np.empty(1)
+        is_answered = product(linear, count, np.ones(1), pivot)
+        x = right / pivot if is_answered and pivot[0] != 0.0 else np.zeros(1)  # Eq. (Q1)
+        change = x[0] * products[0]
+    else:
+        limits = rules.accuracy * answer.allowed[layout.unknowns] / scale
+        goal = Goal(limits, rules.forcing * length(right))
+        most = rules.largest_krylov_space
+        solved = minimise(product, linear, right, goal, pairs, most)  # Eq. (Q1)
+        x, count, is_answered = solved.x, len(solved.weights), solved.is_answered
+        if is_answered and count > 0:
+            learn(pairs, solved.space, count)
+            change = solved.weights @ products[:count]
+        else:
+            is_answered = is_answered and product(linear, count, x, np.empty(len(x)))
+            change = products[0]
+    put(change, layout.unknowns, x * scale)
+    return Update(change, max(count, 1), is_answered)
+
+
+@compilable
+def failure_of(outputs: Array, history: Array, most: int):
+    """Return the number of the reason to end an iteration without a solution, or `NONE`."""
+    last = history[-1]
+    if not np.isfinite(last) and not np.isfinite(outputs).all():
+        return FAILURES.not_finite
+    if len(history) > 3 and last > 1e3 * np.min(history):
+        return FAILURES.grows
+    return FAILURES.too_many if len(history) == most else NONE
+
+
+@compilable
+def converge(evaluate, derivative, step, guess: Array, rules, layout: Layout, pairs: Pairs):
+    """Return the fixed point of a macro step by Newton's iteration.
+
+    Eq. (Q1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x): the feedback wires evaluated at x
+
+    Parameters
+    ----------
+    evaluate : callable(step, x)
+        Returns an `Answer`.
+    derivative : callable
+        See `Linear`.
+    step : object
+        First argument of both.
+    guess : ndarray, shape (size,)
+    rules : Newton, or native_block.Rules
+    layout : Layout
+    pairs : Pairs
+        Updated.
+
+    Returns
+    -------
+    Iterated
+    """
+    history = np.empty(rules.max_iterations)
+    first = np.zeros(0)
+    answer = evaluate(step, guess)
+    history[0] = answer.measure
+    count = 1
+    products = 0
+    failure = NONE
+    while not answer.measure <= 1.0:
+        failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
+        if failure != NONE:
+            break
+        change, more, is_answered = update(derivative, step, answer, rules, layout, pairs)
+        products += more
+        if not is_answered:
+            break
+        if count == 1:
+            first = change
+        answer = evaluate(step, moved(layout, answer.at.used, change))
+        history[count] = answer.measure
+        count += 1
+    found = 0.0 <= answer.measure <= 1.0
+    return Iterated(answer.at, history[:count], products, first, failure, found)

@@ -1,0 +1,91 @@
+"""Vector of all wires, in Python and in machine code: layout, evaluation, limits, extrapolation."""
+
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fmi.compiled import compilable, standing_for
+
+Array = NDArray[np.float64]
+Positions = NDArray[np.int64]
+
+
+class Layout(NamedTuple):
+    """Layout of the vector, whose elements are those of all wires in order.
+
+    ends : end of each wire's elements; unknowns : positions of the elements that are unknowns;
+    nominal, tolerance : by element; largest_decrease : by wire, infinite if not limited.
+    """
+
+    ends: Annotated[Positions, "wires"]
+    unknowns: Annotated[Positions, "unknowns"]
+    nominal: Annotated[Array, "size"]
+    tolerance: Annotated[Array, "size"]
+    largest_decrease: Annotated[Array, "wires"]
+
+
+class Evaluation(NamedTuple):
+    """Result of one step of every participant from an iterate.
+
+    used, outputs, residual : ndarray, shape (size,)
+        Values that the inputs were set to, outputs at the end of the step, and outputs - iterate.
+    """
+
+    used: Array
+    outputs: Array
+    residual: Array
+
+
+@compilable
+def _put(to, positions, what):
+    for k in range(len(positions)):
+        to[positions[k]] = what[k]
+
+
+@standing_for(_put)
+def put(to: Array, positions: Positions, what: Array):
+    """Set elements of an array; in kernels by a loop, as `block.keep`."""
+    to[positions] = what
+
+
+@compilable
+def step_length(layout: Layout, x: Array, change: Array):
+    """Return the largest share <= 1 of `change` that respects `largest_decrease` of every wire.
+
+    The smallest element m of such a wire may go down to m - s max(m, nominal/10), s =
+    largest_decrease.
+    """
+    share = 1.0
+    begin = 0
+    for w in range(len(layout.ends)):
+        end = layout.ends[w]
+        limit = layout.largest_decrease[w]
+        values, moves = x[begin:end], change[begin:end]
+        down = moves < 0.0
+        if limit < np.inf and down.any():
+            smallest = np.min(values)
+            floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
+            share = min(share, np.min((values[down] - floor) / -moves[down]))
+        begin = end
+    return share
+
+
+@compilable
+def moved(layout: Layout, x: Array, change: Array):
+    """Return x + share * change with the share of `step_length`."""
+    return x + step_length(layout, x, change) * change
+
+
+@compilable
+def extrapolate(times: Sequence[float], past: Sequence[Array], time: float):
+    """Return the polynomial through vectors of distinct times at `time` [s] (Lagrange)."""
+    guess = np.zeros(len(past[0]))
+    for a in range(len(times)):
+        weight = 1.0
+        for b in range(len(times)):
+            if times[b] != times[a]:
+                weight *= (time - times[b]) / (times[a] - times[b])
+        guess = guess + past[a] * weight
+    return guess
