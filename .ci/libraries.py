@@ -11,7 +11,7 @@ from piston_cosim.master.fmi.compiler import (
 )
 
 # all packages are compiled side by side for the first entry, and cached for the others
-MODELS = (("master.coupling", "fmu_ehd", "fmu_mfbd"), ("fmu_ehd",), ("fmu_mfbd",))
+MODELS = (("master.coupling", ITERATING, "fmu_ehd", "fmu_mfbd"), ("fmu_ehd",), ("fmu_mfbd",))
 POSIX = [name for name in PLATFORMS if name != "win64"]  # `run` iterates on POSIX systems only
 BUILDS = [(packages, version, list(PLATFORMS)) for packages in MODELS for version in FRONTS]
 BUILDS.append(((ITERATING,), ITERATION, POSIX))

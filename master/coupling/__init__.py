@@ -1,16 +1,17 @@
 """Macro steps of a system of participants.
 
 wiring         participants, wires in SI
-starting       how participants start together, start loops
-interface      all wires as one vector
+starting       start of all participants, start loops
+vector         vector of all wires: layout, step length, extrapolation; also compiled
+interface      evaluation of all participants, and its derivative
 stepping       predict, solve, halve (equations S)
 step_control   lengths of macro steps by local error
-methods        ways to the fixed point (Q)
+methods        ways to the fixed point (Q); iteration and krylov are also compiled
 work           work that crosses the wires, on both sides (W)
-ledger         energy that participants took from one another (W2)
-negotiation    whose own derivatives are those of a step
-freezing       everything a further step depends on, as bytes
-coupled        a whole system as one slave
-native         the same as machine code: its entries, made of native_stepping, native_newton and
-               native_system; native_block lays out their memory, native_given that of a case
+ledger         energy that participants receive from each other (W2)
+negotiation    checks of saved states and derivatives
+freezing       stepper as bytes
+coupled        a system as one FMU
+native         entries of that FMU as machine code, with native_stepping and native_system;
+               native_block is their memory, native_given its content for a case
 """

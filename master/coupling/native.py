@@ -1,9 +1,7 @@
-"""A coupled system as a slave that needs no Python: its entries, on one block of memory that holds
-all participants (`native_block`). They do what `coupled` does.
-"""
+"""Entries of a coupled FMU that needs no Python, as `coupled`.
 
-from collections.abc import Mapping
-from typing import Any
+Their memory contains all participants, see `native_block`.
+"""
 
 import numpy as np
 
@@ -30,13 +28,12 @@ from .native_block import (
     rules_of,
     state_of,
 )
-from .native_stepping import accept, forget_products, reach
+from .native_stepping import ITERATE, accept, forget_products, reach
 from .native_system import (
     START,
     System,
     call,
     feed,
-    find,
     integer_of,
     is_fed_well,
     read,
@@ -56,7 +53,7 @@ OUTWARD, INWARD = 1.0, 0.0
 
 @compiled
 def carry(real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarray, way: float):
-    """Copy variables seen from outside to the participants, or from them."""
+    """Copy variables of the FMU to the participants, or from them."""
     for k in range(len(rows)):
         one = exposed_from(rows[k])
         for i in range(one.length):
@@ -82,7 +79,7 @@ def remember(real: np.ndarray, memory: np.ndarray, time: float, step: float):
 
 @compiled
 def load(system: System, contents: np.ndarray, p: int):
-    """Memory of a participant as before its start; its variables stay."""
+    """Reset the memory of a participant, not its variables."""
     one = participant_from(system.participants[p])
     own = system.inside[one.memory : one.memory + one.memories]
     keep(own, np.zeros(len(own)))
@@ -91,7 +88,7 @@ def load(system: System, contents: np.ndarray, p: int):
 
 @compiled
 def load_variables(system: System, contents: np.ndarray, p: int):
-    """Start values of a participant's variables."""
+    """Set the variables of a participant to their start values."""
     one = participant_from(system.participants[p])
     first = one.contents + one.given
     middle = first + one.reals
@@ -101,8 +98,7 @@ def load_variables(system: System, contents: np.ndarray, p: int):
 
 @compiled
 def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
-    """Start every participant, as `starting.start`; False where one of them refuses, all that is
-    refused put down.
+    """Start every participant, as `starting.start`; return False and note all faults if one fails.
 
     They start twice: a film's forces at the start follow from the gap of the bodies, whose
     accelerations follow from these forces, and nothing else at a start depends on an input.
@@ -146,9 +142,7 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 
 @compiled
 def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float, step: float):
-    """From where the participants stand to time + step, as `Coupled.advance`; False where that
-    cannot be, and the state stays.
-    """
+    """Advance to time + step, as `Coupled.advance`; return False and keep the state if it fails."""
     parts = parts_of(memory)
     keep(parts.before, parts.state)
     system = system_of(memory)
@@ -166,7 +160,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float
 
 @compiled
 def clear(memory: np.ndarray):
-    """Make room for what changes, as before a start."""
+    """Initialise the parts of the memory that change."""
     parts = parts_of(memory)
     parts.last[0] = 0.0
     state, trail = nothing_yet(given_of(memory))
@@ -177,7 +171,7 @@ def clear(memory: np.ndarray):
 
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """State and outputs at the start; `numbers` unused."""
+    """Compute state and outputs at the start; `numbers` is unused."""
     faults_of(memory)[0] = 0.0
     clear(memory)
     if begin(real, integer, memory):
@@ -187,7 +181,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """One communication step; numbers: its length and its begin [s]."""
+    """Take a communication step; numbers : its length and its begin [s]."""
     faults_of(memory)[0] = 0.0
     step = numbers[0]
     time = numbers[1]
@@ -198,7 +192,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 @compiled
 def nudge_of(real: np.ndarray, inputs: np.ndarray, last: Last, nudge: float):
-    """Length of the nudge, Eq. (Y4); 0 where nothing is nudged."""
+    """Return e of Eq. (Y4), 0 if all seeds are 0."""
     largest = 0.0
     for k in range(len(inputs)):
         one = exposed_from(inputs[k])
@@ -226,7 +220,7 @@ def nudged(real: np.ndarray, inputs: np.ndarray, last: Last, length: float):
 
 @compiled
 def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: Last):
-    """Take the last step again, or the start; whether that could be done."""
+    """Repeat the last step, or the start; return whether it succeeded."""
     if last.step == 0.0:
         return begin(real, integer, memory)
     parts = parts_of(memory)
@@ -236,7 +230,7 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: Last)
 
 @compiled
 def differ(real: np.ndarray, system: System, outputs: np.ndarray, last: Last, length: float):
-    """Products: what the participants say now beside the last step, over a length; 0 over none."""
+    """Write the products: change of the outputs over a length, 0 if the length is 0."""
     for k in range(len(outputs)):
         one = exposed_from(outputs[k])
         if one.reserved != NOWHERE:
@@ -248,8 +242,9 @@ def differ(real: np.ndarray, system: System, outputs: np.ndarray, last: Last, le
 
 @compiled
 def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Products of the seeds among the variables, as `Coupled.directional_derivative`: the step is
-    taken again; `numbers` unused.
+    """Write the products of the seeds, as `Coupled.directional_derivative`.
+
+    This repeats the step. `numbers` is unused.
     """
     parts = parts_of(memory)
     last = last_of(memory)
@@ -266,32 +261,12 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     keep(parts.before, before)
 
 
-@compiled
-def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """A macro step of `run` to its fixed point (`methods.compiled_newton`): `real` is the guess,
-    then the wires; numbers: length of the step and its begin [s], the last 1 where it was found,
-    else 0, and what is remembered is as before. `integer` unused.
-    """
-    parts = parts_of(memory)
-    parts.failures[0] = 0.0
-    keep(parts.before, parts.state)
-    numbers[-1] = 1.0
-    if not find(memory, real, numbers[1], numbers[0], real):
-        keep(parts.state, parts.before)
-        numbers[-1] = 0.0
-
-
-def uncovered(options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Nothing: `native_given` says what is not covered."""
-    return ()
-
-
 PART = NativePart(
-    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent, iterate)),
+    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given=np.asarray,  # native_given.coupled_inside has laid it out
-    uncovered=uncovered,
+    uncovered=lambda options: (),  # see native_given
     covered={},
     faults=tuple(SENTENCES.values()),
     refusal="",
-    asks=frozenset({CALL}),
+    asks=frozenset({CALL, ITERATE}),
 )

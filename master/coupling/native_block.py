@@ -1,6 +1,4 @@
-"""Memory of a coupled slave without Python: rows of named tuples (`master.fmi.block`), which Python
-lays out from `Given` and kernels read by name.
-"""
+"""Memory of a coupled FMU without Python: rows of named tuples, see `master.fmi.block`."""
 
 from collections import namedtuple
 from collections.abc import Sequence
@@ -33,25 +31,25 @@ SENTENCES = {
     "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
 }
 FAULT = namedtuple("Fault", SENTENCES)(*map(float, range(len(SENTENCES))))
-"""Numbers of the coupling's own sentences."""
+"""Numbers of the coupling's sentences."""
 WIRE_SENTENCES = ("worst", "must_be_finite", "out_of_range")
 ON_WIRE = namedtuple("OnWire", WIRE_SENTENCES)(*map(float, range(len(WIRE_SENTENCES))))
-"""Numbers of the sentences on a wire, behind its first one."""
+"""Numbers of the sentences of a wire, after its first one."""
 
 # ---- what is given
 
 
 class ParticipantRow(NamedTuple):
-    """A participant; front/parts.c and front/fmi_parts.c read the first seven.
+    """Participant; front/parts.c and front/fmi_parts.c read the first seven numbers.
 
-    code : which code it is, or the address of its `Instance`;
-    real, reals, integer, integers, memory, memories : where in the part `inside` its variables and
-    its own memory begin, and how many numbers they are;
-    first_state, states, first_fault : in its own memory;
-    sentence : first of its sentences;
-    variables : real variables that are no seeds or products;
-    given, contents : how much its memory begins with, and where in `Given.contents` that is;
-    standing : where it begins in `State.standing`.
+    code : number of its code, or address of its `Instance`;
+    real, reals, integer, integers, memory, memories : positions and lengths of its variables and
+    its memory in the part `inside`;
+    first_state, states, first_fault : positions in its memory, and length of the state;
+    sentence : number of its first sentence;
+    variables : number of real variables without seeds and products;
+    given, contents : length of the first part of its memory, and position in `Given.contents`;
+    standing : position in `State.standing`.
     """
 
     code: int
@@ -72,9 +70,11 @@ class ParticipantRow(NamedTuple):
 
 
 class WireRow(NamedTuple):
-    """A wire: both participants and positions among their real variables; positions of seed and
-    product (NOWHERE: there is none); its elements, the first of them in the vector; whether it
-    carries unknowns; range of the input; elements of the last index; first of its sentences.
+    """Wire.
+
+    source_place, target_place, seed, product : positions among the real variables of both
+    participants, NOWHERE if there is none; first, elements : its part of the vector; low, high :
+    range of the input; columns : length of the last axis; sentence : number of its first sentence.
     """
 
     source: int
@@ -93,8 +93,10 @@ class WireRow(NamedTuple):
 
 
 class ExposedRow(NamedTuple):
-    """A variable seen from outside: its place there, whose it is and its place there; place of its
-    seed or product (NOWHERE: it has none).
+    """Variable of the coupled FMU.
+
+    place, own_place : positions among its variables and among those of the participant `owner`;
+    reserved : position of its seed or product, NOWHERE if there is none.
     """
 
     is_integer: bool
@@ -107,10 +109,10 @@ class ExposedRow(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """How macro steps are taken and iterated, as `Coupled`, `Stepper` and `Newton` do.
+    """Options of `Coupled`, `Stepper` and `Newton`.
 
-    predicted : vectors that the predictor knows at most; trail : evaluations whose measures are
-    kept.
+    predicted : largest number of vectors of the predictor; trail : number of evaluations whose
+    measures are kept.
     """
 
     step: float
@@ -126,7 +128,7 @@ class Rules(NamedTuple):
 
 
 class Exposed(NamedTuple):
-    """Rows of the variables seen from outside."""
+    """Rows of the variables of the coupled FMU."""
 
     parameters: Matrix
     inputs: Matrix
@@ -134,7 +136,7 @@ class Exposed(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What the memory begins with.
+    """First part of the memory.
 
     standing, pairs : elements of `State.standing`; pairs of GMRES. order, starting : participants;
     participants, wires : rows; contents : of participants' memories and variables.
@@ -164,16 +166,16 @@ def lay_out(
     starting: Sequence[int] = (),
     contents: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Return what the memory begins with.
+    """Return the first part of a memory.
 
     Parameters
     ----------
     participants, wires
-        Where they begin, one behind the other, is filled in here.
+        Their positions are set here.
     reals
-        Number of real variables seen from outside.
+        Number of real variables of the coupled FMU.
     exposed
-        Parameters, inputs and outputs seen from outside.
+        Parameters, inputs and outputs of the coupled FMU.
     """
     participants, wires = list(participants), list(wires)
     inside = filled = standing = 0
@@ -223,10 +225,10 @@ def _matrix(rows):
 
 
 class State(NamedTuple):
-    """What a step goes on from.
+    """State between macro steps.
 
-    standing : variables and states of all participants where a macro step begins; times, past : of
-    accepted vectors, the oldest first, as many as are `known`.
+    standing : variables and states of all participants; times, past : accepted vectors, the oldest
+    first, of which the first `known` are valid.
     """
 
     standing: Annotated[Array, "standing"]
@@ -237,9 +239,9 @@ class State(NamedTuple):
 
 
 class Last(NamedTuple):
-    """What a derivative of the last step, or of the start, begins with.
+    """Last step, or start, of which a derivative is computed.
 
-    is_there : whether there was one; step : 0 of a start; real : the variables seen from outside.
+    is_there : whether there is one; step : 0 for a start; real : variables of the coupled FMU.
     """
 
     is_there: bool
@@ -249,7 +251,7 @@ class Last(NamedTuple):
 
 
 class Trail(NamedTuple):
-    """What a macro step took; the measures of every wire by evaluation, as far as there is room."""
+    """Effort of a macro step, and the measures of every wire by evaluation, if there is room."""
 
     evaluations: Number
     products: Number
@@ -259,7 +261,7 @@ class Trail(NamedTuple):
 class Parts(NamedTuple):
     """Parts of the memory: rows of `Given`, `State`, `Last` and `Trail`, and others.
 
-    inside : variables and memories of the participants; before : the state when the step began.
+    inside : variables and memories of the participants; before : state at the begin of the step.
     """
 
     given: Vector
@@ -306,7 +308,7 @@ def given_of(memory: np.ndarray):
 
 @compiled
 def rules_of(memory: np.ndarray):
-    """Return `Rules`: what a kernel needs no more of compiles sooner."""
+    """Return `Rules`; kernels that need no more compile faster."""
     return given_of(memory).rules
 
 

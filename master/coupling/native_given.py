@@ -1,4 +1,4 @@
-"""What the memory of a coupled slave without Python begins with, and what it does not cover."""
+"""First part of the memory of a coupled FMU without Python, and unsupported features."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from math import inf, prod
@@ -27,7 +27,7 @@ from .wiring import Wire, layout_of
 
 
 def uncovered(coupling: Any) -> Iterator[str]:
-    """Sentences on a case's coupling table that a native FMU does not cover."""
+    """Yield the faults of a coupling table that a native FMU does not support."""
     if coupling.method != "newton":
         yield f"coupling.method: expected newton in a native FMU, got {coupling.method!r}"
     if coupling.differences:
@@ -35,7 +35,7 @@ def uncovered(coupling: Any) -> Iterator[str]:
 
 
 def uncovered_wires(wires: Iterable[Any]) -> Iterator[str]:
-    """The same of wires, of the case or ready for use."""
+    """Yield the faults of wires that a native FMU does not support."""
     for wire in wires:
         for name in ("relative_tolerance", "residual_relative_tolerance"):
             if value := getattr(wire, name):
@@ -43,7 +43,7 @@ def uncovered_wires(wires: Iterable[Any]) -> Iterator[str]:
 
 
 def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> Iterator[str]:
-    """Sentences on wires whose source tells no derivative, which the products need."""
+    """Yield the faults of wires whose source has no derivative."""
     for wire in wires:
         owner, variable = wire.source
         reads = any(other.target[0] == owner for other in wires)
@@ -52,7 +52,7 @@ def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> 
 
 
 def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) -> Iterator[str]:
-    """Sentences on parameters of a case that are valid, but not covered by the machine code."""
+    """Yield the faults of valid parameters that machine code does not support."""
     for name, inside in insides.items():
         for fault in uncovered_values(inside.part, inside.slave.table, given[name]):
             yield f"participants.{name}.parameters.{fault}"
@@ -64,7 +64,7 @@ def _named(wire: Any) -> str:
 
 
 def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping[str, int]):
-    """The coupled slave about to become machine code.
+    """Return the model of a native coupled FMU.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _participants(insides, codes, wires):
 
 
 def _contents(inside: Inside) -> np.ndarray:
-    """What a participant begins with: of its memory, real and integer variables."""
+    """Return the initial content of a participant: its memory, real and integer variables."""
     slave = inside.slave
     return np.concatenate([inside.given, slave.real, slave.integer.view(float)])
 
@@ -176,7 +176,7 @@ def _target(wire: Wire, insides: Mapping[str, Inside]) -> Variable:
 
 
 def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> list[ExposedRow]:
-    """Return the rows of variables seen from outside."""
+    """Return the rows of variables of the coupled FMU."""
     names = list(insides)
     ports = getattr(slave.inside, causality)
     kind = SEED if causality == "input" else PRODUCT
@@ -200,7 +200,7 @@ def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> l
 
 
 def _sentences(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> tuple[str, ...]:
-    """Return those of all faults: the coupling's own, those of wires, of every participant."""
+    """Return the sentences of the coupling, of the wires and of all participants."""
     of_wires = []
     for wire in wires:
         v = _target(wire, insides)

@@ -1,18 +1,17 @@
-"""Macro steps of a coupled slave without Python: predict, converge, accept or halve; as `stepping`
-and `coupled`.
-"""
+"""Macro steps of a coupled FMU without Python, as `stepping` and `coupled`."""
 
 import numpy as np
+from numba import types
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
-from .native_block import FAULT, State, faults_of, rules_of, state_of
-from .native_system import find, restore, save, system_of
+from .native_block import FAULT, State, faults_of, parts_of, rules_of, state_of
+from .native_system import restore, save, system_of
 from .vector import extrapolate, moved
 
 MOST_STEPS = 1e6
-"""In one communication step: 1400 cycles of the shipped cases."""
+"""Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
 
 
 @compiled
@@ -25,7 +24,7 @@ def forget_products(state: State):
 
 @compiled
 def accept(state: State, time: float, x: np.ndarray):
-    """Note an accepted vector."""
+    """Add an accepted vector."""
     known = int(state.known[0])
     if known == len(state.times):
         for k in range(1, known):
@@ -39,63 +38,83 @@ def accept(state: State, time: float, x: np.ndarray):
 
 @compiled
 def forget_past(state: State):
-    """Forget all accepted vectors but the last."""
+    """Remove all accepted vectors but the last."""
     last = int(state.known[0]) - 1
     state.times[0] = state.times[last]
     keep(state.past[0], state.past[last])
     state.known[0] = 1.0
 
 
+ITERATE = "native_iterate"
+"""Function that iterates a macro step inside a coupled FMU, front/parts.c."""
+
+native_iterate = types.ExternalFunction(
+    ITERATE,
+    types.int32(
+        types.CPointer(types.float64),
+        types.CPointer(types.float64),
+        types.CPointer(types.float64),
+        types.CPointer(types.int64),
+    ),
+)
+"""Function of the library that runs `methods.native.iterate` (front/parts.c)."""
+
+
+@compiled
+def is_iterated(memory: np.ndarray, x: np.ndarray, time: float, length: float):
+    """Replace a guess by the fixed point of a macro step; return False and note why if none."""
+    numbers = np.zeros(4)
+    numbers[0] = length
+    numbers[1] = time
+    lengths = np.zeros(4, np.int64)
+    lengths[0] = len(x)
+    lengths[-2] = len(memory)
+    lengths[-1] = len(numbers)
+    status = native_iterate(x.ctypes, memory.ctypes, numbers.ctypes, lengths.ctypes)
+    if status != 0:
+        refuse(parts_of(memory).failures, FAULT.no_memory, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return status == 0 and numbers[-1] == 1.0
+
+
 @compiled
 def macro_step(memory: np.ndarray, time: float, step: float):
-    """One macro step or halves of it, as `Stepper._step`; False where no halving is left, why put
-    down among the faults.
-    """
+    """Take a macro step or halves of it, as `Stepper._step`; return False and note why if none."""
     system = system_of(memory)
     state = state_of(memory)
     halvings = rules_of(memory).halvings
-    begins = np.empty(halvings + 2)
-    lengths = np.empty(halvings + 2)
-    left = np.empty(halvings + 2)
-    begins[0] = time
-    lengths[0] = step
-    left[0] = halvings
-    waiting = 1
-    x = np.empty(state.past.shape[1])
-    while waiting > 0:
-        waiting -= 1
-        begin = begins[waiting]
-        length = lengths[waiting]
-        system.failures[0] = 0.0
+    depth = done = 0  # halvings, and parts of this length that are done
+    while done < 1 << depth:
+        length = step / (1 << depth)
+        begin = time + done * length
         save(system)
         known = int(state.known[0])
         last = state.past[known - 1]
-        guess = extrapolate(state.times[:known], state.past[:known], begin + length)
-        guess = moved(system.layout, last, guess - last)
-        if find(memory, guess, begin, length, x):
+        x = extrapolate(state.times[:known], state.past[:known], begin + length)
+        x = moved(system.layout, last, x - last)
+        if is_iterated(memory, x, begin, length):
             accept(state, begin + length, x)
+            done += 1
+            while depth > 0 and done % 2 == 0:
+                done //= 2
+                depth -= 1
             continue
         restore(system)
         forget_past(state)
         forget_products(state)
-        if left[waiting] == 0.0:
+        if depth == halvings:
             refuse(system.faults, FAULT.no_halving, 0.0, 0.0, begin, length, 0.0)
             take_over(system.faults, system.failures, 0.0)
             return False
-        left[waiting] -= 1.0
-        left[waiting + 1] = left[waiting]
-        lengths[waiting] = length / 2
-        lengths[waiting + 1] = length / 2
-        begins[waiting] = begin + length / 2
-        begins[waiting + 1] = begin
-        waiting += 2
+        done *= 2
+        depth += 1
     return True
 
 
 @compiled
 def reach(memory: np.ndarray, time: float, step: float):
-    """Macro steps up to time + step, as `Coupled.advance`; False where one of them failed, or where
-    there would be more than can be meant.
+    """Take macro steps up to time + step, as `Coupled.advance`; return False if one fails.
+
+    More than `MOST_STEPS` are rejected.
     """
     rules = rules_of(memory)
     asked = np.ceil(step / rules.step / (1.0 + rules.lenience))

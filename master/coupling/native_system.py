@@ -1,6 +1,4 @@
-"""Participants and wires of a coupled slave without Python, as `interface` on rows of named tuples:
-one evaluation of all participants, and its derivative.
-"""
+"""Participants and wires of a coupled FMU without Python, as `interface`."""
 
 from typing import NamedTuple
 
@@ -40,12 +38,11 @@ native_part = types.ExternalFunction(
         types.CPointer(types.float64),
     ),
 )
-"""The one thing that a coupled slave's machine code asks of its library: an entry of a participant
-(front/parts.c)."""
+"""Function of the library that runs an entry of a participant (front/parts.c)."""
 
 
 class System(NamedTuple):
-    """Participants, in their stepping `order`, and wires; `standing` : where evaluations begin."""
+    """Participants and wires; order : stepping order; standing : saved variables and states."""
 
     layout: Layout
     participants: np.ndarray
@@ -81,8 +78,9 @@ def system_of(memory: np.ndarray):
 
 @compiled
 def call(system: System, p: int, entry: float, numbers: np.ndarray, faults: np.ndarray):
-    """Run an entry of the p-th participant, with four numbers; whether that went well, else its
-    faults are put down. A remark, below 0 in the place of its first fault, is handed on.
+    """Run an entry of the p-th participant with four numbers; return False and note its faults.
+
+    A warning, which is a negative number at its first fault, is noted too.
     """
     row = system.participants[p]
     status = native_part(int(entry), row.ctypes, system.inside.ctypes, numbers.ctypes)
@@ -99,21 +97,21 @@ def call(system: System, p: int, entry: float, numbers: np.ndarray, faults: np.n
 
 @compiled
 def real_of(system: System, p: int):
-    """Return real variables of the p-th participant, seeds and products behind them."""
+    """Return the real variables of the p-th participant, then seeds and products."""
     one = participant_from(system.participants[p])
     return system.inside[one.real : one.real + one.reals]
 
 
 @compiled
 def integer_of(system: System, p: int):
-    """Return its integer variables."""
+    """Return the integer variables of the p-th participant."""
     one = participant_from(system.participants[p])
     return system.inside[one.integer : one.integer + one.integers].view(np.int64)
 
 
 @compiled
 def standing_of(system: System, p: int):
-    """Return its variables and its state, and where both are saved."""
+    """Return variables and state of the p-th participant, and the saved ones."""
     one = participant_from(system.participants[p])
     first = one.memory + one.first_state
     middle = one.standing + one.variables
@@ -160,19 +158,19 @@ def wire_of(system: System, w: int):
 
 @compiled
 def of_wire(wire: WireRow, x: np.ndarray):
-    """Return its part of the vector of all wires."""
+    """Return the part of a wire in a vector."""
     return x[wire.first : wire.first + wire.elements]
 
 
 @compiled
 def variable_of(system: System, wire: WireRow, p: int, place: int):
-    """Return the variable of a participant that begins at a place and has the wire's elements."""
+    """Return the variable of a participant at a position, with the wire's elements."""
     return real_of(system, p)[place : place + wire.elements]
 
 
 @compiled
 def read(system: System, wire: WireRow, y: np.ndarray):
-    """Read what the source says into `y`."""
+    """Copy the output of the source into `y`."""
     keep(of_wire(wire, y), variable_of(system, wire, wire.source, wire.source_place))
 
 
@@ -184,7 +182,7 @@ def feed(system: System, wire: WireRow, x: np.ndarray):
 
 @compiled
 def is_fed_well(system: System, wire: WireRow, faults: np.ndarray):
-    """Whether what a wire has set is finite and allowed; else its first fault is put down."""
+    """Return whether the input of a wire is finite and in its range; note its first fault."""
     values = variable_of(system, wire, wire.target, wire.target_place)
     for k in range(len(values)):
         x = values[k]
@@ -201,7 +199,7 @@ def is_fed_well(system: System, wire: WireRow, faults: np.ndarray):
 def refuse_element(
     faults: np.ndarray, wire: WireRow, k: int, which: float, a: float, b: float, c: float
 ):
-    """Put down a fault of the k-th element of a wire."""
+    """Note a fault of the k-th element of a wire."""
     i, j = k // wire.columns + 1, k % wire.columns + 1
     refuse(faults, wire.sentence + which, float(i), float(j), a, b, c)
 
@@ -216,7 +214,7 @@ class Step(NamedTuple):
 
 @compiled
 def step_all(step: Step, used: np.ndarray, outputs: np.ndarray):
-    """Step every participant once from what is saved, as `Interface.evaluate`.
+    """Step every participant once from its saved state, as `Interface.evaluate`.
 
     Parameters
     ----------
@@ -340,15 +338,16 @@ def note_worst(system: System, residual: np.ndarray):
 
 
 @compiled
-def find(memory: np.ndarray, guess: np.ndarray, time: float, length: float, x: np.ndarray):
-    """Write the fixed point of a macro step into `x`; note why if there is none, return False."""
+def find(memory: np.ndarray, x: np.ndarray, time: float, length: float):
+    """Replace a guess by the fixed point of a macro step; return False and note why if none."""
     system = system_of(memory)
+    system.failures[0] = 0.0
     system.trail.evaluations[0] = 0.0
     system.trail.products[0] = 0.0
     step = Step(system, time, length)
     pairs = state_of(memory).pairs
     rules = rules_of(memory)
-    end = converge(evaluate, derivative, step, guess, rules, system.layout, pairs)
+    end = converge(evaluate, derivative, step, x, rules, system.layout, pairs)
     if end.is_converged:
         keep(x, end.at.used)
     if end.failure != NONE:

@@ -69,8 +69,8 @@ NEW_PASSES = (0, 44)
 """First version of llvmlite with `create_pass_builder`, which native_code uses."""
 ITERATION = "run"
 """Version of the library that iterates in `run` (`iteration_library`)."""
-ITERATING = "master.coupling"
-"""Package with the entries of that library."""
+ITERATING = "master.coupling.methods"
+"""Package with the iteration, which is also part of each coupled FMU."""
 OF_ITERATION = ("runtime.c", "fmi_parts.c")
 
 
@@ -326,8 +326,8 @@ def _sources_in_c(version, is_coupled):
 def iteration_library() -> Path | None:
     """Return the library that iterates in `run` on FMUs of this process (front/fmi_parts.c).
 
-    It is the prebuilt one, or it is linked in a second from the cached object file of native
-    coupled FMUs. Returns None if that file is not cached or there is no C compiler.
+    It is the prebuilt one, or it is linked in a second from the cached object file of the
+    iteration. Returns None if that file is not cached or there is no C compiler.
 
     Raises
     ------
@@ -458,7 +458,8 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
     They also connect the entries of a coupled FMU to those of its participants.
     """
     own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
-    inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
+    models = (one for one in participants if one != ITERATING)
+    inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in models)
     return [*own, f"-DPARTS={inside}"] if inside else own
 
 

@@ -457,7 +457,7 @@ def test_its_library_is_made_ahead_or_linked_and_never_compiled(iteration, tmp_p
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(cache))
     monkeypatch.setattr(builder_native, "AHEAD", ahead)
     assert iteration_library() is None  # no object file
-    objects = iteration.parent.glob("master.coupling-*.o")
+    objects = iteration.parent.glob("master.coupling.methods-*.o")
     for one in objects:
         shutil.copy(one, cache / "native")
     with monkeypatch.context() as without:

@@ -1,9 +1,8 @@
-"""Interface Newton-Krylov as machine code: a macro step is one call, which does what `Newton.solve`
-does.
+"""Interface Newton-Krylov as machine code: one call for each macro step.
 
-The machine code is that of a native coupled FMU (`native_newton`). Its participants are FMI 2.0
-instances, called by pointers (front/fmi_parts.c), where all are of this process; else it has one
-participant, which is `Interface.evaluate` and `Interface.derivative`. Both give the same bits.
+The code is `iteration.converge` as in native coupled FMUs. If all participants are FMI 2.0
+instances of this process, it calls them by pointers (front/fmi_parts.c). Otherwise it has one
+participant, which calls `Interface.evaluate` and `Interface.derivative`. Both give the same bits.
 """
 
 import ctypes
@@ -36,8 +35,10 @@ from .solution import MacroStep, Method, Solution, Tried
 
 
 def compiled_where_it_can(method: Method, system: System) -> Method:
-    """The method; for `Newton` the same as machine code, where that covers the wires' norms and the
-    library is there. Not where numba is told to leave kernels as they are written.
+    """Return the method, for `Newton` as machine code if possible.
+
+    That needs the library and supports no relative tolerances and no differences. It is not used if
+    NUMBA_DISABLE_JIT is set.
     """
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         return method
@@ -57,10 +58,9 @@ def compiled_where_it_can(method: Method, system: System) -> Method:
 class CompiledNewton:
     """`Newton` as machine code.
 
-    What it remembers is Newton's, so that either goes on from where the other stopped. A macro step
-    in which anything is not as it should be (refused, not converged, not finite) is solved again by
-    Newton in Python, from what was remembered before: what is said of it is Newton's word. An error
-    of an FMU is raised at once, for an FMU need not answer after one.
+    Both have the same memory, so that either can continue a run of the other. A macro step that
+    fails is solved again by Newton in Python, which writes the messages. An error of an FMU is
+    raised at once, because an FMU need not answer after one.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class CompiledNewton:
 
 
 def are_callable(interface: Interface) -> bool:
-    """Whether machine code can call all participants by pointers."""
+    """Return whether machine code can call all participants by pointers."""
     from ...participants.fmi2 import FmuParticipant
 
     return all(
@@ -101,7 +101,7 @@ def are_callable(interface: Interface) -> bool:
 
 
 class Library:
-    """The machine code, with memory for its calls."""
+    """Library with the machine code, and memory for its calls."""
 
     def __init__(self, path: Path):
         whole = ctypes.CDLL(str(path))
@@ -115,7 +115,7 @@ class Library:
         weakref.finalize(self, whole.iteration_free, self._pool)
 
     def call(self, real: np.ndarray, memory: np.ndarray, numbers: np.ndarray) -> Callable[[], None]:
-        """Return a call of the entry `iterate` of `native` on these arrays."""
+        """Return a call of the entry `iterate` on these arrays."""
         arrays = real, memory, numbers, np.array([real.size, 0, memory.size, numbers.size])
         addresses = [array.ctypes.data for array in arrays]
 
@@ -127,12 +127,13 @@ class Library:
 
 
 Sizes = Mapping[Any, int]
-"""Elements of variables that lie one behind the other, by their names."""
+"""Number of elements by name of variable, in order."""
 
 
 class Called(NamedTuple):
-    """A participant as the machine code has it: address of its `Instance`, what it reads and what
-    it says. Its real variables are inputs, outputs, seeds and products.
+    """Participant of the machine code: address of its `Instance`, inputs and outputs.
+
+    Its real variables are inputs, outputs, seeds and products.
     """
 
     address: int
@@ -141,13 +142,14 @@ class Called(NamedTuple):
 
     @property
     def variables(self) -> int:
-        """Elements of inputs and outputs."""
+        """Number of elements of inputs and outputs."""
         return sum(self.inputs.values()) + sum(self.outputs.values())
 
     @property
     def row(self) -> ParticipantRow:
-        """Its row; its memory is that no fault was noted. Its state is its own, which is put back
-        before every step: there is none here.
+        """Row of the participant.
+
+        Its memory is an empty list of faults. Its state is not here, because the FMU restores it.
         """
         return ParticipantRow(
             self.address, reals=2 * self.variables, memories=2, variables=self.variables
@@ -164,7 +166,7 @@ class Ends(NamedTuple):
 
 
 class Iteration:
-    """Participants and wires of an interface as the machine code knows them: a block of memory.
+    """Participants and wires of an interface in the memory of the machine code.
 
     Parameters
     ----------
@@ -232,38 +234,41 @@ class Iteration:
     # ---- a macro step
 
     def begin(self, macro_step: MacroStep) -> None:
-        """The machine code is about to call the participants."""
+        """Prepare the participants for calls from machine code."""
         raise NotImplementedError
 
     def end(self, macro_step: MacroStep) -> BaseException | None:
-        """It did; what is to be raised, if anything."""
+        """Update the participants after the calls; return the exception to raise, or None."""
         raise NotImplementedError
 
     def solve(self, macro_step: MacroStep, guess: np.ndarray, memory: Any) -> Solution | None:
-        """As `Newton.solve`; None where it is not found, and what is remembered is as before."""
+        """Return the solution; return None and restore the memory if there is none."""
         self._adopt(memory)
         self.x[:] = guess
         self.numbers[:2] = macro_step.step, macro_step.time
         self.begin(macro_step)
+        before = self.parts.state.copy()
         self._run()
+        if not self.numbers[-1]:
+            self.parts.state[:] = before
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()
             raise fault
         return self._solution() if self.numbers[-1] else None
 
     def _solution(self) -> Solution:
-        """What was found; the interface is told the measures of the wires."""
+        """Return the solution; add the measures of the wires to the interface."""
         measures = self._measures()
         self.interface.trail += measures
         history = tuple(map(max, measures))
         return Solution(self.x.copy(), history, len(history) - 1, int(self.trail.products[0]))
 
     def _measures(self) -> list[list[float]]:
-        """Of every wire, by evaluation."""
+        """Return the measures of all wires by evaluation."""
         return self.trail.measures[: int(self.trail.evaluations[0])].tolist()
 
     def _adopt(self, memory: RecycledGmres) -> None:
-        """Let a memory lie in the block, where the machine code has it."""
+        """Move the pairs of a memory into the block."""
         if memory.pairs is not self.pairs:
             for own, known in zip(self.pairs, memory.pairs_of(self.pairs.images.shape[1])):
                 own[...] = known
@@ -271,7 +276,7 @@ class Iteration:
 
 
 class ByPointers(Iteration):
-    """On FMI 2.0 instances of this process."""
+    """Iteration on FMI 2.0 instances of this process."""
 
     def __init__(self, newton: Newton, interface: Interface, library: Library):
         from ...participants.pointers import Pointed
@@ -309,9 +314,7 @@ class ByPointers(Iteration):
 
 
 class ByPython(Iteration):
-    """On whatever participants there are, as the interface evaluates them: one participant that
-    reads and says all wires.
-    """
+    """Iteration on any participants: one that stands for the interface, with all wires."""
 
     def __init__(self, newton: Newton, interface: Interface, library: Library):
         from ...participants.pointers import Asked
@@ -331,7 +334,7 @@ class ByPython(Iteration):
         ].reshape(4, -1)
 
     def _answer(self, entry: int) -> None:
-        """An entry, from where the machine code has put what is given to where it looks."""
+        """Run an entry on the variables in the block."""
         from ...participants.pointers import ADVANCE
 
         assert self.macro_step is not None
@@ -349,6 +352,6 @@ class ByPython(Iteration):
 
 
 def place(sizes: Sizes, name: Any) -> int:
-    """Elements in front of a variable."""
+    """Return the number of elements before a variable."""
     names = list(sizes)
     return sum(sizes[one] for one in names[: names.index(name)])

@@ -95,7 +95,7 @@ INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, d
     return entry == ADVANCE ? advance(one, real, numbers[1], numbers[0]) : derive(one, real);
 }
 
-Entering master_coupling_iterate;
+Entering master_coupling_methods_iterate;
 
 EXPORT void *iteration_make(void)
 {
@@ -111,5 +111,5 @@ EXPORT void iteration_free(void *pool)
 EXPORT int iteration_run(void *pool, double *real, double *memory, double *numbers, const int64_t lengths[4])
 {
     int64_t none = 0;
-    return pool_run(pool, master_coupling_iterate, real, &none, memory, numbers, lengths);
+    return pool_run(pool, master_coupling_methods_iterate, real, &none, memory, numbers, lengths);
 }
