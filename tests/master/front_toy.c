@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #define EXPORT __attribute__((visibility("default")))
 #define ARGUMENTS void **result, void **raised, double *real, int64_t *integer, double *memory, double *numbers, \
@@ -23,6 +24,7 @@ int numba_attempt_nocopy_reshape(ptrdiff_t old_count, const ptrdiff_t *old_shape
 
 static double *state(double *memory) { return memory + (size_t)memory[1]; }
 static double *faults(double *memory) { return memory + (size_t)memory[3]; }
+static double *gain(double *memory) { return memory + (size_t)memory[4]; }     /* of the last start */
 
 static void publish(double *real, const double *x)
 {
@@ -50,6 +52,7 @@ int32_t toy_start(ARGUMENTS)
     for (int k = 0; k < CELLS; k++)
         x[k] = real[START];
     x[CELLS] = 0.0;
+    *gain(memory) = real[GAIN];
     publish(real, x);
     return 0;
 }
@@ -65,7 +68,7 @@ int32_t toy_advance(ARGUMENTS)
     if (real[START] < 0.0)
         f[1] = -1.0 - 1.0;
     for (int k = 0; k < CELLS; k++) {
-        double rate = (double)integer[ROUNDS] * (real[GAIN] * power_of(integer, real[U + k], 0) + real[BIAS]);
+        double rate = (double)integer[ROUNDS] * (*gain(memory) * power_of(integer, real[U + k], 0) + real[BIAS]);
         if (fabs(rate) > 9.0 && f[0] < 2.0) {
             double *one = f + 1 + 6 * (size_t)f[0]++;
             one[0] = 2.0, one[1] = k / 3 + 1, one[2] = k % 3 + 1, one[3] = rate, one[4] = numbers[1], one[5] = numbers[0];
@@ -123,15 +126,22 @@ typedef struct { size_t count; void *destructor, *told, *data; size_t size; } Co
 static int32_t allocate(ARGUMENTS)
 {
     UNUSED;
-    void *block[16];
+    Counted *block[16] = {NULL};
     for (int64_t k = 0; k < lengths[1]; k++) {
         if (integer[k] < 0) {
             NRT_MemInfo_call_dtor(block[-1 - integer[k]]);
+            block[-1 - integer[k]] = NULL;
             continue;
         }
         Counted *one = block[k] = NRT_MemInfo_alloc_aligned((size_t)integer[k], (uint32_t)numbers[0]);
         memory[k] = one && one->count == 1 && one->size == (size_t)integer[k] ? (double)(uintptr_t)one->data : 0.0;
+        if (one)
+            memset(one->data, (int)k + 1, one->size);
     }
+    for (int64_t k = 0; k < lengths[1]; k++)        /* no block has written into another one */
+        for (size_t e = 0; block[k] && e < block[k]->size; e++)
+            if (((char *)block[k]->data)[e] != (char)(k + 1))
+                memory[k] = -1.0;
     return 0;
 }
 

@@ -37,7 +37,7 @@ HERE = Path(__file__).parent
 U = np.array([[0.5, -1.0, 1.5], [2.0, -2.5, 3.0]])
 PART = NativePart(
     entries=(),
-    given=lambda slave: memory_of({}, {"state": U.size + 1, "faults": ROOM}),
+    given=lambda slave: memory_of({}, {"gain": 1, "state": U.size + 1, "faults": ROOM}),
     uncovered=lambda options: (),
     covered={"law": ("linear", "square"), "bias": 0.0},
     faults=(
@@ -134,12 +134,13 @@ def test_values_steps_states_and_derivatives(toy):
     toy.free(second)
 
 
-def test_a_state_of_other_parameters_is_started_again(toy):
+@pytest.mark.parametrize("law", [1, 2])
+def test_a_state_of_other_parameters_is_started_again(toy, law):
     started(toy, gain=0.5, x0=1.0, law=2)
     toy.step(0.0, 0.5)
     data = toy.serialise(toy.save())
     toy.close()
-    started(toy, gain=2.0, x0=7.0)
+    started(toy, gain=2.0, x0=7.0, law=law)
     toy.restore(toy.deserialise(data))
     np.testing.assert_array_equal(toy.get("x"), 1.0 + 0.25 * U**2)
     toy.set("u", U / 2)
@@ -400,6 +401,9 @@ def test_blocks_of_memory_are_aligned_apart_and_used_again(runtime):
     order = np.argsort(begins)
     room = np.array([512, 512, 512, 1024])[order][:-1]
     assert (np.diff(begins[order]) >= room).all()
+    many, at = np.full(12, 500), np.zeros(12)
+    runtime.toy_allocate(ctypes.c_int64(12), pointer(many), pointer(at), ctypes.c_double(32.0))
+    assert (at > 0).all()
     one = np.array([64], dtype=np.int64)
     runtime.toy_allocate(ctypes.c_int64(1), pointer(one), pointer(at), ctypes.c_double(128.0))
     assert at[0] == 0.0  # no such alignment
