@@ -1,7 +1,7 @@
 """Parabolic skirt that moves to and fro on a thin layer of oil, solved independently.
 
-The solver shares no code with the product. It uses the coordinate Z that moves with the entrainment
-velocity U, and z = Z + X is the distance from the lower edge, where X is the integral of U. A skirt
+The solver shares no code with the product. It uses a coordinate Z that moves with the entrainment
+velocity U. The distance from the lower edge is z = Z + X, where X is the integral of U. A skirt
 that slides at 2 U carries oil at U, and outside the skirt lengths are halved. Then a layer lambda
 outside the skirt has the content 2 lambda, and the oil of cavities and layers rests in Z:
 
