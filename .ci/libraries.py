@@ -1,12 +1,13 @@
 """Build the libraries of native FMUs for all platforms in the package folder of this checkout."""
 
-from piston_cosim.master.fmi.builder_native import ITERATING, ITERATION, libraries, library_name
-from piston_cosim.master.fmi.compiler import (
+from piston_cosim.master.fmi.builder_native import (
     AHEAD,
     FRONTS,
+    ITERATING,
+    ITERATION,
     PLATFORMS,
-    front,
-    front_name,
+    libraries,
+    library_name,
     newer_symbols,
 )
 
@@ -16,18 +17,11 @@ POSIX = [name for name in PLATFORMS if name != "win64"]  # `run` iterates on POS
 BUILDS = [(packages, version, list(PLATFORMS)) for packages in MODELS for version in FRONTS]
 BUILDS.append(((ITERATING,), ITERATION, POSIX))
 
-
-def save(name: str, library: bytes) -> None:
-    """Write a library if all systems have the symbols that it needs."""
-    if newer := newer_symbols(library):
-        raise SystemExit(f"{name}: expected symbols up to GLIBC_2.17, got {', '.join(newer)}")
-    (AHEAD / name).write_bytes(library)
-    print(f"{name}: {len(library) / 1e3:.0f} kB")
-
-
 AHEAD.mkdir(exist_ok=True)
-for version in FRONTS:
-    save(front_name(version), front(version))
 for packages, version, platforms in BUILDS:
     for platform, library in libraries(packages, platforms, version, print).items():
-        save(library_name(packages, platform, version), library)
+        name = library_name(packages, platform, version)
+        if newer := newer_symbols(library):
+            raise SystemExit(f"{name}: expected symbols up to GLIBC_2.17, got {', '.join(newer)}")
+        (AHEAD / name).write_bytes(library)
+        print(f"{name}: {len(library) / 1e3:.0f} kB")

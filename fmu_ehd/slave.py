@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ..master.fmi.errors import BadInput, Discard, Status
+from pythonfmu.enums import Fmi2Status
+
+from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from .laws.cavitation import NotConverged
@@ -107,7 +109,7 @@ class Ehd(FieldSlave):
         text = self.model.remark
         if text and text not in self._remarked:
             self._remarked |= {text}
-            self.log(text, Status.warning)
+            self.log(text, Fmi2Status.warning)
 
     def _conditions(self, values):
         """Return the inputs that replace parameters."""

@@ -5,8 +5,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from pythonfmu.enums import Fmi2Status
 
-from ..master.fmi.errors import BadInput, Discard, Status
+from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
@@ -158,7 +159,7 @@ class Mfbd(FieldSlave):
                 "Modes above quasi_static_frequency change the gap at the start by up to "
                 f"{bend:.3g} m. A full film then starts with the oil of the changed gap, which "
                 "affects motion and film of the first strokes.",
-                Status.warning,
+                Fmi2Status.warning,
             )
 
     def _tell_of_gas(self, values: dict[str, Any]) -> None:
@@ -166,7 +167,7 @@ class Mfbd(FieldSlave):
         twice = self.built.gas and values["gas_pressure"] and values["gas_source"] == "either"
         if twice and not self._gas_told:
             self._gas_told = True
-            self.log(GAS_TWICE, Status.warning)
+            self.log(GAS_TWICE, Fmi2Status.warning)
 
     def _begin(
         self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]

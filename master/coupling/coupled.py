@@ -7,8 +7,9 @@ from math import ceil
 from typing import Any
 
 import numpy as np
+from pythonfmu.enums import Fmi2Status
 
-from ..fmi.errors import Discard, Status
+from ..fmi.errors import Discard
 from ..fmi.slave import FieldSlave
 from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
@@ -143,7 +144,7 @@ class Coupled(FieldSlave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.inside = Options.read(self.options)
-        self.name = self.inside.name
+        self.name = self.modelName = self.inside.name
         self.description = self.inside.title
 
     @property
@@ -221,9 +222,9 @@ class Coupled(FieldSlave):
         """Log the warnings of the participants."""
         for name, participant in self.system.participants.items():
             queue = participant.slave.log_queue
-            for status, text in queue:
-                if status == Status.warning:
-                    self.log(f"{name}: {text}", status)
+            for message in queue:
+                if message.status == Fmi2Status.warning:
+                    self.log(f"{name}: {message.msg}", Fmi2Status.warning)
             queue.clear()
 
     def directional_derivative(self, seeds):

@@ -14,13 +14,14 @@ import tempfile
 import zipfile
 from contextlib import suppress
 from importlib.metadata import version as version_of
+from importlib.util import find_spec
 from inspect import getfile
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import indent, tostring
 
 from .cache import cache_folder
-from .compiler import OF_PYTHON, PLATFORMS, front, front_name
+from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
@@ -30,6 +31,20 @@ from .tree import ROOT, import_part, reached
 EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
 
+OF_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
+"""Modules of pythonfmu that a running FMU needs; its builder is not among them."""
+
+PYTHONFMU = '''"""The part of pythonfmu, under its own licence, that a running slave needs."""
+
+from ._version import __version__
+from .default_experiment import DefaultExperiment
+from .enums import Fmi2Causality, Fmi2Initial, Fmi2Variability
+from .fmi2slave import Fmi2Slave
+from .variables import Boolean, Integer, Real, String
+'''
+"""`__init__.py` of pythonfmu inside an FMU. FMUs of other tools in the same process share it, so
+it has all names except those of the builder."""
+
 PACKING = ("builder.py", "compiler.py", "description.py", "description3.py", "documentation.py")
 """Further files that determine the content of an FMU."""
 
@@ -38,6 +53,7 @@ TOKEN = "resources/token.txt"
 
 ENTRY = '''"""Entry script of the FMU; its code is the first of these packages."""
 
+import ctypes
 import os
 import shutil
 import sys
@@ -46,6 +62,9 @@ from importlib import import_module
 from pathlib import Path
 
 CODES = {codes}
+
+# pythonfmu's library drops one reference too many to this module's dictionary at each run
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
 def folder_of(code):
@@ -78,7 +97,14 @@ for code in CODES:
         import_module(f"{{code}}.master.fmi.tree")
     finally:
         sys.path.pop(0)
-Entry = sys.modules[f"{{CODES[0]}}.master.fmi.tree"].slave_class("{slave}")
+Fmi2Slave = sys.modules[f"{{CODES[0]}}.master.fmi.tree"].slave_class("{slave}")
+
+
+class Entry(Fmi2Slave):
+    """Class that pythonfmu finds by the text of this line."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
 '''
 
 
@@ -143,7 +169,7 @@ def build_fmu(
     progress : callable
         Called with a message before long work.
     version : {"2.0", "3.0"}
-        Version of FMI.
+        Version of FMI. 3.0 needs a C compiler.
     experiment : Experiment, optional
         Default experiment in the description. Default: that of the model class.
 
@@ -155,7 +181,7 @@ def build_fmu(
     Raises
     ------
     BadInput
-        With every fault of the options, or if there is neither a prebuilt front nor a compiler.
+        With every fault of the options.
     """
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     return pack_fmu(
@@ -222,15 +248,17 @@ def pack_fmu(
     experiment : Experiment, optional
         Default experiment in the description. Default: that of the model class.
     """
+    if version == "3.0" and not compiler():
+        raise BadInput("fmi: expected a C compiler, cc or $CC, for FMI 3.0, got none")
     codes = {one.name: one for one in (code, *participants)}
     contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
+    front = front_sources(version) if compiler() else {"stock": version_of("pythonfmu").encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
-    packing["front"] = front_name(version).encode()
     packing["version"] = version_of("piston-cosim").encode()
     packing["experiment"] = repr(experiment).encode()
     packing["codes"] = repr(list(codes)).encode()
     _remember_python()
-    fmu = cache_folder("fmus") / f"{name}-{_digest(contents | packing)}.fmu"
+    fmu = cache_folder("fmus") / f"{name}-{_digest(contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
         entry = ENTRY.format(codes=tuple(codes), slave=code.slave).encode()
@@ -241,6 +269,11 @@ def pack_fmu(
             "slavemodule.txt": f"{code.name}_entry".encode(),
         }
         contents |= {"requirements.py": code.files["master/fmi/requirements.py"]}
+        contents |= {
+            f"pythonfmu/{name}.py": (_pythonfmu() / f"{name}.py").read_bytes()
+            for name in OF_PYTHONFMU
+        }
+        contents |= {"pythonfmu/__init__.py": PYTHONFMU.encode()}
         _pack(contents, f"{code.name}_entry", fmu, version, experiment)
     return fmu
 
@@ -274,8 +307,15 @@ def _files(name):
     return rooms | files | {"__init__.py": around / "__init__.py"}
 
 
+def _pythonfmu():
+    """Return the folder of pythonfmu, without the import that takes a tenth of a start."""
+    found = find_spec("pythonfmu")
+    assert found is not None and found.origin is not None, "pythonfmu is not installed"
+    return Path(found.origin).parent
+
+
 def _digest(contents):
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(version_of("pythonfmu").encode())
     for name in sorted(contents):
         digest.update(name.encode() + b"\0" + hashlib.sha256(contents[name]).digest())
     return digest.hexdigest()[:16]
@@ -290,9 +330,7 @@ def _pack(contents, entry, fmu, version, experiment):
             path.write_bytes(data)
         slave = _instance(entry, scratch)
         slave.experiment = experiment or slave.experiment
-        members = texts_of(slave, version)
-        folder = PLATFORMS[OF_PYTHON].folders[version]
-        members[f"binaries/{folder}/{slave.name}.so"] = front(version)
+        members = _binaries(slave, version) | texts_of(slave, version, any_host=bool(compiler()))
     members |= {f"resources/{name}": data for name, data in contents.items()}
     write_archive(members, fmu)
 
@@ -308,17 +346,31 @@ def write_archive(members, fmu):
     os.replace(partial, fmu)
 
 
-def texts_of(slave, version, platforms=()):
+def _binaries(slave, version):
+    """Return the front, or if there is no compiler, the libraries of pythonfmu for Python hosts."""
+    if version == "3.0":
+        return {f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0")}
+    if compiler():
+        return {f"binaries/linux64/{slave.name}.so": compile_front("2.0")}
+    return {
+        f"binaries/{path.parent.name}/{slave.name}{path.suffix}": path.read_bytes()
+        for path in (_pythonfmu() / "resources" / "binaries").rglob("*.*")
+    }
+
+
+def texts_of(slave, version, any_host, platforms=()):
     """Return description, token, icon and documentation of an FMU, path to bytes.
 
     Parameters
     ----------
     slave : FieldSlave
     version : {"2.0", "3.0"}
+    any_host : bool
+        Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
         Platforms of an FMU that needs no Python.
     """
-    pages = documentation(slave, platforms)
+    pages = documentation(slave, any_host, platforms)
     if version == "3.0":
         description = model_description_3(slave, platforms)
         return pages | {
@@ -327,7 +379,7 @@ def texts_of(slave, version, platforms=()):
             "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
             "terminalsAndIcons/icon.png": ICON.read_bytes(),
         }
-    description = model_description(slave, platforms)
+    description = model_description(slave, any_host, platforms)
     return pages | {
         "modelDescription.xml": _xml(description),
         TOKEN: description.attrib["guid"].encode(),

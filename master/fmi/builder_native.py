@@ -10,8 +10,11 @@ import fcntl
 import json
 import os
 import platform as machine
+import re
 import shutil
 import struct
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -29,17 +32,7 @@ import numpy as np
 from . import native_code
 from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder, write_whole
-from .compiler import (
-    AHEAD,
-    COMMON,
-    FRONTS,
-    HOME,
-    PLATFORMS,
-    compiler_of,
-    link,
-    missing_compiler,
-    this_platform,
-)
+from .compiler import HOME
 from .errors import BadInput, unknown
 from .jobs import jobs
 from .native_parts import NativePart, symbol
@@ -61,10 +54,86 @@ CAUSALITIES = ("parameter", "input", "constant", "output")
 TYPES = ("Real", "Integer", "String", "Enumeration")
 
 
+class Platform(NamedTuple):
+    """Platform of a native FMU, and the command that links its library.
+
+    compilers : alternative commands of C compilers, the preferred one first; ending : suffix of the
+    library; folders : folder of the library in an FMU, by version of FMI.
+    """
+
+    compilers: tuple[tuple[str, ...], ...]
+    options: tuple[str, ...]
+    ending: str
+    folders: Mapping[str, str]
+
+
+def _zig(target, *options):
+    """Return the command of zig, which contains the headers and libraries of all platforms.
+
+    It is installed with `pip install ziglang`.
+    """
+    return ("zig", "cc", "-target", target, *options)
+
+
+def _zig_for_linux(processor):
+    """Return the command of zig with the oldest glibc and without its run-time library.
+
+    The sin, cos and memcpy of that library would replace those of the system.
+    """
+    return _zig(f"{processor}-linux-gnu.{'.'.join(map(str, OLDEST_GLIBC))}", "-rtlib=none")
+
+
+OLDEST_GLIBC = (2, 17)
+"""Oldest version of glibc that release libraries support: that of RHEL 7."""
+
+COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
+ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack", "-Wl,-S")
+MACH_O = ("-fPIC", "-fvisibility=hidden")
+PLATFORMS = {
+    "linux64": Platform(
+        (_zig_for_linux("x86_64"), (os.environ.get("CC", "cc"),)),
+        ELF,
+        ".so",
+        {"2.0": "linux64", "3.0": "x86_64-linux"},
+    ),
+    "win64": Platform(
+        (
+            _zig("x86_64-windows-gnu"),
+            ("x86_64-w64-mingw32-gcc", "-static-libgcc", "-static"),
+        ),
+        ("-D__USE_MINGW_ANSI_STDIO=1",),
+        ".dll",
+        {"2.0": "win64", "3.0": "x86_64-windows"},
+    ),
+    "aarch64-linux": Platform(
+        (_zig_for_linux("aarch64"), ("aarch64-linux-gnu-gcc",)),
+        ELF,
+        ".so",
+        {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
+    ),
+    "darwin64": Platform(
+        (_zig("x86_64-macos.11.0"),),
+        MACH_O,
+        ".dylib",
+        {"2.0": "darwin64", "3.0": "x86_64-darwin"},
+    ),
+    "aarch64-darwin": Platform(
+        (_zig("aarch64-macos.11.0"),),
+        MACH_O,
+        ".dylib",
+        {"2.0": "aarch64-darwin", "3.0": "aarch64-darwin"},
+    ),
+}
+"""Platforms by name, as in `native_code.TARGETS`."""
+
+AHEAD = Path(__file__).parent / "libraries"
+"""Folder of prebuilt libraries, named by `library_name`."""
+
 SOURCES = ("native.c", "runtime.c", "common.c")
 OF_COUPLED = "parts.c"
 """Additional source of a coupled FMU, whose entries call those of its participants."""
 ENTRIES = ("size", "start", "advance", "tangent")
+FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 NEW_PASSES = (0, 44)
 """First version of llvmlite with `create_pass_builder`, which native_code uses."""
 ITERATION = "run"
@@ -72,6 +141,18 @@ ITERATION = "run"
 ITERATING = "master.coupling.methods"
 """Package with the iteration, which is also part of each coupled FMU."""
 OF_ITERATION = ("runtime.c", "fmi_parts.c")
+
+
+def this_platform() -> str | None:
+    """Return the name of this machine's platform; None if native FMUs do not support it."""
+    machines = {
+        ("Linux", "x86_64"): "linux64",
+        ("Linux", "aarch64"): "aarch64-linux",
+        ("Windows", "AMD64"): "win64",
+        ("Darwin", "x86_64"): "darwin64",
+        ("Darwin", "arm64"): "aarch64-darwin",
+    }
+    return machines.get((machine.system(), machine.machine()))
 
 
 def is_made_ahead(package: str) -> bool:
@@ -84,6 +165,16 @@ def is_made_ahead(package: str) -> bool:
     except BadInput:
         return False
     return (AHEAD / library_name((package,), platform, "2.0")).exists()
+
+
+def compiler_of(platform: str) -> tuple[str, ...] | None:
+    """Return the command of the C compiler for a platform, None if there is none."""
+    for command in PLATFORMS[platform].compilers:
+        if found := shutil.which(command[0]):
+            return (found, *command[1:])
+        if command[0] == "zig" and find_spec("ziglang"):
+            return (sys.executable, "-m", "ziglang", *command[1:])
+    return None
 
 
 def build_native_fmu(
@@ -180,7 +271,7 @@ def pack_native_fmu(
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
     """Return the content of an FMU by path; `made` are libraries by platform."""
     slave = inside.slave
-    members = texts_of(slave, version, list(made))
+    members = texts_of(slave, version, any_host=True, platforms=list(made))
     for platform, library in made.items():
         ends = PLATFORMS[platform]
         members[f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"] = library
@@ -236,8 +327,7 @@ def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]
         for name in platforms
         if not all((AHEAD / library_name(packages, name, one)).exists() for one in FRONTS)
     ]
-    missing = [missing_compiler(name) for name in made if compiler_of(name) is None]
-    return [*missing, *too_old()] if made else []
+    return [*_missing_compilers(made), *too_old()] if made else []
 
 
 def part_of(package: str) -> NativePart:
@@ -249,6 +339,16 @@ def part_of(package: str) -> NativePart:
         raise BadInput(
             f"package: expected a package with a native FMU, got {package}; remove --native"
         ) from None
+
+
+def _missing_compilers(platforms):
+    return [
+        f"platform {name}: expected a C compiler, "
+        + " or ".join(command[0] for command in PLATFORMS[name].compilers)
+        + ", got none"
+        for name in platforms
+        if compiler_of(name) is None
+    ]
 
 
 def too_old() -> list[str]:
@@ -297,7 +397,7 @@ def libraries(
     missing = [name for name, path in ahead.items() if not path.exists()]
     codes = compiled_packages(packages, missing, progress) if missing else {}
     return {
-        name: linked(name, version, {one: files[name] for one, files in codes.items()})
+        name: link(name, version, {one: files[name] for one, files in codes.items()})
         if name in missing
         else ahead[name].read_bytes()
         for name in platforms
@@ -320,7 +420,7 @@ def _sources_in_c(version, is_coupled):
     """Return the files in `HOME` of which a library is made."""
     if version == ITERATION:
         return OF_ITERATION
-    return (*SOURCES, FRONTS[version][-1], *([OF_COUPLED] if is_coupled else ()))
+    return (*SOURCES, FRONTS[version], *([OF_COUPLED] if is_coupled else ()))
 
 
 def iteration_library() -> Path | None:
@@ -345,7 +445,7 @@ def iteration_library() -> Path | None:
     code = _object_file(ITERATING, platform)
     if not code.exists() or compiler_of(platform) is None:
         return None
-    write_whole(kept, linked(platform, ITERATION, {ITERATING: code.read_bytes()}))
+    write_whole(kept, link(platform, ITERATION, {ITERATING: code.read_bytes()}))
     return kept
 
 
@@ -463,7 +563,7 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
     return [*own, f"-DPARTS={inside}"] if inside else own
 
 
-def linked(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
+def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
     """Return the library of a platform, linked from object files by package.
 
     The package of the model's entries is first, then those of the participants inside it.
@@ -478,8 +578,31 @@ def linked(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
         objects = [Path(scratch) / f"{one}.o" for one in codes]
         for path, code in zip(objects, codes.values()):
             path.write_bytes(code)
-        sources = [HOME / name for name in _sources_in_c(version, bool(participants))]
-        return link(platform, [*sources, *objects, "-lm"], definitions(package, participants))
+        library = Path(scratch) / f"slave{PLATFORMS[platform].ending}"
+        files = [str(HOME / name) for name in _sources_in_c(version, bool(participants))]
+        command = [
+            *(compiler_of(platform) or ()),
+            *COMMON,
+            *PLATFORMS[platform].options,
+            *definitions(package, participants),
+            *files,
+            *map(str, objects),
+            "-lm",
+            "-o",
+            str(library),
+        ]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{command[0]} could not link a native FMU:\n{done.stderr}")
+        return library.read_bytes()
+
+
+def newer_symbols(library: bytes) -> list[str]:
+    """Return the symbol versions of an ELF library that are newer than `OLDEST_GLIBC`."""
+    versions = {
+        tuple(map(int, text.split(b"."))) for text in re.findall(rb"GLIBC_(\d+(?:\.\d+)*)", library)
+    }
+    return [f"GLIBC_{'.'.join(map(str, v))}" for v in sorted(versions) if v > OLDEST_GLIBC]
 
 
 # ---- the file that describes the model

@@ -6,11 +6,10 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
 
+from .fields import VENDOR
 from .requirements import PACKAGES
-from .slave import LOG_CATEGORIES, element_names
+from .slave import PRODUCT, SEED, element_names, reserved
 
-VENDOR = "piston-cosim"
-"""Tool name of annotations."""
 AUTHOR = "the piston-cosim developers"
 COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
 LICENCE = "BSD-3-Clause"
@@ -56,12 +55,15 @@ BASE_UNITS = {
 unit have "1"."""
 
 
-def model_description(slave, platforms=()):
+def model_description(slave, any_host, platforms=()):
     """Return the XML tree of an FMU's model description. The GUID is the hash of its content.
 
     Parameters
     ----------
     slave : FieldSlave
+    any_host : bool
+        True if the FMU contains the C front. Then it runs in hosts that are not Python and has the
+        standard directional derivative. Otherwise pythonfmu's library runs in Python hosts only.
     platforms : sequence of str
         Platforms of an FMU that needs no Python.
     """
@@ -74,18 +76,19 @@ def model_description(slave, platforms=()):
         "CoSimulation",
         {
             "modelIdentifier": slave.name,
-            "needsExecutionTool": "false",
+            "needsExecutionTool": str(not any_host).lower(),
             "canHandleVariableCommunicationStepSize": "true",
             "canNotUseMemoryManagementFunctions": "true",
-            "canInterpolateInputs": str(slave.interpolates_inputs).lower(),
+            "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": str(bool(slave.derivative_inputs)).lower(),
+            "providesDirectionalDerivative": str(
+                any_host and bool(slave.derivative_inputs)
+            ).lower(),
         },
     )
     common_parts(root, slave)
-    tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": VENDOR})
-    SubElement(tool, "Needs", needs(platforms))
+    _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host, platforms)
     _variables(SubElement(root, "ModelVariables"), slave)
     _structure(SubElement(root, "ModelStructure"), slave.table)
     root.set("guid", content_guid(root))
@@ -120,7 +123,7 @@ def common_parts(root, slave):
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     _types(root, slave.table)
     categories = SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
+    for name, text in slave.log_categories.items():
         SubElement(categories, "Category", {"name": name, "description": text})
     usual = slave.experiment
     attributes = {"startTime": 0.0, "stopTime": usual.stop, "stepSize": usual.step}
@@ -157,15 +160,34 @@ def _type_name(v):
     return f"{v.name}_choice"
 
 
-def needs(platforms):
+def needs(any_host, platforms):
     """Return the attributes that describe what an FMU needs of its host."""
     if platforms:
         return {"hosts": f"any on {', '.join(platforms)}"}
     return {
-        "hosts": "any on Linux x86-64",
+        "hosts": "any on Linux x86-64" if any_host else "Python only",
         "python": ">=3.11",
         "packages": " ".join(PACKAGES),
     }
+
+
+def _vendor_annotations(parent, slave, any_host, platforms):
+    """Add the requirements on the host.
+
+    If there is no front, also add the first reserved reference of each seed and product.
+    """
+    tool = SubElement(parent, "Tool", {"name": VENDOR})
+    node = SubElement(tool, "Needs", needs(any_host, platforms))
+    if any_host or not slave.derivative_inputs:
+        return
+    node = SubElement(node, "DirectionalDerivative")
+    for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs)):
+        for name in names:
+            SubElement(
+                node,
+                kind.capitalize(),
+                {"name": name, "valueReference": str(slave.references[reserved(kind, name)])},
+            )
 
 
 def _variables(parent, slave):

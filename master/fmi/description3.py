@@ -47,7 +47,7 @@ def model_description_3(slave, platforms=()):
     for k in outputs:  # they depend on everything that is set
         SubElement(structure, "InitialUnknown", {"valueReference": k})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
-    SubElement(annotation, "Needs", needs(platforms))
+    SubElement(annotation, "Needs", needs(True, platforms))
     root.set("instantiationToken", content_guid(root))
     return root
 

@@ -1,6 +1,7 @@
 """Documentation inside an FMU: a page with requirements and interface, and licences."""
 
 from html import escape
+from importlib.metadata import files
 from pathlib import Path
 
 from .description import AUTHOR, COPYRIGHT, LICENCE
@@ -35,8 +36,8 @@ restored and serialised.</p>
 </html>
 """
 
-OF_PYTHON = """The FMU requires Linux x86-64, and Python 3.11 or newer with {packages}. If the host
-is not Python, the FMU starts the Python of the environment variable PISTON_COSIM_PYTHON. The next
+OF_PYTHON = """The FMU requires {hosts}, and Python 3.11 or newer with {packages}. If the host is
+not Python, the FMU starts the Python of the environment variable PISTON_COSIM_PYTHON. The next
 choices are that of VIRTUAL_ENV, the one that last built such an FMU on the machine, and python3. At
 the first start the FMU compiles its code for about a minute and logs it. All FMUs of the same code
 share the compiled code in PISTON_COSIM_CACHE or in the user's cache."""
@@ -52,19 +53,24 @@ TITLES = {
 }
 
 
-def documentation(slave, platforms=()):
+def documentation(slave, any_host, platforms=()):
     """Return page and licences, path in the FMU to bytes.
 
     Parameters
     ----------
     slave : FieldSlave
+    any_host : bool
+        Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
         Platforms of an FMU that needs no Python.
     """
     needs = (
         OF_ITSELF.format(platforms=", ".join(platforms))
         if platforms
-        else OF_PYTHON.format(packages=", ".join(PACKAGES))
+        else OF_PYTHON.format(
+            hosts="any host on Linux x86-64" if any_host else "a host that is Python",
+            packages=", ".join(PACKAGES),
+        )
     )
     page = PAGE.format(
         title=escape(slave.name),
@@ -75,11 +81,20 @@ def documentation(slave, platforms=()):
         step=slave.experiment.step,
         tables="\n".join(_table(slave.table, causality) for causality in TITLES),
     )
-    licence = f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}"
-    return {
-        "documentation/index.html": page.encode(),
-        "documentation/licenses/license.txt": licence.encode(),
+    licences = {"license.txt": f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}"}
+    if not platforms:
+        licences |= _of_pythonfmu()
+    return {"documentation/index.html": page.encode()} | {
+        f"documentation/licenses/{name}": text.encode() for name, text in licences.items()
     }
+
+
+def _of_pythonfmu():
+    """Return the licence of pythonfmu, a part of which is inside the FMU."""
+    for file in files("pythonfmu") or ():
+        if file.name.startswith("LICEN"):
+            return {"pythonfmu.txt": file.read_text()}
+    return {}
 
 
 def _table(table, causality):

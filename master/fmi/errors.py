@@ -4,7 +4,6 @@ import os
 import tomllib
 from collections.abc import Iterable
 from difflib import get_close_matches
-from enum import IntEnum
 from pathlib import Path
 
 
@@ -74,10 +73,6 @@ FILE_FAULTS: dict[type[Exception], str] = {
     tomllib.TOMLDecodeError: "expected a TOML file, got invalid syntax",
 }
 """Sentences of the errors that reading and writing raise."""
-
-
-Status = IntEnum("Status", "ok warning discard error fatal", start=0)
-"""Status of a call, with the numbers of both standards."""
 
 
 class Discard(RuntimeError):

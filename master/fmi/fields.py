@@ -20,6 +20,8 @@ TYPES_3 = {
     "Clock": "Clock",
 }
 """FMI 2 types of FMI 3 types. Binary and Clock have no FMI 2 type."""
+VENDOR = "piston-cosim"
+"""Tool name of the VendorAnnotations with the reserved references of derivatives."""
 NO_NUMBERS = ("String", "Binary", "Clock")
 """Types that cannot be recorded as numbers."""
 

@@ -1,6 +1,6 @@
 """Base class of every FMU: one variable table, one state object, fields moved as slices.
 
-The C front calls the methods of `FieldSlave`. A participant derives
+The C front, or pythonfmu if there is none, calls the methods of `FieldSlave`. A participant derives
 from it and defines three: `start`, `advance` and `directional_derivative`. Storage:
 
 - `real`: one array [variables of type Real | courses | seeds | products]. Each declared array is a
@@ -15,8 +15,9 @@ from it and defines three: `start`, `advance` and `directional_derivative`. Stor
   texts and choices, state). Integer outputs count work, which a rollback does not undo, so they are
   not part of it.
 
-A failed step is logged, does not change the state, and sets `status` to discard. A bug sets it to
-error.
+No method may raise into pythonfmu's C layer, because an exception that crosses it corrupts the
+host later. A failed step is logged, does not change the state, and sets `status` to discard. A
+bug sets it to error.
 """
 
 import json
@@ -27,19 +28,18 @@ from pathlib import Path
 from typing import Any, get_type_hints
 
 import numpy as np
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
 
-from .errors import BadInput, Discard, Status
+from .errors import BadInput, Discard
 from .state_bytes import join, split
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: derivatives of an input over a step, seed and product of a
 directional derivative."""
 
+
 LARGEST = sys.float_info.max
-LOG_CATEGORIES = {
-    f"logStatus{name}": f"Log messages with fmi2{name} status."
-    for name in ("Warning", "Discard", "Error", "Fatal")
-} | {"logAll": "Log all messages."}
 
 
 def reserved(kind: str, name: str) -> str:
@@ -60,7 +60,7 @@ class Experiment:
     tolerance: float | None = None
 
 
-class FieldSlave:
+class FieldSlave(Fmi2Slave):
     """Base class of every model class; the module docstring describes its storage.
 
     A participant defines
@@ -89,16 +89,17 @@ class FieldSlave:
     derivative_inputs = ()
     derivative_outputs = ()
 
-    def __init__(self, instance_name: str, resources: str | Path):
-        self.instance_name = instance_name
-        self.resources = Path(resources)
-        self.log_queue: list[tuple[Status, str]] = []
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.modelName = self.name
+        self.description = type(self).description
+        self.resources = Path(self.resources)
         self.options = json.loads((self.resources / "build.json").read_text())
         self.table = self.variables(self.options)
         self.state = self.fault = self.started_with = None
         self.initialising = False
         self.shown: Any = None
-        self.status = Status.ok
+        self.status = Fmi2Status.ok
         self.inputs = [v for v in self.table if v.causality == "input" and v.type != "String"]
         self._lay_out()
 
@@ -170,6 +171,11 @@ class FieldSlave:
         }
         for v in real + integer:
             self.views[v.name][...] = v.number(v.start)
+        self.first_product = (
+            self.references.get(reserved(PRODUCT, self.derivative_outputs[0]), len(self.real))
+            if self.derivative_outputs
+            else len(self.real)
+        )
         self.parameter_elements = np.array(
             [
                 k
@@ -188,6 +194,8 @@ class FieldSlave:
         }
         self.seeds = {n: self.views[reserved(SEED, n)] for n in self.derivative_inputs}
         self.products = {n: self.views[reserved(PRODUCT, n)] for n in self.derivative_outputs}
+        self.products_due = False
+        self.all_references = list(range(len(self.real)))
 
     def _lay_into(self, storage, entries):
         offset = 0
@@ -247,34 +255,32 @@ class FieldSlave:
         parts = [head, *map(np.ravel, blocks), np.ravel(entries)]
         return np.concatenate(parts).astype(np.int64).tobytes()
 
-    def log(self, text: str, status: Status) -> None:
-        """Queue a log message."""
-        self.log_queue.append((status, text))
-
     def verdict(self):
         """Return status and messages (status, category, text) of the last call; clear both."""
-        status, self.status = self.status, Status.ok
-        messages = [
-            (int(severity), f"logStatus{severity.name.capitalize()}", text)
-            for severity, text in self.log_queue
-        ]
+        status = int(self.status)
+        self.status = Fmi2Status.ok
+        messages = [(int(m.status), m.category or "logAll", m.msg) for m in self.log_queue]
         self.log_queue.clear()
-        return int(status), messages
+        return status, messages
 
     def update_products(self):
-        """Compute the products for the stored seeds."""
+        """Compute the products for the stored seeds; set NaN and an error if that fails."""
         try:
             seeds = {name: view.copy() for name, view in self.seeds.items()}
             for name, value in self.directional_derivative(seeds).items():
                 self.products[name][...] = value
         except Exception:
-            self._fail(traceback.format_exc(), Status.error)
+            self._fail(traceback.format_exc(), Fmi2Status.error)
+            self.real[self.first_product :] = np.nan
+        self.products_due = False
+
+    # methods that both call
 
     def enter_initialization_mode(self):
         """Let outputs follow inputs until `exit_initialization_mode`; log a compilation."""
         kernels: Any = sys.modules.get(f"{__package__}.compiled")
         if kernels and (said := kernels.first_start()):
-            self.log(said, Status.warning)
+            self.log(said, Fmi2Status.warning)
         self.initialising = True
         self.shown = None
 
@@ -336,7 +342,7 @@ class FieldSlave:
 
     def _refuse(self, text):
         self.fault = text
-        self._fail(text, Status.error)
+        self._fail(text, Fmi2Status.error)
 
     def _fail(self, text, status):
         self.status = status
@@ -385,9 +391,9 @@ class FieldSlave:
             self._publish(outputs)
             return True
         except Discard as refusal:
-            self._fail(str(refusal), Status.discard)
+            self._fail(str(refusal), Fmi2Status.discard)
         except Exception:
-            self._fail(traceback.format_exc(), Status.error)
+            self._fail(traceback.format_exc(), Fmi2Status.error)
         finally:
             for name in self.courses:  # they are valid for this step only
                 self.views[reserved(COURSE, name)][...] = 0.0
@@ -402,19 +408,53 @@ class FieldSlave:
             if faults := self._choice_faults(v) if v.choices else self._number_faults(v):
                 raise Discard(faults[0])
 
-    def set_string(self, references, values):
-        for reference, value in zip(references, values):
-            self.string[reference - self.first_text] = value
+    def set_real(self, vrs, values):
+        first = vrs[0]
+        last = vrs[-1] + 1
+        if vrs == self.all_references[first:last]:
+            self.real[first:last] = values
+        else:
+            self.real[vrs] = values
+        self.products_due = self.products_due or last > self.real_count
 
-    def get_string(self, references):
-        return [self.string[reference - self.first_text] for reference in references]
+    def get_real(self, vrs):
+        self.show_start()
+        first = vrs[0]
+        last = vrs[-1] + 1
+        if last > self.first_product and self.products_due:
+            self.update_products()
+        if vrs == self.all_references[first:last]:
+            return self.real[first:last].tolist()
+        return self.real[vrs].tolist()
+
+    def set_integer(self, vrs, values):
+        self.integer[self._places(vrs, self.first_integer)] = values
+
+    def get_integer(self, vrs):
+        self.show_start()
+        return self.integer[self._places(vrs, self.first_integer)].tolist()
+
+    def set_string(self, vrs, values):
+        for place, value in zip(self._places(vrs, self.first_text), values):
+            self.string[place] = value
+
+    def get_string(self, vrs):
+        return [self.string[place] for place in self._places(vrs, self.first_text)]
+
+    @staticmethod
+    def _places(references, first):
+        """Return the positions in the storage of a type whose value references begin at `first`."""
+        places = [reference - first for reference in references]
+        if min(places, default=0) < 0:
+            raise IndexError(f"no variable of this type has value reference {min(references)}")
+        return places
 
     # state
 
-    def _get_fmu_state(self):
+    def _get_fmu_state(self):  # pyright: ignore[reportIncompatibleMethodOverride]
         return self.real[: self.real_count].copy(), self._settings(), self.state
 
-    def _set_fmu_state(self, saved):
+    def _set_fmu_state(self, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
         texts = len(self.string)
         self.string[:] = settings[:texts]
@@ -428,14 +468,14 @@ class FieldSlave:
         self.state = _assembled(self.state_type, state) if isinstance(state, dict) else state
 
     @classmethod
-    def _fmu_state_to_bytes(cls, saved):
+    def _fmu_state_to_bytes(cls, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
         arrays = {"": real} | ({} if state is None else _members(state))
         head = {"settings": settings, "started": state is not None}
         return join(head | ({"slow": cls.slow_state} if cls.slow_state else {}), arrays)
 
     @staticmethod
-    def _fmu_state_from_bytes(data):
+    def _fmu_state_from_bytes(data):  # pyright: ignore[reportIncompatibleMethodOverride]
         head, arrays = split(bytes(data))
         real = arrays.pop("")
         members = {name: a if a.shape else a.item() for name, a in arrays.items()}

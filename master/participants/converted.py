@@ -37,6 +37,14 @@ class ConvertedParticipant(FieldByField):
     def __init__(self, participant, conversions):
         self.participant, self.conversions = participant, conversions
 
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
+
+    def start(self, parameters, start_time, stop_time):
+        """Start, see `FmuParticipant.start`; converted inputs have the wire's unit."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`."""
         values = {name: self._given(name, value) for name, value in parameters.items()}

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
-from .participant import Participant, Wrapper
+from .participant import Participant
 
 Fields = dict[str, np.ndarray]
 """Values or changes by field."""
@@ -113,7 +113,7 @@ def scales(
     }
 
 
-class Differenced(Wrapper):
+class Differenced:
     """Participant with derivatives by differences of its steps, even if it offers others."""
 
     has_derivatives = False
@@ -122,6 +122,9 @@ class Differenced(Wrapper):
         self.participant = participant
         self._begin: Any = None
         self._last_step = (0.0, 0.0)
+
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
 
     def restore(self, saved: Any) -> None:
         """Restore a saved state, where the next step begins."""

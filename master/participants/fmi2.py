@@ -1,10 +1,14 @@
 """FMI 2.0 FMU under the master: fields by pointer, steps, saved states, derivatives, log."""
 
 import ctypes
-import re
+import shutil
+import tempfile
+import warnings
 import zipfile
 from contextlib import contextmanager, suppress
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -14,29 +18,26 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..fmi.archive import unpack
-from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
+from ..fmi.archive import check_archive, restore_files
+from ..fmi.cache import cache_folder
+from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault, file_fault
+from ..fmi.fields import VENDOR, gather_fields
 from ..fmi.notebook import html_table
 from .derivatives import difference
-from .description import read_description
+from .description_cache import cache_description, cached_description
 from .exits import guard_exit
-from .participant import StartsInTwo, read_each, write_each
+from .participant import read_each, write_each
 from .printf import Logger, printed
-from .transfer import REAL, Functions, TransferBlock, transfer_block
 
+REAL = ctypes.POINTER(ctypes.c_double)
 WHOLE = 1e-9
 """Share of a step that counts as zero."""
-HEAD = 2**16
-"""Length of the part of a model description that contains its capabilities [bytes]."""
-DERIVATIVE = re.compile(
-    rb"""<CoSimulation[^>]*\sprovidesDirectionalDerivatives?\s*=\s*["'](true|1)["']"""
-)
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
-class FmuParticipant(StartsInTwo):
+class FmuParticipant:
     """FMI 2.0 co-simulation FMU.
 
     Parameters
@@ -57,19 +58,28 @@ class FmuParticipant(StartsInTwo):
         If the file is not an FMU for co-simulation.
     """
 
-    version = "2"
+    version, derivative_flag = "2", "providesDirectionalDerivative"
     has_clocks = False
     event_mode = True
+    _is_cached = True  # whether the description is cached
+    _whole_numbers = {
+        "Integer": "fmi2GetInteger",
+        "Enumeration": "fmi2GetInteger",
+        "Boolean": "fmi2GetBoolean",
+    }
+    """Functions that read 32-bit integers, by type."""
 
     def __init__(self, name, path, sizes=None, elements=()):
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
         self.elements = frozenset(elements)
-        self.description: Any
-        self.description, self.fields = read_description(
-            name, self.path, self.version, self.sizes, self.elements
-        )
+        self._is_cached = self._is_cached and not self.elements
+        if self._is_cached and (kept := cached_description(self.path)):
+            self.description, self.fields = kept
+        else:
+            self._read_description()
         self.folder = unpack(self.path)
         self.log = []
+        root = self._before_the_variables()
         self._vectors: dict[str, TransferBlock] = {}
         self._pairs: dict[tuple[str, tuple[str, ...]], TransferBlock] = {}
         self._input_values: dict[str, np.ndarray] = {}
@@ -77,8 +87,10 @@ class FmuParticipant(StartsInTwo):
         self._courses: dict[tuple[str, int], tuple] = {}
         self._chosen: dict[tuple[str, ...], list[tuple]] = {}
         self._functions: Any = None  # `Functions` of an instance
-        with zipfile.ZipFile(self.path) as archive, archive.open("modelDescription.xml") as file:
-            self.has_derivatives = DERIVATIVE.search(file.read(HEAD)) is not None
+        self._derivative = self._reserved_references(root)
+        offered = root.find("CoSimulation")
+        flag = None if offered is None else offered.get(self.derivative_flag)
+        self._standard_derivative = flag in ("true", "1")
         self._fmu: Any = None
         self._begun = False
         self._broken = False
@@ -96,6 +108,47 @@ class FmuParticipant(StartsInTwo):
             "directional derivatives": "yes" if self.has_derivatives else "no",
         }
         return html_table(repr(self)[1:-1], rows)
+
+    def _read_description(self):
+        """Read description and fields; raise `BadInput` if the file is no co-simulation FMU."""
+        one = f"participants.{self.name}: {self.path}"
+        try:
+            with zipfile.ZipFile(self.path) as archive:
+                check_archive(archive, self.path)
+            self.description: Any = fmpy.read_model_description(str(self.path), validate=False)
+        except BadInput:
+            raise
+        except OSError as error:
+            raise BadInput(f"participants.{self.name}: {file_fault(self.path, error)}") from None
+        except zipfile.BadZipFile:
+            raise BadInput(f"{one}: expected an FMU, got another file") from None
+        except Exception:  # FMPy raises errors of many kinds
+            raise BadInput(
+                f"{one}: expected an FMU, got an invalid modelDescription.xml; "
+                "`fmpy validate` lists its faults"
+            ) from None
+        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
+            self.version
+        ):
+            raise BadInput(
+                f"{one}: expected an FMU for co-simulation of FMI {self.version}.0, got another"
+            )
+        try:
+            self.fields = gather_fields(self.description, self.sizes, self.elements)
+        except ValueError as error:
+            raise BadInput(f"{one}: {error}") from None
+        if self._is_cached:
+            cache_description(self.path, self.description, self.fields)
+
+    @property
+    def has_derivatives(self):
+        """True if the FMU has the standard derivative, or reserved references for one."""
+        return self._standard_derivative or bool(self._derivative)
+
+    @property
+    def has_standard_derivative(self):
+        """True if the FMU has the directional derivative of the standard."""
+        return self._standard_derivative
 
     @property
     def can_redo(self):
@@ -121,6 +174,14 @@ class FmuParticipant(StartsInTwo):
     def declares_units(self):
         """True if the FMU declares any unit; otherwise its variables are in SI."""
         return any(field.unit != "1" for field in self.fields.values())
+
+    def start(self, parameters, start_time, stop_time):
+        """Instantiate and initialise with `parameters` by name, in the FMU's units.
+
+        The others have their start values. Raises `BadInput` with the FMU's log if it fails.
+        """
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
 
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`, up to Initialization Mode.
@@ -220,7 +281,7 @@ class FmuParticipant(StartsInTwo):
     def _vector(self, name):
         """Return the block of a field, created once."""
         if name not in self._vectors:
-            self._vectors[name] = transfer_block({name: self.fields[name]})
+            self._vectors[name] = _block({name: self.fields[name]})
         return self._vectors[name]
 
     def set(self, name, value):
@@ -361,23 +422,46 @@ class FmuParticipant(StartsInTwo):
     def get_many(self, names):
         """Return the values of several scalars by name, with one call for each type."""
         names = tuple(names)
-        if names not in self._chosen:
-            kinds: dict[str, list[str]] = {}
-            for name in names:
-                field = self.fields[name]
-                kinds.setdefault(field.native or field.type, []).append(name)
-            self._chosen[names] = [self._getter(kind, *of_kind) for kind, of_kind in kinds.items()]
+        if (getters := self._chosen.get(names)) is None:
+            getters = self._chosen[names] = self._getters(names)
         values = {}
-        for of_kind, get in self._chosen[names]:
-            values |= zip(of_kind, get())
+        for chosen, getter in getters:
+            values |= zip(chosen, getter())
         return values
 
-    def _getter(self, kind, *names):
-        """Return names of scalars of one type, and a function that returns their values."""
+    def _getters(self, names):
+        """Return names of scalars by type, each with a function that returns their values."""
+        kinds: dict[str, list[str]] = {}
+        for name in names:
+            kind = self._kind(name)
+            kinds.setdefault(self._whole_numbers.get(kind, kind), []).append(name)
+        return [
+            (chosen, self._getter(kind, chosen, [self.fields[n].references[0] for n in chosen]))
+            for kind, chosen in ((kind, tuple(found)) for kind, found in kinds.items())
+        ]
+
+    def _getter(self, kind, names, references):
+        """Return a function that returns the values of several scalars.
+
+        kind : type, or the FMU's function that reads integers.
+        """
         if kind in ("Real", "Float64"):
-            return names, lambda: self.read(names).tolist()
-        references = [self.fields[name].references[0] for name in names]
-        return names, partial(self._access()[kind][0], references)
+            return lambda: self.read(names).tolist()
+        if kind not in self._whole_numbers.values():
+            return partial(self._access()[kind][0], references)
+        count = len(references)
+        values = (ctypes.c_int * count)()
+        arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
+
+        def listed():
+            self._call(kind, *arguments)
+            return list(values)
+
+        return listed
+
+    def _kind(self, name):
+        """Return the type of a field in the FMU's version of the standard."""
+        return self.fields[name].native or self.fields[name].type
 
     def step(self, time, step):
         """Take a step [s].
@@ -477,12 +561,12 @@ class FmuParticipant(StartsInTwo):
         dict of str to ndarray
             Change of the output fields.
         """
-        if not self.has_derivatives:
-            begin = self._begin
-            try:
-                return difference(self, begin, self._last_step, seeds, products)
-            finally:
-                self._begin = begin
+        if not self._standard_derivative:
+            return (
+                self._reserved_derivative(seeds)
+                if self._derivative
+                else self._difference(seeds, products)
+            )
         known, unknown = self._pair(tuple(seeds), "seeds"), self._pair(tuple(products))
         for name, value in seeds.items():
             known.values[known.parts[name]] = np.ravel(value)
@@ -543,7 +627,7 @@ class FmuParticipant(StartsInTwo):
     def _pair(self, names, use="read"):
         """Return the block of several fields, created once for each use."""
         if (use, names) not in self._pairs:
-            self._pairs[use, names] = transfer_block({name: self.fields[name] for name in names})
+            self._pairs[use, names] = _block({name: self.fields[name] for name in names})
         return self._pairs[use, names]
 
     def _cut(self, block):
@@ -552,10 +636,61 @@ class FmuParticipant(StartsInTwo):
             for name, part in block.parts.items()
         }
 
+    def _reserved_derivative(self, seeds):
+        """Return the derivative through reserved references instead of the standard call."""
+        write, read = self._derivative["seed"], self._derivative["product"]
+        write.values[:] = 0.0
+        for name, value in seeds.items():
+            write.values[write.parts[name]] = np.ravel(value)
+        self._write(write)
+        self._read(read)
+        return self._cut(read)
+
+    def _difference(self, seeds, products):
+        """Return the derivative by repeating the last step."""
+        begin = self._begin
+        try:
+            return difference(self, begin, self._last_step, seeds, products)
+        finally:
+            self._begin = begin
+
     def _model_description(self):
         """Return the root of the XML, for content that FMPy does not read."""
         with zipfile.ZipFile(self.path) as archive:
             return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+    def _before_the_variables(self):
+        """Return the root of the XML, read up to the variables, which are most of it."""
+        with (
+            zipfile.ZipFile(self.path) as archive,
+            archive.open("modelDescription.xml") as file,
+        ):
+            events = ElementTree.iterparse(file, ("start",))
+            _, root = next(events)
+            for _, node in events:
+                if node.tag == "ModelVariables":
+                    break
+        return root
+
+    def _reserved_references(self, root):
+        """Return the blocks of all seeds and all products, from the FMU's vendor annotation."""
+        blocks: dict[str, TransferBlock] = {}
+        for kind in ("seed", "product"):
+            nodes = root.findall(
+                f"VendorAnnotations/Tool[@name='{VENDOR}']/Needs/DirectionalDerivative/{kind.capitalize()}"
+            )
+            first = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+            if first:
+                blocks[kind] = _block(
+                    {
+                        name: replace(
+                            self.fields[name],
+                            references=tuple(range(k, k + self.fields[name].size)),
+                        )
+                        for name, k in first.items()
+                    }
+                )
+        return blocks
 
     def close(self):
         """Terminate and free the instance, as far as the standard allows.
@@ -579,3 +714,73 @@ class FmuParticipant(StartsInTwo):
                 fmu.freeInstance()
             else:
                 fmu.freeLibrary()
+
+
+@dataclass(frozen=True)
+class TransferBlock:
+    """Fields that one call transfers.
+
+    references : C array of value references; count : their number; pointer : to `values`; parts
+    : slice of each field.
+    """
+
+    references: ctypes.Array
+    count: int
+    values: np.ndarray
+    pointer: Any
+    parts: dict[str, slice]
+
+    @cached_property
+    def arguments(self):
+        """References, their number and the pointer to the values."""
+        return self.references, ctypes.c_size_t(self.count), self.pointer
+
+
+class Functions(dict):
+    """Functions of an FMU's library by name, without declared types, and its instance."""
+
+    def __init__(self, fmu):
+        super().__init__()
+        self.library = fmu.dll
+        self.component = ctypes.c_void_p(fmu.component)
+
+    def __missing__(self, name):
+        self[name] = function = self.library[name]
+        return function
+
+
+def _block(fields):
+    """Return the block of several fields (name -> Field)."""
+    references = [reference for field in fields.values() for reference in field.references]
+    ends = np.cumsum([field.size for field in fields.values()])
+    values = np.zeros(int(ends[-1]) if fields else 0)
+    parts = {
+        name: slice(int(end) - field.size, int(end))
+        for (name, field), end in zip(fields.items(), ends)
+    }
+    return TransferBlock(
+        (ctypes.c_uint * len(references))(*references),
+        len(references),
+        values,
+        values.ctypes.data_as(REAL),
+        parts,
+    )
+
+
+def unpack(path):
+    """Unpack an FMU into a folder of the user's cache, named by its hash; return the folder."""
+    digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
+    folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
+    if folder.exists():
+        if restored := restore_files(path, folder):
+            warnings.warn(f"{folder}: was damaged; restored {', '.join(restored)}", stacklevel=2)
+    else:
+        partial = Path(tempfile.mkdtemp(dir=folder.parent))
+        with zipfile.ZipFile(path) as archive:
+            check_archive(archive, Path(path))
+            archive.extractall(partial)
+        try:
+            partial.rename(folder)
+        except OSError:  # another process was faster
+            shutil.rmtree(partial)
+    return folder

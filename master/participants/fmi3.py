@@ -6,8 +6,7 @@ from functools import cached_property
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant
-from .transfer import Functions
+from .fmi2 import WHOLE, FmuParticipant, Functions
 
 LARGEST_ITERATION = 1000
 """Maximum number of calls of fmi3UpdateDiscreteStates in an event."""
@@ -16,7 +15,9 @@ LARGEST_ITERATION = 1000
 class Fmu3Participant(FmuParticipant):
     """FMI 3.0 co-simulation FMU; see `FmuParticipant`."""
 
-    version = "3"
+    version, derivative_flag = "3", "providesDirectionalDerivatives"
+    _whole_numbers = {}
+    _is_cached = False  # the size of arrays depends on `sizes`
 
     @property
     def can_interpolate(self) -> bool:

@@ -88,6 +88,14 @@ class InterpolatedParticipant(FieldByField):
         self._initialising = False
         self._last_step: Any = None
 
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
+
+    def start(self, parameters, start_time, stop_time):
+        """Start, see `FmuParticipant.start`; interpolated inputs begin with their start values."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`; in Initialization Mode, `set` sets inputs directly."""
         known = self.participant.fields

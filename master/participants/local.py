@@ -1,13 +1,13 @@
 """Model class as a participant without FMI, for models inside one FMU or in this process."""
 
 import numpy as np
+from pythonfmu.enums import Fmi2Status
 
-from ..fmi.errors import BadInput, Discard, ParticipantFault, Status
+from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..fmi.slave import COURSE, reserved
-from .participant import StartsInTwo
 
 
-class LocalParticipant(StartsInTwo):
+class LocalParticipant:
     """Participant of a `FieldSlave`, with the methods of `participant.Participant`.
 
     Parameters
@@ -26,6 +26,11 @@ class LocalParticipant(StartsInTwo):
             bool(slave.derivative_inputs),
             bool(slave.courses),
         )
+
+    def start(self, parameters, start_time, stop_time):
+        """Initialise with `parameters` in SI; raise `BadInput` with the faults of the model."""
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
 
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`, up to Initialization Mode.
@@ -76,7 +81,7 @@ class LocalParticipant(StartsInTwo):
         status, messages = self.slave.verdict()
         _, _, last_words = messages[-1]
         text = f"{self.name}: {last_words}"
-        raise Discard(text) if status == Status.discard else ParticipantFault(text)
+        raise Discard(text) if status == Fmi2Status.discard else ParticipantFault(text)
 
     def save(self):
         return self.slave._get_fmu_state()

@@ -3,10 +3,9 @@
 from contextlib import contextmanager
 
 from ..fmi.errors import Discard, ParticipantFault
-from .participant import Wrapper
 
 
-class OneWayParticipant(Wrapper):
+class OneWayParticipant:
     """Participant whose states are not restored.
 
     Parameters
@@ -24,6 +23,9 @@ class OneWayParticipant(Wrapper):
     def __init__(self, participant):
         self.participant = participant
         self._steps = 0
+
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
 
     def step(self, time, step):
         """Take a step [s]."""

@@ -66,31 +66,8 @@ class Participant(Protocol):
     def close(self) -> None: ...
 
 
-class StartsInTwo:
-    """Participant that starts by `enter` and `leave`."""
-
-    def start(
-        self: Any, parameters: Mapping[str, Value], start_time: float, stop_time: float
-    ) -> None:
-        """Instantiate and initialise with `parameters` by name.
-
-        Others have their start values. Raises `BadInput` with every fault of the start.
-        """
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
-
-
-class Wrapper:
-    """Participant that changes some methods of another one."""
-
-    participant: Any
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.participant, name)
-
-
-class FieldByField(StartsInTwo, Wrapper):
-    """Wrapper that changes `set` and `get`, and therefore transfers each field separately."""
+class FieldByField:
+    """`write` and `read` by `set` and `get`, for participants that change these."""
 
     def write(self, names: Sequence[str], values: np.ndarray) -> None:
         """Set several real fields from their concatenated values."""

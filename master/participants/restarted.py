@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .participant import Wrapper
 
-
-class RestartedParticipant(Wrapper):
+class RestartedParticipant:
     """Participant whose only state is its start.
 
     Parameters
@@ -22,6 +20,9 @@ class RestartedParticipant(Wrapper):
     def __init__(self, participant: Any, values: Mapping[str, Any], begin: float, end: float):
         self.participant = participant
         self.given = values, begin, end
+
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
 
     def save(self):
         """Do nothing, because there is only one state."""

@@ -54,6 +54,9 @@ class Substeps(FieldByField):
         self._begin: Any = None
         self._last_step: Any = None
 
+    def __getattr__(self, name):
+        return getattr(self.participant, name)
+
     def __repr__(self):
         return repr(self.participant)
 

@@ -30,7 +30,8 @@ from ..coupling.step_control import step_control
 from ..coupling.stepping import StepFailed, Stepper
 from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
-from ..fmi.errors import BadInput, Finished, ParticipantFault
+from ..fmi.errors import BadInput, Finished
+from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.plugins import made
 from .checkpoint import (
@@ -55,7 +56,7 @@ CHECKPOINT_SHARE = 0.02
 """Largest share of the time for writing checkpoints, by default."""
 FIRST_CHECKPOINT = 5.0
 """Run time before the first checkpoint, which reads all FMUs, by default [s]."""
-VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "h5py")
+VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5py")
 
 
 def run(

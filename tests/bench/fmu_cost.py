@@ -3,8 +3,9 @@ state, a derivative.
 
 Times are the best of several, in milliseconds, on the 40 x 40 lubrication FMU with oil temperature
 as a third input field; compare within one run only. Columns: FMI 2.0 and 3.0 by FMPy's Python lists
-and by the master's pointers, and FMI 2.0 by pointers in a process of its own. A step is that of a
-restored state with inputs as they are.
+and by the master's pointers; FMI 2.0 by pointers in a process of its own, and through pythonfmu's
+own library, as an FMU has it that was built without a C compiler. A step is that of a restored
+state with inputs as they are.
 
     python tests/bench/fmu_cost.py
 """
@@ -123,12 +124,15 @@ def main():
     front, twin = (
         build_fmu("fmu_ehd", options, ".", version=version) for version in ("2.0", "3.0")
     )
+    os.environ["CC"] = "none"
+    stock = build_fmu("fmu_ehd", options, ".")
     columns = {
         "FMI 2 lists": by_lists(front),
         "FMI 2 pointers": by_pointers(front),
         "FMI 2 pointers, isolated": by_pointers(front, isolated=True),
         "FMI 3 lists": by_lists(twin),
         "FMI 3 pointers": by_pointers(twin),
+        "FMI 2 pointers, pythonfmu's library": by_pointers(stock),
     }
     table = Table("ms", *columns, box=None)
     for row in ("set 4800", "step", "get 3200", "save + restore", "derivative"):

@@ -52,7 +52,7 @@ class Fuzz:
         }
         for name, choices in laws.items():
             number = int(self.rng.integers(1, len(choices) + 1))
-            self.slave.views[name][...] = number
+            self.slave.set_integer([self.slave.first_references[name]], [number])
         self.slave.views["roughness_rms"][...] = 1e-6
         if self.rng.random() < 0.3:  # mostly refused
             self.set_values()
@@ -78,7 +78,7 @@ class Fuzz:
         )
         first = int(self.rng.integers(free, len(self.slave.real)))
         last = min(first + int(self.rng.integers(1, 40)), len(self.slave.real))
-        self.slave.real[first:last] = [self.value() for _ in range(first, last)]
+        self.slave.set_real(list(range(first, last)), [self.value() for _ in range(first, last)])
 
     def set_film(self):
         """A film and a velocity that could be, now and then with one strange element."""
@@ -122,8 +122,9 @@ class Fuzz:
             assert self.slave._fmu_state_to_bytes(self.slave._get_fmu_state()) == before
 
     def read(self):
-        """The products of the directional derivative."""
-        self.slave.update_products()
+        """Any run of references, the products of the directional derivative among them."""
+        first = int(self.rng.integers(len(self.slave.real)))
+        self.slave.get_real(list(range(first, min(first + 40, len(self.slave.real)))))
 
     def save_and_restore(self):
         """Keep the state, or go back to a kept one, half of the time through its bytes."""

@@ -64,7 +64,7 @@ def test_a_land_of_one_cell_is_warned_of(slave, cells, warns):
     slave.views["film_thickness"][...] = film
     slave.show_start()
     slave.exit_initialization_mode()
-    texts = [text for _, text in slave.log_queue]
+    texts = [message.msg for message in slave.log_queue]
     assert sum("one cell wide" in text for text in texts) == warns
 
 
@@ -79,7 +79,7 @@ def test_pressure_beyond_the_law_is_warned_of_once(slave, law, closed, warns):
     for step in range(2):
         slave.views["film_thickness"][...] = 1e-5 - closed * (step + 1) / 2
         assert slave.do_step(1e-6 * step, 1e-6)
-    texts = [text for _, text in slave.log_queue]
+    texts = [message.msg for message in slave.log_queue]
     assert sum("exceeds the range of the law" in text for text in texts) == warns
 
 
@@ -136,12 +136,12 @@ def test_a_film_starved_everywhere_is_a_film(slave):
 def choose(slave, name, law):
     """Choose a law as an importer does, by its number."""
     (variable,) = [v for v in slave.table if v.name == name]
-    slave.views[name][...] = variable.number(law)
+    slave.set_integer([slave.first_references[name]], [1 + variable.choices.index(law)])
 
 
 @pytest.mark.parametrize("number", [0, 5])
 def test_unknown_law_is_a_fault_with_the_allowed_ones(slave, number):
-    slave.views["cavitation_model"][...] = number
+    slave.set_integer([slave.first_references["cavitation_model"]], [number])
     slave.exit_initialization_mode()
     known = "1 jfo, 2 reynolds, 3 gumbel, 4 full_film"
     assert f"cavitation_model: expected {known}, got {number}" in slave.fault

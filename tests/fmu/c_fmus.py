@@ -16,7 +16,7 @@ def compile_model(source, library, *flags):
     """A shared library of a C source; who has no compiler skips the test."""
     if not compiler():
         pytest.skip("no C compiler")
-    subprocess.run([*compiler(), *FLAGS, *flags, source, "-o", library, "-lm"], check=True)
+    subprocess.run([compiler(), *FLAGS, *flags, source, "-o", library, "-lm"], check=True)
 
 
 def pack(fmu, description, library, place):

@@ -127,7 +127,7 @@ def host(tmp_path_factory):
         pytest.skip("no C compiler")
     program = tmp_path_factory.mktemp("host") / "host"
     subprocess.run(
-        [*compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"],
+        [compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"],
         check=True,
     )
     return program

@@ -136,9 +136,9 @@ def test_only_the_code_that_runs_is_inside(any_fmu):
         code = {n: archive.read(n) for n in archive.namelist() if n.endswith(".py")}
     names = {Path(name).stem for name in code}
     assert not names & {"verification", "exudyn_reference", "builder", "build", "preview", "solver"}
-    assert {"slave"} <= names
-    allowed = {*PACKAGES, *sys.stdlib_module_names}
-    optional = {"pypardiso", "piston_cosim"}
+    assert {"slave", "fmi2slave"} <= names
+    allowed = {*PACKAGES, "pythonfmu", *sys.stdlib_module_names}
+    optional = {"pypardiso", "pythonfmu", "piston_cosim"}
     for name, text in code.items():
         for node in ast.walk(ast.parse(text)):
             imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
@@ -349,11 +349,12 @@ class Cells(HTMLParser):
         self.cells += [data] if self.open and self.open[-1] == "td" else []
 
 
-def test_documentation_lists_every_variable_and_the_licence(any_fmu):
+def test_documentation_lists_every_variable_and_the_licences(any_fmu):
     model = fmpy.read_model_description(str(any_fmu))
     with zipfile.ZipFile(any_fmu) as archive:
         page = archive.read("documentation/index.html").decode()
         own = archive.read("documentation/licenses/license.txt").decode()
+        packager = archive.read("documentation/licenses/pythonfmu.txt").decode()
         icon = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}[model.fmiVersion]
         assert archive.read(icon).startswith(b"\x89PNG")
     parser = Cells()
@@ -361,7 +362,7 @@ def test_documentation_lists_every_variable_and_the_licence(any_fmu):
     assert parser.open == []
     names = {v.name.partition("[")[0] for v in model.modelVariables} - {"time"}
     assert names <= set(parser.cells)
-    assert "Redistribution and use" in own
+    assert "Redistribution and use" in own and "MIT" in packager
 
 
 def test_nothing_of_the_building_machine_is_inside(any_fmu):

@@ -18,6 +18,7 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
@@ -147,6 +148,12 @@ def test_wrong_type_is_refused_aloud(slave, references):
     assert "no variable of this type" in slave.said[-1][1]
     assert slave.getInt32([references["n_axial"]]) == [10]
     assert slave.getFloat64([references["time"]]) == [0.0]
+
+
+def test_without_compiler_there_is_no_twin(monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(BadInput, match="C compiler"):
+        build_fmu("fmu_ehd", {"grid": list(CELLS)}, ".", version="3.0")
 
 
 def test_master_runs_fmi_3_to_the_same_bits(twin, fmu, tmp_path):

@@ -3,6 +3,7 @@
 import ctypes
 import json
 import re
+import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +15,7 @@ from fmpy.fmi1 import FMICallException
 from piston_cosim.master.fmi import builder_native
 from piston_cosim.master.fmi.block import memory_of
 from piston_cosim.master.fmi.builder import build_fmu_of_file
-from piston_cosim.master.fmi.compiler import FRONTS, HOME, compiler, link
+from piston_cosim.master.fmi.compiler import FLAGS, HOME, compiler
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.fmi.native_parts import NativePart
 from piston_cosim.master.fmi.noted import (
@@ -49,15 +50,23 @@ PART = NativePart(
 )
 
 
+def link(path, *arguments):
+    """Return the path of a library that the C compiler makes of these arguments."""
+    command = [compiler(), *FLAGS, f"-I{HOME}", *map(str, arguments), "-o", str(path)]
+    subprocess.run(command, check=True)
+    return path
+
+
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """Native libraries of the toy by version of FMI."""
     entries = [f"-Dnative_{name}=toy_{name}" for name in builder_native.ENTRIES]
     made = {}
-    for version, (*_, front) in FRONTS.items():
+    for version, front in builder_native.FRONTS.items():
         sources = [HOME / name for name in (*builder_native.SOURCES, front)]
         files = [*sources, HERE / "front_toy.c", "-lm"]
-        made[version] = link("linux64", files, [*entries, f"-I{HOME}", "-Wall", "-Werror"])
+        path = tmp_path_factory.mktemp("library") / "toy.so"
+        made[version] = link(path, *entries, "-Wall", "-Werror", *files).read_bytes()
     return made
 
 
@@ -74,7 +83,7 @@ def fmu(request, version, library, tmp_path_factory):
         return build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", options, version=version)
     folder = tmp_path_factory.mktemp("toy")
     (folder / "build.json").write_text(json.dumps({}))
-    slave = Toy("toy", folder)
+    slave = Toy(instance_name="toy", resources=folder)
     inside = builder_native.Inside(slave, PART, PART.given(slave))
     members = builder_native._members(inside, {"linux64": library[version]}, version)
     builder_native.write_archive(members, folder / "front toy.fmu")
@@ -412,7 +421,7 @@ def test_blocks_of_memory_are_aligned_apart_and_used_again(runtime):
 TOY_ITERATION = """
 #include "native.h"
 int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers);
-int32_t master_coupling_iterate(void **result, void **raised, double *real, int64_t *integer,
+int32_t master_coupling_methods_iterate(void **result, void **raised, double *real, int64_t *integer,
                                 double *memory, double *numbers, const int64_t lengths[4])
 {
     (void)result, (void)raised, (void)integer, (void)lengths;
@@ -425,8 +434,7 @@ def test_compiled_iteration_calls_instances_by_pointers(tmp_path):
     """The calls of a step and of a derivative, and the first that fails ends them."""
     (tmp_path / "iterate.c").write_text(TOY_ITERATION)
     files = [HOME / "runtime.c", HOME / "fmi_parts.c", tmp_path / "iterate.c"]
-    (tmp_path / "it.so").write_bytes(link("linux64", files, [f"-I{HOME}"]))
-    library = ctypes.CDLL(str(tmp_path / "it.so"))
+    library = ctypes.CDLL(str(link(tmp_path / "it.so", *files)))
     library.iteration_make.restype = ctypes.c_void_p
     pool = ctypes.c_void_p(library.iteration_make())
     calls, answer = [], {}

@@ -25,7 +25,7 @@ void say(Log log)
 @pytest.mark.skipif(not (compiler() and HEARD), reason="no C compiler, or not this platform")
 def test_arguments_are_filled_in(tmp_path):
     library = tmp_path / "say.so"
-    command = [*compiler(), "-shared", "-fPIC", "-x", "c", "-", "-o", str(library)]
+    command = [compiler(), "-shared", "-fPIC", "-x", "c", "-", "-o", str(library)]
     subprocess.run(command, input=SOURCE, text=True, check=True)
     heard = []
     log = Logger(lambda *given: heard.append(printed(given[4], given[5:])))

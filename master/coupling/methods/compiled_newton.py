@@ -95,7 +95,9 @@ def are_callable(interface: Interface) -> bool:
     return all(
         type(one) is FmuParticipant
         and one.can_redo
-        and (one.has_derivatives or not (interface.inputs[name] and interface.outputs[name]))
+        and (
+            one.has_standard_derivative or not (interface.inputs[name] and interface.outputs[name])
+        )
         for name, one in interface.participants.items()
     )
 

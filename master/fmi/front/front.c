@@ -1,7 +1,5 @@
 /* Start Python, import the slave and call its methods. See front.h. */
 
-#define _GNU_SOURCE     /* dl_iterate_phdr */
-
 #include "front.h"
 
 #include <dlfcn.h>
@@ -263,7 +261,7 @@ int front_initialise(Instance *I, int enters)
     return call(I, enters ? "enter_initialization_mode" : "exit_initialization_mode", "()");
 }
 
-int front_terminate(Instance *I) { (void)I; return OK; }
+int front_terminate(Instance *I) { return call(I, "terminate", "()"); }
 int front_products(Instance *I) { return call(I, "update_products", "()"); }
 int front_show(Instance *I) { return I->initialising ? call(I, "show_start", "()") : OK; }
 

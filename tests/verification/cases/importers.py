@@ -317,7 +317,7 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     ------
     Trial
     """
-    from piston_cosim.master.fmi.archive import unpack
+    from piston_cosim.master.participants.fmi2 import unpack
 
     folder = unpack(fmu)
     needed = () if (Path(folder) / NATIVE).exists() else PACKAGES
@@ -360,7 +360,7 @@ def _ask_host(folder, count, step):
     with tempfile.TemporaryDirectory() as scratch:
         program = Path(scratch) / "host"
         source = Path(__file__).with_name("host.c")
-        subprocess.run([*cc, "-o", program, source, "-ldl"], check=True)
+        subprocess.run([cc, "-o", program, source, "-ldl"], check=True)
         location = Path(folder) / "resources"
         words = [program, root.get("fmiVersion"), library, token]
         words += [location if third else location.as_uri(), repr(step), count]
