@@ -104,7 +104,7 @@ def key_parts(tree: Tree, key: str, folder: Path) -> list[str]:
     A short key is the last part of a path, optionally with some of the parts before it:
     `viscosity`, `ehd.viscosity`, `piston.modes`. Paths that the case file uses have priority.
     """
-    parts = _parts(key)
+    parts = split_key(key)
     if parts[0] in tree or parts[0] in Case.model_fields:
         return parts
     there = [path for path in _paths(tree) if _ends(path, parts)]
@@ -152,7 +152,7 @@ def _paths(node: Tree, before: tuple[str, ...] = ()) -> Iterator[list[str]]:
             yield [*before, key]
 
 
-def _parts(key: str) -> list[str]:
+def split_key(key: str) -> list[str]:
     """Return the parts of a dotted key; a part that contains dots is quoted, as in TOML."""
     try:
         node, parts = tomllib.loads(f"{key} = 0"), []

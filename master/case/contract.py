@@ -64,6 +64,7 @@ class Role:
     numerical_errors: tuple[str, ...] = ()
     envelopes: dict[str, str] = field(default_factory=dict)
     around: dict[str, str] = field(default_factory=dict)
+    wires: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 @cache

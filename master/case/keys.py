@@ -189,7 +189,8 @@ def matching_oils(oils: list[Any], word: str) -> list[Any]:
 def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Return the JSON schema of a case and its participants, for editors.
 
-    It contains the `build` and `parameters` that the part of each participant declares.
+    It contains the `build` and `parameters` that the part of each participant declares. No key is
+    required, because the case may extend another one.
     """
     schema = Case.model_json_schema()
     general = schema["properties"]["participants"]
@@ -198,7 +199,7 @@ def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
         own = {"properties": {}}
         if options := part_function(table["package"], "options_schema"):
             inner = options()
-            _moved(inner, f"{table['package']}.")
+            _adapt(inner, f"{table['package']}.")
             schema["$defs"] |= {
                 f"{table['package']}.{key}": one for key, one in inner.pop("$defs", {}).items()
             }
@@ -209,19 +210,20 @@ def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
             "properties": {one.name: _property(one) for one in _settable(table, folder)},
         }
         general["properties"][name] = {"allOf": [{"$ref": "#/$defs/ParticipantTable"}, own]}
+    _adapt(schema, "")
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
-def _moved(node: Any, before: str) -> None:
-    """Add a prefix to all references to definitions, in place."""
+def _adapt(node: Any, before: str) -> None:
+    """Add a prefix to all references to definitions, and require no key, in place."""
     if isinstance(node, dict):
         if "$ref" in node:
             node["$ref"] = "#/$defs/" + before + node["$ref"].rpartition("/")[-1]
-        for value in node.values():
-            _moved(value, before)
-    elif isinstance(node, list):
-        for value in node:
-            _moved(value, before)
+        if isinstance(node.get("required"), list):
+            del node["required"]
+    for value in node.values() if isinstance(node, dict) else node:
+        if isinstance(value, (dict, list)):
+            _adapt(value, before)
 
 
 def _property(variable: Variable) -> dict[str, Any]:

@@ -2,11 +2,13 @@
 
 import re
 import tomllib
+from os.path import relpath
 from pathlib import Path
 
 from ...models import MODELS
 from ..fmi.errors import BadInput, file_fault, near
 from .changes import changed
+from .composed import expanded, extended
 
 
 def case_names():
@@ -14,9 +16,12 @@ def case_names():
     return sorted(p.name for p in MODELS.iterdir() if (p / "case.toml").is_file())
 
 
-def find_case(name):
-    """Return the path of a case file, from its path, its folder or an installed case's name."""
-    for candidate in (Path(name), Path(name) / "case.toml", MODELS / name / "case.toml"):
+def find_case(name, folder=Path()):
+    """Return the path of a case file, from its path, its folder or an installed case's name.
+
+    Relative paths start from `folder`.
+    """
+    for candidate in (folder / name, folder / name / "case.toml", MODELS / name / "case.toml"):
         if candidate.is_file():
             return candidate.resolve()
     known = case_names()
@@ -32,18 +37,28 @@ def read_tree(path, changes=()):
 
     Raises `BadInput` for a file that is not TOML, and for every change that cannot be made.
     """
+    return changed(expanded(_read(Path(path))), changes, Path(path).parent)
+
+
+def _read(path, extending=()):
+    """Return the tree of a file; `extending` are the files of the cases that extend it."""
     try:
-        if Path(path).suffix == ".ssp":
+        if path.suffix == ".ssp":
             from .ssp import read_ssp  # slow to import
 
-            tree = read_ssp(path)
-        else:
-            tree = tomllib.loads(Path(path).read_text())
+            return read_ssp(path)
+        tree = tomllib.loads(path.read_text())
     except tomllib.TOMLDecodeError as error:
         raise BadInput(f"{path}: {toml_fault(error)}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
-    return changed(tree, changes, Path(path).parent)
+    if "extends" not in tree:
+        return tree
+    home = find_case(str(tree["extends"]), path.parent)
+    if home in (extending := (*extending, path.resolve())):
+        raise BadInput(f"extends: expected another case, got {tree['extends']!r}")
+    place = relpath(home.parent, path.resolve().parent)
+    return extended(_read(home, extending), tree, place, path.parent)
 
 
 def toml_fault(error: tomllib.TOMLDecodeError) -> str:

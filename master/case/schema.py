@@ -111,12 +111,24 @@ class ParticipantTable(Table):
     """Role in the interface contract, bodies or lubrication. Another FMU of the same role can
     replace the participant.
     """
+    like: str | None = None
+    """Participant before this one whose keys this one has as well. Own keys replace them."""
+    body: str | None = None
+    """Body whose gap this film fills, "PARTICIPANT", or "PARTICIPANT.SURFACE" for one of several
+    surfaces. Adds the four wires of the interface contract. An own wire to the same input replaces
+    single keys.
+    """
     isolated: bool = False
     """Run the FMU in a separate process."""
     host: str | None = Field(None, pattern="^tls://.+:[0-9]+$")
     """Scheduler of a Dask cluster, tls://NAME:PORT. The FMU runs on one of its workers."""
     timeout: str = "120 s"
     """Response timeout of an isolated or remote FMU."""
+
+    @field_validator("like", "body")
+    @classmethod
+    def read_before(cls, value):
+        raise ValueError("expected a case file for this key, got a change")
 
     @model_validator(mode="after")
     def one_origin(self):
@@ -313,6 +325,13 @@ class Study(Table):
 class Case(Table):
     """Case file."""
 
+    extends: str | None = None
+    """Case whose tables this one has as well: a file, a folder, or the name of an installed case.
+    Own keys replace its keys. Wires (by `to`), axes (by `participants`) and pictures (by `file`)
+    are added to its own.
+    """
+    without: list[str] = []
+    """Keys of the extended case that this one does not have."""
     title: str
     """Title of the case, one line."""
     label: FileName = "base"
@@ -355,6 +374,11 @@ class Case(Table):
     """
     beside: list[FileName] = []
     """Variants that run together with the case."""
+
+    @field_validator("extends", "without")
+    @classmethod
+    def read_before(cls, value):
+        raise ValueError("expected a case file for this key, got a change")
 
     @field_validator("summary", "monitor")
     @classmethod

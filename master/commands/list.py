@@ -1,10 +1,8 @@
 """`piston-cosim list`."""
 
-import tomllib
-
 from rich.table import Table
 
-from ..case.reading import case_names, find_case
+from ..case.reading import case_names, find_case, read_tree
 from .common import console
 
 
@@ -15,6 +13,6 @@ def command():
     """
     table = Table("case", "title", "variants", box=None)
     for name in case_names():
-        tree = tomllib.loads(find_case(name).read_text())
+        tree = read_tree(find_case(name))
         table.add_row(name, tree.get("title", ""), ", ".join(tree.get("variants", {})))
     console.print(table)

@@ -58,9 +58,10 @@ def test_schema_takes_the_shipped_cases_and_refuses_a_wrong_key():
         schema = json_schema(read_tree(path), path.parent)
         Draft202012Validator.check_schema(schema)
         validator = Draft202012Validator(schema)
-        tree = json.loads(json.dumps(tomllib.loads(path.read_text())))
-        assert [error.message for error in validator.iter_errors(tree)] == []
-    tree["coupling"]["max_iteration"] = 3
+        for tree in (read_tree(path), tomllib.loads(path.read_text())):
+            tree = json.loads(json.dumps(tree))
+            assert [error.message for error in validator.iter_errors(tree)] == []
+    tree["coupling"] = {"max_iteration": 3}
     assert any("max_iteration" in error.message for error in validator.iter_errors(tree))
     tree = read_tree(PATH)
     tree["participants"]["bodies"]["parameters"]["radial_clearence"] = "20 um"
