@@ -6,7 +6,7 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, OutputFile, console, default_folder, parse_changes
+from .common import Changes, OutputFile, console, default_folder, parse_changes, tell
 
 
 def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = None):
@@ -33,20 +33,20 @@ def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = 
 
 def print_checked(found: CheckedCase, picture: Path):
     """Print the checks of a case and draw it; raise BadInput if it has faults."""
-    console.print(f"[bold]{found.title}[/]", highlight=False, soft_wrap=True)
+    tell(f"[bold]{found.title}[/]")
     for preview in found.previews.values():
         groups: dict[str, list[Figure]] = {}
         for figure in preview.figures:
             groups.setdefault(figure.group, []).append(figure)
         for group, figures in groups.items():
             text = "   ".join(map(_figure_text, figures))
-            console.print(f"  {group:10s} {text}", highlight=False, markup=False, soft_wrap=True)
+            tell(f"  {group:10s} {text}", markup=False)
     for line in found.loop_table():
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        tell(line, markup=False)
     for line in found.remarks:
-        console.print(f"[yellow]remark[/]  {line}", highlight=False, soft_wrap=True)
+        tell(f"[yellow]remark[/]  {line}")
     for file in found.draw(picture):
-        console.print(f"picture  {file}", highlight=False, soft_wrap=True)
+        tell(f"picture  {file}")
     if found.faults:
         raise BadInput(found.faults)
     console.print("[green]no faults[/]")

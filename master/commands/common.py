@@ -45,6 +45,11 @@ def wide_console(broken=True):
     return Console(width=max(console.width, NARROWEST))
 
 
+def tell(text, markup=True):
+    """Print a line, which a terminal breaks and a file does not."""
+    console.print(text, markup=markup, highlight=False, soft_wrap=True)
+
+
 def say(text):
     """Print a message about progress."""
     console.print(f"[dim]{text}[/]", soft_wrap=True)
@@ -231,7 +236,7 @@ def print_answers(answers, verbose=False):
             colour = {"amber": "yellow"}.get(check.colour, check.colour)
             whose = f"{label}: " if len(answers) > 1 else ""
             shown = f"[{colour}]{check.outcome:7s} {check.what:14s}[/] {whose}{check.said}"
-            console.print(shown, highlight=False, soft_wrap=True)
+            tell(shown)
 
 
 def draw_pictures(case, runs, folder, kind=None, paper=False):
@@ -246,4 +251,4 @@ def draw_pictures(case, runs, folder, kind=None, paper=False):
     with working(console, "drawing", len(case.pictures) * len(runs), typical=1.0):
         drawn = draw(case, runs, folder, kind, paper)
     for picture in drawn:
-        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+        tell(f"picture  {picture}")

@@ -6,7 +6,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from ..fmi.errors import BadInput
-from .common import Changes, OutputFolder, console, draw_pictures, parse_changes, say
+from .common import Changes, OutputFolder, console, draw_pictures, parse_changes, say, tell
 
 
 def command(
@@ -78,7 +78,7 @@ def command(
         for label, results in runs.items()
     }
     draw_rivals(role, exchanged, iterations, folder / "models.png")
-    console.print(f"picture  {folder / 'models.png'}", highlight=False, soft_wrap=True)
+    tell(f"picture  {folder / 'models.png'}")
     draw_pictures(check_case(rivals.common, path), runs, folder)
 
 

@@ -13,7 +13,7 @@ from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
 from ..runs.working import working
 from .check import print_checked
-from .common import console
+from .common import console, tell
 
 
 def _option(name: str) -> Any:
@@ -80,6 +80,6 @@ def command(
             with working(console, "meshing"):
                 mesh_of_sizes(made, piston, mesh)
         found = write_case(made, name, mesh)
-    console.print(f"case     {found.path}", highlight=False, soft_wrap=True)
+    tell(f"case     {found.path}")
     print_checked(found, name / "check.png")
-    console.print(f"run it   piston-cosim run {name}", highlight=False, soft_wrap=True)
+    tell(f"run it   piston-cosim run {name}")

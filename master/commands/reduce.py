@@ -5,7 +5,7 @@ from rich.table import Table
 from ..api.bodies import reduced
 from ..case.reading import find_case, read_tree
 from ..runs.working import working
-from .common import Changes, OutputFolder, console, default_folder, parse_changes, say
+from .common import Changes, OutputFolder, console, default_folder, parse_changes, say, tell
 
 
 def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None = None):
@@ -80,4 +80,4 @@ def print_body(body):
     if body.modes:
         console.print(table)
     for file in body.files:
-        console.print(f"file  {file}", highlight=False, soft_wrap=True)
+        tell(f"file  {file}")

@@ -14,7 +14,7 @@ from ..results.file import Results
 from ..runs.checkpoint import Checkpoint, check_code
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
-from .common import console, print_answers, say
+from .common import console, print_answers, say, tell
 
 
 def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=())] = False):
@@ -48,4 +48,4 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
         print_summary(console, {output.stem: summary})
     with Results(output) as results:
         print_answers({output.stem: answer(case, results)}, verbose)
-    console.print(f"results  {shown}", highlight=False, soft_wrap=True)
+    tell(f"results  {shown}")

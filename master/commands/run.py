@@ -37,6 +37,7 @@ from .common import (
     parse_changes,
     print_answers,
     say,
+    tell,
     variant_trees,
 )
 
@@ -143,7 +144,7 @@ def command(
         print_answers(answers, verbose)
         for file in files.values():
             shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
-            console.print(f"results  {shown}", highlight=False, soft_wrap=True)
+            tell(f"results  {shown}")
         if plots:
             draw_pictures(next(iter(cases.values())), runs, folder)
 
@@ -179,7 +180,7 @@ def _shown(live, case, system, watch):
         return
     page = Live(case.title, watch)
     with serving(page) as address:
-        console.print(f"live     {address}", highlight=False, soft_wrap=True)
+        tell(f"live     {address}")
         yield case.model_copy(update={"monitor": curves(case, system)}), page
 
 

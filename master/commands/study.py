@@ -8,7 +8,7 @@ from ..case.reading import find_case
 from ..results.pictures import draw
 from ..runs import studies
 from ..runs import sweep as sweeps
-from .common import Changes, Format, OutputFolder, Workers, console, parse_changes, say
+from .common import Changes, Format, OutputFolder, Workers, console, parse_changes, say, tell
 
 
 def command(
@@ -49,12 +49,7 @@ def command(
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
-        console.print(
-            f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}",
-            markup=False,
-            highlight=False,
-            soft_wrap=True,
-        )
+        tell(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False)
 
     with sweeps.local_executor(workers) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
@@ -75,17 +70,13 @@ def command(
     if missed:
         names = list(dict.fromkeys(name for row in missed.values() for name in row))
         console.print(_shown(missed, "what the modes leave out of the deflection", names))
-    console.print(
-        f"table    {studies.write_table(said, folder / 'study.csv')}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    tell(f"table    {studies.write_table(said, folder / 'study.csv')}")
     drawn = [studies.draw_cost(chosen.title, said, folder / f"cost.{format}")]
     if chosen.curves:
         path = folder / f"study.{format}"
         drawn.append(studies.draw_study(chosen, checked, said, runs, path))
     for picture in (*drawn, *draw(checked, runs, folder, format)):
-        console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+        tell(f"picture  {picture}")
 
 
 def _shown(values, title, names):

@@ -21,6 +21,7 @@ from .common import (
     page_of,
     parse_changes,
     say,
+    tell,
     variant_trees,
 )
 
@@ -121,21 +122,16 @@ def command(
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
-        console.print(
-            f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}",
-            markup=False,
-            highlight=False,
-            soft_wrap=True,
-        )
+        tell(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False)
 
     with sweeps.dask_executor(dask) if dask else sweeps.local_executor(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
-    console.print(f"table    {table}", highlight=False, soft_wrap=True)
+    tell(f"table    {table}")
     picture = draw_sweep(rows, axes, wanted, table.with_suffix(f".{format}"))
-    console.print(f"picture  {picture}", highlight=False, soft_wrap=True)
+    tell(f"picture  {picture}")
     with working(console, "drawing the page"):
         page = _page(path, points, rows, axes, wanted, table, reports)
-    console.print(f"page     {page}", highlight=False, soft_wrap=True)
+    tell(f"page     {page}")
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
         say_faults(

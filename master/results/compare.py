@@ -2,7 +2,6 @@
 
 import csv
 import re
-from itertools import cycle
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,10 +11,9 @@ from ..case.contract import players
 from ..fmi.errors import BadInput, file_fault, unknown
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
-from .figures import PALETTE, add_legend, save, stack
 from .instants import CRANK_ANGLE
 from .judgement import last_period
-from .pictures import label_abscissa, labelled, name_of, unit_shown
+from .pictures import labelled, name_of, unit_shown
 
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
 
@@ -236,55 +234,33 @@ def agreement(runs, measured) -> Agreement:
         With every measured column that a run lacks or that has another unit.
     """
     check_measured(runs, measured)
-    x_unit = next(iter(measured.values())).unit
-    return Agreement(measured_section(runs, measured), against_measured(runs, measured), x_unit)
-
-
-def measured_section(runs, measured) -> Section:
-    """Return a chart for each column: measured points with their band, and curves of the runs."""
     (x_port, (x, x_unit, *_)), *columns = measured.items()
-    drawn = []
+    turns = x_unit == "deg" and all(_turns(results, x_port) for results in runs.values())
+    x_label = labelled(name_of(x_port), unit_shown(x_unit, None))
+    charts, rows = [], []
     for port, column in columns:
-        band = None
-        if column.low is not None and column.high is not None:
-            band = Corridor(x, column.low, column.high, "measured band")
         curves = []
         for k, (label, results) in enumerate(runs.items()):
             curve_x, si_x, _ = results.series(x_port)
             curve_y, si_y, _ = results.series(port)
-            shown = curve_x / _factor(x_unit, si_x), curve_y / _factor(column.unit, si_y)
-            curves.append(Curve(label, k, *shown))
+            curve = curve_x / _factor(x_unit, si_x), curve_y / _factor(column.unit, si_y)
+            scored = score(*curve, x, column.values)
+            rows.append(Row(label, port, scored, share_within(*curve, x, column)))
+            curves.append(Curve(label, k, *curve))
         curves.append(Curve("measured", MEASURED, x, column.values, points=True))
-        chart = Chart(
-            name_of(port).capitalize(),
-            labelled(name_of(x_port), unit_shown(x_unit, None)),
-            labelled("", unit_shown(column.unit, None)).strip(),
-            curves,
-            cursor=x_unit == "deg" and all(_turns(results, x_port) for results in runs.values()),
-            corridor=band,
-        )
-        drawn.append(chart)
-    return Section("Against measured values", drawn)
+        y_label = labelled("", unit_shown(column.unit, None)).strip()
+        band = None
+        if column.low is not None and column.high is not None:
+            band = Corridor(x, column.low, column.high, "measured band")
+        title = name_of(port).capitalize()
+        charts.append(Chart(title, x_label, y_label, curves, cursor=turns, corridor=band))
+    return Agreement(Section("Against measured values", charts), rows, x_unit)
 
 
 def _turns(results, port):
     """Return whether an output is the crank angle of the page's cursor."""
     bodies = players(results.case, "bodies")
     return bool(bodies) and port == f"{bodies[0]}.{CRANK_ANGLE}"
-
-
-def against_measured(runs, measured):
-    """Return the score of every run for every measured column, in the measured units."""
-    (x_port, (x, x_unit, *_)), *columns = measured.items()
-    rows = []
-    for port, column in columns:
-        for label, results in runs.items():
-            known, si_x, _ = results.series(x_port)
-            values, si_y, _ = results.series(port)
-            curve = known / _factor(x_unit, si_x), values / _factor(column.unit, si_y)
-            scored = score(*curve, x, column.values)
-            rows.append(Row(label, port, scored, share_within(*curve, x, column)))
-    return rows
 
 
 def _factor(unit, si):
@@ -321,27 +297,3 @@ def against_last_cycle(case, runs, x_port, ports, period):
             scored = score(x[last] - length, y[last], x[before], y[before])
             rows.append(Row(label, port, scored))
     return rows
-
-
-def draw_measured(runs, measured, path):
-    """Draw the measured points and the runs' curves, in the measured units."""
-    (x_port, (x, x_unit, *_)), *columns = measured.items()
-    figure, panels = stack(len(columns))
-    for panel, (port, (y, unit, low, high)) in zip(panels, columns):
-        if low is not None and high is not None:
-            panel.fill_between(x, low, high, color="black", alpha=0.12, lw=0, label="measured band")
-        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            curve_x, si_x, _ = results.series(x_port)
-            curve_y, si_y, _ = results.series(port)
-            panel.plot(
-                curve_x / _factor(x_unit, si_x),
-                curve_y / _factor(unit, si_y),
-                color=colour,
-                lw=1.2,
-                label=label,
-            )
-        panel.plot(x, y, "o", ms=3, mfc="none", color="black", label="measured")
-        panel.set_ylabel(labelled(name_of(port), unit_shown(unit, None)))
-    add_legend(panels[0])
-    label_abscissa(panels[-1], x_port, x_unit)
-    return save(figure, path)

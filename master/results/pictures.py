@@ -259,8 +259,12 @@ def label_abscissa(panel, port, unit):
     Crank angles have ticks every 90 deg, or every 360 deg for many cycles.
     """
     panel.set_xlabel(labelled(name_of(port), unit))
-    if port.rpartition(".")[2] != CRANK_ANGLE or unit != "deg":
-        return
+    if port.rpartition(".")[2] == CRANK_ANGLE and unit == "deg":
+        tick_degrees(panel)
+
+
+def tick_degrees(panel):
+    """Tick the crank angle of a panel, with TDC and BDC."""
     low, high = panel.get_xlim()
     step = 90 if high - low <= MOST_TICKED else 360
     ticks = (

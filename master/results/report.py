@@ -8,7 +8,6 @@ import mimetypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,15 +15,24 @@ import numpy as np
 from markdown_it import MarkdownIt
 from matplotlib import colormaps
 
-from .charts import Chart, Phase, Section, as_data, field_data, health_section, picture_section
+from .charts import (
+    Chart,
+    Phase,
+    Section,
+    as_data,
+    draw_charts,
+    field_data,
+    health_section,
+    loop_chart,
+    picture_section,
+)
 from .compare import Agreement
-from .figures import subplots
 from .instants import crank_angle
-from .judgement import Window, loop_curve, loop_work, windows
+from .judgement import Window, loop_work, windows
 from .packing import Columns
 from .pages import write_page
-from .pictures import PALETTE, handy_unit, name_of, scaled
 from .pictures import figures as drawn_figures
+from .pictures import handy_unit, name_of, scaled
 from .solids import Solid, solids_data
 
 UNITS = {"pressure": "MPa", "thickness": "um", "contact": "MPa"}
@@ -173,8 +181,9 @@ def _save_figures(case, runs, folder):
         if picture.kind != "map":
             _save(figure, folder / Path(picture.file).stem)
     for name in case.report.loops:
-        _save(draw_loop(case, runs, name), folder / f"loop_{name}")
-    _save(draw_health(runs), folder / "coupling")
+        _save(draw_charts([loop_chart(case, name, runs)], 4.0), folder / f"loop_{name}")
+    charts = [one for one in health_section(runs).drawn if isinstance(one, Chart)]
+    _save(draw_charts(charts), folder / "coupling")
 
 
 def study_table(path):
@@ -273,57 +282,6 @@ def _save(figure, stem):
     """Save a figure as PNG and SVG, and close it."""
     figure.savefig(stem.with_suffix(".png"), dpi=130)
     figure.savefig(stem.with_suffix(".svg"))
-
-
-def draw_loop(case, runs, name):
-    """Draw the loop `name` of every run."""
-    loop = case.report.loops[name]
-    figure, panel = subplots(figsize=(7, 4.5))
-    x_unit = y_unit = ""
-    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-        x, x_unit, y, y_unit = loop_curve(case, results, loop)
-        panel.plot(
-            x,
-            y,
-            color=colour,
-            lw=1.2,
-            label=f"{label}: {name} = {loop_work(case, results, loop):.4g} {loop.unit}",
-        )
-    panel.set_xlabel(f"{name_of(loop.x)} [{x_unit}]")
-    panel.set_ylabel(
-        " + ".join(name_of(port) for port in loop.y) + f" [{y_unit}]",
-        fontsize="small",
-    )
-    panel.grid(alpha=0.3)
-    panel.legend(frameon=False)
-    return figure
-
-
-def draw_health(runs):
-    """Draw iterations, derivative products and residual over time."""
-    names = ("iterations", "derivative_products", "residual")
-    figure, panels = subplots(3, 1, sharex=True, figsize=(11, 6))
-    for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-        for panel, name in zip(panels, names):
-            panel.plot(
-                results.time[1:] * 1e3,
-                results.series(f"coupling.{name}")[0][1:],
-                ".",
-                ms=2,
-                color=colour,
-                label=label,
-                rasterized=True,
-            )
-    for panel, name in zip(panels, names):
-        panel.set_ylabel(name.replace("_", " "))
-        panel.grid(alpha=0.3)
-    lowest = panels[-1]  # residual
-    lowest.set_yscale("log")
-    lowest.axhline(1.0, color="black", lw=0.8)
-    lowest.set_ylabel("residual / tolerance")
-    lowest.set_xlabel("time [ms]")
-    panels[0].legend(frameon=False, markerscale=4)
-    return figure
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from piston_cosim.master.results.compare import (
     Measured,
     against_first,
     against_last_cycle,
-    against_measured,
+    agreement,
     score,
 )
 from piston_cosim.master.results.file import Results
@@ -165,7 +165,7 @@ class Runs(SimpleNamespace):
 def ramp(end, factor=1.0):
     """y = factor t^2 over x = t up to an end, in s and m."""
     t = np.linspace(0.0, end, 101)
-    return Runs(known={"a.x": (t, "s"), "a.y": (factor * t**2, "m")}, time=t)
+    return Runs(known={"a.x": (t, "s"), "a.y": (factor * t**2, "m")}, time=t, ports=["a.x", "a.y"])
 
 
 def test_runs_against_the_first():
@@ -181,11 +181,11 @@ def test_runs_against_measured_values_in_their_own_units():
         "a.x": Measured(np.array([0.0, 500.0, 1000.0]), "ms"),
         "a.y": Measured(1.1 * np.array([0.0, 250.0, 1000.0]), "mm"),
     }
-    ((label, port, scored, share),) = against_measured({"run": ramp(1.0)}, measured)
+    ((label, port, scored, share),) = agreement({"run": ramp(1.0)}, measured).rows
     assert (label, port, share) == ("run", "a.y", None)
     assert scored.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
     with pytest.raises(BadInput, match="measured: expected a quantity in m, got '1"):
-        against_measured({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
+        agreement({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
 
 
 def test_last_cycle_against_the_one_before():

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from ...api.fmus import build_fmu
-from ..common import OutputFile, console, parse_grid, say
+from ..common import OutputFile, parse_grid, say, tell
 
 
 def command(
@@ -52,4 +52,4 @@ def command(
     fmu = build_fmu(
         case, name, output=output, options=options | fewer, fmi=fmi, platforms=platforms, say=say
     )
-    console.print(str(fmu), soft_wrap=True, highlight=False)
+    tell(str(fmu))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...case.contract import check_fmu
 from ...fmi.errors import BadInput
-from ..common import console
+from ..common import tell
 
 
 def command(fmu: Path, /):
@@ -21,7 +21,7 @@ def command(fmu: Path, /):
     """
     role, breaches, remarks = check_fmu(fmu)
     for line in remarks:
-        console.print(f"remark: {line}", markup=False, highlight=False, soft_wrap=True)
+        tell(f"remark: {line}", markup=False)
     if breaches:
         raise BadInput([f"{fmu}, {line}" for line in breaches])
-    console.print(f"[green]{fmu} can take part as {role}[/]", highlight=False, soft_wrap=True)
+    tell(f"[green]{fmu} can take part as {role}[/]")

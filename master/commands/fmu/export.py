@@ -12,7 +12,7 @@ from ...case.reading import find_case, read_tree
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
-from ..common import Changes, OutputFile, console, parse_changes, say
+from ..common import Changes, OutputFile, parse_changes, say, tell
 
 command = App(
     name="export",
@@ -61,7 +61,7 @@ def fmu(
     output.write_bytes(made.read_bytes())
     if not native:
         compile_code(made, say)
-    console.print(str(output), soft_wrap=True, highlight=False)
+    tell(str(output))
 
 
 @command.command
@@ -92,7 +92,7 @@ def ssp(
     export_ssp(tree, system, output)
     for participant in system.participants.values():
         compile_code(participant.path, say)
-    console.print(str(output), soft_wrap=True, highlight=False)
+    tell(str(output))
 
 
 def built(case, folder, fmi):

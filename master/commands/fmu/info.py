@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...participants.open import open_fmu
-from ..common import console, wide_console
+from ..common import tell, wide_console
 
 ORDER = ("input", "output", "parameter", "structuralParameter", "calculatedParameter", "local")
 """Causalities in the order of the table."""
@@ -40,7 +40,7 @@ def command(
     participant = open_fmu("fmu", fmu)
     if not (all_ or filter_):
         for line in summary(participant, fmu):
-            console.print(line, highlight=False, markup=False, soft_wrap=True)
+            tell(line, markup=False)
         return
     word = (filter_ or "").lower()
     fields = [

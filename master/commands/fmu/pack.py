@@ -1,7 +1,7 @@
 """`piston-cosim fmu pack`."""
 
 from ...api.fmus import build_fmu
-from ..common import OutputFile, console, parse_grid, say
+from ..common import OutputFile, parse_grid, say, tell
 
 
 def command(slave: str, /, *, grid: str = "40x40", output: OutputFile):
@@ -20,4 +20,4 @@ def command(slave: str, /, *, grid: str = "40x40", output: OutputFile):
         File to write.
     """
     fmu = build_fmu(slave, output=output, options={"grid": parse_grid(grid)}, say=say)
-    console.print(str(fmu), soft_wrap=True, highlight=False)
+    tell(str(fmu))

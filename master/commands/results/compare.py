@@ -8,7 +8,9 @@ from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...results import compare as curves
-from ..common import OutputFile, console, open_runs, wide_console
+from ...results.charts import draw_charts
+from ...results.figures import save
+from ..common import OutputFile, open_runs, tell, wide_console
 
 
 def command(
@@ -56,10 +58,8 @@ def command(
     assert x is not None  # a picture with lines has one
     unit = ""
     if measured:
-        columns = curves.read_measured(measured)
-        _, rows, unit = curves.agreement(runs, columns)
-        drawn = curves.draw_measured(runs, columns, output)
-        console.print(f"picture  {drawn}", highlight=False, soft_wrap=True)
+        section, rows, unit = curves.agreement(runs, curves.read_measured(measured))
+        tell(f"picture  {save(draw_charts(section.drawn), output)}")
     elif period:
         rows = curves.against_last_cycle(case, runs, x, y, period)
     elif len(runs) > 1:

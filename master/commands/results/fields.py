@@ -5,7 +5,7 @@ from pathlib import Path
 from ...fmi.errors import BadInput
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import OutputFile, console, open_runs
+from ..common import OutputFile, open_runs, tell
 
 
 def command(
@@ -48,4 +48,4 @@ def command(
     write = exports.write_csv if output.suffix == ".csv" else exports.write_hdf5
     port = field[0].partition("+")[0].partition("*")[0].strip()
     write(blocks, output, exports.grid_positions(case, results, port, blocks[0]))
-    console.print(f"fields   {output}", highlight=False, soft_wrap=True)
+    tell(f"fields   {output}")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...fmi.errors import BadInput
 from ...runs.working import working
-from ..common import OutputFile, body_skins, console, open_runs, say
+from ..common import OutputFile, body_skins, console, open_runs, say, tell
 
 
 def command(
@@ -71,4 +71,4 @@ def command(
     else:
         with working(console, "drawing frames", frames, typical=0.1):
             write_movie(described, results, field, frames, target)
-    console.print(f"movie    {target}", highlight=False, soft_wrap=True)
+    tell(f"movie    {target}")

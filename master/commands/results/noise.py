@@ -8,7 +8,7 @@ from ...api.bodies import OFFLINE, build_tables
 from ...case.contract import players
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
-from ..common import OutputFolder, case_folder, console, open_runs, say
+from ..common import OutputFolder, case_folder, open_runs, say, tell
 
 
 def command(file: Path, /, *, case: str | None = None, output: OutputFolder | None = None):
@@ -44,21 +44,17 @@ def command(file: Path, /, *, case: str | None = None, output: OutputFolder | No
         mean = float(found.total.mean())
         worst = int(found.total.argmax())
         loudest = 1 + int(found.total_spectrum[1:].argmax())
-        console.print(
+        tell(
             f"{owner}: {level(mean):.1f} dB re 1 pW on average ({mean:.3g} W), at most "
             f"{level(found.total[worst]):.1f} dB at {np.degrees(found.angle[worst]):.0f} deg; "
             f"strongest at {found.frequency[loudest]:.0f} Hz, resolved up to "
-            f"{found.frequency[-1]:.0f} Hz",
-            highlight=False,
-            soft_wrap=True,
+            f"{found.frequency[-1]:.0f} Hz"
         )
         for side, power in found.power.items():
-            console.print(
+            tell(
                 f"  {side}  {level(float(power.mean())):5.1f} dB from "
-                f"{1e4 * radiation.areas[side]:.0f} cm2",
-                highlight=False,
-                soft_wrap=True,
+                f"{1e4 * radiation.areas[side]:.0f} cm2"
             )
         name = file.stem if len(tables) == 1 else f"{file.stem}-{owner}"
         for written in write_noise(found, (output or file.parent) / name):
-            console.print(f"file  {written}", highlight=False, soft_wrap=True)
+            tell(f"file  {written}")

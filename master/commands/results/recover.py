@@ -6,7 +6,7 @@ from ...api.bodies import OFFLINE, build_table
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, instant_text
-from ..common import OutputFolder, case_folder, console, open_runs, say
+from ..common import OutputFolder, case_folder, open_runs, say, tell
 
 PORT = "{}.modal_coordinate"
 
@@ -56,13 +56,11 @@ def command(
         begin = (output or file.parent) / f"{file.stem}-{1e6 * recorded.time:.0f}us"
         for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
             stress = "" if body.largest_stress is None else stress_in_words(body.largest_stress)
-            console.print(
+            tell(
                 f"{instant_text(results, recorded.time)}  {body.name}: displacement up to "
-                f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}",
-                highlight=False,
-                soft_wrap=True,
+                f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}"
             )
-            console.print(f"file  {body.file}", highlight=False, soft_wrap=True)
+            tell(f"file  {body.file}")
 
 
 def stress_in_words(peak) -> str:

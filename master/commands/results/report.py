@@ -5,7 +5,7 @@ from pathlib import Path
 from ...fmi.errors import BadInput
 from ...results.compare import agreement, read_measured
 from ...runs.working import working
-from ..common import OutputFolder, console, open_runs, page_of
+from ..common import OutputFolder, console, open_runs, page_of, tell
 
 
 def command(
@@ -55,4 +55,4 @@ def command(
         page = page_of(
             described, runs, output, source=case, notes=notes, studies=study, measured=compared
         )
-    console.print(f"report   {page}", highlight=False, soft_wrap=True)
+    tell(f"report   {page}")

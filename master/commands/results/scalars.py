@@ -4,7 +4,7 @@ from pathlib import Path
 
 from fmpy.util import write_csv
 
-from ..common import OutputFile, console, open_runs
+from ..common import OutputFile, open_runs, tell
 
 
 def command(file: Path, /, *, output: OutputFile):
@@ -25,4 +25,4 @@ def command(file: Path, /, *, output: OutputFile):
     _, runs = open_runs((file,))
     (results,) = runs.values()
     write_csv(output, results.structured())
-    console.print(f"scalars  {output}", highlight=False, soft_wrap=True)
+    tell(f"scalars  {output}")

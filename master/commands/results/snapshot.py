@@ -8,7 +8,7 @@ import numpy as np
 from ...fmi.errors import BadInput, unknown
 from ...results.file import open_results
 from ...results.instants import instant, instant_text
-from ..common import OutputFile, console
+from ..common import OutputFile, tell
 
 
 def command(file: Path, /, *, participant: str, output: OutputFile, time: str | None = None):
@@ -53,8 +53,4 @@ def command(file: Path, /, *, participant: str, output: OutputFile, time: str | 
             for name in results.file["fields"][participant]
         }
     output.write_text(json.dumps(values, indent=1))
-    console.print(
-        f"snapshot {output}   t = {instant_text(results, instants[k])}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    tell(f"snapshot {output}   t = {instant_text(results, instants[k])}")
