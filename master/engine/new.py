@@ -5,10 +5,11 @@ measured engine.
 """
 
 import shutil
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import nan, pi, sqrt
+from math import nan, pi, prod, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -96,145 +97,26 @@ def _in(value: float, unit: str) -> str:
     return f"{from_si(value, _si(unit), unit):.6g}"
 
 
-SIZES: dict[str, Size] = {
-    "bore": Size("mm", 20e-3, 0.6, "Diameter of the bore"),
-    "stroke": Size("mm", 10e-3, 1.5, "Stroke"),
-    "rod": Size("mm", 20e-3, 4.0, "Length of the connecting rod between the eyes"),
-    "speed": Size("rpm", pi / 3, 1000 * pi, "Crank speed", lambda s: 3000 * pi / 30, "3000 rpm"),
-    "compression": Size(
-        "", 2.0, 30.0, "Compression ratio", lambda s: 10.5, "10.5, as in a petrol engine"
+def _rule(name: str, row: Mapping[str, Any]) -> Callable[[Mapping[str, float]], float] | None:
+    """Return the rule of a size: `factor` times the sizes `of`, or one of `RULES`."""
+    if "factor" not in row:
+        return RULES.get(name)
+    return lambda s: row["factor"] * prod(s[other] for other in row.get("of", ()))
+
+
+RULES: dict[str, Callable[[Mapping[str, float]], float]] = {
+    "pin_mass": lambda s: (
+        STEEL * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"]
     ),
-    "clearance": Size(
-        "mm",
-        1e-6,
-        1e-3,
-        "Radial clearance at the thrust faces at mid skirt",
-        lambda s: 0.25e-3 * s["bore"],
-        "0.25 per mille of the bore",
-    ),
-    "barrel": Size(
-        "mm",
-        0.0,
-        1e-3,
-        "Radial drop of the profile at both ends of the skirt",
-        lambda s: 0.4e-3 * s["bore"],
-        "0.4 per mille of the bore",
-    ),
-    "ovality": Size(
-        "mm",
-        0.0,
-        2e-3,
-        "Diameter across the thrust faces minus diameter along the pin",
-        lambda s: 2e-3 * s["bore"],
-        "2 per mille of the bore",
-    ),
-    "skirt_below": Size(
-        "mm",
-        1e-3,
-        1.0,
-        "Lower edge of the skirt below the pin's axis",
-        lambda s: 0.32 * s["bore"],
-        "0.32 of the bore",
-    ),
-    "skirt_above": Size(
-        "mm",
-        0.0,
-        1.0,
-        "Upper edge of the skirt above the pin's axis",
-        lambda s: 0.16 * s["bore"],
-        "0.16 of the bore",
-    ),
-    "compression_height": Size(
-        "mm",
-        1e-3,
-        1.0,
-        "Height of the crown above the pin axis",
-        lambda s: 0.36 * s["bore"],
-        "0.36 of the bore",
-    ),
-    "pin_offset": Size(
-        "mm",
-        -0.02,
-        0.02,
-        "Offset of the pin from the skirt axis, positive towards thrust",
-        lambda s: 0.0,
-        "none",
-    ),
-    "crank_offset": Size(
-        "mm",
-        -0.1,
-        0.1,
-        "Offset of the crank axis from the bore axis, positive towards thrust",
-        lambda s: 0.0,
-        "none",
-    ),
-    "mass": Size(
-        "g",
-        1e-3,
-        100.0,
-        "Mass of the piston without its pin",
-        lambda s: 500.0 * s["bore"] ** 3,
-        "0.5 g/cm^3 of the bore cubed",
-    ),
-    "centre": Size(
-        "mm",
-        -0.5,
-        0.5,
-        "Centre of mass above the pin's axis",
-        lambda s: 0.4 * s["compression_height"],
-        "0.4 of the compression height",
-    ),
-    "inertia": Size(
-        "kg mm^2",
-        1e-9,
-        10.0,
-        "Moment of inertia of the piston about its centre of mass",
-        lambda s: s["mass"] * (0.3 * s["bore"]) ** 2,
-        "mass x (0.3 bore)^2",
-    ),
-    "pin_diameter": Size(
-        "mm",
-        1e-3,
-        0.3,
-        "Diameter of the piston pin",
-        lambda s: 0.25 * s["bore"],
-        "0.25 of the bore",
-    ),
-    "pin_mass": Size(
-        "g",
-        0.0,
-        20.0,
-        "Mass of the piston pin",
-        lambda s: STEEL * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"],
-        "steel tube, 0.55 bored, 0.75 of the bore long",
-    ),
-    "rod_mass": Size(
-        "g",
-        1e-3,
-        100.0,
-        "Mass of the connecting rod",
-        lambda s: 900.0 * s["bore"] ** 3,
-        "0.9 g/cm^3 of the bore cubed",
-    ),
-    "rod_centre": Size(
-        "mm",
-        0.0,
-        2.0,
-        "Centre of mass of the rod from the big end",
-        lambda s: 0.3 * s["rod"],
-        "0.3 of its length",
-    ),
-    "rod_inertia": Size(
-        "kg mm^2",
-        1e-9,
-        10.0,
-        "Moment of inertia of the rod about its centre of mass",
-        lambda s: s["rod_mass"] * s["rod_centre"] * (s["rod"] - s["rod_centre"]),
-        "mass x distances of the centre from both eyes",
-    ),
-    "roughness": Size(
-        "mm", 0.0, 1e-4, "Composite rms roughness", lambda s: 0.5e-6, "0.5 um, a run-in skirt"
-    ),
+    "rod_inertia": lambda s: s["rod_mass"] * s["rod_centre"] * (s["rod"] - s["rod_centre"]),
+}
+"""Rules that are no products of sizes."""
+TEMPLATES = Path(__file__).parent / "templates"
+SIZES = {
+    name: Size(
+        **{key: row[key] for key in row if key not in ("factor", "of")}, rule=_rule(name, row)
+    )
+    for name, row in tomllib.loads((TEMPLATES / "sizes.toml").read_text("utf-8")).items()
 }
 """Sizes of an engine by option. A rule may use the sizes before it."""
 
@@ -520,7 +402,7 @@ def _mesh_unit(mesh: Path) -> str:
 def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = "") -> str:
     """Return the text of the case file."""
     templates = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
         keep_trailing_newline=True,
         trim_blocks=True,
