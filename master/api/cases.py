@@ -13,7 +13,7 @@ from ..case.checked import check_case
 from ..case.contract import swap_all
 from ..case.reading import find_case, read_tree
 from ..case.system import open_system
-from ..fmi.errors import BadInput, unknown
+from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.notebook import html_table
 from ..participants.participant import Participant
 from ..results.file import Results
@@ -290,14 +290,7 @@ def sweep(
     if case.own:
         raise BadInput(f"participants: expected FMUs in a sweep, got objects {', '.join(case.own)}")
     combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]
-    faults, points = [], []
-    for values in combinations:
-        try:
-            points.append(sweeps.Point(values, case.changed(values).tree))
-        except BadInput as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise BadInput(faults)
+    points = for_all(lambda values: sweeps.Point(values, case.changed(values).tree), combinations)
     folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
     sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
     with sweeps.local_executor(workers) as executor:

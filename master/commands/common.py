@@ -14,7 +14,7 @@ from ..case.changes import value_at
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.reading import case_names, find_case, read_tree
-from ..fmi.errors import BadInput, unknown
+from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working
 from .usage import new_file, new_folder, positive
@@ -68,15 +68,7 @@ def parse_change(text):
 
 def parse_changes(texts):
     """Return the pairs of all --set; raise `BadInput` with every invalid one."""
-    changes, faults = [], []
-    for text in texts:
-        try:
-            changes.append(parse_change(text))
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        raise BadInput(faults)
-    return changes
+    return for_all(parse_change, texts)
 
 
 def parse_grid(text):
@@ -135,14 +127,7 @@ def open_runs(files):
         else f"{file.parent.name}/{file.stem}"
         for file in files
     ]
-    runs, faults = {}, []
-    for label, file in zip(labels, files):
-        try:
-            runs[label] = open_results(file)
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        raise BadInput(faults)
+    runs = dict(zip(labels, for_all(open_results, files)))
     return check_case(next(iter(runs.values())).case, files[0]), runs
 
 

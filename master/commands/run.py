@@ -14,7 +14,7 @@ from ..case.contract import swap_all
 from ..case.reading import find_case
 from ..case.system import open_system
 from ..engine.truncation import state_truncation
-from ..fmi.errors import BadInput
+from ..fmi.errors import for_all
 from ..fmi.jobs import VARIABLE as JOBS
 from ..fmi.jobs import jobs as count_jobs
 from ..results.file import Results
@@ -186,15 +186,9 @@ def _shown(live, case, system, watch):
 
 def open_all(cases, folder):
     """Return the systems of all variants; raise BadInput with the faults of all of them."""
-    systems = {}
-    faults = []
-    for label, case in cases.items():
-        try:
-            # bodies are reduced here, which may take minutes
-            with working(console, "preparing FMUs and bodies"):
-                systems[label] = open_system(case, folder, say)
-        except BadInput as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise BadInput(faults)
-    return systems
+
+    def opened(case):
+        with working(console, "preparing FMUs and bodies"):  # which may take minutes
+            return open_system(case, folder, say)
+
+    return dict(zip(cases, for_all(opened, cases.values())))

@@ -2,9 +2,13 @@
 
 import os
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 
 
 class BadInput(ValueError):
@@ -19,6 +23,19 @@ class BadInput(ValueError):
     def __init__(self, faults):
         self.faults = [faults] if isinstance(faults, str) else list(faults)
         super().__init__("\n".join(self.faults))
+
+
+def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:
+    """Return the results of a function for all items; raise `BadInput` with the faults of all."""
+    found, faults = [], []
+    for item in items:
+        try:
+            found.append(function(item))
+        except BadInput as error:
+            faults += error.faults
+    if faults:
+        raise BadInput(dict.fromkeys(faults))
+    return found
 
 
 MOST_NAMES = 7

@@ -99,9 +99,11 @@ def parameter(
     start: float | int | str,
     minimum: float | None = None,
     maximum: float | None = None,
+    shape: tuple[int, ...] = (),
 ) -> Variable:
-    """Return a parameter with its allowed range."""
-    return Variable(name, unit, "parameter", description, start, minimum=minimum, maximum=maximum)
+    """Return a parameter with its allowed range; with a shape, they hold for every element."""
+    ends = {"minimum": minimum, "maximum": maximum}
+    return Variable(name, unit, "parameter", description, start, **ends, shape=shape)
 
 
 def input_variable(

@@ -20,7 +20,7 @@ from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
 from ..fmi.builder import build_fmu
-from ..fmi.errors import BadInput, Stopped
+from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
 from .pool import LocalPool
@@ -78,15 +78,7 @@ def parse_axis(text, tree, folder=Path()):
 
 def parse_axes(texts, tree, folder):
     """Return the axes of several texts; raise `BadInput` with every fault."""
-    axes, faults = [], []
-    for text in texts:
-        try:
-            axes.append(parse_axis(text, tree, folder))
-        except BadInput as error:
-            faults += error.faults
-    if faults:
-        raise BadInput(faults)
-    return axes
+    return for_all(lambda text: parse_axis(text, tree, folder), texts)
 
 
 def _plain(text):
@@ -148,20 +140,18 @@ def _check_values(path, changes, axes):
     """
     from ..case.ahead import faults_ahead  # slow to import
 
-    faults = []
-    for axis in axes:
-        ends = (
-            axis.values if len(axis.values) <= MOST_CHECKED else (axis.values[0], axis.values[-1])
-        )
-        for value in ends:
-            try:
-                tree = read_tree(path, [*changes, *((key, value) for key in axis.keys)])
-                found = faults_ahead(check_case(tree, path), Path(path).parent)
-            except BadInput as error:
-                found = error.faults
-            faults += [fault for fault in found if fault not in faults]
-    if faults:
-        raise BadInput(faults)
+    def check(pair):
+        axis, value = pair
+        tree = read_tree(path, [*changes, *((key, value) for key in axis.keys)])
+        if found := faults_ahead(check_case(tree, path), Path(path).parent):
+            raise BadInput(found)
+
+    ends = [
+        (axis, value)
+        for axis in axes
+        for value in axis.values[:: 1 if len(axis.values) <= MOST_CHECKED else len(axis.values) - 1]
+    ]
+    for_all(check, ends)
 
 
 MOST_CHECKED = 20
@@ -176,18 +166,14 @@ def resolved(path, runs):
     BadInput
         With every fault of every tree, without duplicates.
     """
-    points = []
-    faults = []
-    for values, changes in runs:
-        try:
-            tree = read_tree(path, changes)
-            check_case(tree, path)
-            points.append(Point(values, tree))
-        except BadInput as error:
-            faults += [fault for fault in error.faults if fault not in faults]
-    if faults:
-        raise BadInput(faults)
-    return points
+
+    def point(run):
+        values, changes = run
+        tree = read_tree(path, changes)
+        check_case(tree, path)
+        return Point(values, tree)
+
+    return for_all(point, runs)
 
 
 def run_point(tree, case_folder, output):

@@ -18,13 +18,7 @@ import numpy as np
 
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import (
-    Variable,
-    constant,
-    input_variable,
-    output_variable,
-    parameter,
-)
+from piston_cosim.master.fmi.variables import constant, input_variable, output_variable, parameter
 
 CYLINDERS, MOUNTS = 2, 4
 AXES = ("x", "y", "z")
@@ -116,46 +110,13 @@ class MountedBlock(FieldSlave):
                 for name, unit in units.items()
             ),
             parameter("mass", "kg", "Mass of block, head, crank and fixed parts", 60.0, 0.1, 1e5),
-            *(
-                parameter(f"inertia_{axis}", "kg.m2", "Moment of inertia", 2.0, 1e-4, 1e5)
-                for axis in AXES
-            ),
-            *(parameter(f"centre_{axis}", "m", "Centre of mass", 0.0, -5.0, 5.0) for axis in AXES),
-            *(
-                Variable(
-                    f"mount_{axis}", "m", "parameter", "Position", 0.0, None, -5.0, 5.0, mounts
-                )
-                for axis in AXES
-            ),
-            *(
-                Variable(
-                    f"stiffness_{axis}",
-                    "N/m",
-                    "parameter",
-                    "Stiffness of each mount",
-                    0.0,
-                    None,
-                    0.0,
-                    1e40,
-                    mounts,
-                )
-                for axis in AXES
-            ),
-            parameter(
-                "damping_time", "s", "tau: damping of the mounts / their stiffness", 0.0, 0.0, 1.0
-            ),
-            Variable("cylinder_z", "m", "parameter", "Position", 0.0, None, -5.0, 5.0, some),
-            Variable(
-                "bank_angle",
-                "rad",
-                "parameter",
-                "Bank angle of each cylinder about z",
-                0.0,
-                None,
-                -7.0,
-                7.0,
-                some,
-            ),
+            *by_axes("inertia", "kg.m2", "Moment of inertia", 2.0, 1e-4, 1e5),
+            *by_axes("centre", "m", "Centre of mass", 0.0, -5.0, 5.0),
+            *by_axes("mount", "m", "Position", 0.0, -5.0, 5.0, mounts),
+            *by_axes("stiffness", "N/m", "Stiffness of each mount", 0.0, 0.0, 1e40, mounts),
+            parameter("damping_time", "s", "tau: mounts' damping / stiffness", 0.0, 0.0, 1.0),
+            parameter("cylinder_z", "m", "Position", 0.0, -5.0, 5.0, some),
+            parameter("bank_angle", "rad", "Bank angle about z", 0.0, -7.0, 7.0, some),
             *(
                 output_variable(
                     f"cylinder_{k}.{name}", unit, f"{words(name)} of the block", nominal
@@ -172,10 +133,7 @@ class MountedBlock(FieldSlave):
             output_variable("kinetic_energy", "J", "Kinetic energy of the block", 1e-3),
             output_variable("mount_power", "W", "Power dissipated by the mounts", 1.0),
             output_variable(
-                "energy_error",
-                "J",
-                "Work of all forces over the step minus stored and dissipated energy",
-                1e-3,
+                "energy_error", "J", "Work of a step minus stored and lost energy", 1e-3
             ),
             constant("cylinders", cylinders, "Cylinders"),
             constant("mounts", mounts[0], "Mounts"),
@@ -186,10 +144,7 @@ class MountedBlock(FieldSlave):
         held = np.linalg.eigvalsh(engine.stiffness)
         if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
             raise BadInput(
-                [
-                    "mount_x, .. stiffness_z: expected mounts that hold all six directions or "
-                    "none, got others"
-                ]
+                "mount_x: expected mounts that hold all six directions or none, got others"
             )
         still = np.zeros(6)
         state = State(still, still, still, still, 0.0)
@@ -259,6 +214,11 @@ class MountedBlock(FieldSlave):
 def cylinders_of(options):
     """Return the number of cylinders in the build options."""
     return int(options.get("cylinders", CYLINDERS))
+
+
+def by_axes(name, *options):
+    """Return a parameter for each axis."""
+    return [parameter(f"{name}_{axis}", *options) for axis in AXES]
 
 
 def words(name):
