@@ -35,12 +35,6 @@ TEXTS = {
 PICTURED = r"index\.md|gallery\.md|theory/index\.md|cases/.*|notebooks/.*"
 """Pages that must show a picture."""
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
-OPTION_CLASSES = {
-    "The case file": "master.case.schema",
-    "Pictures and axes of a case": "master.case.shown",
-    "Build options of the lubrication FMU": "fmu_ehd.build",
-    "Build options of the body FMU": "fmu_mfbd.options",
-}
 
 
 @event_priority(100)  # before mkdocstrings, which looks for the folder of the copy
@@ -183,37 +177,23 @@ def commands():
 
 
 def options():
-    """Return the page of all keys of a case file and of the build options."""
-    from importlib import import_module
+    """Return the page of all keys of a case file and of the build options, by table."""
+    from piston_cosim.master.case.keys import case_keys
+    from piston_cosim.master.case.reading import find_case, read_tree
 
-    from pydantic import BaseModel
-
+    path = find_case("data_sheet")
+    tables = {}
+    for key in case_keys(read_tree(path), path.parent):
+        name = key.path.rpartition(".")[0]
+        default = "required" if key.required else key.default
+        row = f"`{key.name}`", key.unit, default, key.allowed, key.meaning
+        tables.setdefault(name or "case", []).append(row)
     lines = ["# Keys of a case file", ""]
-    for title, place in OPTION_CLASSES.items():
-        module = import_module(f"piston_cosim.{place}")
-        lines += [f"## {title}", ""]
-        for name, thing in vars(module).items():
-            if (
-                inspect.isclass(thing)
-                and issubclass(thing, BaseModel)
-                and thing.__module__ == module.__name__
-            ):
-                lines += [f"### {name}", "", fence(inspect.getdoc(thing) or ""), ""]
-                lines += table(("key", "type", "default", "meaning"), keys_of(thing))
+    for name, rows in tables.items():
+        if not name.endswith(".parameters"):  # the page of the variables contains them
+            heads = ("key", "unit", "default", "allowed", "meaning")
+            lines += [f"## {name}", "", *table(heads, rows)]
     return "\n".join(lines)
-
-
-def keys_of(model):
-    """Yield the rows of a pydantic class: key, type, default, meaning."""
-    described = model.model_json_schema()["properties"]
-    for name, info in model.model_fields.items():
-        kind = str(info.annotation).replace("typing.", "")
-        kind = re.sub(r"<class '([\w.]+)'>|(?:piston_cosim[\w.]*\.)", lambda m: m[1] or "", kind)
-        default = "required" if info.is_required() else repr(info.get_default())
-        if info.default_factory is not None:
-            default = "its own defaults"
-        key = info.alias or name
-        yield f"`{key}`", f"`{kind}`", f"`{default}`", described[key]["description"]
 
 
 def parameters():
@@ -253,14 +233,18 @@ def parameters():
 
 def row_of(variable):
     """Return the row of a variable."""
-    ends = [variable.minimum, variable.maximum]
-    allowed = (
-        "" if ends == [None, None] else " to ".join("" if e is None else f"{e:g}" for e in ends)
-    )
-    allowed = ", ".join(variable.choices) or allowed
+    from piston_cosim.master.case.keys import range_of
+
     shape = "x".join(map(str, variable.shape))
     name = f"`{variable.name}`" + (f" {shape}" if shape else "")
-    return name, variable.causality, variable.unit, variable.start, allowed, variable.description
+    return (
+        name,
+        variable.causality,
+        variable.unit,
+        variable.start,
+        range_of(variable),
+        variable.description,
+    )
 
 
 def public():

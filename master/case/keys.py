@@ -101,7 +101,7 @@ def _key(variable: Variable, before: str) -> Key:
         path=f"{before}parameters.{variable.name}",
         unit=unit,
         default=_number(variable.start) + (f" {unit}" if unit else ""),
-        allowed=_range(variable),
+        allowed=range_of(variable),
         meaning=variable.description,
     )
 
@@ -110,7 +110,8 @@ def _number(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 
-def _range(variable: Variable) -> str:
+def range_of(variable: Variable) -> str:
+    """Return the choices or the range of a variable as text."""
     if variable.choices:
         return ", ".join(variable.choices)
     low, high = variable.minimum, variable.maximum

@@ -166,12 +166,9 @@ def cylinder_cells(shape, radius, ends):
 
     The order is that of a field's values: index i around from +z towards +x, j along y.
     """
-    n, m = shape
-    angle = np.pi / 2 + 2 * np.pi * (np.arange(n) - n // 4 - 0.5) / n  # beginning of the cells
-    ring = np.column_stack([radius * np.sin(angle), np.zeros(n), radius * np.cos(angle)])
-    lower, upper = ends
-    points = np.vstack([ring + [0, height, 0] for height in np.linspace(lower, upper, m + 1)])
-    return points, _quadrilaterals(n, m)
+    from_z = shape[0] / 4 - shape[0] // 4 - 0.5
+    points, cells = _shell(shape, radius, ends, from_z)
+    return points[:, [1, 2, 0]], cells
 
 
 def pin_cells(shape, radius, ends):
@@ -180,21 +177,19 @@ def pin_cells(shape, radius, ends):
     The order is that of a field's values: cell i centred at 2 pi (i - 1)/n from x towards y, j
     along z.
     """
+    return _shell(shape, radius, ends, -0.5)
+
+
+def _shell(shape, radius, ends, first):
+    """Return corners and cells, n around and m along the third axis, from index `first` on."""
     n, m = shape
-    angle = 2 * np.pi * (np.arange(n) - 0.5) / n  # beginning of the cells
+    angle = 2 * np.pi * (np.arange(n) + first) / n  # beginning of the cells
     ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(n)])
-    lower, upper = ends
-    points = np.vstack([ring + [0, 0, z] for z in np.linspace(lower, upper, m + 1)])
-    return points, _quadrilaterals(n, m)
-
-
-def _quadrilaterals(n, m):
-    """Return the cells, n around and m along, between the corners of m + 1 rings."""
+    points = np.vstack([ring + [0, 0, z] for z in np.linspace(*ends, m + 1)])
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
-    return np.stack(
-        [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a], axis=-1
-    ).reshape(-1, 4)
+    corners = [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a]
+    return points, np.stack(corners, axis=-1).reshape(-1, 4)
 
 
 def write_collection(entries, path):
