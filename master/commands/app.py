@@ -5,7 +5,6 @@ Exit codes: 0 success, 1 a run that failed or was stopped, 2 bad input.
 
 import gc
 import os
-import shlex
 import sys
 import time
 from contextlib import suppress
@@ -34,7 +33,6 @@ COMMANDS = {
     "study": "Run a study of a case.",
     "reduce": "Reduce flexible bodies and list their modes.",
     "verify": "Compute the verification figures next to their references.",
-    "bench": "Run the benchmarks of a source checkout.",
     "compare": "Compare lubrication models on a case.",
     "results plot": "Draw the pictures of results files.",
     "results report": "Write an HTML report about results files.",
@@ -53,8 +51,6 @@ COMMANDS = {
     "fmu check": "Compare an FMU with the contract of its role.",
 }
 """Words of a command -> the summary of its docstring. A call imports only its own command."""
-MOVED = {words.split()[1]: words for words in COMMANDS if words.count(" ") == 1}
-"""Former name of a command -> its words."""
 
 
 def _shown(default):
@@ -99,8 +95,6 @@ def main():
         if (listed := overview(words)) is not None:
             print(listed)
             return
-        if moved := new_spelling(words):
-            raise BadInput(f"{words[0]}: expected `{moved}`, got a former spelling")
         with ending_soon():
             app(words, exit_on_error=False, print_error=False)
     except KeyboardInterrupt as error:
@@ -143,20 +137,6 @@ def overview(words):
             "Type `piston-cosim --install-completion` to complete commands in your shell.",
         ]
     return "\n".join(lines)
-
-
-def new_spelling(words):
-    """Return the current spelling of a call that uses a former one; None otherwise."""
-    name, *rest = words
-    if (
-        name not in MOVED
-        or (name == "compare" and not any(word.endswith(".h5") for word in rest))
-        or (name == "check" and not any(word.endswith(".fmu") for word in rest))
-    ):
-        return None
-    if name == "export" and rest[:1] == ["fmu"]:
-        del rest[0]
-    return shlex.join(["piston-cosim", *MOVED[name].split(), *rest])
 
 
 def separate_output():

@@ -244,7 +244,6 @@ COMMANDS = [
     "reduce data_sheet --output kept.csv",
     "reduce two_mass_oscillator",
     "verify ehd --output kept.csv/v.md",
-    "bench nothing",
     "compare data_sheet",
     "compare data_sheet --lubrication jfo",
     "compare data_sheet --lubrication jof --lubrication jfo",
