@@ -293,5 +293,5 @@ def sweep(
     points = for_all(lambda values: sweeps.Point(values, case.changed(values).tree), combinations)
     folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
     sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
-    with sweeps.local_executor(workers) as executor:
+    with sweeps.LocalPool(workers) as executor:
         return sweeps.sweep(points, case.path.parent, folder, executor, progress)

@@ -59,8 +59,8 @@ def command(
         chosen, is_table = [], False
     if is_table:
         print_tables(chosen)
-    else:
-        print_matches(chosen)
+    elif chosen:
+        _print(chosen, "path")
     if oils:
         print_oils(oils)
 
@@ -72,13 +72,7 @@ def print_tables(keys: list[Key]):
         tables.setdefault(key.path.rpartition(".")[0], []).append(key)
     for name, group in tables.items():
         console.print(f"\n[bold]{name or 'case'}[/]", highlight=False)
-        _print(group, "key")
-
-
-def print_matches(keys: list[Key]):
-    """Print keys from several tables in one table, with their dotted paths."""
-    if keys:
-        _print(keys, "path")
+        _print(group, "name")
 
 
 def _print(keys, column):
@@ -86,8 +80,7 @@ def _print(keys, column):
     table.columns[0].no_wrap = True
     for key in keys:
         default = "(required)" if key.required else key.default
-        name = key.path if column == "path" else key.name
-        table.add_row(name, key.unit, default, key.allowed, key.meaning)
+        table.add_row(getattr(key, column), key.unit, default, key.allowed, key.meaning)
     wide_console().print(table, markup=False)
 
 

@@ -51,7 +51,7 @@ def command(
     def watch(row, done, total):
         tell(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False)
 
-    with sweeps.local_executor(workers) as executor:
+    with sweeps.LocalPool(workers) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     runs = studies.open_points(points, rows, folder)
     said = studies.study_rows(chosen, checked, rows, runs)

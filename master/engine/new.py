@@ -192,7 +192,7 @@ class Engine:
         low, high = 0.0, 50.0
         for _ in range(60):
             middle = (low + high) / 2
-            below = float(self._pressure(CYCLE, middle).max()) < self.peak
+            below = float(self.pressure(CYCLE, middle).max()) < self.peak
             low, high = (middle, high) if below else (low, middle)
         return (low + high) / 2
 
@@ -205,9 +205,10 @@ class Engine:
 
         Our own choice, which imitates no measured curve.
         """
-        return self._pressure(degrees, self.gain)
+        return self.pressure(degrees, self.gain)
 
-    def _pressure(self, degrees: np.ndarray, gain: float) -> np.ndarray:
+    def pressure(self, degrees: np.ndarray, gain: float) -> np.ndarray:
+        """Return the gauge pressure of Eq. (D12) with another gain [Pa]."""
         burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - IGNITION, 0.0, None) / DURATION) ** 1.5)
         polytrope = INTAKE * (
             self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
@@ -331,7 +332,7 @@ def _contradictions(found: Engine) -> list[str]:
             f"{1e3 * found['rod_centre']:g} mm"
         )
     if found.peak is not None:
-        bare = float(found._pressure(CYCLE, 0.0).max())
+        bare = float(found.pressure(CYCLE, 0.0).max())
         if found.motored or not bare < found.peak < 40.0 * bare:
             faults.append(
                 f"--peak-pressure: expected {bare / 1e5:.3g} bar of compression to "
@@ -369,9 +370,7 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     if faults:
         raise BadInput(faults)
     folder.mkdir(parents=True, exist_ok=True)
-    rows = [f"{a:g},{p * 1e-6:.6g}" for a, p in zip(CYCLE, found.gas_pressure(CYCLE))]
-    head = "crank angle [deg],gauge pressure [MPa]"
-    (folder / "gas_pressure.csv").write_text("\n".join([head, *rows]) + "\n")
+    (folder / "gas_pressure.csv").write_text(gas_table(CYCLE, found.gas_pressure(CYCLE)))
     case = folder / "case.toml"
     if mesh is None:
         case.write_text(_text(found, folder.name))
@@ -387,6 +386,12 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     measured = Engine(fitted, found.given, found.peak, found.motored)
     case.write_text(_text(measured, folder.name, mesh.name, unit))
     return check(folder)
+
+
+def gas_table(degrees: np.ndarray, pressure: np.ndarray) -> str:
+    """Return gauge pressures [Pa] over the crank angle as CSV."""
+    rows = [f"{a:g},{p * 1e-6:.6g}" for a, p in zip(degrees, pressure)]
+    return "\n".join(["crank angle [deg],gauge pressure [MPa]", *rows]) + "\n"
 
 
 def _mesh_unit(mesh: Path) -> str:

@@ -12,7 +12,9 @@ import numpy as np
 from ..case.contract import Curve, contract, fmu_of_model, replaced_participant, swap
 from ..fmi.errors import BadInput
 from ..fmi.quantities import pint_unit, registry
-from .figures import PALETTE, add_legend, save, stack
+from .charts import Chart, draw_charts
+from .charts import Curve as Drawn
+from .figures import save
 from .file import Results
 from .judgement import mean_over
 from .pictures import labelled, unit_shown
@@ -214,19 +216,22 @@ def draw_rivals(
     path : Path
         The PNG file.
     """
-    curves = [curve for curve in contract()[role].curves if curve.title]
-    figure, panels = stack(len(curves) + 1, 1.9)
-    *upper, lowest = panels
     first = next(iter(runs.values()))
-    for colour, (label, one) in zip(PALETTE, runs.items()):
-        for panel, curve in zip(upper, curves):
-            time, values = drawn(curve, one, first)
-            if values.any():  # the distance of the first model is zero
-                panel.plot(1e3 * time, values, color=colour, lw=1.2, label=label)
-            panel.set_ylabel(labelled(curve.title, unit_shown(curve.unit, None)))
-        time, steps = iterations[label]
-        lowest.plot(1e3 * time[1:], steps[1:], color=colour, lw=0.9, label=label)
-    add_legend(panels[0])
-    lowest.set_ylabel("iterations")
-    lowest.set_xlabel("time [ms]")
-    save(figure, path)
+    charts = []
+    for curve in contract()[role].curves:
+        if curve.title:
+            courses = {label: drawn(curve, one, first) for label, one in runs.items()}
+            title = labelled(curve.title, unit_shown(curve.unit, None))
+            charts.append(_chart(title, courses))
+    steps = {label: (time[1:], count[1:]) for label, (time, count) in iterations.items()}
+    save(draw_charts([*charts, _chart("iterations", steps)], 1.9), path)
+
+
+def _chart(title, courses):
+    """Return a chart of values over time [s] by model, without those that are zero."""
+    curves = [
+        Drawn(label, k, 1e3 * time, values)
+        for k, (label, (time, values)) in enumerate(courses.items())
+        if values.any()  # the distance of the first model is zero
+    ]
+    return Chart(title, "time [ms]", "", curves)

@@ -23,7 +23,6 @@ from ..fmi.builder import build_fmu
 from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
-from .pool import LocalPool
 from .recorder import writing
 
 SHOWN = (
@@ -351,14 +350,6 @@ def build_all(points, case_folder, progress):
             build_fmu(package, build, Path(case_folder), progress)
         except BadInput:
             continue
-
-
-def local_executor(workers, time_limit=None):
-    """Return an executor of fresh local processes.
-
-    A process that dies, or exceeds `time_limit` [s] for a point, fails only that point.
-    """
-    return LocalPool(workers, time_limit)
 
 
 def dask_executor(address):

@@ -9,7 +9,7 @@ import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.sweep import all_points, build_all, local_executor, parse_axis, sweep
+from piston_cosim.master.runs.sweep import LocalPool, all_points, build_all, parse_axis, sweep
 
 pytestmark = pytest.mark.slow  # 18 runs
 PATH = find_case("fired_motorcycle")
@@ -75,7 +75,7 @@ def run_all(axes, changes, tree, folder):
     }
     flat = sum(points.values(), [])
     build_all(flat, PATH.parent, lambda text: None)
-    with local_executor(2) as executor:
+    with LocalPool(2) as executor:
         rows = sweep(flat, PATH.parent, folder, executor)
     assert {row["status"] for row in rows} == {"done"}
     return {

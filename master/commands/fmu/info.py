@@ -7,6 +7,7 @@ from zipfile import ZipFile
 from cyclopts import Parameter
 from rich.table import Table
 
+from ...case.keys import range_of
 from ...fmi.errors import BadInput
 from ...participants.open import open_fmu
 from ..common import tell, wide_console
@@ -109,15 +110,8 @@ def print_table(fields):
             "x".join(map(str, field.shape)),
             field.unit,
             field.start or "",
-            _allowed(field),
+            range_of(field),
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
         )
     wide_console(broken=False).print(table, soft_wrap=True)
-
-
-def _allowed(field):
-    """Return the range of a variable as text; an open end is empty."""
-    if field.minimum is None and field.maximum is None:
-        return ""
-    return "..".join("" if x is None else f"{x:g}" for x in (field.minimum, field.maximum))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...api.bodies import OFFLINE, build_table
+from ...api.bodies import OFFLINE, build_tables
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, instant_text
@@ -40,10 +40,10 @@ def command(
     """
     _, runs = open_runs((file,))
     (results,) = runs.values()
-    table = build_table(results.case)
-    participant = next(
-        name for name, part in results.case["participants"].items() if part.get("build") == table
-    )
+    tables = build_tables(results.case, results.case["participants"])
+    if not tables:
+        raise BadInput(f"{file}: expected a participant of bodies, got none")
+    participant, table = next(iter(tables.items()))
     port = PORT.format(participant)
     if port not in results.recorded:
         raise BadInput(
