@@ -1,5 +1,6 @@
 """A case from parts: tables of an extended case, copies of participants, wires of films."""
 
+from copy import deepcopy
 from os.path import isfile, join, normpath
 from pathlib import Path
 from typing import Any
@@ -109,7 +110,7 @@ def expanded(tree: Tree) -> Tree:
             if table["like"] not in made:
                 fault = unknown("participant", str(table["like"]), made)
                 raise BadInput(f"participants.{name}.like: {fault}")
-            own = _merged(made[table["like"]], own)
+            own = _merged(deepcopy(made[table["like"]]), own)
         made[name] = own
     for name, table in made.items():
         if body := table.get("body"):

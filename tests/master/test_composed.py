@@ -103,6 +103,13 @@ def test_a_change_cannot_extend_a_case():
             check_case(read_tree(path, [(key, "bodies")]), path)
 
 
+def test_a_change_of_a_participant_leaves_those_like_it():
+    changes = [("participants.left_film.build.grid", [36, 8])]
+    tree = read_tree(find_case("floating_pin"), changes)
+    grids = [tree["participants"][f"{side}_film"]["build"]["grid"] for side in ("left", "right")]
+    assert grids == [[36, 8], [72, 8]]
+
+
 def test_participants_like_others_and_the_wires_of_their_films():
     tree = read_tree(find_case("floating_pin"))
     left, right = (tree["participants"][f"{side}_film"] for side in ("left", "right"))
