@@ -102,8 +102,16 @@ def parameter(
     shape: tuple[int, ...] = (),
 ) -> Variable:
     """Return a parameter with its allowed range; with a shape, they hold for every element."""
-    ends = {"minimum": minimum, "maximum": maximum}
-    return Variable(name, unit, "parameter", description, start, **ends, shape=shape)
+    return Variable(
+        name,
+        unit,
+        "parameter",
+        description,
+        start,
+        minimum=minimum,
+        maximum=maximum,
+        shape=shape,
+    )
 
 
 def input_variable(

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ...fmi.errors import BadInput
 from ...results import compare as curves
-from ...results.charts import draw_charts
+from ...results.charts import Chart, draw_charts
 from ...results.figures import save
 from ..common import OutputFile, open_runs, tell, wide_console
 
@@ -59,7 +59,8 @@ def command(
     unit = ""
     if measured:
         section, rows, unit = curves.agreement(runs, curves.read_measured(measured))
-        tell(f"picture  {save(draw_charts(section.drawn), output)}")
+        charts = [one for one in section.drawn if isinstance(one, Chart)]
+        tell(f"picture  {save(draw_charts(charts), output)}")
     elif period:
         rows = curves.against_last_cycle(case, runs, x, y, period)
     elif len(runs) > 1:
