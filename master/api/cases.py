@@ -286,6 +286,7 @@ def sweep(
         With every fault of every combination.
     """
     from ..runs import sweep as sweeps  # slow to import
+    from ..runs.pool import LocalPool
 
     if case.own:
         raise BadInput(f"participants: expected FMUs in a sweep, got objects {', '.join(case.own)}")
@@ -293,5 +294,5 @@ def sweep(
     points = for_all(lambda values: sweeps.Point(values, case.changed(values).tree), combinations)
     folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
     sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
-    with sweeps.LocalPool(workers) as executor:
+    with LocalPool(workers) as executor:
         return sweeps.sweep(points, case.path.parent, folder, executor, progress)

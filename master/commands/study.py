@@ -8,6 +8,7 @@ from ..case.reading import find_case
 from ..results.pictures import draw
 from ..runs import studies
 from ..runs import sweep as sweeps
+from ..runs.pool import LocalPool
 from .common import Changes, Format, OutputFolder, Workers, console, parse_changes, say, tell
 
 
@@ -51,7 +52,7 @@ def command(
     def watch(row, done, total):
         tell(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False)
 
-    with sweeps.LocalPool(workers) as executor:
+    with LocalPool(workers) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     runs = studies.open_points(points, rows, folder)
     said = studies.study_rows(chosen, checked, rows, runs)

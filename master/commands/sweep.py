@@ -10,6 +10,7 @@ from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration
 from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
+from ..runs.pool import LocalPool
 from ..runs.working import working
 from .app import say_faults
 from .common import (
@@ -124,7 +125,7 @@ def command(
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
         tell(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False)
 
-    with sweeps.dask_executor(dask) if dask else sweeps.LocalPool(workers, limit) as executor:
+    with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     tell(f"table    {table}")
     picture = draw_sweep(rows, axes, wanted, table.with_suffix(f".{format}"))

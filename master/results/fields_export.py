@@ -183,9 +183,10 @@ def pin_cells(shape, radius, ends):
 def _shell(shape, radius, ends, first):
     """Return corners and cells, n around and m along the third axis, from index `first` on."""
     n, m = shape
+    low, high = ends
     angle = 2 * np.pi * (np.arange(n) + first) / n  # beginning of the cells
     ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(n)])
-    points = np.vstack([ring + [0, 0, z] for z in np.linspace(*ends, m + 1)])
+    points = np.vstack([ring + [0, 0, z] for z in np.linspace(low, high, m + 1)])
     a, b = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
     after = (a + 1) % n
     corners = [b * n + a, b * n + after, (b + 1) * n + after, (b + 1) * n + a]
