@@ -421,8 +421,9 @@ def test_blocks_of_memory_are_aligned_apart_and_used_again(runtime):
 TOY_ITERATION = """
 #include "native.h"
 int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers);
-int32_t master_coupling_methods_iterate(void **result, void **raised, double *real, int64_t *integer,
-                                double *memory, double *numbers, const int64_t lengths[4])
+int32_t master_coupling_methods_iterate(void **result, void **raised, double *real,
+                                        int64_t *integer, double *memory, double *numbers,
+                                        const int64_t lengths[4])
 {
     (void)result, (void)raised, (void)integer, (void)lengths;
     return native_part((int64_t)numbers[2], memory, real, numbers);
