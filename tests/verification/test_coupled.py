@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.laws.asperity import gaussian_integral
-from piston_cosim.tests.verification.cases import coupled, fired
+from piston_cosim.tests.verification.cases import coupled
 from piston_cosim.tests.verification.cases.mixed_film import height_integral
 from piston_cosim.tests.verification.cases.monolithic import (
     NO_FORCE,
@@ -135,10 +135,10 @@ def test_squeezed_disc_of_a_skirt_carries_what_the_series_says():
     h = film.gap
     y = film.height - 4e-3
     exact = 6 * ENGINE.viscosity * 1e-3 * ((24e-3) ** 2 - y**2) / h**3
-    s = film.stencils.axial
+    s = film.faces
 
     flow = -conductance(s, h, ENGINE.viscosity).value * (s.gradient @ exact)
-    out = film.dx * (s.outflow @ flow)
+    out = s.outflow @ flow
     # second order but for the half cells at the edges
     inner = np.ones((24, 16), bool)
     inner[:, [0, -1]] = False
@@ -159,11 +159,7 @@ def test_figures():
 
 def failed(change):
     """Quantities of the fired engine whose checks fail if parameters of the film are wrong."""
-    return {check.quantity for check in fired.checks(change) if not check.passed}
-
-
-def test_figures_of_the_fired_engine():
-    assert failed({}) == set()
+    return {check.quantity for check in coupled.fired_checks(change) if not check.passed}
 
 
 def test_errors_of_five_percent_in_boundary_friction_and_layer_are_seen():

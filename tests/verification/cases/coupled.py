@@ -1,282 +1,230 @@
-"""Figures of the coupled problem: the numerical example through both FMUs beside one system of
-equations (`monolithic`), on the same grid and in the same steps; for `piston-cosim verify coupled`.
+"""Figures of the coupled problem: whole engines through both FMUs beside one system of equations,
+`engines`; for `piston-cosim verify coupled`.
 
-Both film models put the same resistance on a face (two half cells in series), because the mean
-film of both cells moves the curves by 1 % on 42 cells: what is compared is everything else. The
-grid's own error is a matter of the studies.
+A comparison on one grid leaves the grid's own error to the studies. The others extrapolate the
+system of equations from three grids.
 """
 
-import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.interpolate import CubicSpline
-
-from piston_cosim.fmu_mfbd.geometry.grid import film_rows
-from piston_cosim.master.case.reading import find_case
-from piston_cosim.master.fmi.quantities import to_si
 
 from .checks import Check, at_most
-from .coupling import summary_of
-from .monolithic import Curves, Elasticity, Engine, Monolithic, mirrored
-
-
-class Problem(NamedTuple):
-    """A case for both sides: parameters of bodies and film, pin offset, crank speed, the crank
-    angle at the start [deg], and what else the FMUs' case changes.
-    """
-
-    case: str
-    bodies: dict[str, str]
-    lubrication: dict[str, str]
-    pin_offset: str
-    crank_speed: str
-    start: int = 0
-    changes: tuple[tuple[str, Any], ...] = ()
-
-
-MOTORED = Problem(
-    "numerical_example",
-    {
-        "radial_clearance": "15 um",
-        "barrel": "15 um",
-        "ovality": "150 um",
-        "crank_radius": "24.75 mm",
-        "rod_length": "100 mm",
-        "crank_offset": "0.8 mm",
-        "rod_mass": "140 g",
-        "rod_inertia": "2.2e-4 kg m^2",
-        "rod_centre": "30 mm",
-        "pin_mass": "30 g",
-        "pin_friction_coefficient": "0",
-    },
-    {
-        "bore_radius": "28.25 mm",
-        "skirt_length": "27 mm",
-        "viscosity": "12 mPa s",
-        "roughness_rms": "0 um",
-    },
-    # The piston's inertia turns it from the first instant on, and the film swings it over within a
-    # few steps at 223 deg: a test of what the bodies' integrator takes for an impact.
-    pin_offset="0.4 mm",
-    crank_speed="6000 rpm",
+from .engines import (
+    EDGES,
+    FIRED,
+    MOTORED,
+    RING,
+    Grid,
+    Problem,
+    Span,
+    elasticity,
+    extrapolated,
+    fired,
+    in_one_system,
+    through_fmus,
 )
+from .monolithic import Curves
 
-
-class Span(NamedTuple):
-    """Crank angles that are compared [deg], in steps of 1 deg; the turn starts at 0 from rest."""
-
-    begin: int
-    end: int
-
-
-FIRST_TURN = Span(30, 360)
-SECOND_TURN = Span(360, 720)
-"""For elastic bodies: the start from rest rings their modes, which no step of 1 deg resolves and a
-compliance does not have; what that does to the oil is forgotten after a turn."""
-
-
-class Quantity(NamedTuple):
-    """What is compared: port of the results, name in `Curves`, allowed rms distance over the
-    range.
-    """
-
-    port: str
-    curve: str
-    allowed: float
-
-
-QUANTITIES = (
-    Quantity("bodies.lateral_displacement", "lateral_displacement", 5e-3),
-    Quantity("bodies.rocking_angle", "rocking_angle", 5e-3),
-    Quantity("bodies.side_force", "side_force", 1.5e-3),
-    Quantity("ehd.minimum_film_thickness", "minimum_film_thickness", 1e-2),
-    Quantity("ehd.maximum_pressure", "maximum_pressure", 1.5e-2),
-    Quantity("ehd.friction_power", "friction_power", 1e-3),
-)
-SCALED = (
-    Quantity("ehd.friction_force_asperity", "asperity_friction", 3e-2),
-    Quantity("ehd.oil_in_film", "oil_in_film", 5e-3),
-)
-"""Curves of the fired engine whose scale is compared: the factor that fits one to the other."""
+SOURCE = "monolithic solution"
 REASON = "different integrators with steps of 1 deg, and different transport of oil across faces"
 
 
-def through_fmus(
-    problem: Problem, cells: int, modes: int, span: Span, step: str = "1 deg"
-) -> dict[str, np.ndarray]:
-    """Curves on cells x cells from the start to the end of a span at whole degrees, by port."""
-    changes: list[tuple[str, Any]] = [("time.stop", f"{span.end} deg"), ("time.step", step)]
-    changes += [(f"participants.{name}.build.grid", [cells, cells]) for name in ("bodies", "ehd")]
-    for body in ("piston", "block"):
-        changes.append((f"participants.bodies.build.{body}.modes", modes))
-    changes.append(("participants.ehd.build.mask", "none"))
-    changes.append(("participants.bodies.build.piston.pin_offset", problem.pin_offset))
-    bodies = problem.bodies | {
-        "crank_speed": problem.crank_speed,
-        "start_crank_angle": f"{problem.start} deg",
-    }
-    changes += [(f"participants.bodies.parameters.{key}", bodies[key]) for key in bodies]
-    film = problem.lubrication
-    changes += [(f"participants.ehd.parameters.{key}", film[key]) for key in film]
-    changes += problem.changes
-    return summary_of(problem.case, *changes, look=curves)["curves"]
+class Quantity(NamedTuple):
+    """Name in `Curves` and allowed error."""
+
+    name: str
+    allowed: float
 
 
-def curves(results) -> dict[str, Any]:
-    """The compared scalar outputs of a run at whole degrees of the crank."""
-    degrees = np.degrees(results.series("bodies.crank_angle").values)
-    whole = np.arange(round(degrees[0]), round(degrees[-1]) + 1)
-    steps = np.abs(degrees[:, None] - whole).argmin(axis=0)
-    np.testing.assert_allclose(degrees[steps], whole, atol=1e-6)
-    ports = {one.port for one in QUANTITIES + SCALED}
-    return {"curves": {port: results.series(port).values[steps] for port in ports}}
+SMOOTH = (
+    Quantity("lateral_displacement", 5e-3),
+    Quantity("rocking_angle", 5e-3),
+    Quantity("side_force", 1.5e-3),
+    Quantity("minimum_film_thickness", 1e-2),
+    Quantity("maximum_pressure", 1.5e-2),
+    Quantity("friction_power", 1e-3),
+)
+ROUGH = (
+    Quantity("lateral_displacement", 1.5e-2),
+    Quantity("rocking_angle", 1.5e-2),
+    Quantity("minimum_film_thickness", 2e-2),
+    Quantity("friction_force_asperity", 8e-2),
+    Quantity("friction_power", 5e-3),
+)
+SCARCE = ROUGH[:-1]
+"""The fronts of scarce oil move by cells, which leaves 1 to 2 % between the friction curves of the
+two finest grids of the reference. The friction work is compared instead.
+"""
+FLEXIBLE = (*(one._replace(allowed=5e-3) for one in ROUGH[:2]), *ROUGH[2:])
+"""For flexible bodies on one grid."""
+SCALED = (Quantity("friction_force_asperity", 3e-2), Quantity("oil_in_film", 5e-3))
+"""Curves of the fired engine whose scale is compared: the factor that fits one to the other."""
 
 
-@cache
-def of_mesh(what: str, case: str, pin_offset: str, cells: int):
-    """Return `compliance.rigid_piston` or `compliance.compliance` of a case's meshes."""
-    from . import compliance  # slow to import
+class Comparison(NamedTuple):
+    """Curves of a case from both sides, compared from their entry `begin` on."""
 
-    path = find_case(case)
-    options = tomllib.loads(path.read_text())["participants"]["bodies"]["build"]
-    options["grid"] = [cells, cells]
-    options["piston"]["pin_offset"] = pin_offset
-    return getattr(compliance, what)(options, path.parent)
+    case: str
+    ours: Curves
+    theirs: Curves
+    begin: int
+
+    def curves(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """A quantity of both sides."""
+        return getattr(self.ours, name)[self.begin :], getattr(self.theirs, name)[self.begin :]
+
+    def distance(self, name: str) -> float:
+        """Root mean square distance over the range of the reference [-]."""
+        ours, theirs = self.curves(name)
+        return float(np.sqrt(np.mean((ours - theirs) ** 2)) / np.ptp(theirs))
+
+    def distances(self, quantities: tuple[Quantity, ...]) -> Iterator[Check]:
+        """A check of each distance."""
+        for name, allowed in quantities:
+            what = f"{name}, rms difference over range [-]"
+            yield at_most(self.case, what, self.distance(name), allowed, SOURCE, REASON)
+
+    def softer(self, quantities: tuple[Quantity, ...]) -> Check:
+        """A check that a comparison with a compliance 5 % larger fails."""
+        passed = [check.passed for check in self.distances(quantities)]
+        return at_most(
+            self.case,
+            "passed comparisons if the compliance is 5 % larger [-]",
+            sum(passed),
+            len(passed) - 1,
+            SOURCE,
+            "the comparison must detect 5 %",
+        )
+
+    def scales(self, quantities: tuple[Quantity, ...] = SCALED) -> Iterator[Check]:
+        """A check of each factor that fits the reference to our curve."""
+        for name, allowed in quantities:
+            ours, theirs = self.curves(name)
+            yield Check(
+                self.case,
+                f"{name}, scale of the curve [-]",
+                ours @ theirs / (theirs @ theirs),
+                1.0,
+                allowed,
+                "absolute",
+                SOURCE,
+                "an error of 5 % in boundary friction or layer must be seen",
+            )
+
+    def work(self) -> Check:
+        """A check of the friction work."""
+        ours, theirs = self.curves("friction_power")
+        return Check(
+            self.case,
+            "mean friction power [W]",
+            np.mean(ours),
+            np.mean(theirs),
+            5e-3,
+            "relative",
+            SOURCE,
+            "grids, steps and integrators differ",
+        )
 
 
-def engine(problem: Problem, grid: tuple[int, int]) -> Engine:
-    """The same numbers for the system of equations."""
-    bodies, film = problem.bodies, problem.lubrication
-    piston = of_mesh("rigid_piston", problem.case, problem.pin_offset, grid[1])
-    return Engine(
-        grid=grid,
-        bore_radius=to_si(film["bore_radius"], "m"),
-        viscosity=to_si(film["viscosity"], "Pa.s"),
-        clearance=to_si(bodies["radial_clearance"], "m"),
-        barrel=to_si(bodies["barrel"], "m"),
-        ovality=to_si(bodies["ovality"], "m"),
-        crank_radius=to_si(bodies["crank_radius"], "m"),
-        rod_length=to_si(bodies["rod_length"], "m"),
-        crank_offset=to_si(bodies["crank_offset"], "m"),
-        pin_offset=to_si(problem.pin_offset, "m"),
-        rod_mass=to_si(bodies["rod_mass"], "kg"),
-        rod_inertia=to_si(bodies["rod_inertia"], "kg.m2"),
-        rod_centre=to_si(bodies["rod_centre"], "m"),
-        pin_mass=to_si(bodies["pin_mass"], "kg"),
-        piston_mass=piston.mass,
-        piston_inertia=piston.inertia,
-        piston_centre=piston.centre,
-        skirt_lower=piston.skirt_lower,
-        skirt_upper=piston.skirt_upper,
-        speed=to_si(problem.crank_speed, "rad/s"),
-    )
+FIRST_TURN = Span(0, 30, 360)
+SECOND_TURN = Span(0, 360, 720)
+"""For elastic bodies: the start from rest rings their modes, which no step of 1 deg resolves and a
+compliance does not have; what that does to the oil is forgotten after a turn."""
+FIRING = Span(0, 10, 60)
+CYCLE = Span(-360, 30, 480)
+"""Until 120 deg after firing."""
+FLEXED = Span(-360, 120, 420)
+"""From a third of a turn after the start, which rings the modes."""
+QUICK_GRID = Grid(28, 2)
+GRIDS = Grid(28, 2), Grid(42, 3), Grid(56, 4)
+SCARCE_GRIDS = Grid(28, 2), Grid(42, 3), Grid(84, 6)
+NO_CHANGE: Mapping[str, str] = MappingProxyType({})
 
 
-STIFF = 1e-4
-"""Compliance of a pattern of pressure over the largest one, below which a pattern is left out."""
+def motored(cells: int) -> Iterator[Check]:
+    """Rigid bodies in the first turn."""
+    grid = Grid(cells, 1)
+    yield from Comparison(
+        f"Rigid bodies, {cells} x {cells} cells, first revolution",
+        through_fmus(MOTORED, grid, 0, FIRST_TURN),
+        in_one_system(MOTORED, grid, FIRST_TURN),
+        FIRST_TURN.begin,
+    ).distances(SMOOTH)
 
 
-def elasticity(problem: Problem, cells: int, share: float = 1.0) -> Elasticity:
-    """Both bodies' compliance, times `share`."""
-    whole = of_mesh("compliance", problem.case, problem.pin_offset, cells)
-    rows = film_rows(whole.piston.skirt_lower, whole.piston.skirt_upper, (1, cells))
-    skirt = symmetric_factor(whole.skirt, cells)
-    stations = len(whole.stations)
-    table = (cells * stations,) * 2
-    bore = symmetric_factor(whole.bore.reshape(table), cells).reshape(cells, stations, -1)
-    spline = CubicSpline(whole.stations, np.eye(stations), bc_type="natural")
-
-    def factor(height: float) -> np.ndarray:
-        facing = np.einsum("as,isk->iak", spline(height + rows), bore, optimize=True)
-        both = np.hstack([skirt, facing.reshape(len(skirt), -1)])
-        return np.sqrt(share) * both
-
-    return Elasticity(factor, share * whole.skirt_inertia, share * whole.skirt_gas)
-
-
-def symmetric_factor(compliance: np.ndarray, around: int) -> np.ndarray:
-    """Return L with L L^T the compliance of the loads that are symmetric about the plane of
-    motion; rows by columns of cells around, patterns below `STIFF` left out.
+def fired_checks(change: Mapping[str, str] = NO_CHANGE) -> Iterator[Check]:
+    """Flooded, and the oil that a nearly empty film takes from the bore, on one grid; `change` of
+    the film's parameters makes the system of equations wrong.
     """
-    orbits, _ = mirrored(around, len(compliance) // around)
-    basis = orbits @ sp.diags(1 / np.sqrt(np.asarray(orbits.sum(axis=0)).ravel()))
-    values, patterns = np.linalg.eigh(basis.T @ (compliance @ basis))
-    chosen = values > STIFF * values[-1]
-    return (basis @ patterns[:, chosen]) * np.sqrt(values[chosen])
+
+    def compared(name: str, film: dict[str, str]) -> Comparison:
+        return Comparison(
+            f"Fired, rigid, {name}, 28 x 28 cells",
+            through_fmus(fired(film), QUICK_GRID, 0, FIRING),
+            in_one_system(fired(film | dict(change)), QUICK_GRID, FIRING),
+            FIRING.begin,
+        )
+
+    flooded = compared("flooded", {})
+    yield from flooded.distances(ROUGH)
+    yield from flooded.scales()
+    taking = compared("ring and splash", RING | {"initial_film_fraction": "0.1"})
+    yield from taking.scales(SCALED[1:])
 
 
-def in_one_system(cells: int, span: Span, elastic: Elasticity | None = None) -> Curves:
-    """Curves of the motored engine at whole degrees."""
-    angles = np.radians(np.arange(span.end + 1))
-    return Monolithic(engine(MOTORED, (cells, cells)), elastic).run(angles)
-
-
-def distances(
-    ours: Mapping[str, np.ndarray],
-    theirs: Curves,
-    span: Span,
-    quantities: Sequence[Quantity] = QUANTITIES,
-) -> Iterator[tuple[Quantity, float]]:
-    """Every quantity and its root mean square distance over the range of the reference [-], within
-    the span.
-    """
-    for one in quantities:
-        reference = getattr(theirs, one.curve)[span.begin :]
-        apart = np.sqrt(np.mean((ours[one.port][span.begin :] - reference) ** 2))
-        yield one, float(apart / np.ptp(reference))
-
-
-def rows(
+def flexible(
     case: str,
-    ours: Mapping[str, np.ndarray],
-    theirs: Curves,
+    problem: Problem,
+    grid: Grid,
+    modes: int,
     span: Span,
-    quantities: Sequence[Quantity] = QUANTITIES,
+    quantities: tuple[Quantity, ...],
 ) -> Iterator[Check]:
-    """A check for each quantity."""
-    for one, apart in distances(ours, theirs, span, quantities):
-        what = f"{one.port.split('.')[1]}, rms difference over range [-]"
-        yield at_most(case, what, apart, one.allowed, "monolithic solution", REASON)
-
-
-def rigid_checks(cells: int) -> Iterator[Check]:
-    """Rigid bodies in the first turn on cells x cells."""
-    ours = through_fmus(MOTORED, cells, 0, FIRST_TURN)
-    theirs = in_one_system(cells, FIRST_TURN)
-    case = f"Rigid bodies, {cells} x {cells} cells, first revolution"
-    yield from rows(case, ours, theirs, FIRST_TURN)
-
-
-def softer_row(case: str, softer: Iterator[tuple[Quantity, float]]) -> Check:
-    """A check that the comparison with a compliance 5 % larger, `distances`, fails."""
-    passed = [apart <= one.allowed for one, apart in softer]
-    return at_most(
-        case,
-        "passed comparisons if the compliance is 5 % larger [-]",
-        sum(passed),
-        len(passed) - 1,
-        "monolithic solution",
-        "the comparison must detect 5 %",
+    """Flexible bodies on one grid, where an error of 5 % in the compliance must be seen."""
+    ours = through_fmus(problem, grid, modes, span)
+    right, softer = (
+        Comparison(
+            f"{case}, {modes} symmetric modes per body, {grid.cells} x {grid.cells} cells",
+            ours,
+            in_one_system(problem, grid, span, elasticity(problem, grid.cells, share)),
+            span.begin,
+        )
+        for share in (1.0, 1.05)
     )
+    yield from right.distances(quantities)
+    yield softer.softer(quantities)
 
 
 def checks() -> Iterator[Check]:
-    """Rigid bodies on 42 x 42."""
-    yield from rigid_checks(42)
+    """Rigid bodies: motored on 42 x 42 cells, fired around the firing."""
+    yield from motored(42)
+    yield from fired_checks()
 
 
 def slow_checks() -> Iterator[Check]:
-    """Rigid bodies on 82 x 82; flexible ones on 42 x 42, where an error of 5 % in the compliance
-    must be seen.
+    """Flexible bodies on one grid. Rigid ones motored on 82 x 82, and in the cycle until firing
+    against three grids: flooded on the default grid, on scarce oil on twice as many cells and with
+    shorter steps.
     """
-    yield from rigid_checks(82)
-    span = SECOND_TURN
-    flexible = through_fmus(MOTORED, 42, 150, span)
-    case = "Flexible bodies, 150 symmetric modes per body, 42 x 42 cells, second revolution"
-    yield from rows(case, flexible, in_one_system(42, span, elasticity(MOTORED, 42)), span)
-    softer = in_one_system(42, span, elasticity(MOTORED, 42, 1.05))
-    yield softer_row(case, distances(flexible, softer, span))
+    yield from motored(82)
+    yield from flexible(
+        "Motored, flexible, second revolution", MOTORED, Grid(42, 1), 150, SECOND_TURN, SMOOTH
+    )
+    yield from flexible("Fired, flexible, flooded", FIRED, QUICK_GRID, 112, FLEXED, FLEXIBLE)
+    for name, problem, grid, grids, quantities in (
+        ("flooded", FIRED, Grid(42, 1), GRIDS, ROUGH),
+        ("edges 12 % full", fired(EDGES), Grid(84, 8), SCARCE_GRIDS, SCARCE),
+        ("ring and splash", fired(RING), Grid(84, 4), SCARCE_GRIDS, SCARCE),
+    ):
+        whole = Comparison(
+            f"Fired, rigid, {name}, {grid.cells} x {grid.cells} cells, extrapolated reference",
+            through_fmus(problem, grid, 0, CYCLE),
+            extrapolated(problem, grids, CYCLE),
+            CYCLE.begin,
+        )
+        yield from whole.distances(quantities)
+        yield whole.work()
+        yield from whole.scales()

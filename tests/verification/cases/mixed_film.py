@@ -31,13 +31,12 @@ class Roughness(NamedTuple):
 
 class Contact(NamedTuple):
     """Pressure of the cells (n,) [Pa], its slopes against x_A and the rocking angle (n, 2), and
-    against the deflection (n,); the least gap [m].
+    against the deflection (n,).
     """
 
     pressure: np.ndarray
     by_motion: np.ndarray
     by_deflection: np.ndarray
-    gap: float
 
 
 def height_integral(order: float, separation: np.ndarray) -> np.ndarray:
@@ -77,19 +76,15 @@ class Asperities:
     def contact(self, position, deflection) -> Contact:
         """Contact at a position; deflection: ndarray, shape (n, points), or 0 [m]."""
         gap = self.gap + self.by_motion @ position + deflection
-        touching = gap < REACH * self.roughness.rms
-        separation = gap[touching] / self.roughness.rms
-        pressure = np.zeros(gap.shape)
-        slope = np.zeros(gap.shape)
-        pressure[touching] = self.law(separation)
-        slope[touching] = self.law(separation, 1) / self.roughness.rms
-        by_gap = slope * self.weight
-        return Contact(
-            pressure @ self.weight,
-            np.einsum("np,npk->nk", by_gap, self.by_motion),
-            by_gap.sum(axis=1),
-            float(gap.min()),
-        )
+        reach = REACH * self.roughness.rms
+        cells = np.flatnonzero(gap.min(axis=1) < reach)
+        separation = np.minimum(gap[cells], reach) / self.roughness.rms
+        by_gap = self.law(separation, 1) / self.roughness.rms * self.weight
+        values = np.zeros((len(gap), 4))
+        values[cells, 0] = self.law(separation) @ self.weight
+        values[cells, 1:3] = np.einsum("np,npk->nk", by_gap, self.by_motion[cells])
+        values[cells, 3] = by_gap.sum(axis=1)
+        return Contact(values[:, 0], values[:, 1:3], values[:, 3])
 
 
 class Supply(NamedTuple):

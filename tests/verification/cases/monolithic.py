@@ -105,16 +105,16 @@ class Elasticity(NamedTuple):
 
     Parameters
     ----------
-    factor : callable
-        Height of A [m] to a matrix L (n, r): L L^T is the film thickness per nodal pressure force
-        [m/N], for loads that are symmetric about the plane of motion.
+    compliance : callable
+        Height of A [m] to a matrix C (n, m): the film thickness per nodal pressure force [m/N] on
+        each of the m cells of `mirrored`, with the same force on its mirror image.
     inertia : ndarray, shape (n,)
         Film thickness per acceleration of the piston along y [s2].
     gas : ndarray, shape (n,)
         Film thickness per force of the gas on the crown [m/N].
     """
 
-    factor: Callable[[float], np.ndarray]
+    compliance: Callable[[float], np.ndarray]
     inertia: np.ndarray
     gas: np.ndarray
 
@@ -127,13 +127,15 @@ def rigid(cells: int) -> Elasticity:
 class Jacobian(NamedTuple):
     """What Newton's step needs beside the balance of the oil, c loads or coordinates.
 
-    by_force : x_A'' and b' per lateral force and moment (2, 2); factor : L (n, r) [(m/N)^1/2];
+    by_force : x_A'' and b' per lateral force and moment (2, 2); loaded : l cells whose load
+    changes; compliance : columns of C of these (n, l) [m/N];
     pushing, rubbing : lateral force and moment per pressure of the film and of the asperities
     (2, n) [m2], [m3]; contact : of the cells.
     """
 
     by_force: np.ndarray
-    factor: np.ndarray
+    loaded: np.ndarray
+    compliance: np.ndarray
     pushing: np.ndarray
     rubbing: np.ndarray
     contact: Contact
@@ -149,8 +151,8 @@ class Curves(NamedTuple):
     side_force : ndarray
         Of the film on the bore along x: what the piston leans on it with [N].
     minimum_film_thickness, maximum_pressure : ndarray
-        [m], [Pa]
-    asperity_friction : ndarray
+        Of the cells [m], [Pa].
+    friction_force_asperity : ndarray
         Of the asperities on the skirt along y [N].
     friction_power : ndarray
         [W]
@@ -164,7 +166,7 @@ class Curves(NamedTuple):
     side_force: np.ndarray
     minimum_film_thickness: np.ndarray
     maximum_pressure: np.ndarray
-    asperity_friction: np.ndarray
+    friction_force_asperity: np.ndarray
     friction_power: np.ndarray
     oil_in_film: np.ndarray
 
@@ -181,9 +183,12 @@ NO_FORCE = FilmForce(0.0, 0.0, 0.0)
 
 
 class Faces(NamedTuple):
-    """Sparse operators between cells and the faces across one direction: what stands before and
-    behind each face (at an edge both are the edge's cell), the gradient there (pressure 0 at an
-    edge, half a cell away) and what flows out of each cell.
+    """Sparse operators between n cells k = i n_axial + j and f faces: axial ones
+    i (n_axial + 1) + j from the lower edge up, then circumferential ones behind their cells.
+
+    before, behind : cells next to a face, at an edge both are the edge's cell (f, n);
+    gradient : across a face, pressure 0 at an edge, half a cell away (f, n) [1/m];
+    outflow : out of a cell per flow of a width (n, f) [m].
     """
 
     before: sp.csr_matrix
@@ -203,55 +208,45 @@ class Conductance(NamedTuple):
 
 
 class OilBalance(NamedTuple):
-    """Of the cells [m3/s], and its slopes against pressure, film fraction and film thickness."""
-
-    value: np.ndarray
-    by_pressure: Any
-    by_fraction: Any
-    by_film: Any
-
-
-class Stencils(NamedTuple):
-    """Cells k = i n_axial + j; axial faces i (n_axial + 1) + j from the lower edge up,
-    circumferential faces behind their cells.
+    """Of the cells (n,) [m3/s], and of those of `mirrored` (m,) the slopes against the unknowns of
+    the cells (m, n) and against changes of the film thickness.
     """
 
-    axial: Faces
-    around: Faces
+    value: np.ndarray
+    by_unknown: sp.csr_matrix
+    by_film: Callable[[np.ndarray], np.ndarray]
 
 
-def stencils(around: int, along: int, dx: float, dy: float) -> Stencils:
+def faces_of(around: int, along: int, dx: float, dy: float) -> Faces:
     """Operators of a ring of columns."""
     cells = np.arange(along)
-    before = np.concatenate([[0], cells])
-    behind = np.concatenate([cells, [along - 1]])
-    one_before = _taking(before, along)
-    one_behind = _taking(behind, along)
+    one_before = _taking(np.concatenate([[0], cells]), along)
+    one_behind = _taking(np.concatenate([cells, [along - 1]]), along)
     one_gradient = (one_behind - one_before).tolil()
     one_gradient[0, 0] = 2.0
     one_gradient[along, along - 1] = -2.0
     one_outflow = _taking(cells + 1, along + 1) - _taking(cells, along + 1)
-    every_column = sp.identity(around)
-    every_row = sp.identity(along)
+    column = sp.identity(around)
+    row = sp.identity(along)
     following = _taking(np.roll(np.arange(around), -1), around)
-    return Stencils(
-        axial=Faces(
-            before=_on_grid(every_column, one_before),
-            behind=_on_grid(every_column, one_behind),
-            gradient=_on_grid(every_column, one_gradient / dy),
-            outflow=_on_grid(every_column, one_outflow),
-        ),
-        around=Faces(
-            before=_on_grid(every_column, every_row),
-            behind=_on_grid(following, every_row),
-            gradient=_on_grid((following - every_column) / dx, every_row),
-            outflow=_on_grid(every_column - following.T, every_row),
-        ),
+
+    def stacked(axial, circumferential) -> sp.csr_matrix:
+        return sp.csr_matrix(sp.vstack([sp.kron(*axial), sp.kron(*circumferential)]))
+
+    return Faces(
+        before=stacked((column, one_before), (column, row)),
+        behind=stacked((column, one_behind), (following, row)),
+        gradient=stacked((column, one_gradient / dy), ((following - column) / dx, row)),
+        outflow=stacked((column, dx * one_outflow.T), (dy * (column - following), row)).T.tocsr(),
     )
 
 
-def _on_grid(around, along) -> sp.csr_matrix:
-    return sp.csr_matrix(sp.kron(around, along))
+def _scaled(matrix: sp.csr_matrix, rows, columns=None) -> sp.csr_matrix:
+    """Multiply rows, and columns, by numbers."""
+    data = matrix.data * np.repeat(rows, np.diff(matrix.indptr))
+    if columns is not None:
+        data = data * columns[matrix.indices]
+    return sp.csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def _taking(number, of):
@@ -379,7 +374,7 @@ class Monolithic:
         self.dx = 2 * np.pi * engine.bore_radius / around
         self.dy = (engine.skirt_upper - engine.skirt_lower) / along
         self.area = self.dx * self.dy
-        self.stencils = stencils(around, along, self.dx, self.dy)
+        self.faces = faces_of(around, along, self.dx, self.dy)
         angle = np.pi / 2 + (np.arange(around) - around // 4) * 2 * np.pi / around
         height = engine.skirt_lower + (np.arange(along) + 0.5) * self.dy
         self.angle = np.repeat(angle, along)
@@ -388,9 +383,10 @@ class Monolithic:
         self.arm = engine.bore_radius * self.sine - engine.pin_offset
         self.gap, self.by_motion = self._clearance(self.angle, self.height)
         self.orbits, self.chosen = mirrored(around, along)
+        self.chosen_outflow = self.faces.outflow[self.chosen]
         self.asperities = self._asperities() if engine.roughness else None
         self.inlet = np.full((2, around), engine.edge_fraction)
-        self.load: np.ndarray | None = None
+        self.load = np.zeros(len(self.gap))
 
     def _clearance(self, angle, height):
         """Gap at rest [m], and how x_A and the rocking angle change it, at angles and heights."""
@@ -418,7 +414,7 @@ class Monolithic:
         """Contact of the cells, with the deflection that h leaves, linear between the cells."""
         n = len(self.gap)
         if self.asperities is None:
-            return Contact(np.zeros(n), np.zeros((n, 2)), np.zeros(n), np.inf)
+            return Contact(np.zeros(n), np.zeros((n, 2)), np.zeros(n))
         deflection = self.spread @ (h - self.gap - self.by_motion @ position)
         return self.asperities.contact(position, deflection.reshape(n, -1))
 
@@ -439,16 +435,19 @@ class Monolithic:
         """Film fraction upstream of the axial faces, and the operator that takes it from the
         cells; `inlet` is that of the edges.
         """
-        faces = self.stencils.axial
         around, along = self.engine.grid
-        upstream = faces.before if sliding < 0 else faces.behind
+        upstream = self.faces.before if sliding < 0 else self.faces.behind
         inlet = np.zeros((around, along + 1))
         inside = np.ones((around, along + 1))
         face, edge = (0, LOWER) if sliding < 0 else (along, UPPER)
         inlet[:, face] = self.inlet[edge]
         inside[:, face] = 0.0
-        upstream = sp.diags(inside.ravel()) @ upstream
-        return upstream @ fraction + inlet.ravel(), upstream
+        upstream = _scaled(upstream, self._of_axial(inside))
+        return upstream @ fraction + self._of_axial(inlet), upstream
+
+    def _of_axial(self, axial):
+        """Values of all faces, 0 of circumferential ones."""
+        return np.concatenate([axial.ravel(), np.zeros(len(self.gap))])
 
     def sharpened(self, fraction, sliding):
         """What van Leer's limiter adds to the upstream film fraction at the faces inside.
@@ -471,7 +470,7 @@ class Monolithic:
         more = np.where(some, product / np.where(some, before + after, 1.0), 0.0)  # Eq. (Z7)
         faces = np.zeros((around, along + 1))
         faces[:, 1:-1] = more if sliding <= 0 else more[:, ::-1]
-        return faces.ravel()
+        return self._of_axial(faces)
 
     def force(self, pressure, fraction, h, sliding, contact: Any = 0.0) -> FilmForce:
         """On the piston: both pressures push inwards; along y minus what the bore feels.
@@ -561,10 +560,9 @@ class Monolithic:
         contact = self.contact(position, h)
         force = self.force(pressure, fraction, h, sliding, contact.pressure)
         rubbing = self.rubbing(sliding) * self.area * np.sum(contact.pressure)
-        thinnest = min(h.min(), contact.gap)
         power = -force.axial * sliding
         oil = self.area * np.sum(fraction * h)
-        return *position, -force.lateral, thinnest, pressure.max(), rubbing, power, oil
+        return *position, -force.lateral, h.min(), pressure.max(), rubbing, power, oil
 
     def _step(self, angle, step, unknown, past, rates, available):
         """Unknowns, film thickness, position and velocity at the end of a step."""
@@ -575,9 +573,9 @@ class Monolithic:
         content_past = last * content_1 + before * content_2
         position = position_1 + step * velocity_1
         height, _ = self.bodies.height(angle, position[0], velocity_1[0])
-        factor = self.elasticity.factor(height)
-        load = np.zeros(len(unknown)) if self.load is None else self.load
-        amounts = factor.T @ load
+        compliance = self.elasticity.compliance(height)
+        cells = self.chosen[: compliance.shape[1]]  # none of rigid bodies
+        load = self.load[cells]
         _, _, up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)
         more = 0.0
         size = np.inf
@@ -586,7 +584,7 @@ class Monolithic:
             motion = *position, *velocity
             _, sliding = self.bodies.height(angle, position[0], velocity[0])
             pressure, fraction = _interpret(unknown)
-            h = self.thickness(position, angle, up, factor @ amounts)
+            h = self.thickness(position, angle, up, compliance @ load)
             contact = self.contact(position, h)
             self.load = self.area * (pressure + contact.pressure)
             force = self.force(pressure, fraction, h, sliding, contact.pressure)
@@ -598,76 +596,75 @@ class Monolithic:
             balance = now * velocity + velocity_past - wanted
             if iteration < LIMITED:
                 more = self.sharpened(fraction, sliding)
-            oil = self.oil_balance(pressure, fraction, h, sliding, now, content_past, more)
+            oil = self.oil_balance(unknown, h, sliding, now, content_past, more)
             pushing = self.area * np.vstack([-self.sine, self.height * self.sine])
             rubbing = pushing.copy()
             rubbing[1] += self.area * self.arm * self.rubbing(sliding)
+            some = (load != 0) | (self.load[cells] != 0)
             jacobian = Jacobian(
-                self._by_force(angle, motion, force), factor, pushing, rubbing, contact
+                self._by_force(angle, motion, force),
+                cells[some],
+                compliance[:, some],
+                pushing,
+                rubbing,
+                contact,
             )
-            missing = amounts - factor.T @ self.load
-            change, moved, more_amounts = self._newton(
-                oil, unknown > 0, jacobian, now, balance, missing
-            )
+            missing = load[some] - self.load[cells[some]]
+            change, moved, added = self._newton(oil, unknown > 0, jacobian, now, balance, missing)
             change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
             unknown = np.maximum(unknown + change, EMPTIEST - 1)
             position = position + moved
-            amounts = amounts + more_amounts
-            deflected = np.abs(factor @ more_amounts).max() / POSITION_SCALE[0]
+            load[some] += added
+            deflected = np.abs(compliance[:, some] @ added).max() / POSITION_SCALE[0]
             size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max(), deflected)
             if size < CONVERGED:
                 velocity = now * position + position_past
-                h = self.thickness(position, angle, up, factor @ amounts)
+                h = self.thickness(position, angle, up, compliance @ load)
                 return unknown, h, position, velocity
         raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
 
-    def oil_balance(self, pressure, fraction, h, sliding, now, content_past, more) -> OilBalance:
+    def oil_balance(self, unknown, h, sliding, now, content_past, more) -> OilBalance:
         """What each cell gains and does not keep, and its slopes.
 
         Eq. (Z4):  d(f h)/dt + div q = 0,  q = -K dp/dy - V/2 f h along y,  q = -K dp/dx around
 
         Parameters
         ----------
-        pressure, fraction, h : ndarray, shape (n,)
-            [Pa], [-], [m]
+        unknown, h : ndarray, shape (n,)
+            Signed [-], [m].
         sliding : float
             V of the skirt along the bore [m/s].
         now, content_past
             BDF2's rate of f h: now f h + content_past, [1/s], (n,) [m/s].
-        more : ndarray, shape (axial faces,)
+        more : ndarray, shape (f,)
             Beside the upstream film fraction, `sharpened`.
         """
-        axial, around = self.stencils
-        viscosity = self.engine.viscosity
-        along_axis = conductance(axial, h, viscosity)
-        along_ring = conductance(around, h, viscosity)
-        gradient = axial.gradient @ pressure
-        ring_gradient = around.gradient @ pressure
-        face = (axial.before @ h + axial.behind @ h) / 2
-        upstream_fraction, upstream = self.carried(fraction, sliding)
-        carried = upstream_fraction + more
-        out_axial = self.dx * axial.outflow
-        out_around = self.dy * around.outflow
+        faces = self.faces
+        pressure, fraction = _interpret(unknown)
+        full = unknown > 0
+        passing = conductance(faces, h, self.engine.viscosity)
+        gradient = faces.gradient @ pressure
+        swept = sliding / 4 * (faces.before @ h + faces.behind @ h)
+        carried, upstream = self.carried(fraction, sliding)
+        carried = carried + more
+        flow = -passing.value * gradient - swept * carried
+        value = self.area * (now * fraction * h + content_past) + faces.outflow @ flow  # Eq. (Z4)
 
-        value = self.area * (now * fraction * h + content_past)
-        value += out_axial @ (-along_axis.value * gradient - sliding / 2 * carried * face)
-        value -= out_around @ (along_ring.value * ring_gradient)  # Eq. (Z4)
+        by_unknown = _scaled(faces.gradient, -passing.value, PRESSURE_SCALE * full)
+        by_unknown = by_unknown - _scaled(upstream, swept, 1.0 * ~full)
+        kept = sp.csr_matrix(sp.diags(self.area * now * h * ~full))
+        rows = self.chosen
+        by_unknown = self.chosen_outflow @ by_unknown + kept[rows]
 
-        by_pressure = -out_axial @ sp.diags(along_axis.value) @ axial.gradient
-        by_pressure = by_pressure - out_around @ sp.diags(along_ring.value) @ around.gradient
-        by_fraction = sp.diags(self.area * now * h)
-        by_fraction = by_fraction - sliding / 2 * out_axial @ sp.diags(face) @ upstream
-        by_before = along_axis.by_before * gradient + sliding / 4 * carried
-        by_behind = along_axis.by_behind * gradient + sliding / 4 * carried
-        by_film = sp.diags(self.area * now * fraction)
-        by_film = by_film - out_axial @ (
-            sp.diags(by_before) @ axial.before + sp.diags(by_behind) @ axial.behind
-        )
-        by_film = by_film - out_around @ (
-            sp.diags(along_ring.by_before * ring_gradient) @ around.before
-            + sp.diags(along_ring.by_behind * ring_gradient) @ around.behind
-        )
-        return OilBalance(value, by_pressure, by_fraction, by_film)
+        def by_film(changes):
+            by_before, by_behind = (
+                (by * gradient + sliding / 4 * carried)[:, None] for by in passing[1:]
+            )
+            flow = by_before * (faces.before @ changes) + by_behind * (faces.behind @ changes)
+            keeps = self.area * now * fraction[rows, None] * changes[rows]
+            return keeps - self.chosen_outflow @ flow
+
+        return OilBalance(value, by_unknown, by_film)
 
     def _with_gas(self, force, gas, position):
         """Add the gas, which acts along the bore's axis."""
@@ -683,43 +680,43 @@ class Monolithic:
         return np.column_stack([end - base for end in ends])
 
     def _newton(self, oil, full, jacobian, now, balance, missing):
-        """Newton's step of the cells, of the position and of the amounts z that the columns of L
-        have in the deflection. What the drag on the skirt and the acceleration along y change is
+        """Newton's step of the cells, of the position and of the loads z that deflect the
+        bodies. What the drag on the skirt and the acceleration along y change is
         left to the iteration.
 
-        Eq. (Z11):  z = L^T A (p + p_c),   deflection L z
+        Eq. (Z11):  z = A (p + p_c),   deflection C z
         """
-        by_force, factor, pushing, rubbing, contact = jacobian
+        by_force, loaded, compliance, pushing, rubbing, contact = jacobian
         as_pressure = PRESSURE_SCALE * full
-        film = oil.by_pressure @ sp.diags(as_pressure) + oil.by_fraction @ sp.diags(1.0 * ~full)
-        rows = self.chosen
-        by_film = oil.by_film.tocsr()[rows]
-        half = sp.csc_matrix(film.tocsr()[rows] @ self.orbits)
-        right = np.column_stack([oil.value[rows], by_film @ self.by_motion, by_film @ factor])
-        of_cells = self.orbits @ splu(half).solve(right)
+        half = sp.csc_matrix(oil.by_unknown @ self.orbits)
+        by_film = oil.by_film(np.hstack([self.by_motion, compliance]))
+        right = np.column_stack([oil.value[self.chosen], by_film])
+        solution = splu(half, permc_spec="MMD_AT_PLUS_A").solve(right)
+        of_cells = self.orbits @ solution
         from_oil = of_cells[:, 0]
         from_position = of_cells[:, 1:3]
-        from_deflection = of_cells[:, 3:]
+        from_load = of_cells[:, 3:]
         # Eq. (Z11)
-        reading = self.area * factor.T
-        touching = contact.by_deflection[:, None] * factor
-        one = np.eye(len(missing)) + reading @ (as_pressure[:, None] * from_deflection - touching)
-        pressed = -reading @ (as_pressure * from_oil) - missing
-        moving = reading @ (contact.by_motion - as_pressure[:, None] * from_position)
+        touching = contact.by_deflection[:, None] * compliance
+        pressing = as_pressure[loaded, None]
+        one = np.eye(len(loaded))
+        one += self.area * (pressing * from_load[loaded] - touching[loaded])
+        pressed = -self.area * as_pressure[loaded] * from_oil[loaded] - missing
+        moving = self.area * (contact.by_motion[loaded] - pressing * from_position[loaded])
         solved = np.linalg.solve(one, np.column_stack([pressed, moving]))
-        amounts = solved[:, 0]
+        added = solved[:, 0]
         by_position = solved[:, 1:]
-        from_oil = from_oil + from_deflection @ amounts
-        from_position = from_position + from_deflection @ by_position
-        # lateral force and moment per amount, and per position
-        by_amounts = rubbing @ touching
-        stiffness = rubbing @ contact.by_motion + by_amounts @ by_position
+        from_oil = from_oil + from_load @ added
+        from_position = from_position + from_load @ by_position
+        # lateral force and moment per load, and per position
+        by_load = rubbing @ touching
+        stiffness = rubbing @ contact.by_motion + by_load @ by_position
         by_cells = -by_force @ (pushing * as_pressure)
         moved = np.linalg.solve(
             now**2 * np.eye(2) - by_cells @ from_position - by_force @ stiffness,
-            by_cells @ from_oil - balance + by_force @ by_amounts @ amounts,
+            by_cells @ from_oil - balance + by_force @ by_load @ added,
         )
-        return -from_oil - from_position @ moved, moved, amounts + by_position @ moved
+        return -from_oil - from_position @ moved, moved, added + by_position @ moved
 
 
 def _interpret(unknown):

@@ -9,13 +9,13 @@ from importlib.metadata import version
 
 from rich.table import Table
 
-from . import bodies, coupled, coupling, film, fired, reciprocating
+from . import bodies, coupled, coupling, film, reciprocating
 
 PARTS = {
     "ehd": [film, reciprocating],
     "mfbd": [bodies],
     "master": [coupling],
-    "coupled": [coupled, fired],
+    "coupled": [coupled],
 }
 
 
