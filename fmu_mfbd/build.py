@@ -20,6 +20,7 @@ from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput
 from ..master.fmi.phases import phase
 from ..master.fmi.variables import Variable
+from .body_options import Block, Piston, ShapeTable
 from .dynamics.build_options import (
     BlockOptions,
     BoreGrid,
@@ -34,18 +35,11 @@ from .dynamics.build_options import (
 )
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, check_modes, read_start
-from .dynamics.tables import (
-    GasTable,
-    Rows,
-    gas_table,
-    inline_numbers,
-    profile_table,
-    read_numbers,
-)
+from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
 from .finite_elements.deck import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
-from .options import Block, Bodies, Build, Gas, Piston, ShapeTable, SmallEnd, Speed, read_options
+from .options import Bodies, Build, Gas, SmallEnd, Speed, read_options
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     Anatomy,
@@ -82,13 +76,16 @@ class Tables(NamedTuple):
     start: StartState | None
 
 
+NO_TABLES = Tables((), (), None, None, None)
+
+
 def options_schema() -> dict[str, Any]:
-    """JSON schema of the build table."""
+    """Return the JSON schema of the build table."""
     return Build.model_json_schema()
 
 
 def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Variable]:
-    """Variables of the FMU that a build table makes, or that none makes; nothing is reduced.
+    """Return the variables of the FMU of a build table, or of none, without a reduction.
 
     Raises
     ------
@@ -99,17 +96,28 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         return inputs((FilmGrid("", (4, 4)),)) + parameters()
     build = read_options(options, folder)
     modes = build.piston.most_modes() + build.block.most_modes()
-    ahead = BuildOptions(
-        build.grid,
-        PistonOptions("", modes, 0.0),
-        BlockOptions("", 0, bore_from_outside=bore_from_outside(build)),
+    ahead = options_ahead(build, NO_TABLES)
+    return signals(replace(ahead, piston=replace(ahead.piston, modes=modes)))
+
+
+def options_ahead(build: Build, tables: Tables) -> BuildOptions:
+    """Return the options of the FMU, as far as they are known before its bodies."""
+    pin_offset = build.piston.pin_offset
+    orders = tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders)
+    return BuildOptions(
+        grid=build.grid,
+        piston=PistonOptions("", 0, pin_offset, tables.skirt),
+        block=BlockOptions("", 0, orders, tables.bore, bore_from_outside(build)),
+        gas=tables.gas,
+        speed=tables.speed,
+        start=tables.start,
+        damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
         crank_bearings=crank_bearings(build),
         mounted=build.mounted,
-        in_space=in_space_ahead(build),
+        in_space=InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None,
     )
-    return signals(ahead)
 
 
 def prepare(
@@ -158,27 +166,13 @@ def prepare(
             check_modes(tables.start, len(piston.omega) + len(block.omega))
         except ValueError as error:
             raise BadInput([str(error)]) from None
-    prepared = BuildOptions(
-        grid=build.grid,
-        piston=PistonOptions(
-            piston_file.name, len(piston.omega), build.piston.pin_offset, tables.skirt
-        ),
-        block=BlockOptions(
-            block_file.name,
-            len(block.omega),
-            tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders),
-            tables.bore,
-            bore_from_outside(build),
-        ),
-        gas=tables.gas,
-        speed=tables.speed,
-        start=tables.start,
-        damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
+    ahead = options_ahead(build, tables)
+    prepared = replace(
+        ahead,
+        piston=replace(ahead.piston, file=piston_file.name, modes=len(piston.omega)),
+        block=replace(ahead.block, file=block_file.name, modes=len(block.omega)),
         skirt=_skirt(bodies["piston"]),
-        surfaces=film_surfaces(build),
         floating_pin=pin,
-        crank_bearings=crank_bearings(build),
-        mounted=build.mounted,
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
     return prepared.to_json(), files
@@ -200,18 +194,13 @@ def piston_about_pin(options: Piston, path: Path) -> ReducedPiston:
 
 
 def bore_from_outside(build: Build) -> BoreGrid | None:
-    """Grid of a bore whose deflection comes from outside."""
+    """Return the grid of a bore whose deflection comes from outside."""
     given = build.block.bore_from_outside
     return BoreGrid(given.around, given.axial) if given else None
 
 
-def in_space_ahead(build: Build) -> InSpace | None:
-    """Whether a piston moves in space, before its inertia is known."""
-    return InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None
-
-
 def in_space(build: Build, piston: Path) -> InSpace:
-    """Inertia of a piston that moves in space, of its data sheet or of its mesh in an .npz.
+    """Return the inertia of a piston that moves in space, from its data sheet or its mesh.
 
     Eq. (J22):  S_z = m c_z,   J = J_c + m (|c|^2 1 - c c^T)      c from A, J_c about the centre
 
@@ -251,7 +240,7 @@ def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
 
 
 def floating_pin(build: Build) -> FloatingPin | None:
-    """Films of the floating pin that a build table names."""
+    """Return the films of the floating pin of a build table."""
     pin = build.floating_pin
     if pin is None:
         return None
@@ -266,7 +255,7 @@ def floating_pin(build: Build) -> FloatingPin | None:
 
 
 def eye_film(build: Build | Bodies) -> EyeFilm | None:
-    """Film in a rod's eye that yields, if it does."""
+    """Return the film in a flexible small end of the rod, else None."""
     pin = build.floating_pin
     if pin is None or pin.small_end is None or not pin.small_end.modes:
         return None
@@ -274,13 +263,13 @@ def eye_film(build: Build | Bodies) -> EyeFilm | None:
 
 
 def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
-    """Films of the crank that a build table names."""
+    """Return the films of the crank of a build table."""
     films = build.crank_films().items()
     return tuple(CrankBearing(name, one.grid, one.length) for name, one in films)
 
 
 def boss_films(build: Build | Bodies) -> BossFilms | None:
-    """Films in the bosses of a flexible piston, if it has any."""
+    """Return the films in the bosses of a flexible piston, else None."""
     pin = build.floating_pin
     if pin is None or not pin.boss_modes:
         return None
@@ -353,7 +342,7 @@ def _told(error: Exception) -> str:
 
 
 def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
-    """Path of the reduced small end, made or found in the cache."""
+    """Return the path of the reduced small end, from the cache or reduced now."""
 
     def made() -> ReducedSmallEnd:
         from .finite_elements.matrices import assembled
@@ -439,7 +428,7 @@ def _reducing(name: str, mesh: str | None, progress: Say) -> Iterator[Say]:
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:
-    """Cells of the film grid with the skirt under them; None if all, or where it is not known."""
+    """Return the cells of the film grid with the skirt under them; None if all or unknown."""
     try:
         skirt = load(MeshProperties, piston).skirt
     except ValueError:  # a data sheet, or a file without them
@@ -497,7 +486,7 @@ def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:
 
 
 def read_tables(build: Build) -> Tables:
-    """All tables, read before any long computation; every fault in one message."""
+    """Read all tables before any long computation, with every fault in one message."""
     faults = []
 
     def tried(read: Callable[[Given], Table], given: Given) -> Table | None:
@@ -526,7 +515,7 @@ def _shape(table: ShapeTable) -> MeasuredShape:
 
 
 def _rows(name: str, table: Gas | Speed) -> Rows:
-    """Numbers of a table in a file or in the case."""
+    """Return the numbers of a table in a file or in the case."""
     if table.file:
         return read_numbers(table.file)
     return inline_numbers(f"{name}.points", table.points or [])

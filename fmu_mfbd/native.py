@@ -8,90 +8,49 @@ from typing import Any
 
 import numpy as np
 
-from ..master.fmi.block import memory_of, part, room, row_of
+from ..master.fmi.block import keep, part
 from ..master.fmi.compiled import compiled, packed
-from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import Entry, NativePart, size
-from ..master.fmi.noted import ROOM, refuse, remark
-from ..master.fmi.slave import PRODUCT, SEED, reserved
+from ..master.fmi.noted import refuse, remark
 from .dynamics.account import account
-from .dynamics.assembly import (
-    ReducedBodies,
-    assemble_system,
-    bands,
-    body_faults,
-    fit_of,
-    load_bodies,
-    machined_gap,
-    measured,
-    pin_surfaces,
-    surfaces,
-)
 from .dynamics.block_force import by_carrier, carried_force, force_at, force_change
-from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
-from .dynamics.contradictions import (
-    FAULTS,
-    GIVEN_TWICE,
-    NO_ANGLE,
-    NOT_SOLVED,
-    check,
-    pin_radius,
-)
+from .dynamics.clearance import machined_gap
+from .dynamics.contradictions import FAULTS, GIVEN_TWICE, NO_ANGLE, NOT_SOLVED, check, pin_radius
 from .dynamics.drive import End, Scalars, demand_of, others_of, scalars_of
 from .dynamics.elimination import no_factors
 from .dynamics.generalised_alpha import Motion, coefficients
 from .dynamics.instant import end_of_step
 from .dynamics.modal_damping import modal_springs
-from .dynamics.parameters import (
-    CRANK_PARAMETERS,
-    Parameters,
-    PinParameters,
-)
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
 from .dynamics.pin_inertia import inertia, inertia_with_rod
-from .dynamics.pin_instant import PinScalars, end_of_pin_step
+from .dynamics.pin_instant import end_of_pin_step
 from .dynamics.pin_response import respond_pin
 from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
-from .dynamics.response import StepEnd, linearise, response, step_end
+from .dynamics.response import linearise, response, step_end
 from .dynamics.slider_crank import CrankMotion, driven
-from .dynamics.state import PistonState, crank_of, motion_of, state_at, step_coefficients
+from .dynamics.state import crank_of, motion_of, state_at, step_coefficients
 from .dynamics.system import RingForce, StepProblem
 from .dynamics.tables import gas_pressure
-from .geometry.film import NodalForces, knot_rule
-from .geometry.grid import cell_centres
+from .geometry.film import NodalForces
 from .geometry.pin import PinForces, PinSurface
-from .geometry.profile import fourier_bore, linear_growth
+from .geometry.profile import linear_growth
 from .geometry.surfaces import (
     count_of,
     pin_surface_at,
-    pins_in_block,
     pins_of,
     put_pin_surface,
     row_at,
     surface_at,
-    with_room,
 )
 from .native_block import (
     DIRECTION,
     FAULTS_AT,
-    FIELDS,
     LAST,
-    NOWHERE,
-    ON_PIN,
     SETTING,
     STATE,
-    CarrierPlaces,
-    Constants,
     Direction,
-    FieldPlaces,
-    GasCurve,
-    Given,
-    OutputPlaces,
-    ProductPlaces,
-    RingPlaces,
-    VariablePlaces,
     direction_of,
     given_of,
     has_pins,
@@ -104,6 +63,7 @@ from .native_block import (
     state_of,
     system_of,
 )
+from .native_given import given
 
 COVERED: dict[str, tuple[str, ...] | float] = {"crank_free": 0.0, "quasi_static_frequency": 1e9}
 """The only value of a number that is in the library; all else is free."""
@@ -123,7 +83,7 @@ ON_WHEN_EMPTY = ("motion_in_space", "in_space")
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
-    """Sentences on build options that the library does not cover."""
+    """Yield sentences on build options that the library does not cover."""
     for name, what in OPTIONS.items():
         if options.get(name) or (name in ON_WHEN_EMPTY and options.get(name) == {}):
             yield f"{name}: expected nothing in a native FMU, got {what}"
@@ -133,133 +93,12 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
         yield f"floating_pin.pin_shapes: expected 0 in a native FMU, got {shapes}"
 
 
-# ---- what the memory begins with
-
-
-def given(slave: Any) -> np.ndarray:
-    """Return the constant part of the memory of an FMU: head and parts without parameters.
-
-    Parameters
-    ----------
-    slave : slave.Mfbd
-        Its resources hold the reduced bodies.
-    """
-    options: BuildOptions = slave.built
-    bodies = load_bodies(slave.resources, options)
-    if wrong := body_faults(bodies.piston, bodies.block, options, bodies.bosses):
-        raise BadInput(wrong)
-    begun = _begun(slave, options, bodies)
-    n = max(len(begun.start_position), len(FIXED))
-    lengths = {
-        "state": room(PistonState, n=len(begun.start_position), w=0, s=0),
-        "last": room(StepEnd, n=n, m=n),
-        "direction": room(Direction, n=n, m=n),
-        "faults": ROOM,
-    }
-    return memory_of({"given": row_of(begun)}, lengths)
-
-
-def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> Given:
-    """Return `Given` before a start."""
-    piston, block, bosses, eye = bodies
-    angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
-    k, m = len(piston.omega), len(block.omega)
-    rings = Parameters(top_ring_height=1.0, second_ring_height=1.0)  # of any, for the wall
-    films = with_room(surfaces(piston, block, options, rings), len(block.heights))
-    orders = fourier_bore(options.block.orders, angle)[:, None]
-    widening = orders + measured(options.block.profiles, angle, block.heights)
-    profile = np.broadcast_to(measured(options.piston.profiles, angle, height), options.grid)
-    of_films = [profile[:, one.first : one.last].ravel() for one in options.film_surfaces()]
-    gas, begin, pin = options.gas, options.start, options.floating_pin
-    crank = {name: CRANK_PARAMETERS[name]() for name in options.crank_surfaces()}
-    pins = pin_surfaces(options, 1.0, PinParameters(), crank, bosses, eye) if pin else ()
-    n = coordinates(options, k, m)
-    none = np.zeros(0)
-    of_inertia = np.zeros((n, n) if pin else (0, 0))
-    return Given(
-        places=_places(slave),
-        constants=Constants(
-            bore_radius=block.radius,
-            start_given=begin is not None,
-            start_angle=begin.crank_angle if begin else 0.0,
-        ),
-        fit=fit_of(piston, block, options, bosses, eye.eye_radius if eye else 0.0),
-        system=assemble_system(piston, block, options, rings, films),
-        measured=np.concatenate(of_films),
-        heights=block.heights,
-        widening=np.broadcast_to(widening, (len(angle), len(block.heights))),
-        inverse=knot_rule(len(block.heights)),
-        bands=bands(options),
-        gas=GasCurve(gas.angle, gas.pressure, gas.cycle) if gas else GasCurve(none, none, 0.0),
-        start_position=begin.position() if begin else np.zeros(n),
-        start_velocity=begin.velocity() if begin else np.zeros(n),
-        piston_omega=piston.omega,
-        block_omega=block.omega,
-        pin_surfaces=pins_in_block(pins),
-        eye_omega=eye.eye_omega if eye else none,
-        settings=np.zeros(len(SETTING)),
-        inertia=of_inertia,
-        with_rod=of_inertia,
-        has_linear=np.zeros(1),
-        evaluations=np.zeros(1),
-        tangents=np.zeros(1),
-    )
-
-
-def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> int:
-    """Return how many the bodies have."""
-    pin = options.floating_pin
-    if pin is None:
-        return RIGID + piston_modes + block_modes
-    return COORDINATES + piston_modes + pin.small_end_modes + 2 * len(options.crank_bearings)
-
-
-def _places(slave) -> VariablePlaces:
-    """Return where everything lies among a slave's variables."""
-
-    def place(name, kind=""):
-        return slave.references.get(reserved(kind, name) if kind else name, NOWHERE)
-
-    def places(places, prefix, kind=""):
-        return places(*(place(f"{prefix}{name}", kind) for name in places._fields))
-
-    def each(names):
-        return np.array([place(name) for name in names], dtype=float)
-
-    def fields(films, others):
-        names = [others.get(name, name) for name in FIELDS]
-        columns = [[place(f"{film.prefix}{name}") for film in films] for name in names]
-        for kind, some in ((SEED, names[:2]), (PRODUCT, names[2:4])):
-            columns += [[place(f"{film.prefix}{name}", kind) for film in films] for name in some]
-        columns.append([np.prod(film.shape) for film in films])
-        return FieldPlaces(*(np.array(column, dtype=float) for column in columns))
-
-    settings = each(SETTING)
-    settings[SETTING.index("crank_free")] = NOWHERE  # no real number; 0 is all that is covered
-    return VariablePlaces(
-        settings,  # `gas_source` is a choice: its place is among the whole numbers
-        each(Scalars._fields),
-        each(PinScalars._fields),
-        place("gas_pressure"),
-        place("land_pressure"),
-        place("crank_speed"),
-        places(RingPlaces, "ring_"),
-        places(CarrierPlaces, "block_"),
-        places(RingPlaces, "ring_", SEED),
-        places(CarrierPlaces, "block_", SEED),
-        places(OutputPlaces, ""),
-        places(ProductPlaces, "", PRODUCT),
-        fields(slave.built.film_grids(), {}),
-        fields(slave.built.pin_grids(), ON_PIN),
-    )
-
-
 # ---- a start
 
 
 @compiled
 def machine(given, p):
-    """Gaps of all surfaces, as `assembly.skirt_gap`."""
+    """Write the gaps of all surfaces, as `clearance.skirt_gap`."""
     x = given.fit
     first = 0
     for k in range(count_of(given.system.surfaces)):
@@ -275,7 +114,7 @@ def machine(given, p):
 
 @compiled
 def machine_pins(given, p):
-    """Radii and clearances of pin and crank, as `assembly.pin_surfaces`; what has inertia."""
+    """Write radii and clearances of pin and crank, and the inertia, as `pin_surfaces`."""
     x = given.fit
     for k in range(pins_of(given.pin_surfaces)):
         radius = pin_radius(x.piston_radius, p)
@@ -292,13 +131,13 @@ def machine_pins(given, p):
         turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
         put_pin_surface(row_at(given.pin_surfaces, k), turned)
     bodies = pin_system_of(given, system_of(given)).bodies
-    keep(given.inertia, inertia(bodies))
-    keep(given.with_rod, inertia_with_rod(bodies))
+    put_matrix(given.inertia, inertia(bodies))
+    put_matrix(given.with_rod, inertia_with_rod(bodies))
 
 
 @compiled
 def widen(given, p):
-    """Write the widening of the bore, as `assembly.bore_shape`; all surfaces share one bore."""
+    """Write the widening of the bore, as `clearance.bore_shape`; all surfaces share one bore."""
     heights = given.heights
     shape = surface_at(given.system.surfaces, 0).bore.shape
     knots, c = shape.shape
@@ -316,11 +155,8 @@ def widen(given, p):
 @compiled
 def prepare(real, integer, given):
     """Write what follows from the parameters, as `assembly.assemble`."""
-    for k in range(len(given.settings)):
-        at = int(given.places.settings[k])
-        given.settings[k] = 0.0
-        if at >= 0:
-            given.settings[k] = float(integer[at]) if k == CHOSEN_GAS else real[at]
+    keep(given.settings, get_each(real, given.places.settings))
+    given.settings[CHOSEN_GAS] = float(integer[given.places.gas_source])
     p = settings_of(given)
     machine(given, p)
     widen(given, p)
@@ -372,42 +208,46 @@ def put_stacked(real, first, values):
 
 
 @compiled
-def forces_at(real, places, of_seeds):
+def get_each(real, places):
+    """Return the numbers at these positions, 0 if there is none."""
+    numbers = np.zeros(len(places))
+    for k in range(len(places)):
+        if places[k] >= 0.0:
+            numbers[k] = real[int(places[k])]
+    return numbers
+
+
+@compiled
+def forces_at(real, places):
     """Return normal and tangential forces of films, or their seeds."""
-    push = places.push_seed if of_seeds else places.push
-    drag = places.drag_seed if of_seeds else places.drag
-    return NodalForces(gathered(real, push, places.cells), gathered(real, drag, places.cells))
+    push = gathered(real, places.push, places.cells)
+    return NodalForces(push, gathered(real, places.drag, places.cells))
 
 
 @compiled
-def rings_at(real, places):
-    """Return the forces of the rings, or their seeds."""
-    return RingForce(real[places.side_force], real[places.axial_force], real[places.moment])
-
-
-@compiled
-def carried_at(real, places):
-    """Motion of a mounted block, or its seeds; 0 of another."""
-    motion = np.zeros(len(FIXED))
-    if places.acceleration_x >= 0:
-        for k in range(len(places)):
-            motion[k] = real[places[k]]
-    return motion
+def pin_forces_at(real, places):
+    """Return the forces of films of pin and crank, or their seeds."""
+    forces = forces_at(real, places)
+    return PinForces(forces.pressure, forces.friction)
 
 
 @compiled
 def is_mounted(given):
     """Return whether the block moves."""
-    return given.places.carrier.acceleration_x >= 0
+    return given.places.carrier[0] >= 0.0
 
 
 @compiled
-def keep(to, what):
-    """Copy an array, in a loop."""
-    to = to.reshape(to.size)
-    what = what.reshape(what.size)
-    for k in range(len(to)):
-        to[k] = what[k]
+def put_matrix(to, matrix):
+    """Copy a matrix."""
+    keep(to.reshape(to.size), matrix.reshape(matrix.size))
+
+
+@compiled
+def put_films(real, places, thickness, sliding):
+    """Write the motion of all films into the variables, or its products."""
+    scatter(real, places.thickness, places.cells, thickness)
+    scatter(real, places.sliding, places.cells, sliding)
 
 
 @compiled
@@ -415,8 +255,7 @@ def publish(real, integer, given, now, scalars):
     """Write the outputs and the numbers of evaluations into the variables."""
     places = given.places
     put_each(real, places.scalars, scalars)
-    scatter(real, places.skirt.thickness, places.skirt.cells, now.film_thickness)
-    scatter(real, places.skirt.sliding, places.skirt.cells, now.sliding_velocity)
+    put_films(real, places.skirt, now.film_thickness, now.sliding_velocity)
     put_each(real, places.skirt.work_error, now.work_error)
     if len(given.piston_omega) + len(given.block_omega):
         first = COORDINATES if has_pins(given) else RIGID
@@ -433,10 +272,8 @@ def publish(real, integer, given, now, scalars):
 def publish_pin(real, given, bodies, found):
     """Write the outputs of pin and crank into the variables."""
     places = given.places
-    pins = places.pins
-    scatter(real, pins.thickness, pins.cells, found.film_thickness)
-    scatter(real, pins.sliding, pins.cells, found.circumferential_velocity)
-    put_each(real, pins.work_error, found.work_error)
+    put_films(real, places.pins, found.film_thickness, found.circumferential_velocity)
+    put_each(real, places.pins.work_error, found.work_error)
     put_each(real, places.pin_scalars, found.scalars)
     if len(bodies.eye.stiffness):
         first = layout(bodies)
@@ -447,11 +284,12 @@ def publish_pin(real, given, bodies, found):
 
 
 _, carrier_from = packed(Carrier)
+_, rings_from = packed(RingForce)
 
 
 @compiled
 def crown_pressure(real, memory, given, p, crank_angle):
-    """Gas pressure by input and table [Pa], as `gas_source` says; a remark if it is given twice."""
+    """Return the gas pressure from input and table [Pa], with a remark if both are given."""
     by_input = real[given.places.gas_pressure]
     has_table = len(given.gas.angle) > 0
     if has_table and by_input != 0.0 and p.gas_source == GAS_EITHER:
@@ -480,18 +318,16 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     others = others_of(
         np.pi * given.constants.bore_radius**2,
         pressure,
-        rings_at(real, places.rings),
+        rings_from(get_each(real, places.rings)),
         real[places.land_pressure],
-        carrier_from(carried_at(real, places.carrier)),
+        carrier_from(get_each(real, places.carrier)),
     )
     step = StepProblem(c, before, auxiliary, crank, others)
-    skirt = forces_at(real, places.skirt, False)
+    skirt = forces_at(real, places.skirt)
     factors = no_factors()
     if has_pins(given):
         of = pin_system_of(given, system)
-        on_pins = forces_at(real, places.pins, False)
-        forces = PinForces(on_pins.pressure, on_pins.friction)
-        found_with_pin = end_of_pin_step(of, step, skirt, forces)
+        found_with_pin = end_of_pin_step(of, step, skirt, pin_forces_at(real, places.pins))
         now = found_with_pin.now
         factors = found_with_pin.factors
         if now.evaluations > 0:
@@ -522,19 +358,8 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     put_last(part(memory, LAST), last)
     given.has_linear[0] = 0.0
     if is_mounted(given):
-        force = force_at(system, p.crank_unbalance, last)
-        put_block_force(real, places.outputs, force)
-        real[places.outputs.main_bearing_force_x] = force.bearing_x
-        real[places.outputs.main_bearing_force_y] = force.bearing_y
+        put_each(real, places.on_block, force_at(system, p.crank_unbalance, last))
     put_state(part(memory, STATE), state)
-
-
-@compiled
-def put_block_force(real, places, force):
-    """Write the forces on a mounted block into the variables."""
-    real[places.force_on_block_x] = force.x
-    real[places.force_on_block_y] = force.y
-    real[places.moment_on_block] = force.moment
 
 
 @compiled
@@ -551,34 +376,31 @@ def make_direction(memory, given, system, last):
 
 @compiled
 def change_of_tied(real, memory, given, system, last):
-    """Answer of a tied pin to the seeds."""
+    """Return the response of a tied pin to the seeds."""
     if given.has_linear[0] == 0.0:
         make_direction(memory, given, system, last)
     direction = direction_of(memory)
     places = given.places
     on_piston = np.zeros(RIGID + len(given.piston_omega))
     if is_mounted(given):
-        on_piston = carried_force(direction.by_carrier, carried_at(real, places.carrier_seed))
-    forces = forces_at(real, places.skirt, True)
-    rings = rings_at(real, places.rings_seed)
+        on_piston = carried_force(direction.by_carrier, get_each(real, places.carrier_seed))
+    forces = forces_at(real, places.skirt_tangent)
+    rings = rings_from(get_each(real, places.rings_seed))
     return response(system, last.guided, direction.linear, forces, rings, on_piston)
 
 
 @compiled
 def change_with_pin(real, given, system, last):
-    """Answer of a floating pin to the seeds, that of its films into the variables."""
+    """Return the response of a floating pin to the seeds, and write that of its films."""
     places = given.places
-    on_pins = forces_at(real, places.pins, True)
     found = respond_pin(
         pin_system_of(given, system),
         last,
-        forces_at(real, places.skirt, True),
-        rings_at(real, places.rings_seed),
-        PinForces(on_pins.pressure, on_pins.friction),
+        forces_at(real, places.skirt_tangent),
+        rings_from(get_each(real, places.rings_seed)),
+        pin_forces_at(real, places.pins_tangent),
     )
-    pins = places.pins
-    scatter(real, pins.thickness_product, pins.cells, found.film_thickness)
-    scatter(real, pins.sliding_product, pins.cells, found.circumferential_velocity)
+    put_films(real, places.pins_tangent, found.film_thickness, found.circumferential_velocity)
     return found.change
 
 
@@ -587,7 +409,7 @@ def change_with_pin(real, given, system, last):
 
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """State and outputs at the start; `numbers` unused."""
+    """Write state and outputs at the start; `numbers` unused."""
     faults = part(memory, FAULTS_AT)
     faults[0] = 0.0
     given = given_of(memory)
@@ -616,7 +438,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """One step; numbers: its length [s]."""
+    """Take a step; the first of `numbers` is its length [s]."""
     part(memory, FAULTS_AT)[0] = 0.0
     step = numbers[0]
     state = state_of(memory)
@@ -629,7 +451,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 @compiled
 def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Products of the seeds among the variables (Eq. (D7)); `numbers` unused."""
+    """Write the products of the seeds among the variables (Eq. (D7)); `numbers` unused."""
     part(memory, FAULTS_AT)[0] = 0.0
     given = given_of(memory)
     system = system_of(given)
@@ -639,18 +461,14 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         change = change_with_pin(real, given, system, last)
     else:
         change = change_of_tied(real, memory, given, system, last)
-    skirt = places.skirt
-    scatter(real, skirt.thickness_product, skirt.cells, change.film_thickness)
-    scatter(real, skirt.sliding_product, skirt.cells, change.sliding_velocity)
-    products = places.products
-    real[products.lateral_velocity] = change.lateral_velocity
-    real[products.rocking_velocity] = change.rocking_velocity
-    real[products.piston_velocity] = change.piston_velocity
+    put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
+    motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
+    put_each(real, places.motion_product, motion)
     if is_mounted(given):
-        carried = carried_at(real, places.carrier_seed)
+        carried = get_each(real, places.carrier_seed)
         unbalance = settings_of(given).crank_unbalance
         force = force_change(system, unbalance, last, change, carried)
-        put_block_force(real, products, force)
+        put_each(real, places.on_block_product, force)
 
 
 PART = NativePart(

@@ -12,7 +12,10 @@ import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from .dynamics.assembly import mechanism, pin_spin_inertia
+from .dynamics.assembly import (
+    mechanism,
+    pin_spin_inertia,
+)
 from .dynamics.contradictions import Fit, pin_radius
 from .dynamics.gas_on_bore import BoreWall
 from .dynamics.modal_damping import DampingBands, modal_springs
@@ -40,25 +43,8 @@ Settings = namedtuple("Settings", SETTING)
 _, settings_from = packed(Settings)
 
 
-class RingPlaces(NamedTuple):
-    """Force of the rings, or a seed of it."""
-
-    side_force: int
-    axial_force: int
-    moment: int
-
-
-class CarrierPlaces(NamedTuple):
-    """Motion of a mounted block, or a seed of it; of another it lies nowhere."""
-
-    acceleration_x: int
-    acceleration_y: int
-    angular_acceleration: int
-    angular_velocity: int
-
-
 class OutputPlaces(NamedTuple):
-    """Outputs beside `Scalars`; the last five of a mounted block."""
+    """Positions of outputs that are not scalars of a step, and of two that are."""
 
     cylinder_pressure: int
     side_force_demand: int
@@ -66,31 +52,15 @@ class OutputPlaces(NamedTuple):
     modal_velocity: int
     residual_evaluations: int
     jacobian_evaluations: int
-    force_on_block_x: int
-    force_on_block_y: int
-    moment_on_block: int
-    main_bearing_force_x: int
-    main_bearing_force_y: int
     small_end_modal_coordinate: int
     small_end_modal_velocity: int
 
 
-class ProductPlaces(NamedTuple):
-    """Products of derivatives beside those of fields; the last three of a mounted block."""
-
-    lateral_velocity: int
-    rocking_velocity: int
-    piston_velocity: int
-    force_on_block_x: int
-    force_on_block_y: int
-    moment_on_block: int
-
-
 class FieldPlaces(NamedTuple):
-    """Where fields begin, and how many cells they have: arrays over film surfaces.
+    """First positions of the fields of films, and their numbers of cells: arrays over surfaces.
 
-    push, drag : nodal forces, normal and tangential; thickness, sliding : of the film; work_error :
-    its output; .._seed, .._product : of derivatives.
+    push, drag : nodal forces, normal and tangential; work_error : the output of this name. For a
+    tangent the forces are seeds, thickness and sliding are products.
     """
 
     push: Vector
@@ -98,49 +68,37 @@ class FieldPlaces(NamedTuple):
     thickness: Vector
     sliding: Vector
     work_error: Vector
-    push_seed: Vector
-    drag_seed: Vector
-    thickness_product: Vector
-    sliding_product: Vector
     cells: Vector
 
 
 class VariablePlaces(NamedTuple):
-    """Where everything lies among the variables, `NOWHERE` of what there is not.
+    """Positions among the variables, `NOWHERE` if there is none.
 
-    settings, scalars, pin_scalars : of `SETTING`, `Scalars` and `PinScalars`, in their order.
+    settings, scalars, pin_scalars : of `SETTING`, `Scalars` and `PinScalars`, in their order;
+    rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
+    mounted block; motion : of the derivatives `model.MOTION`.
     """
 
     settings: Vector
     scalars: Vector
     pin_scalars: Vector
+    gas_source: int
     gas_pressure: int
     land_pressure: int
     crank_speed: int
-    rings: RingPlaces
-    carrier: CarrierPlaces
-    rings_seed: RingPlaces
-    carrier_seed: CarrierPlaces
+    rings: Vector
+    rings_seed: Vector
+    carrier: Vector
+    carrier_seed: Vector
+    on_block: Vector
+    on_block_product: Vector
+    motion_product: Vector
     outputs: OutputPlaces
-    products: ProductPlaces
     skirt: FieldPlaces
+    skirt_tangent: FieldPlaces
     pins: FieldPlaces
+    pins_tangent: FieldPlaces
 
-
-FIELDS = (
-    "nodal_pressure_force",
-    "nodal_friction_force",
-    "film_thickness",
-    "sliding_velocity",
-    "interface_work_error",
-)
-"""Variables of the first members of `FieldPlaces`; the first two have seeds, the next two products.
-"""
-ON_PIN = {
-    "nodal_friction_force": "nodal_circumferential_force",
-    "sliding_velocity": "circumferential_velocity",
-}
-"""What stands in their place for films of pin and crank."""
 
 # ---- what the rows hold
 

@@ -157,7 +157,7 @@ class Skin:
 
 
 def skins(options: dict[str, Any], folder: Path, progress: Say = print) -> list[Skin]:
-    """Surfaces of the bodies of a build table with their modes, to be drawn.
+    """Return the surfaces of the bodies with their modes, for drawings.
 
     A body of a data sheet is the cylinder that is known of it: the skirt, closed at its top; the
     bore.
@@ -234,7 +234,7 @@ def _skin(name, whole):
 
 
 def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
-    """Stress at some nodes by modal coordinate, from the elements that meet there."""
+    """Return the stress at some nodes by modal coordinate, from the elements around them."""
     if not (len(anatomy.tets) and np.isfinite(anatomy.young) and anatomy.shapes.shape[2]):
         return None
     tets = anatomy.tets[np.isin(anatomy.tets, nodes).any(axis=1)]
@@ -318,7 +318,7 @@ def recover(
 
 
 def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> Radiation:
-    """How the modes of the block of a build table move along the normals of its outer faces.
+    """Return the normal motion of the block's outer faces by mode.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str,
 
 
 def _written(name: str, path: Path, output: Path) -> BodyReport:
-    """Files of one body, and what is to be said about it."""
+    """Write the files of one body, and return its remarks."""
     # slow to import, and runs ask this module too
     from .reduction.mode_pictures import draw_modes, draw_skirt
 

@@ -1,308 +1,41 @@
 """What a case file may say about the bodies: the `[participants.X.build]` table."""
 
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     ValidationError,
     field_validator,
     model_validator,
 )
-from pydantic_core import core_schema
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import sentences, with_meanings
-from ..master.fmi.quantities import in_unit, to_si
-from .finite_elements.regions import Bore, Cylinder, Plane, Region
+from .body_options import (
+    MOST_MODES,
+    STRICT,
+    Angle,
+    AngularSpeed,
+    Block,
+    Count,
+    Density,
+    Frequency,
+    Inertia,
+    Length,
+    Number,
+    Piston,
+    PlacedMesh,
+    Pressure,
+    Surface,
+    Time,
+    missing_keys,
+)
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
-
-Count = Annotated[int, Field(ge=4, le=400)]
-Length = Annotated[float, in_unit("m")]
-Angle = Annotated[float, in_unit("rad")]
-Pressure = Annotated[float, in_unit("Pa")]
-Density = Annotated[float, in_unit("kg/m^3")]
-Stiffness = Annotated[float, in_unit("N/m")]
-Mass = Annotated[float, in_unit("kg")]
-Inertia = Annotated[float, in_unit("kg*m^2")]
-Time = Annotated[float, in_unit("s")]
-AngularSpeed = Annotated[float, in_unit("rad/s")]
-Frequency = Annotated[float, in_unit("Hz")]
-Number = Annotated[float, in_unit("1")]
-
-MOST_MODES = 200
-"""Maximum number of modes of a body."""
-ERROR_RANGE = (1e-4, 0.5)
-"""Range of the expected error that determines the number of modes [-]."""
-
-
-class ModeCount:
-    """Pydantic field: number of modes, or the error that chooses it, as a float."""
-
-    @classmethod
-    def __get_pydantic_core_schema__(
-        cls, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(_mode_count)
-
-    @classmethod
-    def __get_pydantic_json_schema__(
-        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        low, high = ERROR_RANGE
-        number = {"type": "integer", "minimum": 0, "maximum": MOST_MODES}
-        error = {"type": ["number", "string"], "unit": "1", "ge": low, "le": high}
-        return {"anyOf": [number, error]}
-
-
-def _mode_count(value: Any) -> int | float:
-    """Return a number of modes, or a float for an error."""
-    low, high = ERROR_RANGE
-    expected = (
-        f"expected a number of modes from 0 to {MOST_MODES} or an error "
-        f"of {100 * low:g} % to {100 * high:g} %, got {value!r}"
-    )
-    if isinstance(value, str) and value.strip().isdecimal():
-        value = int(value)
-    if isinstance(value, int) and not isinstance(value, bool):
-        if not 0 <= value <= MOST_MODES:
-            raise ValueError(expected)
-        return value
-    try:
-        error = to_si(value, "1")
-    except ValueError:
-        raise ValueError(expected) from None
-    if not low <= error <= high:
-        raise ValueError(expected)
-    return error
-
-
-Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
-STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_meanings)
-
-
-class Surface(BaseModel):
-    """Surface defined by geometry, in the project's axes.
-
-    It is a cylinder about y with its ends, a bore about z, or a plane across y.
-    """
-
-    model_config = STRICT
-    shape: Literal["cylinder", "bore", "plane"]
-    """Cylinder about y with ends, bore about z of any length, or plane across y."""
-    radius: Length | None = None
-    """Radius of a cylinder or bore."""
-    lower: Length | None = None
-    """Lower end of a cylinder."""
-    upper: Length | None = None
-    """Upper end of a cylinder."""
-    height: Length | None = None
-    """Height of a plane."""
-
-    @model_validator(mode="after")
-    def _complete(self):
-        needed = {
-            "cylinder": ("radius", "lower", "upper"),
-            "bore": ("radius",),
-            "plane": ("height",),
-        }
-        for key in needed[self.shape]:
-            if getattr(self, key) is None:
-                raise ValueError(f"{key}: expected a value for a {self.shape}, got nothing")
-        return self
-
-    def region(self) -> Region:
-        """As `mesh.read_mesh` takes it."""
-        given = self.model_dump(exclude={"shape"}, exclude_none=True)
-        regions = {"cylinder": Cylinder, "bore": Bore, "plane": Plane}
-        return regions[self.shape](**given)
-
-
-class RigidPiston(BaseModel):
-    """Data sheet of a rigid piston."""
-
-    model_config = STRICT
-    mass: Annotated[Mass, Field(gt=0)]
-    """Mass without the pin."""
-    centre: tuple[Length, Length]
-    """Centre of mass (x, y), relative to the skirt axis at the height of pin point A."""
-    inertia: Annotated[Inertia, Field(gt=0)]
-    """Moment of inertia about the axis through the centre of mass along the pin."""
-    radius: Annotated[Length, Field(gt=0)]
-    """Radius of the skirt."""
-
-
-class RigidBlock(BaseModel):
-    """Data sheet of a rigid block."""
-
-    model_config = STRICT
-    radius: Annotated[Length, Field(gt=0)]
-    """Radius of the bore."""
-
-
-class Body(BaseModel):
-    """Options of a body.
-
-    `stiffness` and `mass` are matrices of another program (`matrices.read_matrix`). They replace
-    density, young and poisson. `mesh` or a CSV file (`point_cloud.read_nodes`) then gives the nodes
-    and their surfaces. `reduced` is a file of `piston-cosim reduce` (.npz). It replaces mesh,
-    material, basis and modes. `rigid` is a data sheet (`RigidPiston`, `RigidBlock`) that also needs
-    the ends of the surface.
-    """
-
-    ENDS: ClassVar[tuple[str, str]]
-
-    model_config = STRICT
-    mesh: str | None = None
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz). For a body of matrices, also a
-    CSV file of nodes.
-    """
-    reduced: str | None = None
-    """Reduced body, a file of `piston-cosim reduce` (.npz). It replaces mesh, material, basis and
-    modes.
-    """
-    rigid: RigidPiston | RigidBlock | None = None
-    """Data sheet of a rigid body. It replaces the mesh."""
-    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """Length unit of the mesh file, e.g. "1 mm"."""
-    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
-    along the pin.
-    """
-    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Position of the project's origin in the mesh file."""
-    surfaces: dict[str, Surface] = {}
-    """Surfaces defined by geometry, for a mesh file that does not name them."""
-    density: Annotated[Density, Field(ge=500, le=25000)] | None = None
-    """Density of the material."""
-    young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
-    """Young's modulus."""
-    poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
-    """Poisson's ratio."""
-    stiffness: str | None = None
-    """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
-    mass: str | None = None
-    """Mass matrix of another program (.mtx, .pch, .bdf)."""
-    stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
-    """Unit of the stiffness matrix."""
-    mass_unit: Annotated[Mass, Field(gt=0)] | None = None
-    """Unit of the mass matrix."""
-    basis: Literal[
-        "smooth_pressure_modes",
-        "trained",
-        "pressure_modes",
-        "craig_bampton",
-        "characteristic_constraint_modes",
-    ] = "smooth_pressure_modes"
-    """Modes of the reduced body. The default modes are deflections under smooth film pressures.
-    `trained` adds modes from an earlier run.
-    """
-    train_on: str | None = None
-    """Results file of the earlier run for `trained`. It must hold both nodal forces on the same
-    grid.
-    """
-    modes: Annotated[int | float, ModeCount] = 60
-    """Number of modes, or the largest expected relative error of the deflection, e.g. "1 %". 0:
-    rigid. An error requires smooth_pressure_modes or trained. `trained` adds its modes to this
-    number.
-    """
-    symmetric_film: bool = False
-    """Whether the film pressure is its own mirror image about the thrust plane. The smooth pressure
-    modes are then symmetric too, and about half as many are as accurate.
-    """
-    modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
-    """Number of lowest modes from which `modes` are selected by their part in the deflection under
-    smooth pressures. Requires craig_bampton or characteristic_constraint_modes. Default: no
-    selection.
-    """
-    modes_off: list[Annotated[int, Field(ge=1)]] = []
-    """Numbers of the modes to switch off, as in the table of modes."""
-
-    @model_validator(mode="after")
-    def _source(self):
-        sources = (self.mesh, self.reduced, self.rigid)
-        if sum(source is not None for source in sources) != 1:
-            raise ValueError("expected one of mesh, reduced and rigid, got none or several")
-        if self.rigid:
-            self._complete_sheet()
-        if (self.basis == "trained") != (self.train_on is not None):
-            raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
-        if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
-            raise ValueError(
-                f"modes: expected a number of modes with basis = '{self.basis}', got "
-                f"{self.modes:g}; "
-                "an error chooses the modes of 'smooth_pressure_modes' and 'trained'"
-            )
-        if self.modes_from is not None:
-            self._check_selection(self.modes_from)
-        if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
-            what = "a body of matrices"
-            needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
-        else:
-            what = "a mesh"
-            needed = ("density", "young", "poisson")
-        missing = [key for key in needed if getattr(self, key) is None]
-        if self.mesh is not None and missing:
-            raise ValueError(_missing(missing, f"with {what}"))
-        return self
-
-    def _check_selection(self, candidates: int) -> None:
-        """Raise ValueError unless `modes` can be selected from the lowest modes of the basis."""
-        lowest = ("craig_bampton", "characteristic_constraint_modes")
-        if self.basis not in lowest:
-            wanted = " or ".join(map(repr, lowest))
-            raise ValueError(f"modes_from: expected basis = {wanted}, got {self.basis!r}")
-        if candidates < self.modes:
-            raise ValueError(
-                f"modes_from: expected at least modes = {self.modes}, got {candidates}"
-            )
-
-    def most_modes(self) -> int:
-        """Return the largest number of modes that the body can have, before it is reduced."""
-        if self.rigid:
-            return 0
-        known = isinstance(self.modes, int) and self.basis != "trained"
-        return int(self.modes) - len(self.modes_off) if known else MOST_MODES
-
-    def _complete_sheet(self) -> None:
-        """Raise ValueError unless a data sheet has what it needs, and no modes."""
-        missing = [key for key in self.ENDS if getattr(self, key) is None]
-        if missing:
-            raise ValueError(_missing(missing, "for a rigid body"))
-        if "modes" in self.model_fields_set and self.modes:
-            raise ValueError(f"modes: expected 0 for a rigid body, got {self.modes}")
-
-
-class ShapeTable(BaseModel):
-    """Measured shape in a CSV file, see `tables.profile_table`."""
-
-    model_config = STRICT
-    file: str
-    """CSV file. The first row holds angles. Each further row holds a height and its values."""
-    angle_unit: Annotated[Angle, Field(gt=0)]
-    """Unit of the angles."""
-    height_unit: Annotated[Length, Field(gt=0)]
-    """Unit of the heights."""
-    value_unit: Annotated[Length, Field(gt=0)]
-    """Unit of the values."""
-
-
-class Order(BaseModel):
-    """Fourier order of a bore distortion, see `profile.fourier_bore`."""
-
-    model_config = STRICT
-    order: Annotated[int, Field(ge=0, le=40)]
-    """Fourier order: 0 growth, 1 offset of the axis, 2 ovality, 4 four bolts."""
-    amplitude: Length
-    """Amplitude of the radial widening."""
-    phase: Angle = 0.0
-    """Angle of the largest widening, from the pin axis towards the thrust side."""
 
 
 class Table(BaseModel):
@@ -357,89 +90,6 @@ class Speed(Table):
         return self
 
 
-class Piston(Body):
-    """Options of the piston.
-
-    The mesh origin is on the skirt axis at the height of pin point A. Surfaces: `skirt`, `crown`,
-    `pin_bore`.
-    """
-
-    ENDS = ("skirt_lower", "skirt_upper")
-    tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
-    """Connection of the pin bores to pin point A. `rbe2` ties every node, `rbe3` the mean motion of
-    both bores, and `rbe3_per_boss` that of each. It affects the skirt compliance more than the
-    choice of modes.
-    """
-    rigid: RigidPiston | None = None
-    """Data sheet of a rigid piston. It replaces the mesh."""
-
-    skirt_lower: Length | None = None
-    """Lower edge of the skirt above pin point A. Default: that of the surface in the mesh."""
-    skirt_upper: Length | None = None
-    """Upper edge of the skirt above pin point A. Default: that of the surface in the mesh."""
-    pin_offset: Length = 0.0
-    """Offset of pin point A from the skirt axis, positive towards the thrust side. It is at most
-    0.05 skirt radii from the pin bores of the mesh, which do not move. It requires no new
-    reduction.
-    """
-    profiles: list[ShapeTable] = []
-    """Measured gaps that add to barrel and ovality."""
-
-
-class BoreFromOutside(BaseModel):
-    """Grid of a bore whose deflection another participant computes.
-
-    Angles start at the thrust line like those of the film grid. Heights range from bore_lower to
-    bore_upper.
-    """
-
-    model_config = STRICT
-    around: Annotated[int, Field(ge=8, le=400)] = 24
-    """Number of angles."""
-    axial: Annotated[int, Field(ge=8, le=400)] = 24
-    """Number of heights, both ends included."""
-
-
-class Block(Body):
-    """Options of the block.
-
-    The mesh origin is on the bore axis at the height of the crank axis. Surfaces: `bore`, `bolts`.
-    """
-
-    ENDS = ("bore_lower", "bore_upper")
-    tie: Literal["rbe2", "springs"] = "rbe2"
-    """Support of the bolt faces: rigid (rbe2), or springs."""
-    rigid: RigidBlock | None = None
-    """Data sheet of a rigid block. It replaces the mesh."""
-    spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
-    """Stiffness of all springs together in each direction, distributed over all bolt faces."""
-
-    bore_lower: Length | None = None
-    """Lower end of the bore above the crank axis. Default: that of the surface in the mesh."""
-    bore_upper: Length | None = None
-    """Upper end of the bore above the crank axis. Default: that of the surface in the mesh."""
-    stations: Annotated[int, Field(ge=8, le=400)] = 64
-    """Number of heights in the table of bore modes."""
-    bore_from_outside: BoreFromOutside | None = None
-    """Grid of a bore whose deflection another participant computes. It provides bore_deflection and
-    receives force_on_bore and force_on_deck. Requires `rigid` and `mounted = true`.
-    """
-    profiles: list[ShapeTable] = []
-    """Measured widenings of the bore."""
-    orders: list[Order] = []
-    """Fourier orders of the bore distortion."""
-
-    @model_validator(mode="after")
-    def _bore_of_outside(self):
-        if self.bore_from_outside:
-            if not self.rigid:
-                raise ValueError("rigid: expected a table with bore_from_outside, got nothing")
-            if "stations" in self.model_fields_set:
-                raise ValueError("stations: expected nothing with bore_from_outside, got a value")
-            self.stations = self.bore_from_outside.axial
-        return self
-
-
 class Band(BaseModel):
     """Modal damping ratio above a frequency, up to the next band."""
 
@@ -468,24 +118,15 @@ class FilmSurface(BaseModel):
         return rows
 
 
-class SmallEnd(BaseModel):
+class SmallEnd(PlacedMesh):
     """Flexible small end of the rod.
 
     The mesh origin is on its axis at mid-length, with the shank towards -y. Surfaces: eye (the
     bore) and cut, where the rigid rod holds the shank.
     """
 
-    model_config = STRICT
     mesh: str
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
-    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """Length unit of the mesh file, e.g. "1 mm"."""
-    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
-    along the pin.
-    """
-    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Position of the project's origin in the mesh file."""
     surfaces: dict[Literal["eye", "cut"], Surface] = {}
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
     density: Annotated[Density, Field(ge=500, le=25000)]
@@ -559,7 +200,7 @@ class MotionInSpace(BaseModel):
     """Coordinate z of the centre of mass."""
 
     def tensor(self, inertia_z: float) -> np.ndarray:
-        """Tensor of inertia of a data sheet about its centre of mass, (3, 3) [kg m2]."""
+        """Return the tensor of inertia of a data sheet about its centre of mass, (3, 3) [kg m2]."""
         xy, yz, zx = -self.product_xy, -self.product_yz, -self.product_zx
         x, y = self.inertia_x, self.inertia_y
         return np.array([[x, xy, zx], [xy, y, yz], [zx, yz, inertia_z]], dtype=float)
@@ -638,7 +279,7 @@ class Common(BaseModel):
         return self
 
     def crank_films(self) -> dict[str, CrankBearing]:
-        """Those of the crank, by surface."""
+        """Return the films of the crank, by surface."""
         given = {name: getattr(self, name) for name in CRANK_SURFACES}
         return {name: one for name, one in given.items() if one}
 
@@ -758,7 +399,7 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
     missing = [name for name, value in moments.items() if value is None]
     if missing:
         keys = [f"motion_in_space.{name}" for name in missing]
-        return [*faults, _missing(keys, "with a rigid piston")]
+        return [*faults, missing_keys(keys, "with a rigid piston")]
     low, middle, high = np.linalg.eigvalsh(space.tensor(sheet.inertia))
     if low <= 0.0 or high > (1 + 1e-9) * (low + middle):
         faults.append(
@@ -766,11 +407,6 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
             f"others, got {low:.4g}, {middle:.4g}, {high:.4g} kg.m2"
         )
     return faults
-
-
-def _missing(keys: list[str], context: str) -> str:
-    """Return a line about each missing key."""
-    return "\n".join(f"{key}: expected a value {context}, got nothing" for key in keys)
 
 
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:

@@ -13,20 +13,17 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
-from ..master.fmi.quantities import short
+from .body_options import Block, Piston, RigidBlock, RigidPiston
 from .build import (
-    Tables,
     boss_films,
-    crank_bearings,
     eye_film,
-    film_surfaces,
-    floating_pin,
-    in_space_ahead,
+    options_ahead,
     piston_about_pin,
     read_tables,
 )
-from .dynamics.assembly import bore_shape, faults, pin_beam, skirt_gap
-from .dynamics.build_options import BlockOptions, BuildOptions, PistonOptions
+from .dynamics.assembly import faults, pin_beam
+from .dynamics.build_options import BuildOptions
+from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.connections import aspect_ratios
@@ -34,51 +31,27 @@ from .finite_elements.element import jacobian_determinants, quadrature, shape_fu
 from .finite_elements.mesh import Mesh, MeshFault, read_mesh
 from .finite_elements.point_cloud import read_nodes
 from .geometry.grid import cell_centres
-from .geometry.profile import BoreOrder, MeasuredShape
-from .options import Block, Build, Piston, RigidBlock, RigidPiston, read_options
+from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
+from .preview_remarks import (
+    COLD,
+    Sized,
+    narrowest,
+    remarks_on_fit,
+    remarks_on_gas,
+    remarks_on_profiles,
+)
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes
-from .reduction.reduced_body import MeshProperties, ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.small_end import eye_shell, read_small_end
 
-MISFIT = 0.3e-3
-"""Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
-mesh is drawn at the nominal diameter or a few tenths below."""
-LEAST_GAS, HIGH_GAS, IMPOSSIBLE_GAS = 0.05e6, 30e6, 100e6
-"""Highest gas pressures [Pa] below, above and far above those of engines."""
-ABSOLUTE = 0.7e5, 1.3e5
-"""Lowest gas pressure of a table in absolute pressure [Pa]."""
-LARGEST_PROFILE = 1e-3
-"""Deviation of a skirt's profile that is usual [m]."""
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
-COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
-"""Parameters that heat brings."""
 CENTRE_FROM_PIN = "from the pin's axis to the centre of mass: compare, rocking depends on it"
-FEWEST = 3
-"""Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
-
-
-class Sized(NamedTuple):
-    """A body as rigid as a data sheet, and what a mesh says besides.
-
-    Parameters
-    ----------
-    body : ReducedPiston or ReducedBlock
-        Without modes.
-    skirt : ndarray of bool, shape (c, a), or None
-        Cells of the film grid with the skirt under them, where that is known.
-    mesh : Mesh, optional
-        None without one.
-    """
-
-    body: Any
-    skirt: np.ndarray | None = None
-    mesh: Mesh | None = None
 
 
 class Eye(NamedTuple):
@@ -129,7 +102,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     block = _tried(_block, build, wrong, remarks)
     if piston is None or block is None:
         return Preview(faults=wrong)
-    prepared = _prepared(build, tables)
+    prepared = options_ahead(build, tables)
     axis = _axis(prepared, given, build)
     eye = _eye(build, wrong, remarks)
     if None not in parameters.values():
@@ -147,11 +120,11 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     ]
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
-        remarks += _remarks_on_gas(tables.gas.pressure)
+        remarks += remarks_on_gas(tables.gas.pressure)
     shapes = _shapes(prepared, piston, block, chosen)
     figures += _of_film(build, shapes)
-    remarks += _remarks_on_profiles(tables.skirt, piston.body)
-    remarks += _remarks(build, piston, block, chosen, shapes)
+    remarks += remarks_on_profiles(tables.skirt, piston.body)
+    remarks += remarks_on_fit(build, piston, block, chosen, shapes)
     return Preview(figures, wrong, remarks, lambda path: draw_shapes(shapes, path))
 
 
@@ -233,7 +206,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
 
 
 def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Angles and heights of the film grid's cells, and the skirt's edges."""
+    """Return angles and heights of the film grid's cells, and the skirt's edges."""
     options = build.piston
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     angle, height = cell_centres(*build.grid, lower, upper)
@@ -277,7 +250,7 @@ def _refuse(found: list[str], options: Piston | Block) -> None:
 
 
 def mass_properties(mesh: Mesh, density: float) -> MassProperties:
-    """Mass, its centre and moment of inertia of a mesh, element by element.
+    """Return mass, centre and moment of inertia of a mesh, element by element.
 
     Eq. (M13):  m = rho sum_e int dV,   m c = rho sum_e int r dV
                 I_zz = rho sum_e int (x^2 + y^2) dV - m (c_x^2 + c_y^2)
@@ -299,22 +272,6 @@ def mass_properties(mesh: Mesh, density: float) -> MassProperties:
     about_origin = density * (volume * (x**2 + y**2)).sum()
     inertia = about_origin - mass * (centre[0] ** 2 + centre[1] ** 2)
     return MassProperties(float(mass), centre, float(inertia))
-
-
-def _prepared(build: Build, tables: Tables) -> BuildOptions:
-    """Build options as the FMU will have them, but for the bodies."""
-    orders = tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders)
-    return BuildOptions(
-        grid=build.grid,
-        piston=PistonOptions("", 0, build.piston.pin_offset, tables.skirt),
-        block=BlockOptions("", 0, orders, tables.bore),
-        gas=tables.gas,
-        speed=tables.speed,
-        surfaces=film_surfaces(build),
-        floating_pin=floating_pin(build),
-        crank_bearings=crank_bearings(build),
-        in_space=in_space_ahead(build),
-    )
 
 
 def _of_piston(build: Build, piston: Sized) -> list[Figure]:
@@ -340,7 +297,7 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
 
 
 def _of_mesh(part: str, sized: Sized) -> list[Figure]:
-    """Quality of a body's mesh, if it has tetrahedra."""
+    """Return figures on the quality of a body's mesh, if it has tetrahedra."""
     if sized.mesh is None or not len(sized.mesh.tets):
         return []
     ratios = aspect_ratios(sized.mesh.points, sized.mesh.tets)
@@ -351,7 +308,7 @@ def _of_mesh(part: str, sized: Sized) -> list[Figure]:
 
 
 def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
-    """Lengths of several film surfaces."""
+    """Return the lengths of several film surfaces."""
     _, along = prepared.grid
     row = (piston.body.skirt_upper - piston.body.skirt_lower) / along
     return [
@@ -361,7 +318,7 @@ def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
 
 
 def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[Figure]:
-    """Lengths and radius of the surfaces of a floating pin."""
+    """Return lengths and radius of the surfaces of a floating pin."""
     pin = prepared.floating_pin
     if pin is None:
         return []
@@ -373,7 +330,7 @@ def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[F
 
 
 def _of_crank(prepared: BuildOptions, given: dict[str, Any]) -> list[Figure]:
-    """Lengths and radii of the crank's film surfaces."""
+    """Return lengths and radii of the crank's film surfaces."""
     figures = []
     for one in prepared.crank_bearings:
         radius = f"{one.name}_radius"
@@ -459,7 +416,7 @@ class Stroke(NamedTuple):
 
 
 def stroke_of(pin_offset: float, chosen: Parameters) -> Stroke:
-    """Where A turns round.
+    """Return the lowest and highest position of A.
 
     Eq. (K10):  Y = sqrt((L +- r)^2 - e^2)      e = pin offset - crank offset
 
@@ -474,7 +431,7 @@ def stroke_of(pin_offset: float, chosen: Parameters) -> Stroke:
 
 
 def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Parameters) -> Shapes:
-    """Skirt and bore, cold and hot, on the film grid and along the bore."""
+    """Return skirt and bore, cold and hot, on the film grid and along the bore."""
     body = piston.body
     angle, height = cell_centres(*prepared.grid, body.skirt_lower, body.skirt_upper)
     cold = replace(chosen, **dict.fromkeys(COLD, 0.0))
@@ -495,7 +452,7 @@ def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Paramet
 
 
 def _with_a_film(prepared: BuildOptions, piston: Sized) -> np.ndarray:
-    """Cells of the film grid on a film surface and with the skirt under them."""
+    """Return the cells of the film grid on a film surface and with the skirt under them."""
     film = np.zeros(prepared.grid, dtype=bool)
     for one in prepared.film_surfaces():
         film[:, one.first : one.last] = True
@@ -503,24 +460,8 @@ def _with_a_film(prepared: BuildOptions, piston: Sized) -> np.ndarray:
 
 
 def _places(prepared: BuildOptions, chosen: Parameters) -> np.ndarray:
-    """Heights of A along the stroke, bottom to top [m]."""
+    """Return the heights of A along the stroke, bottom to top [m]."""
     return np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS)
-
-
-class Narrowest(NamedTuple):
-    """Smallest clearance of the concentric piston [m], at theta [deg] and y' [m]."""
-
-    gap: float
-    angle: float
-    height: float
-
-
-def narrowest(shapes: Shapes, hot: bool) -> Narrowest:
-    """Return the smallest clearance of the concentric, undeformed piston where there is a film."""
-    gap = np.where(shapes.film, shapes.clearance(hot), np.inf)
-    i, j = np.unravel_index(gap.argmin(), gap.shape)
-    degrees = float(np.degrees(shapes.angle[i])) % 360.0
-    return Narrowest(float(gap[i, j]), degrees, float(shapes.height[j]))
 
 
 def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
@@ -535,89 +476,3 @@ def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
         where = f"narrowest, at {least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
         figures.append(Figure("clearance", name, least.gap, "m", where))
     return figures
-
-
-def _remarks(
-    build: Build, piston: Sized, block: Sized, chosen: Parameters, shapes: Shapes
-) -> list[str]:
-    """Return remarks on clearance, heat and profile."""
-    out = []
-    fit = block.body.radius - piston.body.radius
-    if abs(fit - chosen.radial_clearance) > MISFIT:
-        out.append(
-            f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius "
-            f"is {_um(fit)}: the film goes by radial_clearance"
-        )
-    least = narrowest(shapes, hot=True)
-    if least.gap <= 0.0:
-        out.append(
-            f"the skirt is wider than the bore by {_um(-least.gap)} when hot, at "
-            f"{least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
-        )
-    if not any(getattr(chosen, name) for name in COLD):
-        out.append(f"no thermal growth given ({', '.join(COLD)}): hot is as cold")
-    if build.piston.profiles and (chosen.barrel or chosen.ovality):
-        out.append(
-            f"barrel = {_um(chosen.barrel)} and ovality = {_um(chosen.ovality)} "
-            "are added to the measured profile; set them to 0 if it holds them"
-        )
-    if not build.piston.profiles and not chosen.barrel:
-        out.append(f"barrel = {_um(0.0)}: a straight skirt carries on its edges")
-    return out + _thin_openings(shapes.film)
-
-
-def _remarks_on_gas(pressure: np.ndarray) -> list[str]:
-    """Return remarks on a gas pressure that is unusual, as from a wrong unit."""
-    low, high = float(pressure.min()), float(pressure.max())
-    told = f"highest gas pressure = {short(high, 'Pa')}"
-    if high > IMPOSSIBLE_GAS or high < LEAST_GAS:
-        return [f"{told}: check pressure_unit"]
-    out = [f"{told}: engines have less than 30 MPa"] if high > HIGH_GAS else []
-    if ABSOLUTE[0] < low < ABSOLUTE[1]:
-        out.append(
-            f"lowest gas pressure = {short(low, 'Pa')}: the table seems absolute; "
-            "expected gauge pressure, about 0 in the exhaust"
-        )
-    return out
-
-
-def _remarks_on_profiles(profiles: Sequence[MeasuredShape], piston: ReducedPiston) -> list[str]:
-    """Return remarks on measured profiles that are too large or do not cover the skirt."""
-    out = []
-    for shape in profiles:
-        largest = float(np.abs(shape.value).max())
-        if largest > LARGEST_PROFILE:
-            out.append(f"profile of {_um(largest)}: expected less than 1 mm; check its unit")
-        low, high = float(shape.height.min()), float(shape.height.max())
-        slack = (piston.skirt_upper - piston.skirt_lower) / 100
-        if low > piston.skirt_lower + slack or high < piston.skirt_upper - slack:
-            out.append(
-                f"profile from {1e3 * low:.4g} to {1e3 * high:.4g} mm does not cover the skirt, "
-                f"{1e3 * piston.skirt_lower:.4g} to {1e3 * piston.skirt_upper:.4g} mm"
-            )
-    return out
-
-
-def _um(length: float) -> str:
-    """Return a length [m] as text."""
-    return f"{1e6 * length:.4g} \N{MICRO SIGN}m"
-
-
-def _thin_openings(film: np.ndarray) -> list[str]:
-    """Return a remark if the openings in the skirt are few cells wide."""
-    widest = max((run for line in film.T for run in _runs(~line)), default=FEWEST)
-    if widest >= FEWEST:
-        return []
-    return [
-        f"openings in the skirt are {widest} cells wide: their edges lie within half a cell; a "
-        f"finer grid than {' x '.join(map(str, film.shape))} tells what that is worth"
-    ]
-
-
-def _runs(flags: np.ndarray) -> list[int]:
-    """Lengths of the runs of true values on a ring."""
-    if flags.all() or not flags.any():
-        return []
-    turned = np.roll(flags, -int(np.argmin(flags)))  # begins with a false one
-    edges = np.flatnonzero(np.diff(np.concatenate([turned, [False]]).astype(int)))
-    return [int(end - begin) for begin, end in zip(edges[::2], edges[1::2])]

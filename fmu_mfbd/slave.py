@@ -1,8 +1,8 @@
 """The body FMU: a table of variables and a step."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
@@ -11,13 +11,7 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import (
-    assemble,
-    assemble_floating,
-    assemble_in_space,
-    faults,
-    load_bodies,
-)
+from .dynamics.assembly import assemble, assemble_floating, assemble_in_space, faults, load_bodies
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
@@ -41,20 +35,11 @@ from .dynamics.pin_model import PistonOnFloatingPin
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
+from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
-FORCES = ("nodal_pressure_force", "nodal_friction_force")
-ON_PIN = ("nodal_pressure_force", "nodal_circumferential_force")
-OF_PIN = ("film_thickness", "circumferential_velocity")
-BLOCK = (
-    "block_acceleration_x",
-    "block_acceleration_y",
-    "block_angular_acceleration",
-    "block_angular_velocity",
-)
-"""Motion of a mounted block, as `Carrier` has it."""
+Kind = TypeVar("Kind")
 BORE = "bore_deflection"
 """Of a bore that deflects from outside."""
-RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
 
 
 class Mfbd(FieldSlave):
@@ -69,35 +54,35 @@ class Mfbd(FieldSlave):
 
     @cached_property
     def built(self) -> BuildOptions:
-        """What build.json says."""
+        """Return the content of build.json."""
         return BuildOptions.from_json(self.options)
 
     @cached_property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Forces of all films, and of the rings; the motion of a mounted block."""
+        """Return the names of forces of films and rings, and of the motion of a mounted block."""
         block = BLOCK if self.built.mounted else ()
         bore = (BORE,) if self.built.block.bore_from_outside else ()
-        return (*self._of_films(FORCES), *self._of_pins(ON_PIN), *RINGS, *block, *bore)
+        return (*self._of_films(FORCES), *self._of_pins(PIN_FORCES), *RINGS, *block, *bore)
 
     @cached_property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Fields of all films, and the piston's motion; forces on a mounted block."""
-        skirt = self._of_films(("film_thickness", "sliding_velocity"))
+        """Return the names of fields of films, of motion and of forces on a mounted block."""
+        skirt = self._of_films(FILM)
         block = ON_BLOCK if self.built.mounted else ()
         bore = ON_FLEXIBLE_BLOCK if self.built.block.bore_from_outside else ()
-        return (*skirt, *self._of_pins(OF_PIN), *MOTION, *block, *bore)
+        return (*skirt, *self._of_pins(PIN_FILM), *MOTION, *block, *bore)
 
     @cached_property
     def force_fields(self) -> dict[str, list[str]]:
-        """Variables of all film surfaces of the skirt, by each of `FORCES`."""
+        """Return the variables of all film surfaces of the skirt, by each of `FORCES`."""
         return {name: self._of_films((name,)) for name in FORCES}
 
     def _of_films(self, names: tuple[str, ...]) -> list[str]:
-        """Variables of these names of all film surfaces of the skirt."""
+        """Return the variables of these names of all film surfaces of the skirt."""
         return [f"{film.prefix}{name}" for film in self.built.film_grids() for name in names]
 
     def _of_pins(self, names: tuple[str, ...]) -> list[str]:
-        """Variables of these names of all films of a floating pin."""
+        """Return the variables of these names of all films of a floating pin."""
         return [f"{film.prefix}{name}" for film in self.built.pin_grids() for name in names]
 
     @staticmethod
@@ -114,28 +99,28 @@ class Mfbd(FieldSlave):
         self._gas_told = False
         if options.gas and values["gas_source"] == "input":
             options = replace(options, gas=None)
-        parameters = Parameters(**{one.name: values[one.name] for one in fields(Parameters)})
+        parameters = _taken(Parameters, values)
         piston, block, bosses, eye = load_bodies(self.resources, options)
         pin = options.floating_pin
         axis = None
         crank = {
-            name: kind(**{one.name: values[one.name] for one in fields(kind)})
+            name: _taken(kind, values)
             for name, kind in CRANK_PARAMETERS.items()
             if name in options.crank_surfaces()
         }
         if pin and pin.pin_shapes:
-            axis = AxisParameters(**{one.name: values[one.name] for one in fields(AxisParameters)})
+            axis = _taken(AxisParameters, values)
         radius = eye.eye_radius if eye else 0.0
         wrong = faults(piston, block, options, parameters, bosses, axis, radius)
         if wrong:
             raise BadInput(wrong)
         if pin:
-            own = PinParameters(**{one.name: values[one.name] for one in fields(PinParameters)})
+            own = _taken(PinParameters, values)
             self.model = assemble_floating(
                 piston, block, options, parameters, own, bosses, axis, crank, small_end=eye
             )
         elif options.in_space:
-            own = SpaceParameters(**{one.name: values[one.name] for one in fields(SpaceParameters)})
+            own = _taken(SpaceParameters, values)
             self.model = assemble_in_space(piston, block, options, parameters, own)
         else:
             self.model = assemble(piston, block, options, parameters)
@@ -172,7 +157,7 @@ class Mfbd(FieldSlave):
     def _begin(
         self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]
     ) -> tuple[PistonState, dict[str, Any]]:
-        """State and outputs at the start."""
+        """Return state and outputs at the start."""
         begin = self.built.start
         if not begin:
             return model.start(
@@ -190,7 +175,7 @@ class Mfbd(FieldSlave):
     def advance(
         self, state: PistonState, values: dict[str, Any], time: float, step: float
     ) -> tuple[PistonState, dict[str, Any]]:
-        """One step; returns (state, outputs)."""
+        """Take a step; returns (state, outputs)."""
         self._tell_of_gas(values)
         try:
             return self.model.advance(state, self._inputs(values), step)
@@ -198,7 +183,7 @@ class Mfbd(FieldSlave):
             raise Discard(str(error)) from None
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:
-        """Product of the step map's derivative with the seed fields."""
+        """Return the product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)
         rings = _rings(seeds)
         if isinstance(self.model, PistonOnFloatingPin):
@@ -230,7 +215,7 @@ class Mfbd(FieldSlave):
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
         """Return the forces of the films of a floating pin."""
         return tuple(
-            PinForces(*(values[f"{film.prefix}{name}"] for name in ON_PIN))
+            PinForces(*(values[f"{film.prefix}{name}"] for name in PIN_FORCES))
             for film in self.built.pin_grids()
         )
 
@@ -239,8 +224,13 @@ class Mfbd(FieldSlave):
         return np.concatenate([values[field].ravel() for field in self.force_fields[name]])
 
 
+def _taken(kind: type[Kind], values: dict[str, Any]) -> Kind:
+    """Return the parameters of a class."""
+    return kind(**{name: values[name] for name in vars(kind())})
+
+
 def _deflection(values: dict[str, Any]) -> np.ndarray:
-    """Of a bore from outside [m], (0, 0) of another."""
+    """Return the deflection of a bore from outside [m], (0, 0) for another bore."""
     return np.asarray(values.get(BORE, np.zeros((0, 0))))
 
 

@@ -5,6 +5,7 @@ from math import pi
 from typing import Any, get_type_hints
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
+from .dynamics.block_force import BlockForce
 from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
 from .dynamics.drive import Scalars
 from .dynamics.parameters import (
@@ -15,12 +16,28 @@ from .dynamics.parameters import (
     SpaceParameters,
 )
 from .dynamics.pin_instant import PinScalars
+from .dynamics.space_model import SpaceScalars
 
 Rows = tuple[tuple[Any, ...], ...]
 """Name, unit, description and numbers of variables, as `input_variable` and `output_variable` take
 them.
 """
 
+FORCES = ("nodal_pressure_force", "nodal_friction_force")
+FILM = ("film_thickness", "sliding_velocity")
+"""Forces and motion of a film of the skirt whose derivatives are known."""
+PIN_FORCES = ("nodal_pressure_force", "nodal_circumferential_force")
+PIN_FILM = ("film_thickness", "circumferential_velocity")
+"""The same of a film of pin or crank."""
+RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
+"""Forces of the rings, as `RingForce`."""
+BLOCK = (
+    "block_acceleration_x",
+    "block_acceleration_y",
+    "block_angular_acceleration",
+    "block_angular_velocity",
+)
+"""Motion of a mounted block, as `Carrier`."""
 SKIRT_INPUTS: Rows = (
     (
         "nodal_pressure_force",
@@ -72,13 +89,7 @@ OTHER_INPUTS: Rows = (
         1e6,
     ),
     ("land_pressure", "Pa", "Gauge pressure on the bore between the rings", 0.0, 1e5),
-    (
-        "ring_side_force",
-        "N",
-        "Force of the rings on the piston towards the thrust side",
-        0.0,
-        1e2,
-    ),
+    ("ring_side_force", "N", "Force of the rings on the piston towards the thrust side", 0.0, 1e2),
     (
         "ring_axial_force",
         "N",
@@ -105,12 +116,7 @@ SKIRT_OUTPUTS: Rows = (
     ("sliding_velocity", "m/s", "Axial velocity of the skirt relative to the bore", 1.0),
 )
 PIN_OUTPUTS: Rows = (
-    (
-        "film_thickness",
-        "m",
-        "Radial distance from pin to shell; negative where they overlap",
-        1e-5,
-    ),
+    ("film_thickness", "m", "Radial distance from pin to shell; negative where they overlap", 1e-5),
     ("sliding_velocity", "m/s", "Axial velocity of the pin relative to the shell; always 0", 1.0),
     (
         "circumferential_velocity",
@@ -157,11 +163,11 @@ def signals(options: BuildOptions) -> list[Variable]:
     if pin and pin.small_end_modes:
         answers = answers + eye_outputs(pin.small_end_modes)
     if options.mounted:
-        acting, answers = acting + block_inputs(), answers + block_outputs()
+        acting, answers = acting + block_inputs(), answers + declared(BlockForce)
     if outside := options.block.bore_from_outside:
         acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:
-        answers = answers + space_outputs()
+        answers = answers + declared(SpaceScalars)
     kinds: list[type] = [PinParameters] * bool(pins) + [AxisParameters] * bool(
         pin and pin.pin_shapes
     )
@@ -260,36 +266,6 @@ def block_inputs() -> list[Variable]:
     ]
 
 
-def block_outputs() -> list[Variable]:
-    """Return the forces of the cylinder on a mounted block."""
-    return [
-        output_variable(
-            "force_on_block_x",
-            "N",
-            "Force of bore, deck and main bearings on the block along x",
-            1e3,
-        ),
-        output_variable(
-            "force_on_block_y",
-            "N",
-            "Force of bore, deck and main bearings on the block along y",
-            1e3,
-        ),
-        output_variable(
-            "moment_on_block",
-            "N.m",
-            "Moment of bore and deck on the block about the crank axis",
-            1e2,
-        ),
-        output_variable(
-            "main_bearing_force_x", "N", "Force of the crank on its main bearings along x", 1e3
-        ),
-        output_variable(
-            "main_bearing_force_y", "N", "Force of the crank on its main bearings along y", 1e3
-        ),
-    ]
-
-
 def eye_outputs(modes: int) -> list[Variable]:
     """Return the modal motion of a flexible small end."""
     return [
@@ -333,36 +309,6 @@ def bore_outputs(grid: BoreGrid) -> list[Variable]:
             tuple(grid),
         ),
         output_variable("force_on_deck", "N", "Force of the gas on the deck along y", 1e3),
-    ]
-
-
-def space_outputs() -> list[Variable]:
-    """Return the motion of a piston out of the plane of the crank, and its supports."""
-    return [
-        output_variable(
-            "pin_axis_displacement", "m", "Displacement of pin point A along the pin, +z", 1e-5
-        ),
-        output_variable(
-            "roll_angle",
-            "rad",
-            "Rotation of the piston about +x, including the constant pin_tilt",
-            1e-3,
-        ),
-        output_variable("yaw_angle", "rad", "Rotation of the piston about +y", 1e-3),
-        output_variable("pin_axis_velocity", "m/s", "Velocity of pin point A along the pin", 1e-2),
-        output_variable("roll_velocity", "rad/s", "Angular velocity of the piston about +x", 1.0),
-        output_variable("yaw_velocity", "rad/s", "Angular velocity of the piston about +y", 1.0),
-        output_variable(
-            "pin_axis_side_force",
-            "N",
-            "Force of the piston on the bore through the film along +z",
-            1e2,
-        ),
-        output_variable(
-            "rod_force_z", "N", "Force of the rod on the pin along z, from stop and damper", 10.0
-        ),
-        output_variable("rod_moment_x", "N.m", "Moment of the small end on the pin about +x", 1.0),
-        output_variable("rod_moment_y", "N.m", "Moment of the small end on the pin about +y", 1.0),
     ]
 
 

@@ -9,20 +9,10 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import none_yet, sentences_of
-from ..geometry.film import BoreSplines, FilmSurface, Skirt, bore_splines
-from ..geometry.grid import cell_centres, film_rows
-from ..geometry.modal_field import modal_field
+from ..geometry.film import FilmSurface
+from ..geometry.grid import film_rows
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import STRAIGHT, Beam, HollowPin, free_beam
-from ..geometry.profile import (
-    MeasuredShape,
-    barrel,
-    fourier_bore,
-    linear_growth,
-    ovality,
-    table_shape,
-    tilt_about_x,
-)
 from ..geometry.surfaces import in_block, with_room
 from ..reduction.reduced_body import (
     ReducedBlock,
@@ -30,16 +20,10 @@ from ..reduction.reduced_body import (
     ReducedPiston,
     ReducedSmallEnd,
     load,
-    mode_classes,
 )
 from .bore_from_outside import outside_bore
-from .build_options import (
-    BlockOptions,
-    BuildOptions,
-    CrankBearing,
-    FloatingPin,
-    PistonOptions,
-)
+from .build_options import BuildOptions, CrankBearing, FloatingPin
+from .clearance import surfaces
 from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
@@ -223,7 +207,7 @@ def pin_surfaces(
     bosses: ReducedBosses | None,
     small_end: ReducedSmallEnd | None,
 ) -> tuple[PinSurface, ...]:
-    """Films of a pin of a radius [m] that stays parallel to its shells, and those of the crank."""
+    """Return the films of a pin that stays parallel to its shells, and those of the crank."""
     clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
     shells: list[ShellModes | None] = [None, None]
     if bosses:
@@ -255,7 +239,7 @@ def with_shapes(
 
 @compilable
 def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
-    """Of a pin about its axis [kg m2]: what is given, else that of a solid cylinder."""
+    """Return the inertia of a pin about its axis [kg m2]; default: solid cylinder."""
     return given if given > 0.0 else mass * radius**2 / 2
 
 
@@ -269,7 +253,7 @@ def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParame
 
 
 def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface:
-    """Film surface of the crank."""
+    """Return the film surface of the crank."""
     own = crank[bearing.name]
     radius, clearance = (getattr(own, f"{bearing.name}_{size}") for size in ("radius", "clearance"))
     return pin_surface(radius, clearance, bearing.grid)
@@ -291,7 +275,7 @@ def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray
 
 
 def pin_span(pin: FloatingPin, bosses: ReducedBosses | None) -> float:
-    """Least length of a pin that reaches through all its films [m]."""
+    """Return the least length of a pin that reaches through all its films [m]."""
     _, along = pin.grid
     lengths = pin.lengths().values()
     rows = pin_rows(pin, bosses)
@@ -334,9 +318,7 @@ def assemble_in_space(
     planar = assemble(piston, block, options, parameters)
     S_x, S_y = piston.S
     body = SpaceBody(
-        piston.mass,
-        np.array([S_x, S_y, options.in_space.first_moment_z]),
-        options.in_space.inertia,
+        piston.mass, np.array([S_x, S_y, options.in_space.first_moment_z]), options.in_space.inertia
     )
     radius = pin_radius(piston.radius, parameters)
     length = PIN_LENGTH * piston.radius
@@ -429,10 +411,7 @@ def fit_of(
 
 
 def body_faults(
-    piston: ReducedPiston,
-    block: ReducedBlock,
-    options: BuildOptions,
-    bosses: ReducedBosses | None,
+    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, bosses: ReducedBosses | None
 ) -> list[str]:
     """Return sentences about reduced bodies that do not fit each other or the pin."""
     out = []
@@ -457,7 +436,7 @@ def axis_faults(
     bosses: ReducedBosses | None,
     axis: AxisParameters,
 ) -> list[str]:
-    """Sentences about a pin that cannot be as its parameters say."""
+    """Return sentences about a pin whose parameters contradict each other."""
     out = []
     radius = pin_radius(piston.radius, parameters)
     if axis.pin_bore_radius >= radius:
@@ -503,13 +482,13 @@ def parted_piston(
 
 
 def _moving(body: ReducedPiston | ReducedBlock, parameters: Parameters) -> int:
-    """How many modes have inertia of their own."""
+    """Return the number of modes that have inertia."""
     return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
 
 
 @compilable
 def mechanism(skirt_radius: float, pin_offset: float, parameters: Parameters) -> Mechanism:
-    """Crank, rod and pin."""
+    """Return crank, rod and pin."""
     friction = PinFriction(
         lever=parameters.pin_friction_coefficient * pin_radius(skirt_radius, parameters),
         speed=parameters.pin_friction_speed,
@@ -525,99 +504,3 @@ def mechanism(skirt_radius: float, pin_offset: float, parameters: Parameters) ->
         pin_mass=parameters.pin_mass,
         friction=friction,
     )
-
-
-def surfaces(
-    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
-) -> tuple[FilmSurface, ...]:
-    """All film surfaces, from below: bands of one skirt in one bore."""
-    angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
-    gap = skirt_gap(piston, angle, height, options.piston, parameters)
-    classes = mode_classes(piston)
-    grid = (len(angle), len(height), len(piston.omega))
-    radial = piston.radial.reshape(grid)
-    axial = piston.axial.reshape(grid)
-    one_bore = bore(block, angle, options.block, parameters)
-    bands = [slice(one.first, one.last) for one in options.film_surfaces()]
-    return tuple(
-        FilmSurface(
-            Skirt(
-                angle,
-                height[rows],
-                np.ascontiguousarray(gap[:, rows]),
-                block.radius,
-                options.piston.pin_offset,
-                modal_field(radial[:, rows], classes),
-                modal_field(axial[:, rows], classes),
-            ),
-            one_bore,
-        )
-        for rows in bands
-    )
-
-
-def skirt_gap(
-    piston: ReducedPiston,
-    angle: np.ndarray,
-    height: np.ndarray,
-    options: PistonOptions,
-    parameters: Parameters,
-) -> np.ndarray:
-    """Return the film thickness around the concentric, undeformed piston, (c, a) [m].
-
-    It is the sum of clearance, machined profile, heat, tilt and measured shapes.
-    """
-    gap = machined_gap(angle[:, None], height, piston.skirt_lower, piston.skirt_upper, parameters)
-    return gap + measured(options.profiles, angle, height)
-
-
-@compilable
-def machined_gap(angle, height, lower, upper, parameters):
-    """Return the part of `skirt_gap` that is not measured.
-
-    Angles are (c, 1) [rad], and heights between the skirt's edges (a,) [m].
-    """
-    gap = parameters.radial_clearance + barrel(height, lower, upper, parameters.barrel)
-    gap = gap + ovality(angle, parameters.ovality)
-    gap = gap - linear_growth(
-        height, lower, upper, parameters.skirt_growth_lower, parameters.skirt_growth_upper
-    )
-    return gap + tilt_about_x(angle, height, parameters.pin_tilt)
-
-
-def measured(
-    profiles: Sequence[MeasuredShape], angle: np.ndarray, height: np.ndarray
-) -> np.ndarray | int:
-    """Sum of measured shapes, (c, a) [m], 0 where there are none."""
-    return sum(table_shape(table, angle, height) for table in profiles)
-
-
-def bore(
-    block: ReducedBlock, angle: np.ndarray, options: BlockOptions, parameters: Parameters
-) -> BoreSplines:
-    """Bore side of the film at the grid's angles (c,) [rad]."""
-    return bore_splines(
-        block.heights,
-        block.radial,
-        block.axial,
-        mode_classes(block),
-        bore_shape(block.heights, angle, options, parameters),
-    )
-
-
-def bore_shape(
-    heights: np.ndarray, angle: np.ndarray, options: BlockOptions, parameters: Parameters
-) -> np.ndarray:
-    """Return the widening of the undeformed bore on the table of its modes, (c, s) [m].
-
-    It is the sum of Fourier orders, heat and measured shapes.
-    """
-    orders = fourier_bore(options.orders, angle)[:, None]
-    heat = linear_growth(
-        heights,
-        heights[0],
-        heights[-1],
-        parameters.bore_growth_lower,
-        parameters.bore_growth_upper,
-    )
-    return orders + heat + measured(options.profiles, angle, heights)

@@ -5,7 +5,7 @@ outside the block and turns the crank without a force. What is left is the inert
 parts.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -20,23 +20,23 @@ from .system import System
 
 
 class BlockForce(NamedTuple):
-    """Forces on the block in its axes.
+    """Forces on the block in its axes, declared as `drive.Scalars`."""
 
-    Parameters
-    ----------
-    x, y : float
-        Of bore, deck and main bearings [N].
-    moment : float
-        Of bore and deck about the crank axis, about +z [N m].
-    bearing_x, bearing_y : float
-        Of the crank on its main bearings alone [N].
-    """
-
-    x: float
-    y: float
-    moment: float
-    bearing_x: float
-    bearing_y: float
+    force_on_block_x: Annotated[
+        float, "N", "Force of bore, deck and main bearings on the block along x", 1e3
+    ]
+    force_on_block_y: Annotated[
+        float, "N", "Force of bore, deck and main bearings on the block along y", 1e3
+    ]
+    moment_on_block: Annotated[
+        float, "N.m", "Moment of bore and deck on the block about the crank axis", 1e2
+    ]
+    main_bearing_force_x: Annotated[
+        float, "N", "Force of the crank on its main bearings along x", 1e3
+    ]
+    main_bearing_force_y: Annotated[
+        float, "N", "Force of the crank on its main bearings along y", 1e3
+    ]
 
 
 @compiled
@@ -166,7 +166,7 @@ def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
 def force_change(
     system: System, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
 ) -> BlockForce:
-    """Change of the forces on the block.
+    """Return the change of the forces on the block.
 
     Eq. (D20):  (F(s) - F(-s))/(2 s),   F of Eq. (D25) along the change of loads, accelerations
                 and the block's motion, s such that accelerations change by 1 m/s2 at most:
@@ -193,11 +193,11 @@ def force_change(
     down = force_at(system, crank_unbalance, behind)
     # Eq. (D20)
     return BlockForce(
-        (up.x - down.x) * size / 2,
-        (up.y - down.y) * size / 2,
-        (up.moment - down.moment) * size / 2,
-        (up.bearing_x - down.bearing_x) * size / 2,
-        (up.bearing_y - down.bearing_y) * size / 2,
+        (up.force_on_block_x - down.force_on_block_x) * size / 2,
+        (up.force_on_block_y - down.force_on_block_y) * size / 2,
+        (up.moment_on_block - down.moment_on_block) * size / 2,
+        (up.main_bearing_force_x - down.main_bearing_force_x) * size / 2,
+        (up.main_bearing_force_y - down.main_bearing_force_y) * size / 2,
     )
 
 

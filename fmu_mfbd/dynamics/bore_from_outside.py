@@ -40,7 +40,7 @@ class OutsideBore(NamedTuple):
     wall: BoreWall
 
     def knots(self, field: np.ndarray) -> np.ndarray:
-        """Spline coefficients at the angles of the film grid, (s + 2, c).
+        """Return the spline coefficients at the angles of the film grid, (s + 2, c).
 
         Eq. (H20):  w(theta_i, y) = sum_k b_k(y) (A_y W^T A_theta^T)_ki    b_k of Eq. (H5)
         """
@@ -57,7 +57,7 @@ class OutsideBore(NamedTuple):
 def outside_bore(
     shape: tuple[int, int], film_angles: int, heights: np.ndarray, radius: float, rings: BoreWall
 ) -> OutsideBore:
-    """How a bore's field is read.
+    """Return the rules by which a bore's field is read.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def seen(
 def film_on_bore(
     bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, pressure_force: np.ndarray
 ) -> np.ndarray:
-    """Radial forces of all films on the bore's grid, (n, s) [N], outwards: the transpose of `seen`.
+    """Return the radial forces of all films on the bore's grid, (n, s) [N], outwards.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def film_on_bore(
 
 
 def gas_on_wall(bore: OutsideBore, guided: float, pressures: WallPressures) -> np.ndarray:
-    """Radial forces of gas on the bore's grid, (n, s) [N], even around.
+    """Return the radial forces of gas on the bore's grid, (n, s) [N], constant around.
 
     Eq. (H23):  F_ij = f_j/n,   f_j of Eq. (D18) for a deflection of height j alone
     """

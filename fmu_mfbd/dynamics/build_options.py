@@ -90,7 +90,7 @@ class SurfaceOptions:
 
     @property
     def prefix(self) -> str:
-        """What its variables' names begin with."""
+        """Return the prefix of its variables' names."""
         return f"{self.name}." if self.name else ""
 
 
@@ -126,7 +126,7 @@ class FloatingPin:
     small_end_modes: int = 0
 
     def lengths(self) -> dict[str, float]:
-        """Of each surface of `PIN_SURFACES` [m]."""
+        """Return the length of each surface of `PIN_SURFACES` [m]."""
         return dict(zip(PIN_SURFACES, (self.boss_length, self.boss_length, self.small_end_length)))
 
 
@@ -221,7 +221,7 @@ class BuildOptions:
     crank_bearings: tuple[CrankBearing, ...] = ()
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
-        """All film surfaces of the skirt, at least one."""
+        """Return all film surfaces of the skirt, at least one."""
         _, along = self.grid
         name = SKIRT if self.floating_pin else ""
         return self.surfaces or (SurfaceOptions(name, 0, along),)
@@ -240,7 +240,7 @@ class BuildOptions:
         )
 
     def crank_surfaces(self) -> tuple[str, ...]:
-        """Names of the crank's film surfaces."""
+        """Return the names of the crank's film surfaces."""
         return tuple(one.name for one in self.crank_bearings)
 
     def absent_parts(self) -> tuple[str, ...]:
@@ -255,7 +255,7 @@ class BuildOptions:
         return tuple(name for name in (*parts, *CRANK_SURFACES) if not there.get(name))
 
     def film_grids(self) -> tuple[FilmGrid, ...]:
-        """Names and shapes of the fields of the skirt's surfaces."""
+        """Return the names and shapes of the fields of the skirt's surfaces."""
         around, _ = self.grid
         return tuple(
             FilmGrid(one.prefix, (around, one.last - one.first)) for one in self.film_surfaces()

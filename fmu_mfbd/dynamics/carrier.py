@@ -97,7 +97,7 @@ class MechanismMotion(NamedTuple):
 
 @compiled
 def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> MechanismMotion:
-    """Places and velocities of Eq. (K1) and (K5)."""
+    """Return positions and velocities of Eqs. (K1) and (K5)."""
     r = mechanism.crank_radius
     k = mechanism.rod_centre
     px = -r * np.sin(crank.angle)

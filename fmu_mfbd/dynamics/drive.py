@@ -115,7 +115,7 @@ def others_of(
 
 @compilable
 def demand_of(system: System, others: OtherForces, crank: CrankMotion) -> float:
-    """Side force [N] that gas, rings and inertia ask for (Eq. (K11))."""
+    """Return the side force that gas, rings and inertia demand (Eq. (K11)) [N]."""
     mass = system.piston.mass + system.mechanism.pin_mass
     load = PistonLoad(mass, others.gas, others.rings.lateral, others.rings.axial)
     return side_force_demand(system.mechanism, load, crank)
@@ -163,7 +163,7 @@ def scalars_of(
     piston: FlexibleBody,
     surfaces: np.ndarray,
 ) -> Scalars:
-    """Scalar outputs at an instant; `energy_gain` and `energy_size` before `account`."""
+    """Return the scalar outputs at an instant, `energy_gain` and `energy_size` before `account`."""
     lateral, rocking = now.kept_velocity[LATERAL], now.kept_velocity[ROCKING]
     lower, upper = skirt_edges(surfaces)
     return Scalars(

@@ -39,7 +39,7 @@ def no_factors() -> LUFactors:
 
 @compilable
 def factorise(matrix: np.ndarray) -> LUFactors:
-    """Elimination with exchange of rows.
+    """Factorise a matrix by elimination with exchange of rows.
 
     Eq. (N10):  P A = L U      |L| <= 1: the largest of its column stands on the diagonal
 
@@ -81,7 +81,7 @@ def factorise(matrix: np.ndarray) -> LUFactors:
 
 @compilable
 def substitute(factors: LUFactors, right: np.ndarray) -> np.ndarray:
-    """x of A x = b.
+    """Return x of A x = b.
 
     Parameters
     ----------

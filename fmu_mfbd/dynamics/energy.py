@@ -83,7 +83,7 @@ def motion_product(moving: Moving, a: np.ndarray, b: np.ndarray) -> float:
 
 @compiled
 def elastic_energy(moving: Moving, position: np.ndarray) -> float:
-    """Of the modes that have inertia, sum Omega^2 q^2/2 [J]."""
+    """Return the energy of the modes that have inertia, half the sum of Omega^2 q^2 [J]."""
     total = 0.0
     stiffness = moving.body.stiffness
     for k in range(len(stiffness)):
@@ -95,7 +95,7 @@ def elastic_energy(moving: Moving, position: np.ndarray) -> float:
 
 @compiled
 def energy_error(moving: Moving, before: Motion, kept: Motion, end: Motion) -> float:
-    """Energy that a step of the time integrator made (+) or lost (-) [J].
+    """Return the energy that time integration created (+) or lost (-) in a step [J].
 
     Eq. (D10):  e = T_1 - T_0 - (q_1 - q_0) . M (q''_0 + q''_1)/2,   T = q' . M q'/2
 
@@ -123,7 +123,7 @@ def energy_error(moving: Moving, before: Motion, kept: Motion, end: Motion) -> f
 def film_work(
     forces: FilmForces, before: np.ndarray, position: np.ndarray, rubbing: float
 ) -> float:
-    """Work of the film on both bodies over a step, its forces at the end along the way [J].
+    """Return the work of the film on both bodies over a step, with its forces at the end [J].
 
     Eq. (D11):  W = Q . (q_1 - q_0) + h (axial power)
 

@@ -14,7 +14,7 @@ FIRST_STEPS = 2
 
 @compilable
 def first_steps(step: float) -> Coefficients:
-    """Coefficients of a step of backward Euler, after auxiliary accelerations of zero.
+    """Return the coefficients of a step of backward Euler with zero auxiliary acceleration.
 
     Eq. (N8):  q'_1 = q'_0 + h q''_1,  q_1 = q_0 + h q'_1
 

@@ -124,7 +124,7 @@ class Arrow(NamedTuple):
 
 @compiled
 def _times(start, matrix, q):
-    """start + matrix q."""
+    """Return start + matrix q."""
     out = matrix @ q
     for k in range(len(out)):
         out[k] += start[k]

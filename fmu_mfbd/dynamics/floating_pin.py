@@ -79,7 +79,7 @@ class PinFilms(NamedTuple):
 
 @compilable
 def on_rod(films: PinFilms) -> float:
-    """Moments of the films on the rod about the axes of its shells [N m]."""
+    """Return the moments of the films on the rod about the axes of its shells [N m]."""
     return films.eye.on_shell + films.big_end.on_shell
 
 
@@ -145,7 +145,7 @@ def towards_crank_pin(angle: float) -> np.ndarray:
 
 @compilable
 def turning(vector: np.ndarray, crank: CrankMotion) -> np.ndarray:
-    """Acceleration of what turns with the crank, (2,) [m/s2].
+    """Return the acceleration of what turns with the crank, (2,) [m/s2].
 
     Eq. (K26):  u'' = Z u w' - u w^2      Z: a quarter about +z
     """
@@ -159,7 +159,7 @@ def turning(vector: np.ndarray, crank: CrankMotion) -> np.ndarray:
 
 @compilable
 def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematics:
-    """Where everything stands.
+    """Return the position and motion of all parts.
 
     Eq. (K16):  x_S = x_A + a_x - e_x,   Y_S by Eq. (K1) of x_S
                 Y_P = Y_S + e_y,   Y_A = Y_P - a_y,   x_P = x_A + a_x
@@ -216,7 +216,7 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
 def imbalance(
     bodies: PinBodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms
 ) -> Lack:
-    """Residual of the equations of motion, by virtual work.
+    """Return the residual of the equations of motion.
 
     Eq. (D21):  x_A:    G_x + K_x + N = 0
                 angle:  I - M_piston = 0

@@ -97,7 +97,7 @@ def bore_wall(
 
 @compiled
 def wall_forces(wall: BoreWall, height_of_A: float, pressures: WallPressures) -> np.ndarray:
-    """Modal forces of gas on the bore, (k,) [kg^-1/2 N].
+    """Return the modal forces of gas on the bore, (k,) [kg^-1/2 N].
 
     Eq. (D18):  f_k = p_chamber W_k(Y + y_1) + p (W_k(Y + y_2) - W_k(Y + y_1)),
                 p = p_land + share p_chamber

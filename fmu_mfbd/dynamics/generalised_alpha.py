@@ -68,7 +68,7 @@ class Prediction(NamedTuple):
 
 @compilable
 def coefficients(step: float, spectral_radius: float) -> Coefficients:
-    """Coefficients of the method of order 2 with a given damping of what the step cannot resolve.
+    """Return the coefficients of the second-order method with a given numerical damping.
 
     Eq. (N1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1)
                gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma + 1/2)^2 / 4
@@ -109,7 +109,7 @@ def coefficients(step: float, spectral_radius: float) -> Coefficients:
 
 @compiled
 def predict(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Prediction:
-    """End position, velocity and auxiliary acceleration if the end acceleration were zero.
+    """Return end position, velocity and auxiliary acceleration for zero end acceleration.
 
     Eq. (N2):  (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) q''_1 + alpha_f q''_0
                q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)

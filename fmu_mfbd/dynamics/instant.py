@@ -246,7 +246,7 @@ def _moving_bodies(system, carried):
 
 @compiled
 def _moving(system, c, predicted, own, block_force):
-    """Motion of all coordinates at the end of a step, static modes as if at rest.
+    """Return the motion of all coordinates at the end of a step, static modes at rest.
 
     `own` are the accelerations of the piston's moving part.
     """
@@ -292,7 +292,7 @@ def _follow_statically(system, c, position_before, end, push, block_force, ride)
 
 @compiled
 def _frame_ride(mechanism, carrier, now, crank):
-    """How the piston's frame moves, as its static modes feel it."""
+    """Return the motion of the piston's frame, as its static modes need it."""
     lateral = lateral_motion(now)
     axial = motion(mechanism, lateral, crank).axial_acceleration
     added = carried(mechanism, carrier, lateral, crank)

@@ -107,7 +107,7 @@ class Crank:
     table: SpeedTable | None = None
 
     def begin(self, angle: float, speed: float) -> CrankMotion:
-        """Motion of the crank at time 0, from its angle [rad] and the input's speed [rad/s]."""
+        """Return the motion of the crank at time 0, from angle [rad] and input speed [rad/s]."""
         if self.table:
             return crank_motion(self.table, angle, 0.0, 0.0)
         return CrankMotion(angle, speed, 0.0)
@@ -215,7 +215,7 @@ class PistonInBore:
     def start_moving(
         self, crank_angle: float, position: np.ndarray, velocity: np.ndarray, inputs: Inputs
     ) -> tuple[PistonState, dict]:
-        """State at a given motion, with the accelerations that the forces of `inputs` ask for.
+        """Return the state at a given motion; accelerations follow from the forces of `inputs`.
 
         Parameters
         ----------
@@ -366,7 +366,7 @@ class PistonInBore:
         return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
 
     def _taken_by_bore(self, outside: OutsideBore, before: PistonState, inputs: Inputs) -> float:
-        """Energy [J] that a bore that deflects from outside took from the films over a step.
+        """Return the energy that a bore deflected from outside took from the films in a step [J].
 
         Eq. (D50):  W = F_W . (w_1 - w_0),   as Eq. (D11), forces at the end along the way
         """
@@ -375,7 +375,7 @@ class PistonInBore:
         return float(np.sum(force * way))  # Eq. (D50)
 
     def _release(self, crank, torque):
-        """Acceleration [rad/s2] at which the torques on a free crank fulfil its equation.
+        """Return the acceleration at which the torques on a free crank balance [rad/s2].
 
         Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
         """
@@ -384,12 +384,12 @@ class PistonInBore:
         return crank.acceleration - (torque + self.crank.load_torque) / inertia  # Eq. (K9)
 
     def _torque(self, crank):
-        """Torque of the drive if the crank turned like this after the last step [N m]."""
+        """Return the torque of the drive for a motion of the crank after the last step [N m]."""
         last, system = self._last, self.system
         return imbalance(system.piston, system.mechanism, last.load, last.now, crank).torque
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
-        """Everything the outside sees (units in `variables.py`), by name."""
+        """Return all outputs by name; `variables.py` has their units."""
         outputs = {
             **self._by_film("film_thickness", now.film_thickness),
             **self._by_film("sliding_velocity", now.sliding_velocity),
@@ -410,17 +410,16 @@ class PistonInBore:
 
     def _on_block(self):
         """Return the forces on a mounted block, by output."""
-        names = (*ON_BLOCK, *BEARINGS)
-        return dict(zip(names, force_at(self.system, self.crank_unbalance or 0.0, self._last)))
+        return force_at(self.system, self.crank_unbalance or 0.0, self._last)._asdict()
 
     def _carried_force(self, carried: np.ndarray) -> np.ndarray:
-        """Change of the forces on the piston's moving coordinates with the block's motion."""
+        """Return the change of the forces on the piston with the block's motion."""
         if self._columns is None:
             self._columns = by_carrier(self.system, self._last)
         return carried_force(self._columns, carried)
 
     def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
-        """Change of the forces on the block, by output."""
+        """Return the change of the forces on the block, by output."""
         names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
         unbalance = self.crank_unbalance or 0.0
         found = force_change(self.system, unbalance, self._last, change, carried)

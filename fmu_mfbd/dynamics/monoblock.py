@@ -161,17 +161,17 @@ class MountedMonoblock:
         self._rules: dict[tuple[float, bool], Rule] = {}
 
     def loose(self) -> bool:
-        """Whether the mounts hold some motions of the rigid block and leave others."""
+        """Return whether the mounts hold only some motions of the rigid block."""
         held = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
         return 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]
 
     def start(self, cylinders: list[Cylinder]) -> BlockState:
-        """At rest, its forces those of the beginning."""
+        """Return the state at rest, with the forces at the start."""
         nothing = np.zeros(self.size)
         return BlockState(nothing, nothing, nothing, nothing, 0.0 * self.total(cylinders))
 
     def total(self, cylinders: list[Cylinder]) -> np.ndarray:
-        """F, shape (6 + k,), of what all cylinders do, or of a change of it."""
+        """Return F, shape (6 + k,), of all cylinders, or of a change of their forces."""
         body = self.body
         x, y, moment = np.array([(one.x, one.y, one.moment) for one in cylinders]).T
         z = body.cylinder_z
@@ -201,7 +201,7 @@ class MountedMonoblock:
         ]
 
     def advance(self, before: BlockState, cylinders: list[Cylinder], step: float) -> BlockState:
-        """One step [s]; equations hold at its end, with the forces given for its end."""
+        """Take a step [s]; the equations hold at its end, with the forces at its end."""
         begins = before.steps < FIRST_STEPS
         rule = self._rule(step, begins)
         rigid, modal = self._coefficients(step, begins)
@@ -243,7 +243,7 @@ class MountedMonoblock:
         )
 
     def energies(self, state: BlockState) -> tuple[float, float]:
-        """Kinetic energy, and elastic energy of modes and mounts [J]."""
+        """Return kinetic energy, and elastic energy of modes and mounts [J]."""
         kinetic = state.velocity @ self.mass @ state.velocity / 2
         return float(kinetic), float(state.position @ self.stiffness @ state.position / 2)
 
@@ -253,18 +253,18 @@ class MountedMonoblock:
         return float((after.position - before.position) @ self.damping @ mean)
 
     def energy_error(self, before: BlockState, after: BlockState) -> float:
-        """Work of all forces over a step by the trapezoidal rule minus what became of it [J]."""
+        """Return the work of all forces over a step minus stored and lost energy [J]."""
         work = (after.position - before.position) @ (before.force + after.force) / 2
         stored = sum(self.energies(after)) - sum(self.energies(before))
         return float(work - stored - self.lost(before, after))
 
     def _coefficients(self, step: float, begins: bool) -> tuple[Coefficients, Coefficients]:
-        """Of the rigid motion and of the modes."""
+        """Return the coefficients of rigid motion and modes."""
         rigid = coefficients(step, TRAPEZOIDAL)
         return rigid, first_steps(step) if begins else coefficients(step, self.spectral_radius)
 
     def _predicted(self, before: BlockState, rigid: Coefficients, modal: Coefficients):
-        """Position, velocity and auxiliary acceleration at the end, were all unknowns zero."""
+        """Return position, velocity and auxiliary acceleration at the end for zero unknowns."""
         parts = []
         for c, part in ((rigid, slice(0, RIGID_MOTIONS)), (modal, slice(RIGID_MOTIONS, None))):
             motion = Motion(
@@ -280,7 +280,7 @@ class MountedMonoblock:
         return position, velocity, auxiliary
 
     def _rule(self, step: float, begins: bool) -> Rule:
-        """Of a step of this length, kept."""
+        """Return the cached rule of a step of this length."""
         key = (step, begins)
         if key not in self._rules:
             rigid, modal = self._coefficients(step, begins)

@@ -176,7 +176,7 @@ class Lack(NamedTuple):
 
 
 def skew(vector: np.ndarray) -> np.ndarray:
-    """Matrix, (3, 3), of v x."""
+    """Return the matrix of v x, (3, 3)."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
@@ -204,7 +204,7 @@ def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> Held:
 
 
 def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
-    """Force [N] and moment about A [N m] that a motion needs, (3,) each, in the turning axes.
+    """Return force [N] and moment about A [N m] of a motion, (3,) each, in the turning axes.
 
     Eq. (D26):  F = m a + W' x S' + W x (W x S'),   M = S' x a + J' W' + W x J' W
                 S' = S + t x S,   J' = J + [t] J - J [t]
@@ -238,7 +238,7 @@ def needed_change(body: SpaceBody, spin: Spin, by: Spin) -> tuple[np.ndarray, np
     of_S = -skew(body.S) @ by.tilt
 
     def turning(vector):
-        """J' v by the tilt, v held."""
+        """Return J' v by the tilt, for constant v."""
         return body.J @ skew(vector) - skew(body.J @ vector)
 
     force = body.mass * by.acceleration - skew(S) @ by.change
@@ -251,7 +251,7 @@ def needed_change(body: SpaceBody, spin: Spin, by: Spin) -> tuple[np.ndarray, np
 
 
 def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinematics:
-    """Where everything stands.
+    """Return the position and motion of all parts.
 
     Eq. (K18):  A'' = (x_A'', Y'', z''),   t = (roll, yaw, 0),   W = (roll', yaw', w)
                 W' = (roll'' - w yaw', yaw'' + w roll', w')        w the rocking velocity
@@ -290,7 +290,7 @@ def with_pin(bodies: SpaceBodies) -> SpaceBody:
 
 
 def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion) -> Lack:
-    """Residual of the equations of motion.
+    """Return the residual of the equations of motion.
 
     Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
                 angle:  M_z - M - (moment + guided x_A) = 0
@@ -459,7 +459,7 @@ def pushed(
 
 
 def inertia(bodies: SpaceBodies) -> np.ndarray:
-    """M, (5, 5), of the motion across the bore.
+    """Return M, (5, 5), of the motion across the bore.
 
     Eq. (D28):  q' . M q' = (m + m_pin) |V|^2 + 2 V . (W x S) + W . J W
                 V = (x_A', 0, z'),   W = (roll', yaw', rocking velocity)       the piston upright
@@ -477,7 +477,7 @@ def inertia(bodies: SpaceBodies) -> np.ndarray:
 
 
 def inertia_with_rod(bodies: SpaceBodies) -> np.ndarray:
-    """M of `inertia` and of the rod that swings with x_A (Eq. (K12))."""
+    """Return M of `inertia` and of the rod that swings with x_A (Eq. (K12))."""
     M = inertia(bodies)
     M[LATERAL, LATERAL] += carried_mass(bodies.mechanism)
     return M

@@ -77,11 +77,11 @@ class PinBodies(NamedTuple):
     crank: Crankshaft = RIGID_CRANK
 
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
-        """Those of the pin's shapes, (n, 2)."""
+        """Return the coordinates of the pin's shapes, (n, 2)."""
         return of_shapes(layout(self), coordinates)
 
     def in_eye(self, coordinates: np.ndarray) -> np.ndarray:
-        """Those of the eye's modes, (m,)."""
+        """Return the coordinates of the eye's modes, (m,)."""
         return of_eye(layout(self), coordinates)
 
 
@@ -102,7 +102,7 @@ class Layout(NamedTuple):
 
 @compilable
 def layout(bodies: PinBodies) -> Layout:
-    """Where each block of coordinates begins; the one list of them."""
+    """Return the first number of each block of coordinates."""
     shapes = COORDINATES + len(bodies.piston.stiffness)
     eye = shapes + 2 * len(bodies.shapes.mass)
     crank = eye + len(bodies.eye.stiffness)
@@ -120,13 +120,13 @@ def layout(bodies: PinBodies) -> Layout:
 
 @compilable
 def of_modes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
-    """Those of the piston's modes, (k,)."""
+    """Return the coordinates of the piston's modes, (k,)."""
     return coordinates[first.modes : first.shapes]
 
 
 @compilable
 def of_shapes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
-    """Those of the pin's shapes, (n, 2)."""
+    """Return the coordinates of the pin's shapes, (n, 2)."""
     n = (first.eye - first.shapes) // 2
     out = np.empty((n, 2))
     for k in range(n):
@@ -137,13 +137,13 @@ def of_shapes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
 
 @compilable
 def of_eye(first: Layout, coordinates: np.ndarray) -> np.ndarray:
-    """Those of the eye's modes, (m,)."""
+    """Return the coordinates of the eye's modes, (m,)."""
     return coordinates[first.eye : first.crank]
 
 
 @compilable
 def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
-    """Those of a film of the crank that begin there, (2,); 0 without it."""
+    """Return the coordinates of a film of the crank from a position on, (2,); 0 without it."""
     if first < 0:
         return np.zeros(2)
     return pair(coordinates[first], coordinates[first + 1])
@@ -162,7 +162,7 @@ def shift_of(first: Layout, coordinates: np.ndarray) -> np.ndarray:
 
 @compilable
 def is_held(coordinate: int) -> bool:
-    """Whether it is held so stiffly that a step sees none of its inertia: play and what yields."""
+    """Return whether a coordinate is so stiff that a step does not resolve its inertia."""
     return BOSS_X <= coordinate <= EYE_Y or coordinate >= COORDINATES
 
 
@@ -179,7 +179,7 @@ def small_end(first: Layout, coordinates: np.ndarray) -> float:
 
 @compilable
 def eye_motion(first: Layout, now: Motion) -> LateralMotion:
-    """How the rod's eye moves across the bore, seen from its big end."""
+    """Return the motion of the rod's eye across the bore, relative to its big end."""
     return LateralMotion(
         small_end(first, now.position),
         small_end(first, now.velocity),
@@ -189,7 +189,7 @@ def eye_motion(first: Layout, now: Motion) -> LateralMotion:
 
 @compilable
 def _of_skirt(first, coordinates):
-    """Coordinates of the skirt's film: x_A, rocking angle, modes."""
+    """Return the coordinates of the skirt's film: x_A, rocking angle, modes."""
     modal = of_modes(first, coordinates)
     out = np.empty(RIGID + len(modal))
     for k in range(RIGID):
@@ -201,5 +201,5 @@ def _of_skirt(first, coordinates):
 
 @compilable
 def lifted(first: Layout, coordinates: np.ndarray) -> float:
-    """By which play lifts A (Eqs. (K16), (K25)) [m], or its change."""
+    """Return the lift of A by play (Eqs. (K16), (K25)) [m], or its change."""
     return coordinates[EYE_Y] - coordinates[BOSS_Y] + shift_of(first, coordinates)[1]

@@ -90,7 +90,7 @@ def resultants_of(
 
 @compilable
 def added(one: PinResultants, other: PinResultants) -> PinResultants:
-    """Of two films of the same pin."""
+    """Return the sum of the resultants of two films of a pin."""
     shapes = np.empty(one.on_shapes.shape)
     for k in range(len(shapes)):
         for way in range(2):
@@ -105,7 +105,7 @@ def added(one: PinResultants, other: PinResultants) -> PinResultants:
 
 @compilable
 def no_film(shapes: int) -> PinResultants:
-    """Of a film that is not there."""
+    """Return the resultants of an absent film, 0."""
     return PinResultants(np.zeros(2), 0.0, 0.0, np.zeros((shapes, 2)))
 
 
@@ -193,7 +193,7 @@ def films_at(
 
 @compilable
 def _work_error(first, surface, forces, shell, end, k):
-    """Power of a film on the grid (Eq. (G4)) minus that in the coordinates, relative [-]."""
+    """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-]."""
     modal = shell_modes_of(first, end.position, k)
     modal_velocity = shell_modes_of(first, end.velocity, k)
     found = resultants_of(surface, forces, shell, modal)
@@ -227,7 +227,7 @@ def _work_error(first, surface, forces, shell, end, k):
 def gap_of(
     first: Layout, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
 ) -> np.ndarray:
-    """Film thickness of film k, (c, a) [m]."""
+    """Return the film thickness of film k, (c, a) [m]."""
     gap = opening_of(surface, in_axes(shell.axes, shell.place))
     opened = yielded(surface, shell_modes_of(first, coordinates, k))
     leans = leaning(surface, own_bent(shell).position)

@@ -70,7 +70,7 @@ class PinMoment(NamedTuple):
 
 @compiled
 def friction_moment(friction: PinFriction, pin_x: float, pin_y: float, slip: float) -> PinMoment:
-    """Moment of the pin on the piston, and how it changes.
+    """Return the moment of the pin on the piston, and its slopes.
 
     Eq. (K7):  M = -lever |F| tanh(slip/w_0) - viscous slip
 

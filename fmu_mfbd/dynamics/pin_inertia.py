@@ -13,7 +13,7 @@ from .slider_crank import carried_mass
 
 @compilable
 def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
-    """Of the modes of piston and eye and of the pin's shapes [J]."""
+    """Return the energy of the modes of piston and eye and of the pin's shapes [J]."""
     first = layout(bodies)
     total = 0.0
     for k in range(len(bodies.piston.stiffness)):
@@ -80,7 +80,7 @@ def way_of(first: Layout, j: int) -> Way:
 
 @compilable
 def _coupled(piston, a, b):
-    """Rows of turning and modes of Eq. (D22) for a pair of coordinates' ways."""
+    """Return rows of rotation and modes of Eq. (D22) for a pair of coordinates."""
     total = a.rocking * (piston.S[X] * b.y - piston.S[Y] * b.x)
     if b.mode >= 0:
         total += a.rocking * piston.g[b.mode]
@@ -90,7 +90,7 @@ def _coupled(piston, a, b):
 
 @compiled
 def inertia(bodies: PinBodies) -> np.ndarray:
-    """M, (7 + k + 2 n, 7 + k + 2 n), of the motion across the bore and of the pin in its shells.
+    """Return M of the motion across the bore and of the pin in its shells.
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
                                      bore as its big end, at rest without play in it; each shape

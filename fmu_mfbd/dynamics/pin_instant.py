@@ -9,12 +9,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import NodalForces
-from ..geometry.pin import (
-    PinForces,
-    PinSurface,
-    diameters,
-    yielded,
-)
+from ..geometry.pin import PinForces, PinSurface, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at
 from .elimination import LUFactors, factorise, substitute
@@ -44,12 +39,7 @@ from .pin_inertia import elastic_energy
 from .pin_shells import EYE
 from .pin_tangent import tangent
 from .piston_motion import Load
-from .skirt_films import (
-    AxialMotion,
-    forces_by_film,
-    skirt_films,
-    together,
-)
+from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import CrankMotion, height
 from .system import StepProblem
 
@@ -195,7 +185,7 @@ class PinInstant(NamedTuple):
 
 @compilable
 def _along_crank(films, crank, rod_turning):
-    """Power of the films on what the crank drives [W]."""
+    """Return the power of the films on what the crank drives [W]."""
     on_crank = films.big_end.on_pin + films.main_bearing.on_pin
     return on_rod(films) * rod_turning + on_crank * crank.speed
 
@@ -215,7 +205,7 @@ class Reach(NamedTuple):
 
 @compilable
 def reach_of(c: Coefficients, n: int) -> Reach:
-    """Of n coordinates in a step (Eq. (N9))."""
+    """Return the reach of n coordinates in a step (Eq. (N9))."""
     out = Reach(np.empty(n), np.empty(n))
     for k in range(n):
         # Eq. (N9)
@@ -234,7 +224,7 @@ class Predicted(NamedTuple):
 
 @compilable
 def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Predicted:
-    """Where a step ends without accelerations.
+    """Return the end of a step without accelerations.
 
     Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, b, m, modes and shapes by Eq. (N8)
 
@@ -252,7 +242,7 @@ def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Pred
 
 @compilable
 def largest(values: np.ndarray) -> float:
-    """Of the absolute values; nan where one is."""
+    """Return the largest absolute value, nan if there is one."""
     found = 0.0
     for k in range(len(values)):
         if np.isnan(values[k]):
@@ -307,7 +297,7 @@ def solved(
 
 @compilable
 def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Of a symmetric matrix and a vector, in loops: the same bits everywhere."""
+    """Return the product of a symmetric matrix and a vector, by loops: the same bits everywhere."""
     n = len(vector)
     out = np.zeros(n)
     for j in range(n):
@@ -327,7 +317,7 @@ def scalar_product(a: np.ndarray, b: np.ndarray) -> float:
 
 @compilable
 def _ledger(of, before, kept, end, forces, driven):
-    """Energies as in `energy`, by the inertia of Eqs. (D22), (D35)."""
+    """Return the energies as in `energy`, by the inertia of Eqs. (D22), (D35)."""
     n = len(end.position)
     way = np.empty(n)
     mean = np.empty(n)
@@ -351,7 +341,7 @@ def _ledger(of, before, kept, end, forces, driven):
 def pin_scalars(
     shapes: AxisShapes, in_eye: PinSurface, first: Layout, now: Motion, films: PinFilms
 ) -> PinScalars:
-    """Scalar outputs at an instant; `in_eye`: the eye's film, `now`: as it is kept."""
+    """Return the scalar outputs at an instant; `in_eye` is the eye's film."""
     position = now.position
     tilt = np.zeros(2)
     sag = np.zeros(2)
@@ -424,10 +414,7 @@ def _other_forces(of, end, films):
 
 @compiled
 def end_of_pin_step(
-    of: PinSystem,
-    step: StepProblem,
-    skirt_forces: NodalForces,
-    forces: PinForces,
+    of: PinSystem, step: StepProblem, skirt_forces: NodalForces, forces: PinForces
 ) -> PinInstant:
     """Solve the end of a step, as `instant.end_of_step`: accelerations that fulfil Eq. (D21).
 

@@ -75,13 +75,13 @@ class PistonOnFloatingPin(PistonInBore):
         self.absent = absent
 
     def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
-        """Everything at the end of a step."""
+        """Return everything at the end of a step."""
         skirt = on_skirt(inputs.pressure_force, inputs.friction_force)
         found = self._step = end_of_pin_step(self.floating, step, skirt, stacked(inputs.pins))
         return found.now, found.factors
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
-        """Those of the tied pin, and the pin's own."""
+        """Return the outputs of the tied pin and those of the floating pin."""
         outputs = super()._outputs(now, crank)
         step = self._step
         for grid, error in zip(self.grids, step.work_error):

@@ -44,7 +44,7 @@ def respond_pin(
     rings: RingForce,
     forces: PinForces,
 ) -> PinResponse:
-    """Change of films and motion at the end of a step with the forces at its end.
+    """Return the change of films and motion at the end of a step with the forces there.
 
     Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D21)
 

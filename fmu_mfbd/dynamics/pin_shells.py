@@ -50,13 +50,13 @@ class Shell(NamedTuple):
     bent: Bent
 
     def own_place(self) -> np.ndarray:
-        """d of Eq. (H6) [m]."""
+        """Return d of Eq. (H6) [m]."""
         return in_axes(self.axes, self.place)
 
 
 @compilable
 def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotion, k: int) -> Shell:
-    """Of the k-th film of pin and crank."""
+    """Return the shell of the k-th film of pin and crank."""
     position = now.position
     velocity = now.velocity
     if k < EYE:
@@ -103,7 +103,7 @@ def _big_end(first):
 
 @compilable
 def turned_back(shell: Shell, place: np.ndarray, change: np.ndarray, turn: float) -> np.ndarray:
-    """Change, in the axes of a shell that turns, of vectors in space, (n, 2): R^T (v' - w Z v)."""
+    """Return the change of vectors in space, (n, 2), in the axes of a turning shell."""
     out = np.empty(place.shape)
     for k in range(len(place)):
         aside = across(place[k])
@@ -116,7 +116,7 @@ def turned_back(shell: Shell, place: np.ndarray, change: np.ndarray, turn: float
 
 @compilable
 def own_velocity(shell: Shell) -> np.ndarray:
-    """d' in the axes of the shell [m/s]."""
+    """Return d' in the axes of the shell [m/s]."""
     aside = across(shell.place)
     turn = shell.own_turning
     moved = pair(shell.velocity[0] - turn * aside[0], shell.velocity[1] - turn * aside[1])
@@ -125,7 +125,7 @@ def own_velocity(shell: Shell) -> np.ndarray:
 
 @compilable
 def own_bent(shell: Shell) -> Bent:
-    """How the pin tilts and bends in the axes of the shell."""
+    """Return tilt and bending of the pin in the axes of the shell."""
     bent = shell.bent
     still = np.zeros(bent.position.shape)
     return Bent(
@@ -136,7 +136,7 @@ def own_bent(shell: Shell) -> Bent:
 
 @compilable
 def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray:
-    """Modal coordinates by which the shell of film k yields."""
+    """Return the modal coordinates of the shell of film k."""
     if k < EYE:
         return of_modes(first, coordinates)
     if k == EYE:
@@ -157,7 +157,7 @@ class ShellChange(NamedTuple):
 
 @compilable
 def _shell_change(mechanism, first, end, moved, crank, k):
-    """Of film k with a change of the motion."""
+    """Return the change of the shell of film k with a change of the motion."""
     place = moved.position
     speed = moved.velocity
     if k < EYE:

@@ -140,13 +140,13 @@ class Posture(NamedTuple):
 
 @compiled
 def lateral_motion(now: Motion) -> LateralMotion:
-    """Motion of A across the bore, from the piston's coordinates."""
+    """Return the motion of A across the bore, from the piston's coordinates."""
     return LateralMotion(now.position[LATERAL], now.velocity[LATERAL], now.acceleration[LATERAL])
 
 
 @compiled
 def posture(mechanism: Mechanism, carrier: Carrier, now: Motion, crank: CrankMotion) -> Posture:
-    """Where and how the mechanism stands and moves: link, rod and the piston's frame.
+    """Return the position and motion of link, rod and the piston's frame.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def posture(mechanism: Mechanism, carrier: Carrier, now: Motion, crank: CrankMot
 def imbalance(
     body: FlexibleBody, mechanism: Mechanism, load: Load, now: Motion, crank: CrankMotion
 ) -> Imbalance:
-    """Residual of the equations of motion.
+    """Return the residual of the equations of motion.
 
     Eq. (D5):  x_A:    e . (R F + m_pin A'') + rod + M psi_x - (load_x + Y_x load_y) = 0
                angle:  frame moment - M - (moment + guided x_A) = 0
@@ -335,7 +335,7 @@ def _by_coordinates(rows, dx, dy, ax, ay, c2):
 
 @compiled
 def solve(arrow: Arrow, right: np.ndarray) -> np.ndarray:
-    """Solution of `arrow` x = right for two rigid motions: the modes eliminated, then one by one.
+    """Return x of `arrow` x = right for two rigid motions, with the modes eliminated.
 
     Parameters
     ----------
@@ -376,7 +376,7 @@ def solve(arrow: Arrow, right: np.ndarray) -> np.ndarray:
 
 @compiled
 def squared_size(arrow: Arrow, a: np.ndarray) -> float:
-    """Square of a vector of accelerations in the norm of the tangent's diagonal."""
+    """Return the square of accelerations in the norm of the tangent's diagonal."""
     total = abs(arrow.top[0, 0]) * a[0] ** 2 + abs(arrow.top[1, 1]) * a[1] ** 2
     for k in range(len(arrow.diagonal)):
         total += arrow.diagonal[k] * a[RIGID + k] ** 2
@@ -385,7 +385,7 @@ def squared_size(arrow: Arrow, a: np.ndarray) -> float:
 
 @compiled
 def solve_coupled(arrow: Arrow, coupling: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution x of the whole tangent, modes coupled, to 1e-13 of its size.
+    """Return x of the whole tangent, modes coupled, to 1e-13 of its size.
 
     Eq. (N3):  x <- arrow^-1 (right - coupling x)
 
@@ -519,7 +519,7 @@ def _size_of_terms(body, mechanism, load, now, crank, arrow):
 
 @compiled
 def _solution(a, lack, evaluations, tangents, change):
-    """Accelerations with the forces that go with them."""
+    """Return accelerations with their forces."""
     return Solution(
         acceleration=a,
         pin_x=lack.pin_x,

@@ -56,7 +56,7 @@ def standing(stiffness: np.ndarray) -> StaticModes:
 
 @compiled
 def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.ndarray:
-    """Modal coordinates under the forces of the moment.
+    """Return the modal coordinates under the current forces.
 
     Eq. (D6):  Omega^2 q = f - T^T a - alpha g + w^2 b
 

@@ -183,7 +183,7 @@ def response(
     rings: RingForce,
     carried_force: np.ndarray,
 ) -> Response:
-    """Change of film and motion at the end of a step with the forces at its end.
+    """Return the change of film and motion at the end of a step with the forces there.
 
     Eq. (D7):  J d(acceleration) = dQ
                d(position) = c2 d(acceleration),  d(velocity) = c1 d(acceleration)

@@ -56,7 +56,7 @@ def stack(stacked, first, field):
 
 @compiled
 def window_of(surface: FilmSurface, guided: float) -> Window:
-    """Where a surface stands in the bore that is read at a height [m]."""
+    """Return the position of a surface in the bore that is read at a height [m]."""
     return window_at(surface.bore.lowest, surface.bore.spacing, guided, surface.skirt.height)
 
 

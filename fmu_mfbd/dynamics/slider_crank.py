@@ -62,7 +62,7 @@ class CrankMotion(NamedTuple):
 
 @compilable
 def driven(before: CrankMotion, step: float, speed: float) -> CrankMotion:
-    """Motion of a crank a step [s] on that then turns at `speed` [rad/s], steadily faster."""
+    """Return the motion of a crank a step [s] later at `speed` [rad/s], steadily accelerated."""
     return CrankMotion(
         before.angle + step * (before.speed + speed) / 2,
         speed,
@@ -158,7 +158,7 @@ class RodTurn(NamedTuple):
 
 @compiled
 def height(mechanism: Mechanism, lateral: float, crank_angle: float) -> Height:
-    """Height of A above the crank axis and its slopes.
+    """Return the height of A above the crank axis and its slopes.
 
     Eq. (K1):  Y = r cos phi + f(xi),  f = sqrt(L^2 - xi^2),  xi = offset + x_A + r sin phi
 
@@ -185,7 +185,7 @@ def height(mechanism: Mechanism, lateral: float, crank_angle: float) -> Height:
 
 @compiled
 def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> Link:
-    """Acceleration of A along y and the rod's share of the equations of motion.
+    """Return the acceleration of A along y and the rod's share of the equations of motion.
 
     Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2
                f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5        derivatives of f(xi), Eq. (K1)
@@ -277,7 +277,7 @@ def rod_turn(
     crank_angle: float,
     crank_speed: float,
 ) -> RodTurn:
-    """Angular velocity of the rod and its slopes.
+    """Return the angular velocity of the rod and its slopes.
 
     Eq. (K6):  psi' = psi1 xi',  xi' = x_A' + r cos(phi) w        psi1 as in Eq. (K3)
 
@@ -311,7 +311,7 @@ def rod_turn(
 
 @compiled
 def carried_mass(mechanism: Mechanism) -> float:
-    """Mass of the rod that x_A throws across the bore, beside that of piston and pin [kg].
+    """Return the mass of the rod that moves with x_A, without piston and pin [kg].
 
     Eq. (K12):  m' = k^2 m_r + J_r / L^2        Eq. (K4) against x_A'', the rod upright
 

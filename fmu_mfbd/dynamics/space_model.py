@@ -4,7 +4,7 @@ It shifts along the pin, rolls and yaws in addition to the motion in the plane o
 five equations are in plain numpy.
 """
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -75,6 +75,29 @@ class LastInSpace(NamedTuple):
     crank: CrankMotion
     guided: float
     levers: tuple[Levers, ...]
+
+
+class SpaceScalars(NamedTuple):
+    """Scalar outputs across the plane of the crank, declared as `drive.Scalars`."""
+
+    pin_axis_displacement: Annotated[
+        float, "m", "Displacement of pin point A along the pin, +z", 1e-5
+    ]
+    roll_angle: Annotated[
+        float, "rad", "Rotation of the piston about +x, including the constant pin_tilt", 1e-3
+    ]
+    yaw_angle: Annotated[float, "rad", "Rotation of the piston about +y", 1e-3]
+    pin_axis_velocity: Annotated[float, "m/s", "Velocity of pin point A along the pin", 1e-2]
+    roll_velocity: Annotated[float, "rad/s", "Angular velocity of the piston about +x", 1.0]
+    yaw_velocity: Annotated[float, "rad/s", "Angular velocity of the piston about +y", 1.0]
+    pin_axis_side_force: Annotated[
+        float, "N", "Force of the piston on the bore through the film along +z", 1e2
+    ]
+    rod_force_z: Annotated[
+        float, "N", "Force of the rod on the pin along z, from stop and damper", 10.0
+    ]
+    rod_moment_x: Annotated[float, "N.m", "Moment of the small end on the pin about +x", 1.0]
+    rod_moment_y: Annotated[float, "N.m", "Moment of the small end on the pin about +y", 1.0]
 
 
 class PistonInSpace(PistonInBore):
@@ -205,7 +228,7 @@ class PistonInSpace(PistonInBore):
         )
 
     def _nodal(self, forces: NodalForces) -> list[NodalForces]:
-        """Stacked forces by surface, on its grid."""
+        """Return the stacked forces by surface, on its grid."""
         ends = np.cumsum([one.skirt.gap.size for one in self.film_surfaces])[:-1]
         shapes = [one.skirt.gap.shape for one in self.film_surfaces]
         fields = (np.split(one, ends) for one in forces)
@@ -215,7 +238,7 @@ class PistonInSpace(PistonInBore):
         ]
 
     def _levers(self, guided: float) -> tuple[Levers, ...]:
-        """Of all surfaces, A where it stands when x_A = 0 [m]."""
+        """Return the levers of all surfaces, for A at its height when x_A = 0 [m]."""
         return tuple(
             levers(surface, around, window_of(surface, guided))
             for surface, around in zip(self.film_surfaces, self.around)
@@ -285,7 +308,7 @@ class PistonInSpace(PistonInBore):
     def _ledger(
         self, before: Motion, kept: Motion, end: Motion, films: np.ndarray, driven: float
     ) -> EnergyLedger:
-        """Energies as in `energy`, by the inertia of Eq. (D28)."""
+        """Return the energies as in `energy`, by the inertia of Eq. (D28)."""
         M = self.with_rod
         way = end.position - before.position
         mean = (before.acceleration + end.acceleration) / 2
@@ -301,23 +324,12 @@ class PistonInSpace(PistonInBore):
         )
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
-        """Those of a piston in its plane, and those across it."""
-        position = now.position
-        velocity = now.kept_velocity
-        held_z, held_x, held_y = self._space.solved.lack.held
-        load = self._space.solved.load
-        return super()._outputs(now, crank) | {
-            "pin_axis_displacement": position[SHIFT],
-            "roll_angle": self.bodies.tilt + position[ROLL],
-            "yaw_angle": position[YAW],
-            "pin_axis_velocity": velocity[SHIFT],
-            "roll_velocity": velocity[ROLL],
-            "yaw_velocity": velocity[YAW],
-            "pin_axis_side_force": -load.across[0],
-            "rod_force_z": held_z,
-            "rod_moment_x": held_x,
-            "rod_moment_y": held_y,
-        }
+        """Return the outputs of a piston in its plane, and those across it."""
+        shift, roll, yaw = now.position[IN_SPACE]
+        solved = self._space.solved
+        motion = (shift, self.bodies.tilt + roll, yaw, *now.kept_velocity[IN_SPACE])
+        scalars = SpaceScalars._make([*motion, -solved.load.across[0], *solved.lack.held])
+        return super()._outputs(now, crank) | scalars._asdict()
 
     def directional_derivative(
         self,
@@ -326,7 +338,7 @@ class PistonInSpace(PistonInBore):
         rings: RingForce = NO_RINGS,
         carried: np.ndarray = NOT_CARRIED,
     ) -> dict[str, np.ndarray | float]:
-        """Change of film and motion at the end of the last step with the forces at its end.
+        """Return the change of outputs with the forces at the end of the last step.
 
         Eq. (D29):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D27)
 

@@ -37,7 +37,7 @@ class SpeedTable:
 def speed_table(
     rows: Rows, over: Literal["time", "angle"], cycle: float, unit: float, speed_unit: float
 ) -> SpeedTable:
-    """Table of crank speed of two columns: time or crank angle, and speed.
+    """Return the table of crank speed over time or crank angle.
 
     Parameters
     ----------
@@ -74,13 +74,13 @@ def speed_table(
 
 
 def _logarithmic_mean(a, b):
-    """(b - a)/ln(b/a), a where both are equal: the mean speed of a rise that is linear in angle."""
+    """Return (b - a)/ln(b/a), the mean speed of a rise that is linear in angle."""
     rise = np.log(b / a)
     return np.where(np.abs(rise) < 1e-9, (a + b) / 2, (b - a) / np.where(rise == 0.0, 1.0, rise))
 
 
 def crank_motion(table: SpeedTable, angle: float, time: float, step: float) -> CrankMotion:
-    """Motion of the crank a step after it stood at an angle.
+    """Return the motion of the crank a step after an angle.
 
     Eq. (I3):  over time:   phi = phi_0 + S(t + h) - S(t),  S = S_i + w_i tau + k tau^2/2,
                             k = dw/dt in segment i; the outermost speeds are held beyond the ends
@@ -118,7 +118,7 @@ def crank_motion(table: SpeedTable, angle: float, time: float, step: float) -> C
 
 
 def _time_to(table, angle):
-    """Time from the table's first angle to another (Eq. (I4)) [s]."""
+    """Return the time from the table's first angle to another (Eq. (I4)) [s]."""
     k = _segment(table.at, angle)
     slope = _slope(table, k)
     ahead = angle - table.at[k]
@@ -127,7 +127,7 @@ def _time_to(table, angle):
 
 
 def _turned(table, time):
-    """Motion since the table's first time (Eq. (I3)), its angle counted from there."""
+    """Return the motion since the table's first time (Eq. (I3))."""
     inside = np.clip(time, table.at[0], table.at[-1])
     k = _segment(table.at, inside)
     slope = _slope(table, k)
@@ -139,7 +139,7 @@ def _turned(table, time):
 
 
 def _slope(table, k):
-    """Slope of the speed in segment k."""
+    """Return the slope of the speed in segment k."""
     return (table.speed[k + 1] - table.speed[k]) / (table.at[k + 1] - table.at[k])
 
 

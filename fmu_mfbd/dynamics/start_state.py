@@ -38,7 +38,7 @@ class StartState:
     modal_velocity: np.ndarray
 
     def position(self) -> np.ndarray:
-        """x_A [m], rocking angle [rad], modal coordinates, (n,)."""
+        """Return x_A [m], rocking angle [rad] and modal coordinates, (n,)."""
         return np.array([self.lateral_displacement, self.rocking_angle, *self.modal_coordinate])
 
     def velocity(self) -> np.ndarray:
@@ -51,7 +51,7 @@ SCALARS = tuple(one.name for one in fields(StartState) if one.name not in FIELDS
 
 
 def read_start(path: Path | str) -> StartState:
-    """Motion of the bodies at an instant.
+    """Read the motion of the bodies at an instant.
 
     Parameters
     ----------

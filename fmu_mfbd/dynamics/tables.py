@@ -55,7 +55,7 @@ class GasTable:
 
 
 def read_numbers(path: Path | str, corner: bool = False) -> Rows:
-    """Rows of numbers of a comma or semicolon separated file; text rows at its top are skipped.
+    """Read rows of numbers of a separated file, without text rows at its top.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
 
 
 def _finite_numbers(cells: list[str]) -> list[float] | None:
-    """Cells as numbers; None if one is not a finite number."""
+    """Return cells as numbers, None unless all are finite."""
     try:
         values = [float(cell) for cell in cells]
     except ValueError:
@@ -103,13 +103,13 @@ def _finite_numbers(cells: list[str]) -> list[float] | None:
 
 
 def inline_numbers(name: str, points: Sequence[Sequence[float]]) -> Rows:
-    """Rows of a table that stands in the case file itself."""
+    """Return the rows of a table in the case file."""
     row_names = [f"{name}, row {k}" for k in range(1, len(points) + 1)]
     return Rows(name, row_names, [list(point) for point in points])
 
 
 def two_columns(rows: Rows, first: Column, second: Column) -> np.ndarray:
-    """Two columns in SI, the first rising.
+    """Return two columns in SI, the first rising.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def closed(
 
 
 def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float) -> GasTable:
-    """Gas pressure over one cycle, two columns: crank angle and gauge pressure.
+    """Return the gas pressure over one cycle from crank angle and gauge pressure.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
 
 @compilable
 def gas_pressure(table: GasTable, crank_angle: float) -> float:
-    """Pressure of the gas at a crank angle [rad], linear between the table's points [Pa]."""
+    """Return the gas pressure at a crank angle [rad], linear between the points [Pa]."""
     first = table.angle[0]
     within = (crank_angle - first) % table.cycle + first
     return float(np.interp(within, table.angle, table.pressure))

@@ -19,12 +19,12 @@ Say = Callable[[str], None]
 
 
 def options_schema() -> dict[str, Any]:
-    """JSON schema of the build table."""
+    """Return the JSON schema of the build table."""
     return BuildMonoblock.model_json_schema()
 
 
 def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Variable]:
-    """Variables of the FMU that a build table makes, or that none makes; nothing is reduced.
+    """Return the variables of the FMU of a build table, or of none, without a reduction.
 
     Raises
     ------

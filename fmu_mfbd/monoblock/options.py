@@ -3,40 +3,22 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from ...master.fmi.errors import BadInput
 from ...master.fmi.option_classes import sentences
-from ..options import (
-    STRICT,
-    BoreFromOutside,
-    Density,
-    Direction,
-    Length,
-    Mass,
-    Number,
-    Pressure,
-)
+from ..body_options import BoreFromOutside, Density, Length, Mass, Number, PlacedMesh, Pressure
 
 
-class BuildMonoblock(BaseModel):
+class BuildMonoblock(PlacedMesh):
     """Build options of the block FMU.
 
     The mesh origin O is on the crank axis, in the middle of the cylinders. The cylinders are
     upright and in line along z. Surfaces: bore_1 .., deck, bearing_1 .., mount_1 ...
     """
 
-    model_config = STRICT
     mesh: str
     """Mesh of 10-node tetrahedra (.msh, .inp, .cdb, also .xz, .gz) that names all surfaces."""
-    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
-    """Length unit of the mesh file, e.g. "1 mm"."""
-    axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
-    """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
-    along the crank.
-    """
-    origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-    """Position of the project's origin in the mesh file."""
     density: Annotated[Density, Field(ge=500, le=25000)]
     """Density of the material."""
     young: Annotated[Pressure, Field(ge=1e8, le=1e18)]

@@ -29,12 +29,12 @@ class Monoblock(FieldSlave):
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """All that the cylinders say."""
+        """Return the forces of all cylinders."""
         return ports(self.options["cylinders"], (*FORCES, ON_BORE))
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
-        """All that they are told."""
+        """Return the motion of the block at all cylinders."""
         return ports(self.options["cylinders"], (*MOTIONS, DEFLECTION))
 
     @staticmethod
@@ -68,12 +68,12 @@ class Monoblock(FieldSlave):
     def advance(
         self, state: BlockState, values: dict[str, Any], time: float, step: float
     ) -> tuple[BlockState, dict[str, Any]]:
-        """One step; returns (state, outputs)."""
+        """Take a step; returns (state, outputs)."""
         end = self.model.advance(state, self._cylinders(values), step)
         return end, self._shown(state, end)
 
     def directional_derivative(self, seeds: dict[str, Any]) -> dict[str, Any]:
-        """Product of the step map's derivative with the seed fields."""
+        """Return the product of the step map's derivative with the seed fields."""
         assert self.state is not None  # a derivative is asked of a step
         return _told(self.model.change(self.state, self._cylinders(seeds)))
 

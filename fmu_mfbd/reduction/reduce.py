@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from ..body_options import MOST_MODES, Block, Piston
 from ..finite_elements.element import (
     Sparse,
     each_direction,
@@ -18,7 +19,6 @@ from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
-from ..options import MOST_MODES, Block, Piston
 from .bases import (
     Elastic,
     MeanElastic,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..options import Block, Piston
+from ..body_options import Block, Piston
 from .reduced_body import ReducedBlock, ReducedPiston
 
 

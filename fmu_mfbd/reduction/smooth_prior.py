@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as la
 
+from ..body_options import MOST_MODES
 from ..finite_elements.element import Sparse
-from ..options import MOST_MODES
 from .bases import Elastic, of_unit_energy
 from .interpolation import SurfaceReading
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...models import MODELS
-from ..options import Block, Piston
+from ..body_options import Block, Piston
 from .film_loads import Training
 from .reduced_body import BossFilms, ReducedBody, ReducedPiston, save
 

@@ -22,8 +22,19 @@ from piston_cosim.master.fmi.variables import constant, input_variable, output_v
 
 CYLINDERS, MOUNTS = 2, 4
 AXES = ("x", "y", "z")
-FORCES = ("force_x", "force_y", "moment")
-MOTIONS = ("acceleration_x", "acceleration_y", "angular_acceleration", "angular_velocity")
+FORCES = {"force_x": "N", "force_y": "N", "moment": "N.m"}
+MOTIONS = {
+    "acceleration_x": ("m/s2", 1.0),
+    "acceleration_y": ("m/s2", 1.0),
+    "angular_acceleration": ("rad/s2", 10.0),
+    "angular_velocity": ("rad/s", 0.1),
+}
+VECTORS = (
+    ("displacement", "m", "rotation", "rad", "of the block at O", 1e-5),
+    ("velocity", "m/s", "rotation_velocity", "rad/s", "of the block at O", 1e-3),
+    ("shaking_force", "N", "shaking_moment", "N.m", "of all cylinders about O", 1e3),
+    ("mount_force", "N", "mount_moment", "N.m", "of the block on its mounts", 1e2),
+)
 
 
 @dataclass(frozen=True)
@@ -91,52 +102,40 @@ class MountedBlock(FieldSlave):
 
     @staticmethod
     def variables(options):
-        cylinders = cylinders_of(options)
-        some, mounts = (cylinders,), (int(options.get("mounts", MOUNTS)),)
-        units = {"force_x": "N", "force_y": "N", "moment": "N.m"}
-        answers = dict(zip(MOTIONS, ("m/s2", "m/s2", "rad/s2", "rad/s")))
-        whole = [
-            ("displacement", "m", "rotation", "rad", "of the block at O", 1e-5),
-            ("velocity", "m/s", "rotation_velocity", "rad/s", "of the block at O", 1e-3),
-            ("shaking_force", "N", "shaking_moment", "N.m", "of all cylinders about O", 1e3),
-            ("mount_force", "N", "mount_moment", "N.m", "of the block on its mounts", 1e2),
-        ]
+        cylinders, mounts = cylinders_of(options), int(options.get("mounts", MOUNTS))
+        each = [f"cylinder_{k}" for k in range(1, cylinders + 1)]
         return [
             *(
-                input_variable(
-                    f"cylinder_{k}.{name}", unit, f"{words(name)} on the block", 0.0, 1e3
-                )
-                for k in range(1, cylinders + 1)
-                for name, unit in units.items()
+                input_variable(f"{one}.{name}", unit, f"{words(name)} on the block", 0.0, 1e3)
+                for one in each
+                for name, unit in FORCES.items()
             ),
             parameter("mass", "kg", "Mass of block, head, crank and fixed parts", 60.0, 0.1, 1e5),
             *by_axes("inertia", "kg.m2", "Moment of inertia", 2.0, 1e-4, 1e5),
             *by_axes("centre", "m", "Centre of mass", 0.0, -5.0, 5.0),
-            *by_axes("mount", "m", "Position", 0.0, -5.0, 5.0, mounts),
-            *by_axes("stiffness", "N/m", "Stiffness of each mount", 0.0, 0.0, 1e40, mounts),
-            parameter("damping_time", "s", "tau: mounts' damping / stiffness", 0.0, 0.0, 1.0),
-            parameter("cylinder_z", "m", "Position", 0.0, -5.0, 5.0, some),
-            parameter("bank_angle", "rad", "Bank angle about z", 0.0, -7.0, 7.0, some),
+            *by_axes("mount", "m", "Position", 0.0, -5.0, 5.0, (mounts,)),
+            *by_axes("stiffness", "N/m", "Stiffness of each mount", 0.0, 0.0, 1e40, (mounts,)),
+            parameter("damping_time", "s", "Damping of the mounts by stiffness, tau", 0.0, 0.0, 1.0),
+            parameter("cylinder_z", "m", "Position", 0.0, -5.0, 5.0, (cylinders,)),
+            parameter("bank_angle", "rad", "Bank angle about z", 0.0, -7.0, 7.0, (cylinders,)),
             *(
-                output_variable(
-                    f"cylinder_{k}.{name}", unit, f"{words(name)} of the block", nominal
-                )
-                for k in range(1, cylinders + 1)
-                for (name, unit), nominal in zip(answers.items(), (1.0, 1.0, 10.0, 0.1))
+                output_variable(f"{one}.{name}", unit, f"{words(name)} of the block", nominal)
+                for one in each
+                for name, (unit, nominal) in MOTIONS.items()
             ),
             *(
                 output_variable(f"{name}_{axis}", unit, f"{words(name)} {what}", nominal)
-                for first, unit_1, second, unit_2, what, nominal in whole
+                for first, unit_1, second, unit_2, what, nominal in VECTORS
                 for name, unit in ((first, unit_1), (second, unit_2))
                 for axis in AXES
             ),
             output_variable("kinetic_energy", "J", "Kinetic energy of the block", 1e-3),
             output_variable("mount_power", "W", "Power dissipated by the mounts", 1.0),
             output_variable(
-                "energy_error", "J", "Work of a step minus stored and lost energy", 1e-3
+                "energy_error", "J", "Work of all forces minus stored and lost energy", 1e-3
             ),
             constant("cylinders", cylinders, "Cylinders"),
-            constant("mounts", mounts[0], "Mounts"),
+            constant("mounts", mounts, "Mounts"),
         ]
 
     def start(self, values):
@@ -144,7 +143,10 @@ class MountedBlock(FieldSlave):
         held = np.linalg.eigvalsh(engine.stiffness)
         if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
             raise BadInput(
-                "mount_x: expected mounts that hold all six directions or none, got others"
+                [
+                    "mount_x, .. stiffness_z: expected mounts that hold all six directions or "
+                    "none, got others"
+                ]
             )
         still = np.zeros(6)
         state = State(still, still, still, still, 0.0)
@@ -216,9 +218,9 @@ def cylinders_of(options):
     return int(options.get("cylinders", CYLINDERS))
 
 
-def by_axes(name, *options):
-    """Return a parameter for each axis."""
-    return [parameter(f"{name}_{axis}", *options) for axis in AXES]
+def by_axes(name, *row):
+    """Return a parameter along each axis."""
+    return [parameter(f"{name}_{axis}", *row) for axis in AXES]
 
 
 def words(name):

@@ -66,7 +66,7 @@ def shaking(name, offset=0.0):
             )
             for one in cylinders
         ]
-        out.append(engine.total(*np.array([(f.x, f.y, 0.0) for f in forces]).T))
+        out.append(engine.total(*np.array([(*f[:2], 0.0) for f in forces]).T))
     return np.array(out)
 
 

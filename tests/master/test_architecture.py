@@ -18,12 +18,15 @@ OUTER = {
     "declaration.py",
     "slave.py",
     "native.py",
+    "native_given.py",
     "variables.py",
     "build.py",
     "options.py",
+    "body_options.py",
     "offline.py",
     "alone.py",
     "preview.py",
+    "preview_remarks.py",
     "truncations.py",
 }
 

@@ -106,10 +106,10 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     np.testing.assert_allclose(free.residual, bare[:2], atol=1e-9 * size)
     assert np.abs(lack.residual).max() < 1e-9 * size
     force = block_force(body, SKEW, UNBALANCE, load, now, crank)
-    np.testing.assert_allclose([force.x, force.y], -whole[3:5], atol=1e-9 * size)
+    np.testing.assert_allclose(force[:2], -whole[3:5], atol=1e-9 * size)
     # turning all about the crank axis: the block, and the drive, which stands outside it; what the
     # crank itself needs is the drive's and `imbalance` leaves it to its caller
-    assert force.moment == pytest.approx(lack.torque - bare[5], abs=1e-9 * size)
+    assert force.moment_on_block == pytest.approx(lack.torque - bare[5], abs=1e-9 * size)
 
 
 @pytest.fixture

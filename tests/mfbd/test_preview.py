@@ -8,12 +8,10 @@ import pytest
 from piston_cosim.fmu_mfbd import preview_picture
 from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape
 from piston_cosim.fmu_mfbd.preview import (
-    _remarks_on_gas,
-    _remarks_on_profiles,
-    _runs,
     mass_properties,
     preview,
 )
+from piston_cosim.fmu_mfbd.preview_remarks import remarks_on_gas, remarks_on_profiles, runs
 
 SHEET = {
     "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
@@ -117,8 +115,8 @@ def test_a_picture_is_drawn(tmp_path):
 
 
 def test_runs_on_a_ring():
-    assert _runs(np.array([1, 0, 0, 1, 1, 0, 1], dtype=bool)) == [2, 2]  # 1 at the end goes on
-    assert _runs(np.ones(3, dtype=bool)) == [] and _runs(np.zeros(3, dtype=bool)) == []
+    assert runs(np.array([1, 0, 0, 1, 1, 0, 1], dtype=bool)) == [2, 2]  # 1 at the end goes on
+    assert runs(np.ones(3, dtype=bool)) == [] and runs(np.zeros(3, dtype=bool)) == []
 
 
 @pytest.mark.parametrize(
@@ -132,7 +130,7 @@ def test_runs_on_a_ring():
     ],
 )
 def test_unusual_gas_pressures_are_remarked(low, high, words):
-    remarks = _remarks_on_gas(np.array([low, high, low]))
+    remarks = remarks_on_gas(np.array([low, high, low]))
     assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
 
 
@@ -154,7 +152,7 @@ SKIRT = SimpleNamespace(skirt_lower=-25e-3, skirt_upper=20e-3)
 )
 def test_unusual_profiles_are_remarked(low, high, largest, words):
     shape = MeasuredShape(np.zeros(1), np.array([low, high]), np.array([[0.0], [largest]]))
-    remarks = _remarks_on_profiles([shape], SKIRT)
+    remarks = remarks_on_profiles([shape], SKIRT)
     assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
 
 

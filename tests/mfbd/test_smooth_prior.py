@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.options import Piston
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy
 from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load

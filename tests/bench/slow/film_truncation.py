@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from piston_cosim.fmu_mfbd.body_options import Block, Piston
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres, film_rows
-from piston_cosim.fmu_mfbd.options import Block, Piston, read_options
+from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.film_loads import (
     FilmLoads,
