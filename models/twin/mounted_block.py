@@ -115,7 +115,7 @@ class MountedBlock(FieldSlave):
             *by_axes("centre", "m", "Centre of mass", 0.0, -5.0, 5.0),
             *by_axes("mount", "m", "Position", 0.0, -5.0, 5.0, (mounts,)),
             *by_axes("stiffness", "N/m", "Stiffness of each mount", 0.0, 0.0, 1e40, (mounts,)),
-            parameter("damping_time", "s", "Damping of the mounts by stiffness, tau", 0.0, 0.0, 1.0),
+            parameter("damping_time", "s", "tau: mounts' damping / stiffness", 0.0, 0.0, 1.0),
             parameter("cylinder_z", "m", "Position", 0.0, -5.0, 5.0, (cylinders,)),
             parameter("bank_angle", "rad", "Bank angle about z", 0.0, -7.0, 7.0, (cylinders,)),
             *(
