@@ -3,7 +3,7 @@
 from copy import deepcopy
 from os.path import isfile, join, normpath
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from ..fmi.errors import BadInput, unknown
 from .changes import Tree, split_key
@@ -87,7 +87,7 @@ def _with_entries(old: list[Tree], new: list[Tree], key: str) -> list[Tree]:
     return found
 
 
-def _are_tables(value: Any) -> bool:
+def _are_tables(value: Any) -> TypeGuard[list[Tree]]:
     return isinstance(value, list) and all(isinstance(one, dict) for one in value)
 
 
