@@ -74,7 +74,9 @@ class Case:
 
     tree: dict[str, Any]
     path: Path
-    own: Mapping[str, Callable[[], Participant]] = field(default_factory=dict)
+    own: Mapping[str, Callable[[], Participant]] = field(
+        default_factory=dict[str, Callable[[], Participant]]
+    )
 
     def __post_init__(self) -> None:
         check_case(self.tree, self.path)
@@ -166,7 +168,7 @@ class Case:
         tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
         checked = check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
-        watch = (lambda *args: None) if progress is None else _telling(progress, system.begin)
+        watch = _telling(progress or (lambda step: None), system.begin)
         summary = run_system(system, checked, tree, output, watch, say=log.info, log=log.info)
         if summary.get("loops_stepped_explicitly"):
             log.warning(
@@ -206,10 +208,12 @@ def _model(model: type | str | Path | None) -> str | None:
     return f"{file}:{model.__name__}"
 
 
-def _telling(progress, begin):
+def _telling(progress: Callable[[Progress], object], begin: float) -> Callable[..., None]:
     """Return `progress` as the `watch` of a run."""
 
-    def watch(time, stop, solution, monitored):
+    def watch(
+        time: float, stop: float, solution: Any, monitored: dict[str, tuple[float, str]]
+    ) -> None:
         share = (time - begin) / (stop - begin)
         residual = float(solution.history[-1])
         progress(Progress(share, time, stop, solution.iterations, residual, monitored))

@@ -104,5 +104,5 @@ def _laws(table: Any, folder: Path) -> list[str]:
 
 def _bases(build: dict[str, Any]) -> list[str]:
     """Return the bases of the flexible bodies."""
-    bodies = [body for body in build.values() if isinstance(body, dict)]
+    bodies: list[dict[str, Any]] = [body for body in build.values() if isinstance(body, dict)]
     return [body["basis"] for body in bodies if "basis" in body and body.get("modes") != 0]

@@ -119,7 +119,8 @@ def couple(
         raise BadInput(
             [f"wires: {unknown('participant', name, participants)}" for name in strangers]
         )
-    tables, own = {}, {}
+    tables: dict[str, dict[str, Any]] = {}
+    own: dict[str, Any] = {}
     for name, origin in participants.items():
         tables[name] = {"parameters": given.get(name, {}), "build": options.get(name, {})}
         if isinstance(origin, (str, Path)):
@@ -144,7 +145,7 @@ def _is_slave(origin: Origin) -> TypeGuard["type[FieldSlave]"]:
     """Return whether an origin is a class derived from `Slave`."""
     if not isinstance(origin, type):
         return False
-    from ..fmi.slave import FieldSlave  # pythonfmu is slow to import
+    from ..fmi.slave import FieldSlave  # slow to import
 
     return issubclass(origin, FieldSlave)
 

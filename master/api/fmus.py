@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from fmpy import read_model_description
-
 from ..case.checked import check_case
 from ..case.export import experiment_ahead
 from ..case.given import build_options
@@ -94,9 +92,8 @@ def compile_code(path: Path, say: Callable[[str], object]) -> None:
         Called with a message first.
     """
     say(f"starting {path.name} once: code that is new here is compiled, about a minute")
-    usual = read_model_description(str(path)).defaultExperiment
-    assert usual.stopTime is not None and usual.stepSize is not None  # the builder writes both
     one = opening.open_fmu("fmu", path)
+    usual = one.description.defaultExperiment  # the builder writes both times
     try:
         one.start({}, 0.0, float(usual.stopTime))
         one.step(0.0, float(usual.stepSize))

@@ -3,6 +3,7 @@
 from copy import deepcopy
 from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -12,7 +13,7 @@ from .ahead import faults_ahead
 from .schema import Case
 
 
-def check_case(tree, path):
+def check_case(tree: dict[str, Any], path: Path) -> Case:
     """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path."""
     try:
         return Case.model_validate(tree)

@@ -294,8 +294,10 @@ def _capabilities(participant):
 
 
 def swap_all(
-    trees: dict[str, dict], given: Mapping[str, str | None], say: Callable[[str], None]
-) -> dict[str, dict]:
+    trees: dict[str, dict[str, Any]],
+    given: Mapping[str, str | None],
+    say: Callable[[str], object],
+) -> dict[str, dict[str, Any]]:
     """Return the trees of all variants with the models `given`: role -> "[PARTICIPANT=]MODEL".
 
     A model is an FMU, or a model class FILE.py:CLASS. Calls `say` with the keys that the case
@@ -318,7 +320,7 @@ def swap_all(
     return trees
 
 
-def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], None]) -> Path:
+def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object]) -> Path:
     """Return the FMU of a model; build it from FILE.py:CLASS if the cache lacks it.
 
     Parameters

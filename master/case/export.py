@@ -7,6 +7,7 @@ from collections import Counter
 from dataclasses import asdict, replace
 from math import inf, isfinite
 from pathlib import Path
+from typing import Any
 
 from ..coupling.coupled import Coupled
 from ..coupling.native_given import (
@@ -224,7 +225,7 @@ def experiment(stop, step, wires):
     return Experiment(stop, step, tightest if isfinite(tightest) else None)
 
 
-def experiment_ahead(case, folder):
+def experiment_ahead(case: Any, folder: Path) -> Any:
     """Return the experiment of a case before anything is built, for the FMU of one participant.
 
     Returns None if it depends on variables that are not declared.

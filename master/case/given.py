@@ -5,6 +5,7 @@ Example: a film has no cells at positions where the mesh has no skirt.
 
 import json
 import zipfile
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,9 @@ from ..fmi.tree import import_part
 from .contract import contract, interface
 
 
-def build_options(case, folder, progress) -> dict[str, dict[str, Any]]:
+def build_options(
+    case: Any, folder: Path, progress: Callable[[str], object]
+) -> dict[str, dict[str, Any]]:
     """Return the build options of each participant.
 
     They are its own, and those that the contract takes from others if it has none itself.

@@ -2,8 +2,10 @@
 
 import re
 import tomllib
+from collections.abc import Iterable
 from os.path import relpath
 from pathlib import Path
+from typing import Any
 
 from ...models import MODELS
 from ..fmi.errors import BadInput, file_fault, near
@@ -16,7 +18,7 @@ def case_names():
     return sorted(p.name for p in MODELS.iterdir() if (p / "case.toml").is_file())
 
 
-def find_case(name, folder=Path()):
+def find_case(name: str, folder: Path = Path()) -> Path:
     """Return the path of a case file, from its path, its folder or an installed case's name.
 
     Relative paths start from `folder`.
@@ -32,7 +34,7 @@ def find_case(name, folder=Path()):
     )
 
 
-def read_tree(path, changes=()):
+def read_tree(path: Path, changes: Iterable[tuple[str, Any]] = ()) -> dict[str, Any]:
     """Return the TOML tree of a case or SSP with `changes` (pairs of dotted key and value).
 
     Raises `BadInput` for a file that is not TOML, and for every change that cannot be made.

@@ -1,5 +1,9 @@
 """Participants and wires of a case, checked before the run."""
 
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
 from ..coupling.wiring import HeldWire, System, Wire, port_of
 from ..coupling.work import conjugates
 from ..fmi.errors import BadInput
@@ -24,7 +28,12 @@ from .wires import (
 )
 
 
-def open_system(case, folder, progress, own=None):
+def open_system(
+    case: Any,
+    folder: Path,
+    progress: Callable[[str], object],
+    own: Mapping[str, Callable[[], Any]] | None = None,
+) -> Any:
     """Build or open every FMU of the case, and check the system before it runs.
 
     `own` contains constructors of participants that exist only in this process, by name.

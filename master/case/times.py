@@ -52,7 +52,7 @@ def times(case: Case, speed: float | None) -> Clock:
         raise BadInput("time.period: expected a time with time.until_periodic, got nothing")
     if fault := period and _whole_fault("time.period", case.period, None, period / step, case.time):
         if case.time.period or case.time.until_periodic:
-            raise BadInput(fault)
+            raise BadInput(str(fault))
         period = 0.0  # a default that is no multiple of the macro step
     stop = values.get("stop", begin + case.time.most_periods * period)
     steps = (stop - begin) / step

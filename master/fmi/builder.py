@@ -12,12 +12,13 @@ import os
 import sys
 import tempfile
 import zipfile
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from inspect import getfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import indent, tostring
 
 from .cache import cache_folder
@@ -27,6 +28,8 @@ from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
 from .errors import BadInput
 from .tree import ROOT, import_part, reached
+
+Say = Callable[[str], object]
 
 EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
 """Modules of master.fmi that a running FMU needs."""
@@ -153,8 +156,14 @@ def code_with(slave, part):
 
 
 def build_fmu(
-    package, options, folder, progress=lambda text: None, version="2.0", *, experiment=None
-):
+    package: str,
+    options: Mapping[str, Any],
+    folder: Path | str,
+    progress: Say = lambda text: None,
+    version: str = "2.0",
+    *,
+    experiment: Any = None,
+) -> Path:
     """Return the FMU of a participant package, from the cache if it was built before.
 
     Parameters
@@ -195,7 +204,9 @@ def build_fmu(
     )
 
 
-def build_fmu_of_file(origin, options, progress=lambda text: None, version="2.0"):
+def build_fmu_of_file(
+    origin: str, options: Mapping[str, Any], progress: Say = lambda text: None, version: str = "2.0"
+) -> Path:
     """Return the FMU of a single-file model class, from the cache if it was built before.
 
     Parameters

@@ -20,7 +20,7 @@ class BadInput(ValueError):
         One sentence each: "KEY: expected X, got Y; hint".
     """
 
-    def __init__(self, faults):
+    def __init__(self, faults: str | Iterable[str]):
         self.faults = [faults] if isinstance(faults, str) else list(faults)
         super().__init__("\n".join(self.faults))
 

@@ -66,7 +66,7 @@ def _without_pint(value, unit):
     return float(number) if name == unit and name in SI else None
 
 
-def to_si(value, unit):
+def to_si(value: str | float, unit: str) -> float:
     """Convert a user's value to SI; see `_by_pint`."""
     plain = _without_pint(value, unit)
     plain = _by_pint(value, unit) if plain is None else plain

@@ -2,14 +2,24 @@
 
 import re
 import zipfile
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 from .substeps import Substeps
 
 EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
-def open_fmu(name, path, sizes=None, step=None, elements=(), event_mode=True):
+def open_fmu(
+    name: str,
+    path: Path,
+    sizes: Mapping[str, int] | None = None,
+    step: float | None = None,
+    elements: Iterable[str] = (),
+    event_mode: bool = True,
+) -> Any:
     """Return the participant of an FMU of either version of the standard.
 
     Parameters

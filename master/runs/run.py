@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,15 +60,15 @@ VERSIONS = ("piston-cosim", "numpy", "scipy", "numba", "fmpy", "pythonfmu", "h5p
 
 
 def run(
-    system,
-    case,
-    tree,
-    output,
-    watch=lambda *args: None,
-    begin_at=None,
-    say=lambda line: None,
-    log=lambda line: None,
-):
+    system: Any,
+    case: Any,
+    tree: dict[str, Any],
+    output: Path,
+    watch: Callable[..., object] = lambda *args: None,
+    begin_at: Any = None,
+    say: Callable[[str], object] = lambda line: None,
+    log: Callable[[str], object] = lambda line: None,
+) -> dict[str, Any]:
     """Run to the stop time, or until a period repeats the previous one (`until_periodic`).
 
     Parameters
@@ -164,8 +164,8 @@ def _warnings(system):
 class Callbacks(NamedTuple):
     """Callbacks of a run: `watch` after every step, `log` after every period; see `run`."""
 
-    watch: Callable[..., None]
-    log: Callable[[str], None]
+    watch: Callable[..., object]
+    log: Callable[[str], object]
 
 
 class ActiveRun:

@@ -9,9 +9,11 @@ import itertools
 import json
 import os
 import tomllib
+from collections.abc import Callable
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -112,8 +114,8 @@ class Point:
     The name is a hash of the content that affects the results.
     """
 
-    values: dict
-    tree: dict
+    values: dict[str, Any]
+    tree: dict[str, Any]
 
     @property
     def name(self):
@@ -206,7 +208,13 @@ def _silent(_text):
     pass
 
 
-def sweep(points, case_folder, folder, executor, watch=lambda row, done, total: None):
+def sweep(
+    points: list[Point],
+    case_folder: Path,
+    folder: Path,
+    executor: Any,
+    watch: Callable[[dict[str, Any], int, int], object] = lambda row, done, total: None,
+) -> list[dict[str, Any]]:
     """Run the unfinished points; write a row for each into the table of `table_for`.
 
     Parameters
@@ -324,7 +332,7 @@ def _replace(path, text):
     os.replace(fresh, path)
 
 
-def unfinished(points, folder):
+def unfinished(points: list[Point], folder: Path) -> list[Point]:
     """Return the points that are not finished in `folder`.
 
     A row belongs to the content of the case, not to the version of the code.
@@ -332,7 +340,7 @@ def unfinished(points, folder):
     return [p for p in points if not _done(Path(folder) / "runs" / f"{p.name}.json")]
 
 
-def build_all(points, case_folder, progress):
+def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], object]) -> None:
     """Build every FMU of the points once, before processes compete for it.
 
     Faults are reported in the rows.
