@@ -327,8 +327,8 @@ class Case(Table):
 
     extends: str | None = None
     """Case whose tables this one has as well: a file, a folder, or the name of an installed case.
-    Own keys replace its keys. Wires (by `to`), axes (by `participants`) and pictures (by `file`)
-    are added to its own.
+    Own keys replace its keys. Wires, axes and pictures are added to those of that case. One with
+    a known `to`, `participants` or `file` changes the entry of that case.
     """
     without: list[str] = []
     """Keys of the extended case that this one does not have."""

@@ -273,11 +273,12 @@ def pack_fmu(
     if not fmu.exists():
         progress(f"packing {fmu.name}")
         entry = ENTRY.format(codes=tuple(codes), slave=code.slave).encode()
+        module = "_".join([*codes, "entry"])  # another one in FMUs with other participants
         for one in codes.values():
             contents |= {f"{one.name}/{path}": data for path, data in one.files.items()}
         contents |= {
-            f"{code.name}_entry.py": entry,
-            "slavemodule.txt": f"{code.name}_entry".encode(),
+            f"{module}.py": entry,
+            "slavemodule.txt": module.encode(),
         }
         contents |= {"requirements.py": code.files["master/fmi/requirements.py"]}
         contents |= {
@@ -285,7 +286,7 @@ def pack_fmu(
             for name in OF_PYTHONFMU
         }
         contents |= {"pythonfmu/__init__.py": PYTHONFMU.encode()}
-        _pack(contents, f"{code.name}_entry", fmu, version, experiment)
+        _pack(contents, module, fmu, version, experiment)
     return fmu
 
 

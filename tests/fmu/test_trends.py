@@ -9,7 +9,8 @@ import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.sweep import LocalPool, all_points, build_all, parse_axis, sweep
+from piston_cosim.master.runs.pool import LocalPool
+from piston_cosim.master.runs.sweep import all_points, build_all, parse_axis, sweep
 
 pytestmark = pytest.mark.slow  # 18 runs
 PATH = find_case("fired_motorcycle")

@@ -165,7 +165,11 @@ def test_tables_that_a_case_may_have_are_made(tmp_path):
             "9 um",
             "radial_clearence: expected one of",
         ),
-        ("participants.bodies.build.piston.mode", 3, "mode: expected one of mesh, reduced, rigid,"),
+        (
+            "participants.bodies.build.piston.mode",
+            3,
+            "mode: expected one of mesh_unit, axes, origin, mesh, reduced, rigid,",
+        ),
         ("participants.ehd.build.oill", "x", "oill: expected one of grid, surface,"),
         ("viscosity", "12 bar", r"viscosity: expected a quantity in Pa\.s, got"),
         ("bore_radius", "2 km", r"bore_radius: expected 0\.001 to 1 m, got 2 km"),
