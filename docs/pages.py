@@ -203,6 +203,7 @@ def parameters():
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
     from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
     from piston_cosim.fmu_mfbd.dynamics.pin_instant import PinScalars
+    from piston_cosim.fmu_mfbd.dynamics.space_model import SpaceScalars
 
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
@@ -211,7 +212,7 @@ def parameters():
     known = {variable.name for variable in skirt}
     bearing = [v for v in of_film(grid, surface="bearing") if v.name not in known]
     told = {variable.name for variable in bodies}
-    own = [*of_bodies.space_outputs(), *of_bodies.parameters(SpaceParameters)]
+    own = [*of_bodies.declared(SpaceScalars), *of_bodies.parameters(SpaceParameters)]
     space = [variable for variable in own if variable.name not in told]
     of_crank = [
         *(v for v in of_bodies.declared(PinScalars) if v.name.startswith(tuple(CRANK_PARAMETERS))),
