@@ -248,7 +248,8 @@ def draw_charts(charts: Sequence[Chart], height: float = 2.3) -> Any:
                 panel.plot(curve.x, curve.y, STYLES[curve.dash], **kept)
         if chart.logarithmic:
             panel.set_yscale("log")
-        panel.set_ylabel(f"{chart.title} {chart.y}".strip(), fontsize="small")
+        label = chart.y if chart.y.startswith(chart.title) else f"{chart.title} {chart.y}"
+        panel.set_ylabel(label.strip(), fontsize="small")
     add_legend(panels[0])
     panels[-1].set_xlabel(charts[-1].x)
     if charts[-1].x.endswith("[deg]"):
