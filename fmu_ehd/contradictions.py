@@ -72,7 +72,7 @@ class Supply(NamedTuple):
     conserving: bool
 
 
-class Outside(NamedTuple):
+class AmbientPressures(NamedTuple):
     """Pressures around a film [Pa].
 
     The cavitation pressure p_c, and the pressures above it at lower edge, upper edge and openings.
@@ -108,16 +108,18 @@ def cavitation_of(chosen: Any) -> Cavitation:
 
 
 @compilable
-def outside_of(supply: Supply) -> Outside:
+def outside_of(supply: Supply) -> AmbientPressures:
     """Pressures around a film."""
     least = supply.cavitation_pressure
     lower = supply.pressure_lower_edge - least
     opening = supply.pressure_openings - least if supply.own else lower
-    return Outside(least, lower, supply.pressure_upper_edge - least, opening)
+    return AmbientPressures(least, lower, supply.pressure_upper_edge - least, opening)
 
 
 @compilable
-def edges_of(supply: Supply, outside: Outside, law: PressureLaw, shape: tuple[int, int]) -> Edges:
+def edges_of(
+    supply: Supply, outside: AmbientPressures, law: PressureLaw, shape: tuple[int, int]
+) -> Edges:
     """Edges of a grid where oil is in plenty; both ends of a sector are openings."""
     below = supply.film_fraction_lower_edge
     pressure = np.full(5, outside.opening)

@@ -15,7 +15,7 @@ from .faults import FAULTS, raise_noted
 from .laws.asperity import contact_table
 from .laws.roughness import factor_table
 from .parameters import Parameters, chosen_of, numbers_of
-from .step import Directions, Fields, Inputs, Last, Linear, Memory, Scalars
+from .step import Directions, Fields, Inputs, LastStep, Linearisation, Memory, Scalars
 from .summary import halves
 from .surroundings import Surroundings, surroundings
 
@@ -60,8 +60,8 @@ class LubricationModel:
         self._given = surroundings(p, {})
         self._right = np.empty(0)
         # of the last step: what the tangent needs
-        self._last: Last | None = None
-        self._linear: Linear | None = None
+        self._last: LastStep | None = None
+        self._linear: Linearisation | None = None
 
     # ---- steps
 

@@ -31,10 +31,10 @@ from .native_step import (
     SECTOR_ANGLE,
     STATE,
     STROKES,
-    Block,
-    InputPlaces,
-    Places,
+    FilmSetup,
+    InputPositions,
     Solver,
+    VariablePositions,
     block_of,
     check_at_start,
     check_supply,
@@ -79,7 +79,7 @@ def given(slave: Any) -> Array:
     faces = skirt_edges(np.zeros((n_c, n_a), dtype=bool) if cut is None else cut)
     field = np.zeros((n_c, n_a))
     lengths = dict(n_c=n_c, n_a=n_a, n_e=len(faces), n_b=ROOM_ON_BORE * n_a)
-    block = Block(
+    block = FilmSetup(
         places=_places(slave),
         follows=np.array([float(name in built.inputs) for name in NUMBERS]),
         bearing=built.surface == "bearing",
@@ -102,15 +102,15 @@ def given(slave: Any) -> Array:
         {"given": row_of(block)},
         {
             "state": room(step.Memory, **lengths),
-            "last": room(step.Last, **lengths),
-            "linear": room(step.Linear, **lengths),
+            "last": room(step.LastStep, **lengths),
+            "linear": room(step.Linearisation, **lengths),
             "solver": room(Solver, **lengths),
             "faults": ROOM,
         },
     )
 
 
-def _places(slave) -> Places:
+def _places(slave) -> VariablePositions:
     """Return where everything lies among a slave's variables."""
 
     def place(name, kind=""):
@@ -119,10 +119,10 @@ def _places(slave) -> Places:
     def each(names):
         return np.array([place(name) for name in names], dtype=float)
 
-    return Places(
+    return VariablePositions(
         each(NUMBERS),
         each(CHOSEN),
-        InputPlaces(*(place(name) for name in InputPlaces._fields)),
+        InputPositions(*(place(name) for name in InputPositions._fields)),
         each(Fields._fields),
         each(Scalars._fields),
         place("solver_iterations"),

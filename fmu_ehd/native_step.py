@@ -21,7 +21,7 @@ from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import fill_factor_table
 from .parameters import NUMBERS, Chosen, Numbers
 from .solvers.blocks import Factors
-from .step import Last, Linear, Memory
+from .step import LastStep, Linearisation, Memory
 from .summary import Halves
 
 SECTOR_ANGLE = NUMBERS.index("sector_angle")
@@ -36,14 +36,17 @@ ROOM_ON_BORE = 1 + 2 * STROKES
 
 PARTS = ("given", "state", "last", "linear", "solver", "faults")
 GIVEN, STATE, LAST, LINEAR, SOLVER, FAULTS_AT = range(len(PARTS))
-"""Parts of the memory; rows of `Given`, `step.Memory`, `step.Last`, `step.Linear` and `Solver`."""
+"""Parts of the memory.
+
+They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step.Linearisation` and `Solver`.
+"""
 
 Vector = Annotated[Array, "n"]
 Number = Annotated[Array, "1"]
 """An array of one, for what changes."""
 
 
-class InputPlaces(NamedTuple):
+class InputPositions(NamedTuple):
     """Positions of the input fields."""
 
     film_thickness: int
@@ -52,7 +55,7 @@ class InputPlaces(NamedTuple):
     oil_temperature: int
 
 
-class Places(NamedTuple):
+class VariablePositions(NamedTuple):
     """Positions of everything among the variables; -1 if it does not exist.
 
     numbers, chosen, fields, scalars : of `NUMBERS`, `CHOSEN`, `step.Fields` and `step.Scalars`;
@@ -61,7 +64,7 @@ class Places(NamedTuple):
 
     numbers: Vector
     chosen: Vector
-    inputs: InputPlaces
+    inputs: InputPositions
     fields: Vector
     scalars: Vector
     solver_iterations: int
@@ -69,7 +72,7 @@ class Places(NamedTuple):
     products: int
 
 
-class Block(NamedTuple):
+class FilmSetup(NamedTuple):
     """Constant part of a memory; members from `beside` on are made at the start.
 
     follows : 1 for each of `NUMBERS` that is an input; tables : of both contact laws; share, sine :
@@ -79,7 +82,7 @@ class Block(NamedTuple):
     `piezoviscosity.PressureLaw`; has_last, has_linear : whether there is one of the last step.
     """
 
-    places: Places
+    places: VariablePositions
     follows: Vector
     bearing: bool
     tables: Annotated[Array, "2, 513, 6"]
@@ -108,22 +111,22 @@ class Solver(NamedTuple):
     direction: Number
 
 
-_, _block = flatten(Block)
+_, _block = flatten(FilmSetup)
 put_law, law_from = flatten(PressureLaw)
 put_solver, _solver = flatten(Solver)
 put_memory, memory_of_state = flatten(Memory)
-put_last, last_of = flatten(Last)
-put_linear, linear_of = flatten(Linear)
+put_last, last_of = flatten(LastStep)
+put_linear, linear_of = flatten(Linearisation)
 
 
 @compiled
 def block_of(memory: Array):
-    """Return `Block`; writing into its arrays changes the memory."""
+    """Return `FilmSetup`; writing into its arrays changes the memory."""
     return _block(part(memory, GIVEN))
 
 
 @compiled
-def clear_solver(memory: Array, block: Block):
+def clear_solver(memory: Array, block: FilmSetup):
     """Make room for factors."""
     n_c, n_a = block.mask.shape
     rows = np.zeros((n_a, n_c))
@@ -135,20 +138,20 @@ def clear_solver(memory: Array, block: Block):
 
 
 @compiled
-def place_openings(block: Block):
+def place_openings(block: FilmSetup):
     """Say for each cut-out which film is nearest."""
     domain = domain_of(block)
     keep(block.beside, openings.nearest(domain.open_cells, domain.cells.dx, domain.cells.dy))
 
 
 @compiled
-def filled(block: Block, fields: Array, domain: Domain):
+def filled(block: FilmSetup, fields: Array, domain: Domain):
     """Fields, shape (m, n_c, n_a), whose cut-outs show the nearest cell with a film."""
     return openings.filled(block.beside, fields) if domain.has_openings else fields
 
 
 @compiled
-def domain_of(block: Block):
+def domain_of(block: FilmSetup):
     """`film_step.Domain`."""
     n_c, n_a = block.mask.shape
     x = numbers_from(block.numbers)
@@ -166,8 +169,8 @@ def domain_of(block: Block):
 
 
 @compiled
-def fixed_of(block: Block, on_bore: bool):
-    """Return `step.Fixed`; a tangent needs no bore."""
+def fixed_of(block: FilmSetup, on_bore: bool):
+    """Return `step.FilmConstants`; a tangent needs no bore."""
     chosen = chosen_from(block.chosen)
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
@@ -183,7 +186,7 @@ def fixed_of(block: Block, on_bore: bool):
 
 
 @compiled
-def roughen(block: Block):
+def roughen(block: FilmSetup):
     """Write the table of the flow factors into the memory."""
     x = numbers_from(block.numbers)
     if chosen_from(block.chosen).flow_factors == PATIR_CHENG_1978:
@@ -212,7 +215,7 @@ def factors_of(memory: Array):
 
 
 @compiled
-def check_at_start(block: Block, faults: Array):
+def check_at_start(block: FilmSetup, faults: Array):
     """Note contradictions between parameters, except those of the oil supply."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
@@ -223,14 +226,14 @@ def check_at_start(block: Block, faults: Array):
 
 
 @compiled
-def check_supply(block: Block, faults: Array):
+def check_supply(block: FilmSetup, faults: Array):
     """Note what is wrong with the oil supply."""
     supply = contradictions.supply_of(numbers_from(block.numbers), chosen_from(block.chosen))
     contradictions.check_supply(supply, faults)
 
 
 @compiled
-def surroundings_of(block: Block):
+def surroundings_of(block: FilmSetup):
     """Return `surroundings.Surroundings`."""
     return surroundings.surroundings_of(
         numbers_from(block.numbers),
@@ -242,21 +245,21 @@ def surroundings_of(block: Block):
 
 
 @compiled
-def warm_by_edges(block: Block):
+def warm_by_edges(block: FilmSetup):
     """Set the temperature of every cell from both edges, and the viscosity."""
     surroundings.temperature_between_edges(numbers_from(block.numbers), block.temperature)
     _set_viscosity(block)
 
 
 @compiled
-def warm_by_field(block: Block, temperature: Array):
+def warm_by_field(block: FilmSetup, temperature: Array):
     """Set the temperature of every cell, shape (n_c, n_a) [K], and the viscosity."""
     keep(block.temperature, temperature)
     _set_viscosity(block)
 
 
 @compiled
-def _set_viscosity(block: Block):
+def _set_viscosity(block: FilmSetup):
     """Set the viscosity of every cell and the pressure law from the temperature."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)

@@ -15,10 +15,17 @@ from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
 from . import step_parts as parts
 from .balance import coated_film, film_step, oil_layer, reynolds
-from .balance.coated_film import CoatedFilm, Layer, Pressed
-from .balance.film_step import Domain, FilmSolution, Given, film_slopes, solutions, solved_filling
+from .balance.coated_film import CoatedFilm, CoatedInputs, Layer
+from .balance.film_step import (
+    BalanceInputs,
+    Domain,
+    FilmSolution,
+    film_slopes,
+    solutions,
+    solved_filling,
+)
 from .balance.films import COUETTE, STORED, FilmSlopes, Quantities
-from .balance.flow_film import FilmLaws, FlowFilm, Sheared, flow_film
+from .balance.flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
 from .balance.grid import (
     LOWER,
     UPPER,
@@ -30,14 +37,14 @@ from .balance.grid import (
     Stencil,
     sum_of_products,
 )
-from .balance.oil_layer import Bore, OilLayer, Passed
+from .balance.oil_layer import Bore, LayerVolumes, OilLayer
 from .balance.reynolds import Filling
 from .balance.transport import Lift
 from .contradictions import FROM_BORE_AND_RING, FROM_EDGES
 from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
 from .laws import cavitation, circumferential, coating, friction
 from .laws.asperity import contact_constants
-from .laws.circumferential import Changes, Turning, TurningSlopes
+from .laws.circumferential import Changes, CircumferentialInputs, CircumferentialSlopes
 from .laws.coating import Softness
 from .laws.contact import contact_changes, has_narrow_steps
 from .laws.friction import ForceSlopes, ShearInputs
@@ -57,7 +64,7 @@ BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `pa
 NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
 
 
-class Fixed(NamedTuple):
+class FilmConstants(NamedTuple):
     """Constants of a film during a run.
 
     domain : film_step.Domain; surfaces : step_parts.Surfaces; laws : flow_film.FilmLaws;
@@ -91,7 +98,7 @@ class Tables(NamedTuple):
 @compilable
 def fixed_of(
     x: Any, chosen: Any, bearing: bool, on_bore: bool, domain: Domain, tables: Tables
-) -> Fixed:
+) -> FilmConstants:
     """Return the constants of a film.
 
     Parameters
@@ -129,7 +136,7 @@ def fixed_of(
         x.chamfer_capacity,
         x.largest_oil_layer,
     )
-    return Fixed(
+    return FilmConstants(
         domain,
         surfaces,
         FilmLaws(x.minimum_flow_film, x.roughness_rms, tables.factors, thinning),
@@ -143,7 +150,7 @@ def fixed_of(
 class Memory(NamedTuple):
     """Memory of a film between steps."""
 
-    film: parts.Before
+    film: parts.PreviousFilm
     totals: parts.Totals
     layer: OilLayer
 
@@ -168,21 +175,22 @@ class Inputs(NamedTuple):
     length: float
 
 
-class Begun(NamedTuple):
+class StepStart(NamedTuple):
     """Data from which a step starts.
 
-    begin : step_parts.Begin; covered : oil_layer.OilLayer, the skirt moved on; edges : grid.Edges;
-    lift : transport.Lift; entrainment : grid.Entrainment, at the end of the step [m/s].
+    begin : step_parts.EulerStart; covered : oil_layer.OilLayer, the skirt moved on;
+    edges : grid.Edges; lift : transport.Lift;
+    entrainment : grid.Entrainment, at the end of the step [m/s].
     """
 
-    begin: parts.Begin
+    begin: parts.EulerStart
     covered: OilLayer
     edges: Edges
     lift: Lift
     entrainment: Entrainment
 
 
-class Solved(NamedTuple):
+class StepSolution(NamedTuple):
     """Film of a step: deflection of the coating [m], flow_film.FlowFilm, film_step.FilmSolution."""
 
     deflection: Array
@@ -190,7 +198,7 @@ class Solved(NamedTuple):
     solution: FilmSolution
 
 
-class Seen(NamedTuple):
+class ForceInputs(NamedTuple):
     """Film as its forces need it.
 
     Deflection [m], flow_film.FlowFilm, piezoviscosity.TruePressure, film fraction [-].
@@ -202,7 +210,7 @@ class Seen(NamedTuple):
     fraction: Array
 
 
-class Acting(NamedTuple):
+class SurfaceForces(NamedTuple):
     """Forces of a film [N], and powers.
 
     The forces are those along the axis and those around it, of shape (n_c, n_a), 0 on a skirt.
@@ -210,7 +218,7 @@ class Acting(NamedTuple):
 
     along: parts.Forces
     around: Array
-    powers: parts.Powers
+    powers: parts.FrictionPowers
 
 
 class Fields(NamedTuple):
@@ -255,7 +263,7 @@ class Scalars(NamedTuple):
     friction_torque: float
 
 
-class Ledger(NamedTuple):
+class BalanceScalars(NamedTuple):
     """Members of `Scalars` that are not forces; flows are (lower, upper, openings)."""
 
     boundary_share: float
@@ -265,7 +273,7 @@ class Ledger(NamedTuple):
     oil_in_film: float
 
 
-class Last(NamedTuple):
+class LastStep(NamedTuple):
     """Data of the last step for the tangent.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
@@ -273,7 +281,7 @@ class Last(NamedTuple):
     balance was solved with; edges : grid.Edges; length : H_e [s];
     unknown, full, stencil : as in `film_step.FilmSolution`; shear : friction.ShearInputs;
     pressure_slope, stress_slope : of `contact.Contact`; touching : whether any cell is in contact;
-    turning : circumferential.Turning.
+    turning : circumferential.CircumferentialInputs.
     """
 
     film: Quantities
@@ -290,28 +298,28 @@ class Last(NamedTuple):
     pressure_slope: Stencil
     stress_slope: Stencil
     touching: bool
-    turning: Turning
+    turning: CircumferentialInputs
 
 
-class Ended(NamedTuple):
+class StepResult(NamedTuple):
     """Result of a step; iterations : number of factorisations."""
 
     memory: Memory
     fields: Fields
     scalars: Scalars
-    last: Last
+    last: LastStep
     iterations: int
 
 
 StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
 
 
-class Linear(NamedTuple):
+class Linearisation(NamedTuple):
     """Derivatives that all directions of a tangent share.
 
     stencil, stencil_around : ndarray, shape (2, 5, n_c, n_a), of the balance, `film_slopes`, the
     velocity the axial and the circumferential one; that of a skirt of shape (0, 0, 0, 0);
-    film : friction.ForceSlopes; around : circumferential.TurningSlopes;
+    film : friction.ForceSlopes; around : circumferential.CircumferentialSlopes;
     weight : ndarray, shape (n_c, n_a), c k of Eq. (L3) [m/Pa];
     contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
     the contact's forces to the film thickness of a cell and its neighbours, as of
@@ -322,7 +330,7 @@ class Linear(NamedTuple):
     stencil: StencilPair
     stencil_around: StencilPair
     film: ForceSlopes
-    around: TurningSlopes
+    around: CircumferentialSlopes
     weight: Field
     contact_pressure: Stencil
     contact_shear: Stencil
@@ -341,16 +349,18 @@ class Directions(NamedTuple):
 
 
 @standing_for(film_step.solve)
-def solve_bare(given: Given, domain: Domain, solver: LinearSolver, faults: Array) -> FilmSolution:
+def solve_bare(
+    given: BalanceInputs, domain: Domain, solver: LinearSolver, faults: Array
+) -> FilmSolution:
     """Film of hard surfaces."""
     return film_step.run(film_step.solve, given, domain, solver, faults)
 
 
 @standing_for(coated_film.solve)
 def solve_coated(
-    pressed: Pressed,
+    pressed: CoatedInputs,
     layer: Layer,
-    given: Given,
+    given: BalanceInputs,
     domain: Domain,
     solver: LinearSolver,
     faults: Array,
@@ -363,24 +373,28 @@ def solve_coated(
 
 
 @compilable
-def sheared_of(inputs: Inputs) -> Sheared:
+def sheared_of(inputs: Inputs) -> ShearedOil:
     """Oil that is sheared."""
     around = inputs.around
-    return Sheared(inputs.velocity, inputs.turning, around.viscosity, around.temperature)
+    return ShearedOil(inputs.velocity, inputs.turning, around.viscosity, around.temperature)
 
 
 @compilable
-def turning_of(fixed: Fixed, inputs: Inputs) -> Turning:
+def turning_of(fixed: FilmConstants, inputs: Inputs) -> CircumferentialInputs:
     """Return the inputs of shear around the circumference."""
     cells = fixed.domain.cells
-    return Turning(inputs.turning, inputs.around.outside.opening, cells.dx, cells.ring)
+    return CircumferentialInputs(
+        inputs.turning, inputs.around.outside.opening, cells.dx, cells.ring
+    )
 
 
 @compilable
-def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting:
+def acting_of(
+    fixed: FilmConstants, inputs: Inputs, seen: ForceInputs, faults: Array
+) -> SurfaceForces:
     """Return the forces of a solved film; note a fault if they are not finite."""
     outside = inputs.around.outside
-    film = parts.Film(
+    film = parts.SolvedFilm(
         inputs.hard_film,
         seen.deflection,
         inputs.velocity,
@@ -393,18 +407,18 @@ def acting_of(fixed: Fixed, inputs: Inputs, seen: Seen, faults: Array) -> Acting
     )
     acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
     if not fixed.bearing:
-        powers = parts.Powers(acted.summary.power, acted.boundary_power)
-        return Acting(acted, inputs.turning, powers)
+        powers = parts.FrictionPowers(acted.summary.power, acted.boundary_power)
+        return SurfaceForces(acted, inputs.turning, powers)
     turning = turning_of(fixed, inputs)
     around = circumferential.shear_forces(acted.shear, turning)
     thickness = inputs.hard_film + seen.deflection  # Eq. (L2)
     above = np.maximum(thickness, fixed.laws.minimum_flow_film)
     powers = circumferential.powers(acted, around, turning, above)
-    return Acting(acted, around.viscous + around.boundary, powers)
+    return SurfaceForces(acted, around.viscous + around.boundary, powers)
 
 
 @compilable
-def fields_of(acting: Acting, fraction: Array) -> Fields:
+def fields_of(acting: SurfaceForces, fraction: Array) -> Fields:
     """Return the outputs of each cell."""
     acted = acting.along
     return Fields(
@@ -418,7 +432,9 @@ def fields_of(acting: Acting, fraction: Array) -> Fields:
 
 
 @compilable
-def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) -> Scalars:
+def scalars_of(
+    fixed: FilmConstants, acting: SurfaceForces, ledger: BalanceScalars, layer: OilLayer
+) -> Scalars:
     """Return the scalar outputs."""
     whole = acting.along.summary
     lower, upper, openings = ledger.flows
@@ -459,7 +475,7 @@ def scalars_of(fixed: Fixed, acting: Acting, ledger: Ledger, layer: OilLayer) ->
 
 @compilable
 def start(
-    fixed: Fixed, inputs: Inputs, filled: float, faults: Array
+    fixed: FilmConstants, inputs: Inputs, filled: float, faults: Array
 ) -> tuple[Memory, Fields, Scalars]:
     """Return state and outputs of a film at its start.
 
@@ -468,7 +484,7 @@ def start(
 
     Parameters
     ----------
-    fixed : Fixed
+    fixed : FilmConstants
     inputs : Inputs
         Its length unused.
     filled : float
@@ -491,11 +507,11 @@ def start(
     still = np.zeros(shape)
     flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
     under = true_pressure(inputs.around.pressure_law, pressure)
-    acting = acting_of(fixed, inputs, Seen(still, flow, under, fraction), faults)
+    acting = acting_of(fixed, inputs, ForceInputs(still, flow, under, fraction), faults)
     film = flow.quantities
     content = fraction * film[STORED]
     no_flow = np.zeros((n_c, n_a + 1))
-    before = parts.Before(
+    before = parts.PreviousFilm(
         unknown,
         unknown,
         under.pressure,
@@ -513,7 +529,7 @@ def start(
     if fixed.bore.supply.followed:
         layer = oil_layer.start(fixed.bore, inputs.velocity)
     oil = sum_of_products(content, fixed.surfaces.area)
-    ledger = Ledger(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
+    ledger = BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
     domain = fixed.domain
     rms = fixed.surfaces.contact.roughness_rms
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells.ring):
@@ -527,7 +543,7 @@ def start(
 
 
 @compilable
-def begin(fixed: Fixed, memory: Memory, inputs: Inputs, faults: Array) -> Begun:
+def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -> StepStart:
     """Return the data from which a step starts.
 
     A fault is noted if there is no film, or if the skirt has gone too far.
@@ -550,26 +566,28 @@ def begin(fixed: Fixed, memory: Memory, inputs: Inputs, faults: Array) -> Begun:
     axial = fixed.share * inputs.velocity
     if fixed.bearing:  # around it oil is carried on without a lift
         lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
-        return Begun(begun, layer, edges, lift, Entrainment(fixed.share * inputs.turning, axial))
+        return StepStart(
+            begun, layer, edges, lift, Entrainment(fixed.share * inputs.turning, axial)
+        )
     lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
-    return Begun(begun, layer, edges, lift, Entrainment(inputs.turning, axial))
+    return StepStart(begun, layer, edges, lift, Entrainment(inputs.turning, axial))
 
 
 @compilable
 def solve(
-    fixed: Fixed,
+    fixed: FilmConstants,
     memory: Memory,
     inputs: Inputs,
-    begun: Begun,
+    begun: StepStart,
     solver: LinearSolver,
     faults: Array,
-) -> Solved:
+) -> StepSolution:
     """Film of a step; a fault is noted where there is none."""
     before = memory.film
     nothing = np.zeros((0, 0))
     unknown_yet = np.zeros((0, 0, 0))
     sheared = sheared_of(inputs)
-    given = Given(
+    given = BalanceInputs(
         unknown_yet,
         begun.entrainment,
         begun.edges,
@@ -582,11 +600,11 @@ def solve(
     if surfaces.compliance > 0.0:
         law = inputs.around.pressure_law
         layer = Layer(surfaces.compliance, surfaces.contact, fixed.laws, law, fixed.share)
-        pressed = Pressed(inputs.hard_film, before.deflection, before.unknown, sheared)
+        pressed = CoatedInputs(inputs.hard_film, before.deflection, before.unknown, sheared)
         found = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
-        return Solved(found.deflection, found.flow, found.solution)
+        return StepSolution(found.deflection, found.flow, found.solution)
     flow = flow_film(inputs.hard_film, sheared, fixed.laws)
-    whole = Given(
+    whole = BalanceInputs(
         flow.quantities,
         given.entrainment,
         given.edges,
@@ -595,13 +613,18 @@ def solve(
         given.softness,
         given.lift,
     )
-    return Solved(before.deflection, flow, solve_bare(whole, fixed.domain, solver, faults))
+    return StepSolution(before.deflection, flow, solve_bare(whole, fixed.domain, solver, faults))
 
 
 @compilable
 def end(
-    fixed: Fixed, memory: Memory, inputs: Inputs, begun: Begun, solved: Solved, faults: Array
-) -> Ended:
+    fixed: FilmConstants,
+    memory: Memory,
+    inputs: Inputs,
+    begun: StepStart,
+    solved: StepSolution,
+    faults: Array,
+) -> StepResult:
     """Return the forces of a step and the memory for the next one.
 
     A fault is noted if they are not finite.
@@ -612,7 +635,7 @@ def end(
     domain = fixed.domain
     length = inputs.length
     under = true_pressure(inputs.around.pressure_law, found.pressure)
-    seen = Seen(solved.deflection, flow, under, found.film_fraction)
+    seen = ForceInputs(solved.deflection, flow, under, found.film_fraction)
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
     law = inputs.around.pressure_law
@@ -637,15 +660,15 @@ def end(
         spilled = begun.begin.pace.share * layer.spilled
         if domain.has_openings:
             spilled = spilled + begun.begin.start.length * found.spilled  # Eq. (T28)
-        passed = Passed(oil_layer.inflow(bore, went.passed), spilled)
+        passed = LayerVolumes(oil_layer.inflow(bore, went.passed), spilled)
         gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
         mean = oil_layer.mean_of(inputs.velocity)
         layer = oil_layer.left(bore, layer, memory.layer, passed, gaps, mean, length)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
-    ledger = Ledger(
+    ledger = BalanceScalars(
         account.boundary_share, account.energy_gain, flows, found.mass_imbalance, account.oil
     )
-    after = parts.Before(
+    after = parts.PreviousFilm(
         found.unknown,
         before.unknown,
         under.pressure,
@@ -659,7 +682,7 @@ def end(
         went.travel,
         length,
     )
-    last = Last(
+    last = LastStep(
         flow.quantities,
         flow.slopes,
         flow.slopes_around,
@@ -676,7 +699,7 @@ def end(
         acted.touching,
         turning_of(fixed, inputs),
     )
-    return Ended(
+    return StepResult(
         Memory(after, account.totals, layer),
         fields_of(acting, found.film_fraction),
         scalars_of(fixed, acting, ledger, layer),
@@ -690,7 +713,7 @@ def end(
 
 @compilable
 def balance_slopes(
-    fixed: Fixed, last: Last, slopes: FilmSlopes, around: float, along: float
+    fixed: FilmConstants, last: LastStep, slopes: FilmSlopes, around: float, along: float
 ) -> Array:
     """Return `film_step.film_slopes` of a step.
 
@@ -720,7 +743,7 @@ def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
 
 
 @compilable
-def linearise(fixed: Fixed, last: Last) -> Linear:
+def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
     """Return the derivatives of the last step that all directions share."""
     shear = last.shear
     under = last.under
@@ -740,8 +763,10 @@ def linearise(fixed: Fixed, last: Last) -> Linear:
         normal, along = parts.contact_slopes(shear, last.pressure_slope, last.stress_slope)
     if not fixed.bearing:
         film = parts.force_slopes(shear, last.film, last.slopes, shares, under, by_oil)
-        around = TurningSlopes(none, none, none, none, none, none, none, none)
-        return Linear(stencil, np.zeros((0, 0, 0, 0)), film, around, weight, normal, along, across)
+        around = CircumferentialSlopes(none, none, none, none, none, none, none, none)
+        return Linearisation(
+            stencil, np.zeros((0, 0, 0, 0)), film, around, weight, normal, along, across
+        )
     turning = last.turning
     by_pressure = np.zeros(last.unknown.shape)
     if under.ratio.size > 0:
@@ -769,14 +794,14 @@ def linearise(fixed: Fixed, last: Last) -> Linear:
     )
     film = parts.force_slopes(viscous, last.film, last.slopes, shares, under, by_oil)
     to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
-    return Linear(stencil, to_turning, film, around, weight, normal, along, across)
+    return Linearisation(stencil, to_turning, film, around, weight, normal, along, across)
 
 
 @compilable
 def changes(
-    fixed: Fixed,
-    last: Last,
-    linear: Linear,
+    fixed: FilmConstants,
+    last: LastStep,
+    linear: Linearisation,
     directions: Directions,
     solver: LinearSolver,
     right: Array,
@@ -788,9 +813,9 @@ def changes(
 
     Parameters
     ----------
-    fixed : Fixed
-    last : Last
-    linear : Linear
+    fixed : FilmConstants
+    last : LastStep
+    linear : Linearisation
     directions : Directions
     solver : sparse.LinearSolver or blocks.Factors
         With the factorisation of the step.

@@ -12,8 +12,8 @@ from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
 from .balance.films import COUETTE, FilmSlopes, Quantities
 from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
-from .balance.storage import EulerStep, Past
-from .balance.transport import Pace, PastTransport
+from .balance.storage import ContentHistory, EulerStep
+from .balance.transport import StepRatios, TransportHistory
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .laws import friction
 from .laws.asperity import ContactConstants
@@ -25,17 +25,17 @@ from .summary import Halves, Summary, summarise
 # ---- what a step starts from
 
 
-class Before(NamedTuple):
+class PreviousFilm(NamedTuple):
     """Past of a film at the beginning of a step.
 
     unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
     starts the next one, so that a repeat takes the same path; pressure : at the end of the last
     step, above cavitation pressure [Pa]; content, growth, growth_before :
     film fraction times stored film [m], and its growth over the last step and the one before
-    [m/s], `storage.Past`; deflection : of the coating [m]; film, film_before : quantities of
-    `films` at the end of the last two steps; passed, travel : volume that passed the axial faces
-    [m3], and travel of the entrainment there [m], in the last step, `transport`; step : length of
-    the last step [s], 0 at the start.
+    [m/s], `storage.ContentHistory`; deflection : of the coating [m];
+    film, film_before : quantities of `films` at the end of the last two steps;
+    passed, travel : volume that passed the axial faces [m3], and travel of the entrainment there
+    [m], in the last step, `transport`; step : length of the last step [s], 0 at the start.
     """
 
     unknown: Field
@@ -52,23 +52,23 @@ class Before(NamedTuple):
     step: float
 
 
-class Begin(NamedTuple):
+class EulerStart(NamedTuple):
     """Beginning of a step.
 
-    pace : transport.Pace; start : storage.EulerStep;
+    pace : transport.StepRatios; start : storage.EulerStep;
     guess : ndarray of bool, shape (n_c, n_a), cells that will be full if the unknown goes on as it
     did.
     """
 
-    pace: Pace
+    pace: StepRatios
     start: EulerStep
     guess: Flags
 
 
 @compiled
-def begin(before: Before, step: float):
+def begin(before: PreviousFilm, step: float):
     """Return the beginning of a step of length `step` [s]."""
-    past = Past(before.content, before.growth, before.growth_before, before.step)
+    past = ContentHistory(before.content, before.growth, before.growth_before, before.step)
     start = storage.euler_step(past, step)
     n_c, n_a = before.unknown.shape
     ratio = step / before.step if before.step > 0.0 else 0.0
@@ -77,11 +77,11 @@ def begin(before: Before, step: float):
         for j in range(n_a):
             u = before.unknown[i, j]
             guess[i, j] = u + ratio * (u - before.unknown_before[i, j]) > 0.0
-    return Begin(transport.pace(step, before.step, start.length), start, guess)
+    return EulerStart(transport.pace(step, before.step, start.length), start, guess)
 
 
 @compiled
-def lift(before: Before, pace: Pace, edges: Edges, step: float, domain: Domain):
+def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, domain: Domain):
     """Lift of the film fraction at the axial faces, `transport.lift`, from the past alone."""
     n_c, n_a = before.unknown.shape
     area = domain.cells.dx * domain.cells.dy
@@ -94,7 +94,7 @@ def lift(before: Before, pace: Pace, edges: Edges, step: float, domain: Domain):
             resting[i, j] = full[i, j] or domain.open_cells[i, j]
             passing = before.passed[i, j + 1] - before.passed[i, j]
             gained[i, j] = before.growth[i, j] * before.step + passing / area
-    past = PastTransport(
+    past = TransportHistory(
         before.film,
         before.film_before,
         before.content,
@@ -147,7 +147,7 @@ class Surfaces(NamedTuple):
     by_oil: bool
 
 
-class Film(NamedTuple):
+class SolvedFilm(NamedTuple):
     """A solved film, as its forces see it; arrays of shape (n_c, n_a).
 
     hard_film, deflection : film thickness without the deflection of a coating, and that [m];
@@ -194,7 +194,7 @@ class Forces(NamedTuple):
 
 
 @compiled
-def shear_inputs(film: Film, touching: Contact, surfaces: Surfaces, domain: Domain):
+def shear_inputs(film: SolvedFilm, touching: Contact, surfaces: Surfaces, domain: Domain):
     """Return the quantities that friction depends on."""
     shearing = film.fraction
     if not surfaces.by_oil:
@@ -212,7 +212,7 @@ def shear_inputs(film: Film, touching: Contact, surfaces: Surfaces, domain: Doma
 
 
 @compiled
-def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
+def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
     """Contact, forces and sums of a solved film; a fault is noted where they are not finite.
 
     Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
@@ -281,7 +281,7 @@ def forces(film: Film, surfaces: Surfaces, domain: Domain, faults: Array):
 
 
 @compiled
-def refuse_forces(normal: Array, along: Array, film: Film, faults: Array):
+def refuse_forces(normal: Array, along: Array, film: SolvedFilm, faults: Array):
     """Note the first cell whose forces are not finite."""
     for i in range(normal.shape[0]):
         for j in range(normal.shape[1]):
@@ -294,10 +294,10 @@ def refuse_forces(normal: Array, along: Array, film: Film, faults: Array):
 # ---- what a step hands on
 
 
-class Passage(NamedTuple):
+class OilTransport(NamedTuple):
     """Oil that moved in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
 
-    growth : of the content [m/s]; passed, travel : as in `transport.PastTransport`.
+    growth : of the content [m/s]; passed, travel : as in `transport.TransportHistory`.
     """
 
     growth: Array
@@ -307,8 +307,8 @@ class Passage(NamedTuple):
 
 @compiled
 def passage(
-    before: Before,
-    begun: Begin,
+    before: PreviousFilm,
+    begun: EulerStart,
     found: FilmSolution,
     axial_velocity: Array,
     step: float,
@@ -318,8 +318,8 @@ def passage(
 
     Parameters
     ----------
-    before : Before
-    begun : Begin
+    before : PreviousFilm
+    begun : EulerStart
     found : film_step.FilmSolution
     axial_velocity : ndarray, shape (n_c, n_a)
         Entrainment velocity at the end of the step [m/s].
@@ -329,7 +329,7 @@ def passage(
 
     Returns
     -------
-    Passage
+    OilTransport
     """
     n_c, n_a = before.content.shape
     pace = begun.pace
@@ -343,10 +343,10 @@ def passage(
         for j in range(n_a + 1):
             passed[i, j] = pace.share * before.passed[i, j] + length * found.axial_flow[i, j]
     travel = transport.travelled(before.travel, pace, axial_velocity, length)
-    return Passage(growth, passed, travel)
+    return OilTransport(growth, passed, travel)
 
 
-class Powers(NamedTuple):
+class FrictionPowers(NamedTuple):
     """Power that sliding costs, and the asperities' part of it [W]."""
 
     friction: float
@@ -381,10 +381,10 @@ class Account(NamedTuple):
 
 @compiled
 def account(
-    before: Before,
+    before: PreviousFilm,
     totals: Totals,
     acted: Forces,
-    powers: Powers,
+    powers: FrictionPowers,
     found: FilmSolution,
     growth: Array,
     cavitation_pressure: float,
@@ -407,14 +407,14 @@ def account(
 
     Parameters
     ----------
-    before : Before
+    before : PreviousFilm
     totals : Totals
         At the beginning.
     acted : Forces
-    powers : Powers
+    powers : FrictionPowers
     found : film_step.FilmSolution
     growth : ndarray, shape (n_c, n_a)
-        Of `Passage`.
+        Of `OilTransport`.
     cavitation_pressure : float
         p_c [Pa].
     step : float

@@ -20,7 +20,7 @@ class Halves(NamedTuple):
     sine: Array
 
 
-class Sides(NamedTuple):
+class HalfValues(NamedTuple):
     """One number for each half of the skirt."""
 
     thrust: float
@@ -30,17 +30,17 @@ class Sides(NamedTuple):
 class Summary(NamedTuple):
     """Extremes and sums of a film.
 
-    thinnest : Sides, minimum film thickness [m]; highest : maximum pressure [Pa];
-    radial : Sides, force across the thrust plane, >= 0 pushes apart [N];
-    friction : Sides, axial force on the skirt [N];
+    thinnest : HalfValues, minimum film thickness [m]; highest : maximum pressure [Pa];
+    radial : HalfValues, force across the thrust plane, >= 0 pushes apart [N];
+    friction : HalfValues, axial force on the skirt [N];
     hydrodynamic, asperity : axial force by its cause [N]; power : that sliding costs [W];
     contact_area : mean of the contact area fraction [-].
     """
 
-    thinnest: Sides
+    thinnest: HalfValues
     highest: float
-    radial: Sides
-    friction: Sides
+    radial: HalfValues
+    friction: HalfValues
     hydrodynamic: float
     asperity: float
     power: float
@@ -120,10 +120,10 @@ def summarise(
             radial[side] += part * abs(sine[i]) * normal
             friction[side] += part * (wet + dry)
     return Summary(
-        Sides(thinnest[0], thinnest[1]),
+        HalfValues(thinnest[0], thinnest[1]),
         highest,
-        Sides(radial[0], radial[1]),
-        Sides(friction[0], friction[1]),
+        HalfValues(radial[0], radial[1]),
+        HalfValues(friction[0], friction[1]),
         hydrodynamic,
         asperity,
         power,

@@ -8,7 +8,7 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from ..master.fmi.noted import none_yet
 from .balance.grid import Array, Edges
-from .contradictions import Outside, check_supply, edges_of, outside_of, supply_of
+from .contradictions import AmbientPressures, check_supply, edges_of, outside_of, supply_of
 from .faults import raise_noted
 from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
 from .oil import low_shear_law, low_shear_viscosity
@@ -18,7 +18,7 @@ from .parameters import Parameters, chosen_of, numbers_of
 class Surroundings(NamedTuple):
     """Conditions around and in the oil during a step.
 
-    edges : grid.Edges, with reduced pressures, Eq. (O6); outside : contradictions.Outside;
+    edges : grid.Edges, with reduced pressures, Eq. (O6); outside : contradictions.AmbientPressures;
     temperature, viscosity : ndarray, shape (n_c, n_a), T [K], low-shear mu_0 [Pa s];
     pressure_law : piezoviscosity.PressureLaw;
     ring_layer, splash : oil that the ring leaves above the skirt [m], and that is thrown below it
@@ -26,7 +26,7 @@ class Surroundings(NamedTuple):
     """
 
     edges: Edges
-    outside: Outside
+    outside: AmbientPressures
     temperature: Array
     viscosity: Array
     pressure_law: PressureLaw

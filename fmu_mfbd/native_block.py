@@ -22,9 +22,9 @@ from .dynamics.modal_damping import DampingBands, modal_springs
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
 from .dynamics.pin_coordinates import Crankshaft, PinBodies
 from .dynamics.pin_films import PinSystem
-from .dynamics.response import Linear, StepEnd
+from .dynamics.response import LinearisedMotion, StepEnd
 from .dynamics.state import PistonState
-from .dynamics.system import System
+from .dynamics.system import BodySystem
 from .geometry.arrays import Matrix, Vector
 from .geometry.pin_shapes import AxisShapes
 from .geometry.surfaces import pins_of
@@ -119,7 +119,7 @@ class GasCurve(NamedTuple):
     cycle: float
 
 
-class Given(NamedTuple):
+class BodySetup(NamedTuple):
     """Constant part of a memory.
 
     Members from `settings` on are made at the start, from the parameters, as are gaps and dampers
@@ -132,7 +132,7 @@ class Given(NamedTuple):
     places: VariablePlaces
     constants: Constants
     fit: Fit
-    system: System
+    system: BodySystem
     measured: Vector
     heights: Vector
     widening: Matrix
@@ -159,13 +159,13 @@ class Direction(NamedTuple):
     by_carrier : of a mounted block, `block_force.by_carrier`.
     """
 
-    linear: Linear
+    linear: LinearisedMotion
     by_carrier: Matrix
 
 
 PARTS = ("given", "state", "last", "direction", "faults")
 GIVEN, STATE, LAST, DIRECTION, FAULTS_AT = range(len(PARTS))
-_, _given = flatten(Given)
+_, _given = flatten(BodySetup)
 put_state, _state = flatten(PistonState)
 put_last, _last = flatten(StepEnd)
 put_direction, _direction = flatten(Direction)
@@ -173,7 +173,7 @@ put_direction, _direction = flatten(Direction)
 
 @compiled
 def given_of(memory: np.ndarray):
-    """Return `Given`; writing into its arrays changes the memory."""
+    """Return `BodySetup`; writing into its arrays changes the memory."""
     return _given(part(memory, GIVEN))
 
 
@@ -196,23 +196,23 @@ def direction_of(memory: np.ndarray):
 
 
 @compiled
-def settings_of(given: Given):
+def settings_of(given: BodySetup):
     """Return the parameters of the last start."""
     return settings_from(given.settings)
 
 
 @compiled
-def has_pins(given: Given):
+def has_pins(given: BodySetup):
     """Return whether the pin floats."""
     return pins_of(given.pin_surfaces) > 0
 
 
 @compiled
-def system_of(given: Given) -> System:
+def system_of(given: BodySetup) -> BodySystem:
     """Return both bodies, the mechanism and the film, as `assembly.assemble_system` makes them."""
     settings = settings_of(given)
     system = given.system
-    return System(
+    return BodySystem(
         system.piston,
         system.piston_static,
         system.block,
@@ -234,7 +234,7 @@ def system_of(given: Given) -> System:
 
 
 @compiled
-def pin_system_of(given: Given, system: System) -> PinSystem:
+def pin_system_of(given: BodySetup, system: BodySystem) -> PinSystem:
     """Return the same with a floating pin, as `assembly.assemble_floating` makes it."""
     x = given.fit
     settings = settings_of(given)

@@ -36,11 +36,11 @@ from .geometry.surfaces import pins_in_block, with_room
 from .native_block import (
     NOWHERE,
     SETTING,
+    BodySetup,
     Constants,
     Direction,
     FieldPlaces,
     GasCurve,
-    Given,
     OutputPlaces,
     VariablePlaces,
 )
@@ -70,8 +70,8 @@ def given(slave: Any) -> np.ndarray:
     return memory_of({"given": row_of(begun)}, lengths)
 
 
-def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> Given:
-    """Return `Given` before a start."""
+def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> BodySetup:
+    """Return `BodySetup` before a start."""
     piston, block, bosses, eye = bodies
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
     k, m = len(piston.omega), len(block.omega)
@@ -87,7 +87,7 @@ def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> Given:
     n = coordinates(options, k, m)
     none = np.zeros(0)
     of_inertia = np.zeros((n, n) if pin else (0, 0))
-    return Given(
+    return BodySetup(
         places=_places(slave),
         constants=Constants(
             bore_radius=block.radius,

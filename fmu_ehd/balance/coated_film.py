@@ -18,8 +18,8 @@ from ..laws.piezoviscosity import PressureLaw, true_pressure
 from ..solvers.blocks import Factors
 from ..solvers.sparse import LinearSolver
 from . import film_step
-from .film_step import Domain, FilmSolution, Given, film_slopes, lift_along
-from .flow_film import FilmLaws, FlowFilm, Sheared, flow_film
+from .film_step import BalanceInputs, Domain, FilmSolution, film_slopes, lift_along
+from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
 from .grid import Array, Entrainment
 from .reynolds import BY_FILM, Filling
 
@@ -39,26 +39,30 @@ class Layer(NamedTuple):
     share: float
 
 
-class Pressed(NamedTuple):
+class CoatedInputs(NamedTuple):
     """Beginning of a step under a coating.
 
     hard_film, deflection, unknown : ndarray, shape (n_c, n_a), film thickness without the
     deflection at the end of the step, deflection and signed unknown at its beginning;
-    sheared : flow_film.Sheared, at its end.
+    sheared : flow_film.ShearedOil, at its end.
     """
 
     hard_film: Array
     deflection: Array
     unknown: Array
-    sheared: Sheared
+    sheared: ShearedOil
 
 
 class CoatedFilm(NamedTuple):
-    """Film of a step: deflection [m], flow_film.FlowFilm, film_step.Given and FilmSolution."""
+    """Film of a step under a coating.
+
+    deflection [m]; flow : flow_film.FlowFilm; given : film_step.BalanceInputs;
+    solution : film_step.FilmSolution.
+    """
 
     deflection: Array
     flow: FlowFilm
-    given: Given
+    given: BalanceInputs
     solution: FilmSolution
 
 
@@ -87,9 +91,9 @@ def _sum(hard_film, deflection, floor):
 
 @compiled
 def softness(
-    pressed: Pressed,
+    pressed: CoatedInputs,
     layer: Layer,
-    given: Given,
+    given: BalanceInputs,
     flow: FlowFilm,
     filling: Filling,
     domain: Domain,
@@ -98,10 +102,10 @@ def softness(
 
     Parameters
     ----------
-    pressed : Pressed
+    pressed : CoatedInputs
         With the deflection of this film.
     layer : Layer
-    given : film_step.Given
+    given : film_step.BalanceInputs
         With the quantities of this film.
     flow : flow_film.FlowFilm
     filling : reynolds.Filling
@@ -131,9 +135,9 @@ def softness(
 
 @compilable
 def solve(
-    pressed: Pressed,
+    pressed: CoatedInputs,
     layer: Layer,
-    given: Given,
+    given: BalanceInputs,
     domain: Domain,
     solver: LinearSolver | Factors,
     faults: Array,
@@ -142,9 +146,9 @@ def solve(
 
     Parameters
     ----------
-    pressed : Pressed
+    pressed : CoatedInputs
     layer : Layer
-    given : film_step.Given
+    given : film_step.BalanceInputs
         Whatever its film and softness.
     domain : film_step.Domain
     solver : sparse.LinearSolver or blocks.Factors
@@ -165,7 +169,7 @@ def solve(
         film, above = _sum(hard_film, deflection, layer.laws.minimum_flow_film)
         flow = flow_film(film, sheared, layer.laws)
         reduced, deficit = cavitation.interpret(domain.model, unknown, full)
-        bare = Given(
+        bare = BalanceInputs(
             flow.quantities,
             given.entrainment,
             given.edges,
@@ -174,10 +178,10 @@ def solve(
             given.softness,
             given.lift,
         )
-        here = Pressed(hard_film, deflection, unknown, sheared)
+        here = CoatedInputs(hard_film, deflection, unknown, sheared)
         filling = Filling(reduced, 1.0 + deficit, lift)
         soft = softness(here, layer, bare, flow, filling, domain)
-        now = Given(
+        now = BalanceInputs(
             flow.quantities, given.entrainment, given.edges, given.start, guess, soft, given.lift
         )
         found = film_step.solve(now, domain, solver, faults)

@@ -50,7 +50,7 @@ class Domain(NamedTuple):
     together: int
 
 
-class Given(NamedTuple):
+class BalanceInputs(NamedTuple):
     """Inputs of a step of the balance.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films` at its end;
@@ -283,7 +283,7 @@ def balance(unknown: Array, full: Flags, equations: Equations):
 
 
 @compiled
-def equations_of(given: Given, domain: Domain):
+def equations_of(given: BalanceInputs, domain: Domain):
     """Equations of a step."""
     film = given.film
     if domain.has_openings:
@@ -343,13 +343,13 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
 
 @compilable
 def solve(
-    given: Given, domain: Domain, solver: LinearSolver | Factors, faults: Array
+    given: BalanceInputs, domain: Domain, solver: LinearSolver | Factors, faults: Array
 ) -> FilmSolution:
     """Solve Eqs. (E1)-(E5) for one step; a fault is noted where there is no solution.
 
     Parameters
     ----------
-    given : Given
+    given : BalanceInputs
     domain : Domain
     solver : sparse.LinearSolver or blocks.Factors
     faults : ndarray
@@ -490,7 +490,7 @@ class FilmStep:
             cavitation.at_once(*grid.shape),
         )
         self.solver = solver or linear_solver(grid.shape)
-        self._given: Given | None = None
+        self._given: BalanceInputs | None = None
         self._solution: FilmSolution | None = None
         self._slopes = np.empty(0)
 
@@ -504,13 +504,13 @@ class FilmStep:
         softness: Softness = HARD,
         lift: Lift = NO_LIFT,
     ) -> FilmSolution:
-        """Solve Eqs. (E1)-(E5) for one step, as `solve`; parameters as in `Given`.
+        """Solve Eqs. (E1)-(E5) for one step, as `solve`; parameters as in `BalanceInputs`.
 
         Raises
         ------
         cavitation.NotConverged
         """
-        given = Given(film, entrainment, edges, start, full, softness, lift)
+        given = BalanceInputs(film, entrainment, edges, start, full, softness, lift)
         faults = none_yet()
         found = run(solve, given, self.domain, self.solver, faults)
         raise_noted(faults)

@@ -35,7 +35,7 @@ class FilmLaws(NamedTuple):
     thinning: Thinning
 
 
-class Sheared(NamedTuple):
+class ShearedOil(NamedTuple):
     """Oil that is sheared; each ndarray of shape (n_c, n_a).
 
     velocity, turning : V and W, 0 on a skirt [m/s]; viscosity : low-shear mu_0 [Pa s];
@@ -61,14 +61,14 @@ class FlowFilm(NamedTuple):
 
 
 @compilable
-def flow_film(film_thickness: Array, sheared: Sheared, laws: FilmLaws) -> FlowFilm:
+def flow_film(film_thickness: Array, sheared: ShearedOil, laws: FilmLaws) -> FlowFilm:
     """Film of a film thickness, shape (n_c, n_a) [m].
 
     Parameters
     ----------
     film_thickness : ndarray, shape (n_c, n_a)
         h [m], any sign.
-    sheared : Sheared
+    sheared : ShearedOil
     laws : FilmLaws
 
     Returns

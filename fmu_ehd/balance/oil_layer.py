@@ -110,7 +110,7 @@ class OilLayer(NamedTuple):
     held: float
 
 
-class Passed(NamedTuple):
+class LayerVolumes(NamedTuple):
     """Volumes of a step [m3].
 
     F into the film over the edges, shape (n_e, n_c), and W, shape (n_c, n_a).
@@ -159,7 +159,7 @@ class Bore(NamedTuple):
     area: Array
 
 
-class Exposed(NamedTuple):
+class ExposedShares(NamedTuple):
     """Shares of the cells of the bore [-].
 
     beyond : ndarray, shape (n_e, n_c, n_b), below a lower edge, above an upper one;
@@ -341,7 +341,7 @@ def left(
     bore: Bore,
     covered: OilLayer,
     before: OilLayer,
-    passed: Passed,
+    passed: LayerVolumes,
     gap: Array,
     velocity: float,
     length: float,
@@ -353,7 +353,7 @@ def left(
     bore : Bore
     covered, before : OilLayer
         From `covered`, and at the beginning of the step.
-    passed : Passed
+    passed : LayerVolumes
     gap : ndarray, shape (n_e, n_c)
         h at the edges [m].
     velocity : float
@@ -459,7 +459,7 @@ def _spill(bore: Bore, oil: Array, spilled: Array, height: float) -> None:
 
 
 @compilable
-def _exposed(bore: Bore, height: float) -> Exposed:
+def _exposed(bore: Bore, height: float) -> ExposedShares:
     """Return the part of the bore that a skirt at `height` [m] leaves bare."""
     heights = bore.heights
     n_e, n_c, _ = heights.shape
@@ -473,11 +473,11 @@ def _exposed(bore: Bore, height: float) -> Exposed:
     for edge in range(1, n_e - 1, 2):
         # an opening is at least a cell long: no cell of the bore meets both of its ends
         put(between[(edge + 1) // 2], np.minimum(beyond[edge], beyond[edge + 1]))
-    return Exposed(beyond, between)
+    return ExposedShares(beyond, between)
 
 
 @compilable
-def _bare(exposed: Exposed) -> Array:
+def _bare(exposed: ExposedShares) -> Array:
     """Share of each cell of the bore that is bare, shape (n_c, n_b)."""
     bare = exposed.between[0]
     for k in range(1, exposed.between.shape[0]):

@@ -70,7 +70,7 @@ STANDSTILL = 1e-10
 WHOLE_MEMORY = 4.0  # the factor of Eq. (T4)
 
 
-class Past(NamedTuple):
+class ContentHistory(NamedTuple):
     """Past of a film.
 
     content : ndarray, shape (n_c, n_a)
@@ -102,7 +102,7 @@ class EulerStep(NamedTuple):
 
 
 @compiled
-def memory(past: Past):
+def memory(past: ContentHistory):
     """Memory m of a film [-], 0 to 1, by how alike its last two growths are, Eq. (T4)."""
     content, growth, growth_before, step = past
     both = 0.0
@@ -122,14 +122,14 @@ def memory(past: Past):
 
 
 @compiled
-def euler_step(past: Past, step: float):
+def euler_step(past: ContentHistory, step: float):
     """Return the step of backward Euler that equals the step of second order.
 
     It has a content and a length, Eqs. (T1) to (T4).
 
     Parameters
     ----------
-    past : Past
+    past : ContentHistory
     step : float
         H [s], > 0.
 

@@ -78,7 +78,7 @@ NEAR_FULL_WITH_MEMORY = 3.0
 FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
-class PastTransport(NamedTuple):
+class TransportHistory(NamedTuple):
     """Results of the last step for the transport of the next one.
 
     film, film_before : ndarray, shape (7, n_c, n_a)
@@ -103,7 +103,7 @@ class PastTransport(NamedTuple):
     travel: Array
 
 
-class Pace(NamedTuple):
+class StepRatios(NamedTuple):
     """Lengths of a step: ratio H / H_n, share beta of `storage`, and euler H_e / H [-]."""
 
     ratio: float
@@ -122,8 +122,8 @@ class Lift(NamedTuple):
 
 
 @compilable
-def pace(step: float, step_before: float, length: float) -> Pace:
-    """`Pace` of a step.
+def pace(step: float, step_before: float, length: float) -> StepRatios:
+    """`StepRatios` of a step.
 
     Parameters
     ----------
@@ -131,8 +131,8 @@ def pace(step: float, step_before: float, length: float) -> Pace:
         H > 0, H_n >= 0, H_e [s].
     """
     if step_before == 0.0:
-        return Pace(0.0, 0.0, length / step)
-    return Pace(step / step_before, (step - length) / step_before, length / step)
+        return StepRatios(0.0, 0.0, length / step)
+    return StepRatios(step / step_before, (step - length) / step_before, length / step)
 
 
 @compiled(inline="always")
@@ -146,13 +146,13 @@ def _face_value(before, up, down):
     return up + min(step * step, STEEPEST * slope * step, (2.0 * step + slope) * step / 6.0) / step
 
 
-class Way(NamedTuple):
+class TransportFilm(NamedTuple):
     """Film that oil is carried through in a step.
 
     stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
     between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
     travel : ndarray, shape (n_c, n_a + 1), X [m];
-    full, resting : ndarray of bool, shape (n_c, n_a), as in `PastTransport`;
+    full, resting : ndarray of bool, shape (n_c, n_a), as in `TransportHistory`;
     supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
     width : of a face [m].
     """
@@ -264,13 +264,13 @@ def _entering(fraction, limit, step, swept):
 
 
 @compiled
-def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cells):
+def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, cells: Cells):
     """Lift of the film fraction at the axial faces for the step to come.
 
     Parameters
     ----------
-    past : PastTransport
-    pace : Pace
+    past : TransportHistory
+    pace : StepRatios
     edges : grid.Edges
     step : float
         H [s].
@@ -293,8 +293,10 @@ def lift(past: PastTransport, pace: Pace, edges: Edges, step: float, cells: Cell
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = Way(stored, mobile, between, travel, past.full, past.resting, supply, width)
-    end = Way(stored_end, mobile_end, between_end, travel, past.full, past.resting, supply, width)
+    way = TransportFilm(stored, mobile, between, travel, past.full, past.resting, supply, width)
+    end = TransportFilm(
+        stored_end, mobile_end, between_end, travel, past.full, past.resting, supply, width
+    )
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -395,14 +397,14 @@ def along(lift: Lift, axial_velocity: Array):
 
 
 @compiled
-def travelled(travel: Array, pace: Pace, axial_velocity: Array, length: float):
+def travelled(travel: Array, pace: StepRatios, axial_velocity: Array, length: float):
     """Travel of a step at the axial faces, Eq. (T15).
 
     Parameters
     ----------
     travel : ndarray, shape (n_c, n_a + 1)
         X_{n-1} of the step before [m].
-    pace : Pace
+    pace : StepRatios
     axial_velocity : ndarray, shape (n_c, n_a)
         U at the end of the step [m/s].
     length : float

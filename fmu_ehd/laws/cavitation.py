@@ -55,7 +55,7 @@ class NotConverged(RuntimeError):
     """
 
 
-class Switching(NamedTuple):
+class PatternChange(NamedTuple):
     """Pattern of full cells after a solution.
 
     pattern : ndarray of bool, shape (n_c, n_a), to go on with;
@@ -148,7 +148,7 @@ def without_pressure(full: Flags, stencil: Array):
 
 @compiled
 def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: bool):
-    """`Switching` of a pattern by its solution: of all cells that want to, or of the first."""
+    """`PatternChange` of a pattern by its solution: of all cells that want to, or of the first."""
     highest_pressure = 0.0
     for row in unknown:
         for u in row:
@@ -165,7 +165,7 @@ def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: 
         for j in range(full.shape[1]):
             u = unknown[i, j]
             if not np.isfinite(u):
-                return Switching(pattern, -1, lowest, highest, i, j)
+                return PatternChange(pattern, -1, lowest, highest, i, j)
             if not fixed[i, j] and (u < -tolerance if full[i, j] else u > over):
                 if count == 0:
                     first_i = i
@@ -175,7 +175,7 @@ def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: 
                     lowest = min(lowest, j)
                     highest = max(highest, j)
                 count += 1
-    return Switching(pattern, count, lowest, highest, first_i, first_j)
+    return PatternChange(pattern, count, lowest, highest, first_i, first_j)
 
 
 @compilable

@@ -27,11 +27,11 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..balance.films import COUETTE, POISEUILLE, FilmSlopes
 from ..balance.grid import Array, Field, put, sum_of_products
-from ..step_parts import Forces, Powers
+from ..step_parts import Forces, FrictionPowers
 from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
 
 
-class Turning(NamedTuple):
+class CircumferentialInputs(NamedTuple):
     """Inputs of shear around the circumference, in addition to `friction.ShearInputs`.
 
     velocity : ndarray, W [m/s]; end : pressure beyond the two ends of a sector [Pa]; dx : cell size
@@ -44,7 +44,7 @@ class Turning(NamedTuple):
     ring: bool
 
 
-class TurningSlopes(NamedTuple):
+class CircumferentialSlopes(NamedTuple):
     """Derivatives of the forces of a bearing, arrays of shape (n_c, n_a).
 
     They are those of the circumferential force of each cell, and those of the axial force to W and
@@ -86,7 +86,7 @@ def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: 
     pressure, area : ndarray, shape (n_c, n_a)
         [Pa]; lubricated area, 0 in an opening, whose pressure reaches to its face [m2].
     end, dx, ring
-        As in `Turning`.
+        As in `CircumferentialInputs`.
 
     Returns
     -------
@@ -111,7 +111,7 @@ def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: 
 
 
 @compilable
-def boundary_shares(inputs: ShearInputs, turning: Turning) -> tuple[Array, Array]:
+def boundary_shares(inputs: ShearInputs, turning: CircumferentialInputs) -> tuple[Array, Array]:
     """Asperity forces along the axis and around it for a boundary stress of 1, Eq. (F7) [m2]."""
     scale = -inputs.area / _speed(inputs, turning)  # Eq. (F7)
     return scale * inputs.velocity, scale * turning.velocity
@@ -132,7 +132,7 @@ def _gradients(inputs, turning, pressure):
 
 
 @compilable
-def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
+def shear_forces(inputs: ShearInputs, turning: CircumferentialInputs) -> ShearForces:
     """Return the circumferential force on the journal in each cell, Eqs. (F6), (F7).
 
     It has a part of the film and one of the asperities, positive with ascending i.
@@ -145,7 +145,9 @@ def shear_forces(inputs: ShearInputs, turning: Turning) -> ShearForces:
 
 
 @compilable
-def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Array) -> Powers:
+def powers(
+    acted: Forces, around: ShearForces, turning: CircumferentialInputs, thickness: Array
+) -> FrictionPowers:
     """Power that sliding costs on a bearing.
 
     Parameters
@@ -154,7 +156,7 @@ def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Arra
         Along the axis.
     around : friction.ShearForces
         From `shear_forces`.
-    turning : Turning
+    turning : CircumferentialInputs
     thickness : ndarray, shape (n_c, n_a)
         h, not below the floor [m].
     """
@@ -164,11 +166,11 @@ def powers(acted: Forces, around: ShearForces, turning: Turning, thickness: Arra
     carried = carried_power(inputs, turning, thickness)
     friction = acted.summary.power - sum_of_products(turned, w) + carried  # Eq. (F8)
     boundary = acted.boundary_power - sum_of_products(around.boundary, w)
-    return Powers(friction, boundary)
+    return FrictionPowers(friction, boundary)
 
 
 @compilable
-def carried_power(inputs: ShearInputs, turning: Turning, thickness: Array) -> float:
+def carried_power(inputs: ShearInputs, turning: CircumferentialInputs, thickness: Array) -> float:
     """Second sum of Eq. (F8) [W], for a film thickness h [m] of shape (n_c, n_a)."""
     constants = inputs.constants
     along = gradients(inputs.pressure, inputs.area, constants.lower, constants.upper, constants.dy)
@@ -189,8 +191,12 @@ def _by(inputs, quantities, velocity, gradient):
 
 @compilable
 def force_slopes(
-    inputs: ShearInputs, turning: Turning, to_v: FilmSlopes, to_w: FilmSlopes, by_pressure: Array
-) -> TurningSlopes:
+    inputs: ShearInputs,
+    turning: CircumferentialInputs,
+    to_v: FilmSlopes,
+    to_w: FilmSlopes,
+    by_pressure: Array,
+) -> CircumferentialSlopes:
     """Return the derivatives of the forces of a bearing, but for contact.
 
     They are those of the circumferential force of each cell, and those of the axial force to W and
@@ -199,7 +205,7 @@ def force_slopes(
     Parameters
     ----------
     inputs : friction.ShearInputs
-    turning : Turning
+    turning : CircumferentialInputs
     to_v, to_w : films.FilmSlopes
         `by_velocity` to V, and to W.
     by_pressure : ndarray, shape (n_c, n_a)
@@ -207,7 +213,7 @@ def force_slopes(
 
     Returns
     -------
-    TurningSlopes
+    CircumferentialSlopes
     """
     pressure, shearing, v, film, stress, area, constants = inputs
     w = turning.velocity
@@ -216,7 +222,7 @@ def force_slopes(
     s = _speed(inputs, turning)
     dry = -area * stress / s
     crosswise = -dry * v * w / (s * s)
-    return TurningSlopes(
+    return CircumferentialSlopes(
         film=_by(inputs, to_w.by_film, w, across),
         own=-area * shearing * film[COUETTE]
         + _by(inputs, to_w.by_velocity, w, across)
@@ -232,9 +238,9 @@ def force_slopes(
 
 @compilable
 def force_changes(
-    slopes: TurningSlopes,
+    slopes: CircumferentialSlopes,
     shared: ForceSlopes,
-    turning: Turning,
+    turning: CircumferentialInputs,
     changes: Changes,
     shear: Array,
     around: Array,
@@ -243,9 +249,9 @@ def force_changes(
 
     Parameters
     ----------
-    slopes : TurningSlopes
+    slopes : CircumferentialSlopes
     shared : friction.ForceSlopes
-    turning : Turning
+    turning : CircumferentialInputs
     changes : Changes
     shear : ndarray, shape (m, n_c, n_a)
         Changes of the axial force by `friction.force_changes`, with no boundary stress; what W and

@@ -160,7 +160,7 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
 # ---- an iteration
 
 
-class Yielded(NamedTuple):
+class DeflectionResult(NamedTuple):
     """Result of an iteration of the deflection.
 
     deflection : ndarray, shape (n_c, n_a), to go on with [m];
@@ -210,7 +210,7 @@ def yielded(deflection: Array, softness: Softness, reduced: Array, film_thicknes
             most = LARGEST_CHANGE * film_thickness[i, j]
             moved[i, j] = deflection[i, j] + min(max(change, -most), most)
     converged = abs(largest) <= TOLERANCE * deepest + NEGLIGIBLE
-    return Yielded(moved, largest, most_i, most_j, converged)
+    return DeflectionResult(moved, largest, most_i, most_j, converged)
 
 
 # ---- tangent

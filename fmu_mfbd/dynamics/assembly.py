@@ -44,7 +44,7 @@ from .pin_model import PistonOnFloatingPin
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
-from .system import System
+from .system import BodySystem
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
@@ -131,12 +131,12 @@ def assemble_system(
     options: BuildOptions,
     parameters: Parameters,
     films: Sequence[FilmSurface],
-) -> System:
+) -> BodySystem:
     """Return both bodies, the mechanism and the films of a skirt."""
     parts = parted_piston(piston, options, parameters)
     springs = modal_springs(block.omega, bands(options), parameters)
     k = _moving(block, parameters)
-    return System(
+    return BodySystem(
         piston=parts.moving,
         piston_static=parts.static,
         block=ModalSprings(springs.stiffness[:k], springs.damping[:k]),

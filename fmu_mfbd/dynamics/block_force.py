@@ -16,7 +16,7 @@ from .generalised_alpha import Motion
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
 from .response import Response, StepEnd
 from .slider_crank import CrankMotion, Mechanism, motion
-from .system import System
+from .system import BodySystem
 
 
 class BlockForce(NamedTuple):
@@ -112,7 +112,7 @@ def _unbalance(mechanism, load, at, px, py):
 
 
 @compiled
-def force_at(system: System, crank_unbalance: float, last: StepEnd) -> BlockForce:
+def force_at(system: BodySystem, crank_unbalance: float, last: StepEnd) -> BlockForce:
     """Return the forces on the block at the end of a step."""
     return block_force(
         system.piston, system.mechanism, crank_unbalance, last.load, last.now, last.crank
@@ -132,7 +132,7 @@ def _carried_by(load, change, share):
 
 
 @compiled
-def by_carrier(system: System, last: StepEnd) -> np.ndarray:
+def by_carrier(system: BodySystem, last: StepEnd) -> np.ndarray:
     """Compute the change of the forces on the piston with each motion of the block, (4, 2 + k).
 
     Eq. (D19):  -dR/dc,    R of Eq. (D5), of second order in the block's motion c: central
@@ -164,7 +164,7 @@ def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
 
 @compiled
 def force_change(
-    system: System, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
+    system: BodySystem, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
 ) -> BlockForce:
     """Return the change of the forces on the block.
 
@@ -174,7 +174,7 @@ def force_change(
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     crank_unbalance : float
         [kg m]
     last : StepEnd

@@ -19,7 +19,7 @@ from ..geometry.grid import cell_centres
 from ..geometry.surfaces import surface_at
 from .gas_on_bore import BoreWall, WallPressures, bore_wall, wall_forces
 from .skirt_films import window_of
-from .system import System
+from .system import BodySystem
 
 
 class OutsideBore(NamedTuple):
@@ -111,7 +111,7 @@ def periodic_rule(given: int, wanted: int) -> np.ndarray:
     return read @ np.linalg.inv(through)
 
 
-def deflected(system: System, bore: OutsideBore, field: np.ndarray) -> System:
+def deflected(system: BodySystem, bore: OutsideBore, field: np.ndarray) -> BodySystem:
     """Return the system with its bore widened further by a field (n, s) [m]."""
     surfaces = system.surfaces.copy()
     widening = surface_at(surfaces, 0).bore.shape  # of the one bore that all share

@@ -15,7 +15,7 @@ from .gas_on_bore import WallPressures
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion, PistonLoad, side_force_demand
-from .system import OtherForces, RingForce, System
+from .system import BodySystem, OtherForces, RingForce
 
 
 class Scalars(NamedTuple):
@@ -114,7 +114,7 @@ def others_of(
 
 
 @compilable
-def demand_of(system: System, others: OtherForces, crank: CrankMotion) -> float:
+def demand_of(system: BodySystem, others: OtherForces, crank: CrankMotion) -> float:
     """Return the side force that gas, rings and inertia demand (Eq. (K11)) [N]."""
     mass = system.piston.mass + system.mechanism.pin_mass
     load = PistonLoad(mass, others.gas, others.rings.lateral, others.rings.axial)

@@ -37,7 +37,7 @@ from .piston_motion import (
 from .quasi_static import STILL, Ride, follow, static_coordinates
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import carried_mass, height, motion, rod_turn
-from .system import OtherForces, StepProblem, System
+from .system import BodySystem, OtherForces, StepProblem
 
 
 class Instant(NamedTuple):
@@ -107,7 +107,7 @@ class Instant(NamedTuple):
 
 @compiled
 def end_of_step(
-    system: System,
+    system: BodySystem,
     step: StepProblem,
     forces: NodalForces,
 ) -> Instant:
@@ -115,7 +115,7 @@ def end_of_step(
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     step : StepProblem
     forces : NodalForces
         On all film grids at its end, stacked [N].
@@ -196,7 +196,7 @@ def end_of_step(
 
 
 @compilable
-def load_of(system: System, films: FilmForces, others: OtherForces, modal: np.ndarray) -> Load:
+def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: np.ndarray) -> Load:
     """Return the load on the piston, all but the pin's; `modal` on the modes with inertia.
 
     Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
@@ -221,7 +221,7 @@ def load_of(system: System, films: FilmForces, others: OtherForces, modal: np.nd
 
 
 @compiled
-def with_gas(system: System, on_modes: np.ndarray, gas: float) -> np.ndarray:
+def with_gas(system: BodySystem, on_modes: np.ndarray, gas: float) -> np.ndarray:
     """Return the forces on all modes of the piston with that of the gas on the crown [N]."""
     push = on_modes.copy()
     for k in range(len(push)):
@@ -230,7 +230,7 @@ def with_gas(system: System, on_modes: np.ndarray, gas: float) -> np.ndarray:
 
 
 @compiled
-def rigid_piston(system: System, carried: float) -> Inertia:
+def rigid_piston(system: BodySystem, carried: float) -> Inertia:
     """Return the inertia of piston and pin with the mass that x_A moves beside them [kg]."""
     piston = system.piston
     return Inertia(piston.mass + system.mechanism.pin_mass + carried, piston.S[1], piston.I0)

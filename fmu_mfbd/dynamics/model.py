@@ -24,7 +24,7 @@ from .response import Response, linearise, response, step_end
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, motion_of, state_at, step_coefficients
-from .system import NO_RINGS, RingForce, StepProblem, System
+from .system import NO_RINGS, BodySystem, RingForce, StepProblem
 from .tables import GasTable, gas_pressure
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
@@ -142,7 +142,7 @@ class PistonInBore:
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     crank : Crank
     gas_area : float
         Area of the bore [m2].
@@ -160,7 +160,7 @@ class PistonInBore:
 
     def __init__(
         self,
-        system: System,
+        system: BodySystem,
         crank: Crank,
         gas_area: float,
         spectral_radius: float,

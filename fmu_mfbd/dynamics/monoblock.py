@@ -58,7 +58,7 @@ class Cylinder(NamedTuple):
     deck: float
 
 
-class Seen(NamedTuple):
+class CylinderMotion(NamedTuple):
     """Motion of the block at a cylinder.
 
     It has the acceleration on the crank axis [m/s2], the angular acceleration [rad/s2] and velocity
@@ -188,13 +188,13 @@ class MountedMonoblock:
 
     def seen(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
-    ) -> list[Seen]:
+    ) -> list[CylinderMotion]:
         """Return the motion of the block, or a change of it, at each cylinder."""
         across, up, _, pitch, yaw, roll = acceleration[:RIGID_MOTIONS].tolist()
         rolling = float(velocity[RIGID_MOTIONS - 1])
         # Eq. (U32)
         return [
-            Seen(across + yaw * z, up - pitch * z, roll, rolling, field)
+            CylinderMotion(across + yaw * z, up - pitch * z, roll, rolling, field)
             for z, field in zip(
                 self.body.cylinder_z.tolist(), self.body.radial @ position[RIGID_MOTIONS:]
             )
@@ -226,7 +226,7 @@ class MountedMonoblock:
             steps,
         )
 
-    def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[Seen]:
+    def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[CylinderMotion]:
         """Return the change of the block's motion at each cylinder with all cylinders' forces.
 
         It is exact, because the equations are linear.

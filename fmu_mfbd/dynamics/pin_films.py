@@ -43,7 +43,7 @@ from .pin_shells import (
 )
 from .skirt_films import FilmChange, stack
 from .slider_crank import CrankMotion, Mechanism
-from .system import System
+from .system import BodySystem
 
 
 class PinSystem(NamedTuple):
@@ -51,7 +51,7 @@ class PinSystem(NamedTuple):
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
         The same with the pin tied, no mode of it static, the block rigid.
     bodies : PinBodies
     surfaces : ndarray
@@ -60,7 +60,7 @@ class PinSystem(NamedTuple):
         `floating_pin.inertia` and `inertia_with_rod`.
     """
 
-    system: System
+    system: BodySystem
     bodies: PinBodies
     surfaces: np.ndarray
     inertia: np.ndarray

@@ -26,7 +26,7 @@ from .piston_motion import (
 from .quasi_static import STILL, Ride, follow, static_coordinates
 from .skirt_films import Change, forces_by_film, skirt_changes, together
 from .slider_crank import CrankMotion, motion, rod_turn
-from .system import RingForce, System
+from .system import BodySystem, RingForce
 
 
 class StepEnd(NamedTuple):
@@ -62,7 +62,7 @@ def step_end(
     return StepEnd(c, now.guided, now.load, motion, crank, factors)
 
 
-class Linear(NamedTuple):
+class LinearisedMotion(NamedTuple):
     """The piston's motion at the end of a step, linearised.
 
     Parameters
@@ -107,7 +107,7 @@ class Linear(NamedTuple):
 
 
 @compiled
-def linearise(system: System, last: StepEnd) -> Linear:
+def linearise(system: BodySystem, last: StepEnd) -> LinearisedMotion:
     """Return the piston's motion linearised about the end of a step."""
     piston = system.piston
     mechanism = system.mechanism
@@ -128,7 +128,7 @@ def linearise(system: System, last: StepEnd) -> Linear:
     alpha = now.acceleration[ROCKING] + load.carrier.alpha
     axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
     x, y = in_frame(1.0, axial, angle)
-    return Linear(
+    return LinearisedMotion(
         arrow=tangent(piston, mechanism, load, now, crank, c1, c2),
         coupling=mode_coupling(piston, alpha, w, c1, c2),
         slope=link.slope,
@@ -176,9 +176,9 @@ class Response(NamedTuple):
 
 @compiled
 def response(
-    system: System,
+    system: BodySystem,
     guided: float,
-    linear: Linear,
+    linear: LinearisedMotion,
     forces: NodalForces,
     rings: RingForce,
     carried_force: np.ndarray,
@@ -191,10 +191,10 @@ def response(
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     guided : float
         Height at which the bore is read [m].
-    linear : Linear
+    linear : LinearisedMotion
     forces : NodalForces
         Direction, stacked [N].
     rings : RingForce
@@ -285,7 +285,7 @@ def _block_change(system, linear, force):
 
 
 @compiled
-def ridden(linear: Linear, lateral: float, rocking: float) -> Ride:
+def ridden(linear: LinearisedMotion, lateral: float, rocking: float) -> Ride:
     """Return the change of the frame's motion with changes of its accelerations.
 
     These are x_A'' [m/s2] and the angular acceleration [rad/s2].

@@ -19,7 +19,7 @@ from ..geometry.film import (
 )
 from ..geometry.surfaces import count_of, surface_at
 from .piston_motion import LATERAL, RIGID, ROCKING
-from .system import System
+from .system import BodySystem
 
 
 class AxialMotion(NamedTuple):
@@ -71,12 +71,12 @@ class FilmParts(NamedTuple):
 
 
 @compiled
-def forces_by_film(system: System, guided: float, forces: NodalForces) -> FilmParts:
+def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> FilmParts:
     """Return the generalised forces of each film.
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     guided : float
         Height at which the bore is read [m].
     forces : NodalForces
@@ -156,7 +156,7 @@ class SkirtFilms(NamedTuple):
 
 @compiled
 def skirt_films(
-    system: System,
+    system: BodySystem,
     guided: AxialMotion,
     forces: NodalForces,
     parts: FilmParts,
@@ -168,7 +168,7 @@ def skirt_films(
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     guided : AxialMotion
         Where the bore is read: of A when x_A = 0.
     forces : NodalForces
@@ -214,13 +214,13 @@ class FilmChange(NamedTuple):
 
 @compiled
 def skirt_changes(
-    system: System, guided: float, rising: float, piston: Change, block: Change
+    system: BodySystem, guided: float, rising: float, piston: Change, block: Change
 ) -> FilmChange:
     """Return the change of all films of the skirt with the bodies' coordinates.
 
     Parameters
     ----------
-    system : System
+    system : BodySystem
     guided : float
         Height at which the bore is read [m].
     rising : float

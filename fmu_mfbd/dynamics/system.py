@@ -12,7 +12,7 @@ from .quasi_static import StaticModes
 from .slider_crank import CrankMotion, Mechanism
 
 
-class System(NamedTuple):
+class BodySystem(NamedTuple):
     """Both bodies, the mechanism and the geometry of all films.
 
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +

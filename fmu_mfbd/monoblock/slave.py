@@ -11,9 +11,9 @@ from ..dynamics.monoblock import (
     RIGID_MOTIONS,
     BlockState,
     Cylinder,
+    CylinderMotion,
     MountedMonoblock,
     Mounting,
-    Seen,
 )
 from ..reduction.reduced_body import ReducedMonoblock, load
 from . import variables as table
@@ -117,7 +117,7 @@ class Monoblock(FieldSlave):
         }
 
 
-def _told(seen: list[Seen]) -> dict[str, Any]:
+def _told(seen: list[CylinderMotion]) -> dict[str, Any]:
     """Return the motion of the block at the cylinders, by variable."""
     return {
         f"cylinder_{k}.{name}": value

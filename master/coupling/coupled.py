@@ -21,7 +21,7 @@ from .wiring import Port, System, Wire
 
 
 @dataclass(frozen=True)
-class State:
+class CoupledState:
     """States of all participants and memory of the method, as bytes."""
 
     data: np.ndarray
@@ -119,12 +119,12 @@ and to a percent and more of one that is far smaller.
 
 
 @dataclass(frozen=True)
-class Last:
+class LastMacroStep:
     """The last step, or the start: what it was given, what came out, and how to take it again."""
 
     values: Mapping[str, Any]
     outputs: Mapping[str, Any]
-    again: Callable[[Mapping[str, Any]], tuple[State, dict[str, Any]]]
+    again: Callable[[Mapping[str, Any]], tuple[CoupledState, dict[str, Any]]]
 
 
 class Coupled(FieldSlave):
@@ -139,7 +139,7 @@ class Coupled(FieldSlave):
 
     name = "coupled"
     description = "Participants of a co-simulation, coupled inside"
-    state_type = State
+    state_type = CoupledState
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -215,7 +215,7 @@ class Coupled(FieldSlave):
         self._pass_on()
         self.standing = self._state()
         outputs = self._outputs()
-        self.last = Last(values, outputs, again)
+        self.last = LastMacroStep(values, outputs, again)
         return self.standing, outputs
 
     def _pass_on(self):
@@ -272,7 +272,7 @@ class Coupled(FieldSlave):
 
     def _state(self):
         """Return everything that a further step depends on."""
-        return State(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
+        return CoupledState(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
 
     def _restore(self, state):
         thaw(self.stepper, state.data.tobytes())

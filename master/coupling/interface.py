@@ -17,7 +17,7 @@ SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
 
 
-class Last(NamedTuple):
+class LastEvaluation(NamedTuple):
     """An evaluation, time and length of its macro step [s], and the states that it began with."""
 
     at: Evaluation
@@ -164,7 +164,7 @@ class Interface:
             name: Ends(participant, self.inputs[name], self.outputs[name], self.feedback)
             for name, participant in participants.items()
         }
-        self._last: Last | None = None
+        self._last: LastEvaluation | None = None
         self.starts = [part.start for part in self.parts]
         is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
         scalars = is_small and not self.relative
@@ -220,7 +220,7 @@ class Interface:
             self._step(stage, time, step)
 
         at = self.answer(x, act, saved)
-        self._last = None if saved is None else Last(at, time, step, saved)
+        self._last = None if saved is None else LastEvaluation(at, time, step, saved)
         return at
 
     def answer(
@@ -323,7 +323,9 @@ class Interface:
                 seen[ends.forward] = result[ends.forward]
         return result
 
-    def _difference(self, name: str, last: Last, change: np.ndarray) -> np.ndarray | float:
+    def _difference(
+        self, name: str, last: LastEvaluation, change: np.ndarray
+    ) -> np.ndarray | float:
         """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
         ends = self.ends[name]
         given = last.at.used[ends.into]

@@ -13,7 +13,7 @@ from .native_block import (
     FAULT,
     NOWHERE,
     SENTENCES,
-    Last,
+    LastMacroStep,
     exposed_from,
     exposed_of,
     faults_of,
@@ -71,7 +71,7 @@ def carry(real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarra
 @compiled
 def remember(real: np.ndarray, memory: np.ndarray, time: float, step: float):
     """Save what a derivative of the last step starts from."""
-    put_last(parts_of(memory).last, Last(True, time, step, real))
+    put_last(parts_of(memory).last, LastMacroStep(True, time, step, real))
 
 
 # ---- start and step
@@ -191,7 +191,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 @compiled
-def nudge_of(real: np.ndarray, inputs: np.ndarray, last: Last, nudge: float):
+def nudge_of(real: np.ndarray, inputs: np.ndarray, last: LastMacroStep, nudge: float):
     """Return e of Eq. (Y4), 0 if all seeds are 0."""
     largest = 0.0
     for k in range(len(inputs)):
@@ -207,7 +207,7 @@ def nudge_of(real: np.ndarray, inputs: np.ndarray, last: Last, nudge: float):
 
 
 @compiled
-def nudged(real: np.ndarray, inputs: np.ndarray, last: Last, length: float):
+def nudged(real: np.ndarray, inputs: np.ndarray, last: LastMacroStep, length: float):
     """Return the variables with the inputs of the last step, moved along the seeds."""
     moved = real.copy()
     for k in range(len(inputs)):
@@ -219,7 +219,7 @@ def nudged(real: np.ndarray, inputs: np.ndarray, last: Last, length: float):
 
 
 @compiled
-def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: Last):
+def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastMacroStep):
     """Repeat the last step, or the start; return whether it succeeded."""
     if last.step == 0.0:
         return begin(real, integer, memory)
@@ -229,7 +229,9 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: Last)
 
 
 @compiled
-def differ(real: np.ndarray, system: System, outputs: np.ndarray, last: Last, length: float):
+def differ(
+    real: np.ndarray, system: System, outputs: np.ndarray, last: LastMacroStep, length: float
+):
     """Write the products: change of the outputs over a length, 0 if the length is 0."""
     for k in range(len(outputs)):
         one = exposed_from(outputs[k])

@@ -48,8 +48,9 @@ class ParticipantRow(NamedTuple):
     first_state, states, first_fault : positions in its memory, and length of the state;
     sentence : number of its first sentence;
     variables : number of real variables without seeds and products;
-    given, contents : length of the first part of its memory, and position in `Given.contents`;
-    standing : position in `State.standing`.
+    given, contents : length of the first part of its memory, and position in
+    `CoupledSetup.contents`;
+    standing : position in `CoupledState.standing`.
     """
 
     code: int
@@ -127,7 +128,7 @@ class Rules(NamedTuple):
     trail: int
 
 
-class Exposed(NamedTuple):
+class ExposedVariables(NamedTuple):
     """Rows of the variables of the coupled FMU."""
 
     parameters: Matrix
@@ -135,10 +136,11 @@ class Exposed(NamedTuple):
     outputs: Matrix
 
 
-class Given(NamedTuple):
+class CoupledSetup(NamedTuple):
     """First part of the memory.
 
-    standing, pairs : elements of `State.standing`; pairs of GMRES. order, starting : participants;
+    standing, pairs : elements of `CoupledState.standing`; pairs of GMRES.
+    order, starting : participants;
     participants, wires : rows; contents : of participants' memories and variables.
     """
 
@@ -150,7 +152,7 @@ class Given(NamedTuple):
     starting: Vector
     participants: Matrix
     wires: Matrix
-    exposed: Exposed
+    exposed: ExposedVariables
     contents: Vector
 
 
@@ -191,7 +193,7 @@ def lay_out(
         wires[k] = wire._replace(sentence=len(SENTENCES) + k * len(WIRE_SENTENCES))
     size, unknowns = len(layout.nominal), len(layout.unknowns)
     pairs = min(KEPT, unknowns)
-    given = Given(
+    given = CoupledSetup(
         rules,
         layout,
         *(standing, pairs),
@@ -199,16 +201,16 @@ def lay_out(
         np.array(starting, float),
         _matrix(participants),
         _matrix(wires),
-        Exposed(*map(_matrix, exposed)),
+        ExposedVariables(*map(_matrix, exposed)),
         np.zeros(0) if contents is None else contents,
     )
     n = dict(standing=standing, predicted=rules.predicted, size=size, unknowns=unknowns)
-    state = room(State, pairs=pairs, **n)
+    state = room(CoupledState, pairs=pairs, **n)
     lengths = dict(
         inside=inside,
         state=state,
         before=state,
-        last=room(Last, reals=reals),
+        last=room(LastMacroStep, reals=reals),
         trail=room(Trail, trail=rules.trail, wires=len(wires)),
         failures=ROOM,
         faults=ROOM,
@@ -224,7 +226,7 @@ def _matrix(rows):
 # ---- what changes
 
 
-class State(NamedTuple):
+class CoupledState(NamedTuple):
     """State between macro steps.
 
     standing : variables and states of all participants; times, past : accepted vectors, the oldest
@@ -238,7 +240,7 @@ class State(NamedTuple):
     pairs: Pairs
 
 
-class Last(NamedTuple):
+class LastMacroStep(NamedTuple):
     """Last step, or start, of which a derivative is computed.
 
     is_there : whether there is one; step : 0 for a start; real : variables of the coupled FMU.
@@ -259,8 +261,9 @@ class Trail(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """Parts of the memory: rows of `Given`, `State`, `Last` and `Trail`, and others.
+    """Parts of the memory.
 
+    They are rows of `CoupledSetup`, `CoupledState`, `LastMacroStep` and `Trail`, and others.
     inside : variables and memories of the participants; before : state at the begin of the step.
     """
 
@@ -278,18 +281,18 @@ parts_of = parts(Parts)
 _, participant_from = flatten(ParticipantRow)
 _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
-given_from = reader(Given)
-put_state, state_from = flatten(State)
-put_last, last_from = flatten(Last)
+given_from = reader(CoupledSetup)
+put_state, state_from = flatten(CoupledState)
+put_last, last_from = flatten(LastMacroStep)
 put_trail, trail_from = flatten(Trail)
 
 
 @compilable
-def nothing_yet(given: Given):
-    """Return `State` and `Trail` before a start."""
+def nothing_yet(given: CoupledSetup):
+    """Return `CoupledState` and `Trail` before a start."""
     n = given.pairs
     of_vectors = np.zeros((2, n, len(given.layout.unknowns)))
-    state = State(
+    state = CoupledState(
         np.zeros(given.standing),
         np.zeros(1),
         np.zeros(given.rules.predicted),
@@ -302,7 +305,7 @@ def nothing_yet(given: Given):
 
 @compiled
 def given_of(memory: np.ndarray):
-    """Return `Given`."""
+    """Return `CoupledSetup`."""
     return given_from(parts_of(memory).given)
 
 
@@ -314,7 +317,7 @@ def rules_of(memory: np.ndarray):
 
 @compiled
 def exposed_of(memory: np.ndarray):
-    """Return `Exposed`."""
+    """Return `ExposedVariables`."""
     return given_of(memory).exposed
 
 
@@ -326,11 +329,11 @@ def faults_of(memory: np.ndarray):
 
 @compiled
 def state_of(memory: np.ndarray):
-    """Return `State`."""
+    """Return `CoupledState`."""
     return state_from(parts_of(memory).state)
 
 
 @compiled
 def last_of(memory: np.ndarray):
-    """Return `Last`."""
+    """Return `LastMacroStep`."""
     return last_from(parts_of(memory).last)

@@ -6,7 +6,7 @@ from numba import types
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
-from .native_block import FAULT, State, faults_of, parts_of, rules_of, state_of
+from .native_block import FAULT, CoupledState, faults_of, parts_of, rules_of, state_of
 from .native_system import restore, save, system_of
 from .vector import extrapolate, moved
 
@@ -15,7 +15,7 @@ MOST_STEPS = 1e6
 
 
 @compiled
-def forget_products(state: State):
+def forget_products(state: CoupledState):
     """Clear the memory of GMRES."""
     pairs = state.pairs
     keep(pairs.gram.reshape(pairs.gram.size), np.zeros(pairs.gram.size))
@@ -23,7 +23,7 @@ def forget_products(state: State):
 
 
 @compiled
-def accept(state: State, time: float, x: np.ndarray):
+def accept(state: CoupledState, time: float, x: np.ndarray):
     """Add an accepted vector."""
     known = int(state.known[0])
     if known == len(state.times):
@@ -37,7 +37,7 @@ def accept(state: State, time: float, x: np.ndarray):
 
 
 @compiled
-def forget_past(state: State):
+def forget_past(state: CoupledState):
     """Remove all accepted vectors but the last."""
     last = int(state.known[0]) - 1
     state.times[0] = state.times[last]

@@ -72,5 +72,5 @@ def _calling():
 
 
 def _is_called_by_pointer(one):
-    """Return whether compiled code has called a participant, see `pointers.Pointed`."""
+    """Return whether compiled code has called a participant, see `pointers.PointerParticipant`."""
     return bool(getattr(getattr(one.log, "instance", None), "is_called", 0))

@@ -65,7 +65,7 @@ class CallLog(list):
         return list(self) if self.calls == self.instance.calls else []
 
 
-class Asked:
+class CallbackParticipant:
     """Participants that compiled code calls through a Python function.
 
     Parameters
@@ -98,7 +98,7 @@ class Asked:
         return raised
 
 
-class Pointed:
+class PointerParticipant:
     """Participant that compiled code calls by pointers.
 
     Parameters

@@ -7,7 +7,7 @@ from piston_cosim.master.fmi.variables import input_variable, output_variable, p
 
 
 @dataclass(frozen=True)
-class State:
+class CrankshaftState:
     """Angular speed [rad/s]."""
 
     speed: float
@@ -19,7 +19,11 @@ class Crankshaft(FieldSlave):
     Eq. (U2):  J dw/dt = -T - L,   T: torque that the crank drive takes, L: load.
     """
 
-    name, description, state_type = "crankshaft", "Crankshaft with flywheel and load", State
+    name, description, state_type = (
+        "crankshaft",
+        "Crankshaft with flywheel and load",
+        CrankshaftState,
+    )
 
     @staticmethod
     def variables(options):
@@ -34,9 +38,9 @@ class Crankshaft(FieldSlave):
         ]
 
     def start(self, values):
-        return State(values["start_speed"]), {"crank_speed": values["start_speed"]}
+        return CrankshaftState(values["start_speed"]), {"crank_speed": values["start_speed"]}
 
     def advance(self, state, values, time, step):
         torque = values["crank_torque"] + values["load_torque"]
         speed = state.speed - torque / values["inertia"] * step  # Eq. (U2)
-        return State(speed), {"crank_speed": speed}
+        return CrankshaftState(speed), {"crank_speed": speed}

@@ -17,7 +17,7 @@ AMBIENT = 1.0e5  # Pa
 
 
 @dataclass(frozen=True)
-class State:
+class GasPressureState:
     """Empty state, because the pressure follows from the angle."""
 
 
@@ -31,7 +31,11 @@ class GasPressure(FieldSlave):
     fraction (Wiebe).
     """
 
-    name, description, state_type = "gas_pressure", "Gas pressure over crank angle", State
+    name, description, state_type = (
+        "gas_pressure",
+        "Gas pressure over crank angle",
+        GasPressureState,
+    )
 
     @staticmethod
     def variables(options):
@@ -45,7 +49,7 @@ class GasPressure(FieldSlave):
         ]
 
     def start(self, values):
-        return State(), self._outputs(values)
+        return GasPressureState(), self._outputs(values)
 
     def advance(self, state, values, time, step):
         return state, self._outputs(values)

@@ -25,7 +25,7 @@ ONWARD = np.array([-np.sin(ANGLE), np.cos(ANGLE)])
 
 
 @dataclass(frozen=True)
-class State:
+class ShaftState:
     """State of the shaft.
 
     place, velocity, force : ndarray, shape (2,) [m], [m/s], sum of all forces [N]; step : length
@@ -41,7 +41,7 @@ class State:
 class Shaft(FieldSlave):
     """Shaft by Eqs. (U17) to (U19)."""
 
-    name, description, state_type = "shaft", "Rigid shaft in a bearing", State
+    name, description, state_type = "shaft", "Rigid shaft in a bearing", ShaftState
     derivative_inputs = ("nodal_pressure_force", "nodal_circumferential_force")
     derivative_outputs = ("film_thickness", "circumferential_velocity")
 
@@ -69,7 +69,7 @@ class Shaft(FieldSlave):
 
     def start(self, values):
         place = np.array([values["start_x"], values["start_y"]])
-        state = State(place, np.zeros(2), self._load(values, 0.0), 0.0)
+        state = ShaftState(place, np.zeros(2), self._load(values, 0.0), 0.0)
         return state, self._shown(state, values)
 
     def advance(self, state, values, time, step):
@@ -79,7 +79,7 @@ class Shaft(FieldSlave):
         place = state.place + 0.5 * step * (state.velocity + velocity)
         if np.hypot(*place) > 5.0 * values["clearance"]:
             raise Discard(f"the shaft left its bearing: x, y = {place} m at {time + step:g} s")
-        state = State(place, velocity, force, step)
+        state = ShaftState(place, velocity, force, step)
         return state, self._shown(state, values)
 
     def directional_derivative(self, seeds):

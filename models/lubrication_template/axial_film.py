@@ -8,7 +8,7 @@ from piston_cosim.master.fmi.slave import FieldSlave
 from piston_cosim.master.fmi.variables import constant, input_variable, output_variable, parameter
 
 
-class State(NamedTuple):
+class AxialFilmState(NamedTuple):
     film: np.ndarray  # film thickness at the end of the last step [m], shape of the grid
 
 
@@ -18,7 +18,7 @@ class AxialFilm(FieldSlave):
     Eq. (U8):  dq/dy + dh/dt = 0,   q = -h^3/(12 mu) dp/dy - U h/2,   p = 0 at both edges
     """
 
-    name, description, state_type = "axial_film", "Film with axial flow only", State
+    name, description, state_type = "axial_film", "Film with axial flow only", AxialFilmState
 
     @staticmethod
     def variables(options):
@@ -40,7 +40,7 @@ class AxialFilm(FieldSlave):
         ]
 
     def start(self, values):
-        return self.advance(State(values["film_thickness"]), values, 0.0, 1.0)
+        return self.advance(AxialFilmState(values["film_thickness"]), values, 0.0, 1.0)
 
     def advance(self, state, values, time, step):
         film = values["film_thickness"]
@@ -56,4 +56,4 @@ class AxialFilm(FieldSlave):
         shear -= values["viscosity"] * speed / gap  # Eq. (F1)
         nodal = {"nodal_pressure_force": pressure * area, "nodal_friction_force": shear * area}
         extremes = {"maximum_pressure": pressure.max(), "minimum_film_thickness": film.min()}
-        return State(film), nodal | extremes | {"pressure": pressure}
+        return AxialFilmState(film), nodal | extremes | {"pressure": pressure}

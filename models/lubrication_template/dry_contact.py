@@ -14,7 +14,7 @@ from piston_cosim.master.fmi.variables import constant, input_variable, output_v
 
 
 @dataclass(frozen=True)
-class State:
+class DryContactState:
     film: np.ndarray  # gap at the end of the last step [m]
 
 
@@ -27,7 +27,7 @@ class DryContact(FieldSlave):
     area, U0: rounding velocity.
     """
 
-    name, description, state_type = "dry_contact", "Skirt contact without oil", State
+    name, description, state_type = "dry_contact", "Skirt contact without oil", DryContactState
 
     @staticmethod
     def variables(options):
@@ -53,7 +53,7 @@ class DryContact(FieldSlave):
         ]
 
     def start(self, values):
-        return self.advance(State(values["film_thickness"]), values, 0.0, 1.0)
+        return self.advance(DryContactState(values["film_thickness"]), values, 0.0, 1.0)
 
     def advance(self, state, values, time, step):
         film = values["film_thickness"]
@@ -65,7 +65,7 @@ class DryContact(FieldSlave):
         pressure = values["stiffness"] * (overlap + values["damping_time"] * closing)  # Eq. (U9)
         rounded = np.tanh(speed / values["rounding_velocity"])
         friction = -values["friction_coefficient"] * pressure * rounded * area
-        return State(film), {
+        return DryContactState(film), {
             "nodal_pressure_force": pressure * area,
             "nodal_friction_force": friction,
             "asperity_pressure": pressure,

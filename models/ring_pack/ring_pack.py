@@ -13,7 +13,7 @@ sqrt(eta U W')."""
 
 
 @dataclass(frozen=True)
-class State:
+class RingPackState:
     """Empty state of a quasi-static pack."""
 
 
@@ -32,7 +32,7 @@ class RingPack(FieldSlave):
     values count as 0).
     """
 
-    name, description, state_type = "ring_pack", "Quasi-static piston ring pack", State
+    name, description, state_type = "ring_pack", "Quasi-static piston ring pack", RingPackState
 
     @staticmethod
     def variables(options):
@@ -61,7 +61,7 @@ class RingPack(FieldSlave):
         ]
 
     def start(self, values):
-        return State(), _forces(values)
+        return RingPackState(), _forces(values)
 
     def advance(self, state, values, time, step):
         return state, _forces(values)

@@ -38,7 +38,7 @@ VECTORS = (
 
 
 @dataclass(frozen=True)
-class State:
+class MountedBlockState:
     """State of the block.
 
     position, velocity, acceleration of q [m, rad], force F [N, N m], each (6,); step : length of
@@ -90,7 +90,11 @@ class Engine:
 class MountedBlock(FieldSlave):
     """Mounted block by Eqs. (U20) to (U24); build options `cylinders` and `mounts` are numbers."""
 
-    name, description, state_type = "mounted_block", "Rigid cylinder block on its mounts", State
+    name, description, state_type = (
+        "mounted_block",
+        "Rigid cylinder block on its mounts",
+        MountedBlockState,
+    )
 
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -149,7 +153,7 @@ class MountedBlock(FieldSlave):
                 ]
             )
         still = np.zeros(6)
-        state = State(still, still, still, still, 0.0)
+        state = MountedBlockState(still, still, still, still, 0.0)
         return state, self._shown(state, state) | shaking(self._force(values))
 
     def advance(self, state, values, time, step):
@@ -160,7 +164,7 @@ class MountedBlock(FieldSlave):
         position = state.position + step * state.velocity + step**2 / 4 * state.acceleration
         lack = force - engine.damping @ velocity - engine.stiffness @ position
         acceleration = np.linalg.solve(engine.effective(step), lack)
-        end = State(
+        end = MountedBlockState(
             position + step**2 / 4 * acceleration,
             velocity + step / 2 * acceleration,
             acceleration,

@@ -21,7 +21,7 @@ from piston_cosim.master.fmi.variables import input_variable, output_variable, p
 
 
 @dataclass(frozen=True)
-class State:
+class OscillatorState:
     displacement: float  # [m]
     velocity: float  # [m/s]
 
@@ -31,7 +31,7 @@ class Oscillator(FieldSlave):
 
     name = "oscillator"
     description = "A mass between a wall and another mass"
-    state_type = State
+    state_type = OscillatorState
     experiment = Experiment(stop=1.0, step=1e-2)
     interpolates_inputs = True
 
@@ -50,7 +50,7 @@ class Oscillator(FieldSlave):
         ]
 
     def start(self, values):
-        return published(State(values["start_displacement"], 0.0))
+        return published(OscillatorState(values["start_displacement"], 0.0))
 
     def advance(self, state, values, time, step):
         coefficients = self.course("other_displacement") / np.array([1, 1, 2, 6])
@@ -70,7 +70,7 @@ class Oscillator(FieldSlave):
         # Eq. (U7)
         displacement = particular(step) + a * cos + b * sin
         velocity = slope(step) + frequency * (b * cos - a * sin)
-        return published(State(float(displacement), float(velocity)))
+        return published(OscillatorState(float(displacement), float(velocity)))
 
 
 def published(state):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, Sheared, flow_film
+from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
 from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
@@ -162,7 +162,7 @@ def test_thinned_film_has_its_slopes_where_it_slides_both_ways():
 
     def at(film, velocity, turning):
         cell = np.full((1, 1), 1.0)
-        oil = Sheared(velocity * cell, turning * cell, 0.01 * cell, 373.15 * cell)
+        oil = ShearedOil(velocity * cell, turning * cell, 0.01 * cell, 373.15 * cell)
         return flow_film(film * cell, oil, laws)
 
     _, slopes, around = at(8e-6, 0.2, -0.3)

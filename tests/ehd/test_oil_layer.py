@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.balance import oil_layer
 from piston_cosim.fmu_ehd.balance.grid import LOWER, UPPER
-from piston_cosim.fmu_ehd.balance.oil_layer import Passed
+from piston_cosim.fmu_ehd.balance.oil_layer import LayerVolumes
 from piston_cosim.fmu_ehd.faults import raise_noted
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
@@ -261,7 +261,7 @@ def test_the_tangent_with_a_limited_inflow(degrees, open_cells):
 # ---- by hand: 4 cells of 1 mm around 1 m of bore, skirt of 4 cells
 
 NOT_SPILLED = np.zeros((4, 4))
-NOTHING_PASSED = Passed(np.zeros((2, 4)), NOT_SPILLED)
+NOTHING_PASSED = LayerVolumes(np.zeros((2, 4)), NOT_SPILLED)
 
 
 def bore_by_hand(**others):
@@ -314,7 +314,7 @@ def test_what_flows_out_stays_on_the_bore():
     covered = moved(bore, layer, 1e-3, 0.0, 0.0, 0.0)
     inflow = np.array([np.full(4, 1e-9), np.full(4, -3e-9)])
     gap = np.array([np.full(4, 1e-5), np.array([1e-5, 1e-5, 1e-5, 5e-6])])
-    after = oil_layer.left(bore, covered, layer, Passed(inflow, NOT_SPILLED), gap, -1.5, 1e-3)
+    after = oil_layer.left(bore, covered, layer, LayerVolumes(inflow, NOT_SPILLED), gap, -1.5, 1e-3)
     assert after.bore[0, 4:6] == pytest.approx(np.array([0.5 * 8e-6, 8e-6]))
     assert after.bore[3, 4:6] == pytest.approx(np.array([0.5 * 5e-6, 5e-6]))
     assert after.reservoir[UPPER] == pytest.approx(np.array([0.0, 0.0, 0.0, 3e-9 - 1.875e-9]))
@@ -362,7 +362,7 @@ def test_a_window_is_an_edge_of_its_own():
     assert gaps[:, 1].tolist() == [4.0, 6.0, 0.0, 0.0]
     inflow = oil_layer.inflow(bore, passed)
     assert inflow[:, 0].tolist() == [0.0, -0.5e-9, 0.0, 0.0]
-    after = oil_layer.left(bore, covered, layer, Passed(inflow, spilled), gaps, -0.5, 1e-3)
+    after = oil_layer.left(bore, covered, layer, LayerVolumes(inflow, spilled), gaps, -0.5, 1e-3)
     area = 1e-3 * 0.25
     assert after.bore[0, 3] == pytest.approx((0.5e-9 + 1e-9) / area)
     assert after.bore[0, 4] == pytest.approx(0.5e-5 + 1e-9 / area)

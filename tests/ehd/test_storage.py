@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance.storage import Past, euler_step, memory
+from piston_cosim.fmu_ehd.balance.storage import ContentHistory, euler_step, memory
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
@@ -15,7 +15,7 @@ SHAPE = (12, 10)
 def going_on(now, before, step):
     """Past of a film that grew in its last two steps alike."""
     growth = (now - before) / step
-    return Past(now, growth, growth, step)
+    return ContentHistory(now, growth, growth, step)
 
 
 def rate_of_change(course, ends):
@@ -41,7 +41,7 @@ def test_a_content_linear_in_time_has_its_exact_rate_whatever_the_steps(ratio):
 
 def test_the_first_step_is_backward_euler():
     content = np.random.default_rng(0).random(SHAPE)
-    past, step = euler_step(Past(content, 0.0 * content, 0.0 * content, 0.0), 0.1)
+    past, step = euler_step(ContentHistory(content, 0.0 * content, 0.0 * content, 0.0), 0.1)
     assert np.array_equal(past, content) and step == 0.1
 
 
@@ -81,7 +81,7 @@ def test_no_cell_ever_owes_oil():
 def test_memory_by_hand(growth, before, expected):
     """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1."""
     content = np.ones((1, 2))
-    past = Past(content, np.array([growth]), np.array([before]), 1.0)
+    past = ContentHistory(content, np.array([growth]), np.array([before]), 1.0)
     assert memory(past) == pytest.approx(expected, rel=1e-14)
 
 

@@ -18,7 +18,7 @@ from piston_cosim.fmu_ehd.balance.films import (
     FilmSlopes,
     smooth_film,
 )
-from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, Sheared, flow_film
+from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.balance.grid import (
     CENTRE,
     EAST,
@@ -150,7 +150,7 @@ def test_thinned_film_follows_film_and_velocity():
     velocity = np.array([[-3.0, -3.0, 0.0, 0.0]])
     turning = np.array([[0.0, 0.0, 3.0, 0.0]])
     viscosity = np.full((1, 4), VISCOSITY)
-    sheared = Sheared(velocity, turning, viscosity, np.full((1, 4), 350.0))
+    sheared = ShearedOil(velocity, turning, viscosity, np.full((1, 4), 350.0))
     film, slopes, around = flow_film(thickness, sheared, laws)
     couette = VISCOSITY / FILM
     assert film[COUETTE, 0] == near(couette * np.array([0.4, 0.4, 0.4, 1.0]))

@@ -28,7 +28,7 @@ from piston_cosim.master.fmi.noted import (
     take_over,
 )
 from piston_cosim.master.participants.open import open_fmu
-from piston_cosim.master.participants.pointers import FUNCTIONS, Instance, Pointed
+from piston_cosim.master.participants.pointers import FUNCTIONS, Instance, PointerParticipant
 
 from .front_toy import SHAPE, Toy
 
@@ -467,7 +467,7 @@ def test_compiled_iteration_calls_instances_by_pointers(tmp_path):
         addresses=lambda names: [ctypes.cast(f, at).value for f in functions],
         fault=lambda function, status: (function, status),
     )
-    pointed = Pointed(participant, ["u"], ["y"])
+    pointed = PointerParticipant(participant, ["u"], ["y"])
     pointed.begin(12)
     one = pointed.instance
     memory = np.array([1.0, 2.0, 0.0, 3.0, 4.0, 0.0])  # inputs, outputs, seeds, products

@@ -261,7 +261,7 @@ def test_a_stiff_block_is_the_rigid_one(whole):
         np.zeros(2),
     )
     still = np.zeros(6)
-    state = twin.State(still, still, still, still, 0.0)
+    state = twin.MountedBlockState(still, still, still, still, 0.0)
     for n in range(1, 31):
         values = {
             f"cylinder_{k}.{name}": value

@@ -132,7 +132,7 @@ Sizes = Mapping[Any, int]
 """Number of elements by name of variable, in order."""
 
 
-class Called(NamedTuple):
+class CalledParticipant(NamedTuple):
     """Participant of the machine code: address of its `Instance`, inputs and outputs.
 
     Its real variables are inputs, outputs, seeds and products.
@@ -175,7 +175,7 @@ class Iteration:
     newton : Newton
     interface : Interface
     library : Library
-    called : sequence of Called
+    called : sequence of CalledParticipant
         In stepping order.
     ends : sequence of Ends
         By wire.
@@ -186,7 +186,7 @@ class Iteration:
         newton: Newton,
         interface: Interface,
         library: Library,
-        called: Sequence[Called],
+        called: Sequence[CalledParticipant],
         ends: Sequence[Ends],
     ):
         self.interface = interface
@@ -216,7 +216,9 @@ class Iteration:
         self.numbers = np.zeros(4)
         self._run = library.call(self.x, self.block, self.numbers)
 
-    def _wire(self, k: int, source: Called, target: Called, ends: Ends) -> WireRow:
+    def _wire(
+        self, k: int, source: CalledParticipant, target: CalledParticipant, ends: Ends
+    ) -> WireRow:
         """Return the row of a wire."""
         span = self.interface.parts[k]
         source_place = sum(source.inputs.values()) + place(source.outputs, ends.output)
@@ -281,7 +283,7 @@ class ByPointers(Iteration):
     """Iteration on FMI 2.0 instances of this process."""
 
     def __init__(self, newton: Newton, interface: Interface, library: Library):
-        from ...participants.pointers import Pointed
+        from ...participants.pointers import PointerParticipant
 
         names = list(interface.participants)
         participants: Mapping[str, Any] = interface.participants
@@ -290,12 +292,14 @@ class ByPointers(Iteration):
             [{end.variable: end.part.stop - end.part.start for end in side[n]} for side in sides]
             for n in names
         ]
-        self.pointed = {n: Pointed(participants[n], *map(list, s)) for n, s in zip(names, sizes)}
+        self.pointed = {
+            n: PointerParticipant(participants[n], *map(list, s)) for n, s in zip(names, sizes)
+        }
         super().__init__(
             newton,
             interface,
             library,
-            [Called(one.address, *s) for one, s in zip(self.pointed.values(), sizes)],
+            [CalledParticipant(one.address, *s) for one, s in zip(self.pointed.values(), sizes)],
             [
                 Ends(names.index(w.source[0]), w.source[1], names.index(w.target[0]), w.target[1])
                 for w in interface.wires
@@ -319,16 +323,16 @@ class ByPython(Iteration):
     """Iteration on any participants: one that stands for the interface, with all wires."""
 
     def __init__(self, newton: Newton, interface: Interface, library: Library):
-        from ...participants.pointers import Asked
+        from ...participants.pointers import CallbackParticipant
 
-        self.asked = Asked(self._answer)
+        self.asked = CallbackParticipant(self._answer)
         self.macro_step: MacroStep | None = None
         sizes = {k: span.stop - span.start for k, span in enumerate(interface.parts)}
         super().__init__(
             newton,
             interface,
             library,
-            [Called(self.asked.address, sizes, sizes)],
+            [CalledParticipant(self.asked.address, sizes, sizes)],
             [Ends(0, k, 0, k) for k in sizes],
         )
         self.given, self.said, self.seeds, self.products = self.parts.inside[

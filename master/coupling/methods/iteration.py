@@ -41,7 +41,7 @@ class Answer(NamedTuple):
     allowed: Array
 
 
-class Linear(NamedTuple):
+class NewtonSystem(NamedTuple):
     """Linear system of a Newton update.
 
     derivative : callable(step, change, out)
@@ -94,7 +94,7 @@ class Iterated(NamedTuple):
 
 
 @compilable
-def product(linear: Linear, k: int, direction: Array, out: Array):
+def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
     """Write the k-th product with I - J; return whether all participants answered."""
     unknowns = linear.layout.unknowns
     put(linear.seed, unknowns, direction * linear.scale)
@@ -112,7 +112,7 @@ def update(derivative, step, answer: Answer, rules, layout: Layout, pairs: Pairs
     scale = layout.nominal[layout.unknowns]
     right = (at.outputs - at.used)[layout.unknowns] / scale
     products = np.empty((max(rules.largest_krylov_space, 1), size))
-    linear = Linear(derivative, step, layout, scale, np.zeros(size), products)
+    linear = NewtonSystem(derivative, step, layout, scale, np.zeros(size), products)
     count = len(right) - 1
     if count == 0:
         pivot = np.empty(1)
@@ -157,7 +157,7 @@ def converge(evaluate, derivative, step, guess: Array, rules, layout: Layout, pa
     evaluate : callable(step, x)
         Returns an `Answer`.
     derivative : callable
-        See `Linear`.
+        See `NewtonSystem`.
     step : object
         First argument of both.
     guess : ndarray, shape (size,)

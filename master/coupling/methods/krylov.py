@@ -70,7 +70,7 @@ class Space(NamedTuple):
     projected: Array
 
 
-class Solved(NamedTuple):
+class KrylovSolution(NamedTuple):
     """Solution x = sum of weights times the directions, in order of their products.
 
     Without a product it is the right-hand side, which is within the goal.
@@ -107,12 +107,12 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
 
     Returns
     -------
-    Solved
+    KrylovSolution
     """
     n = len(right)
     size = length(right)
     if size <= goal.size or is_within(right, goal.elements):
-        return Solved(right.copy(), np.zeros(0), space_of(0, n, len(pairs.gram)), True)
+        return KrylovSolution(right.copy(), np.zeros(0), space_of(0, n, len(pairs.gram)), True)
     limit = length(goal.elements)
     inverse = pairs_in_use(pairs)
     space = space_of(most, n, len(pairs.gram))
@@ -125,7 +125,7 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
         direction = space.directions[count]
         precondition(pairs, inverse, basis[count], space.projected[count], direction)
         if not product(system, count, direction, space.products[count]):
-            return Solved(right, np.zeros(0), space, False)
+            return KrylovSolution(right, np.zeros(0), space, False)
         column = space.hessenberg[count]
         rest = orthogonal(space.products[count], basis[: count + 1], column)
         count += 1
@@ -144,7 +144,7 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
     weights = least_squares(space.hessenberg, size, count)
     if space.hessenberg[count - 1, count] != 0.0:
         project(pairs, len(inverse), basis[count], space.projected[count])
-    return Solved(weights @ space.directions[:count], weights, space, True)
+    return KrylovSolution(weights @ space.directions[:count], weights, space, True)
 
 
 @compilable

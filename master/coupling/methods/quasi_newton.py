@@ -51,7 +51,7 @@ class QuasiNewton:
             if self.probing and memory.secants.empty:
                 return self._probe(macro_step, guess, memory, ())
             return self._iterate(macro_step, guess, memory.secants)
-        except Astray as lost:
+        except SecantsDiverged as lost:
             return self._probe(macro_step, guess, memory, lost.history)
 
     def _iterate(self, macro_step: Tried, guess: np.ndarray, secants: SecantMemory) -> Solution:
@@ -79,7 +79,7 @@ class QuasiNewton:
             last = point, r
             least = min(least, float(np.linalg.norm(r)))
             if self.probing and self._is_astray(r, least, len(history)):
-                raise Astray(history)
+                raise SecantsDiverged(history)
             if len(history) == self.max_iterations:
                 raise NotConverged(
                     f"no convergence in {self.max_iterations} iterations", interface, at, history
@@ -126,7 +126,7 @@ class Memory:
     krylov: RecycledGmres = field(default_factory=RecycledGmres)
 
 
-class Astray(RuntimeError):
+class SecantsDiverged(RuntimeError):
     """The secants do not lead to the fixed point; `history` is how the residual went."""
 
     def __init__(self, history: list[float]):

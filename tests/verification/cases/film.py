@@ -30,7 +30,7 @@ from piston_cosim.fmu_ehd.balance.grid import (
     flooded_edges,
     in_plenty,
 )
-from piston_cosim.fmu_ehd.balance.storage import EulerStep, Past
+from piston_cosim.fmu_ehd.balance.storage import ContentHistory, EulerStep
 from piston_cosim.fmu_ehd.laws import asperity, roughness
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, viscous_force
@@ -341,7 +341,7 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
     edges = flooded_edges(grid.shape, 0.025)
     still = Entrainment(np.zeros(grid.shape), np.zeros(grid.shape))
     content = np.full(grid.shape, 0.5)
-    past = Past(content, np.zeros(grid.shape), np.zeros(grid.shape), 0.0)
+    past = ContentHistory(content, np.zeros(grid.shape), np.zeros(grid.shape), 0.0)
     full = np.ones(grid.shape, dtype=bool)
     times: Array = np.arange(1.0, round(end / step) + 1.0) * step
     width = np.empty(times.size)
@@ -351,7 +351,7 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
         h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
         begin = storage.euler_step(past, step)
         film = film_step.solve(flow_film(h, 1.0 / 6.0), still, edges, begin, full)
-        past = Past(film.content, (film.content - past.content) / step, past.growth, step)
+        past = ContentHistory(film.content, (film.content - past.content) / step, past.growth, step)
         full = film.full
         width[k] = _full_width(film)
         imbalance = max(imbalance, film.mass_imbalance)
