@@ -154,7 +154,7 @@ class BodySetup(NamedTuple):
 
 
 class Direction(NamedTuple):
-    """What every direction of a derivative of a tied pin shares.
+    """Data that all directions of a derivative of a tied pin share.
 
     by_carrier : of a mounted block, `block_force.by_carrier`.
     """

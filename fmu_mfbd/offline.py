@@ -46,7 +46,7 @@ ALONG = 32
 
 @dataclass(frozen=True, repr=False)
 class BodyReport:
-    """What is to be said about a reduced body.
+    """Report on a reduced body.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class BodyReport:
 
 @dataclass(frozen=True)
 class Recovery:
-    """What was recovered of a body, and the file that holds it.
+    """Recovered fields of a body, and the file that contains them.
 
     Parameters
     ----------

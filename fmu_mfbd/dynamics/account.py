@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 
 
 class EnergyAccount(NamedTuple):
-    """Of a step [J].
+    """Energies of a step [J].
 
     gain : Eq. (D14); size : of its terms, Eq. (D16).
     """

@@ -23,7 +23,7 @@ from .system import BodySystem
 
 
 class OutsideBore(NamedTuple):
-    """How a field (n, s) on the bore, n angles as of `cell_centres` and s heights, is read.
+    """Reading of a field (n, s) on the bore, at n angles as of `cell_centres` and s heights.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ FIXED = Carrier(0.0, 0.0, 0.0, 0.0)
 
 
 class Carried(NamedTuple):
-    """What the block's motion adds.
+    """Terms that the block's motion adds.
 
     Parameters
     ----------

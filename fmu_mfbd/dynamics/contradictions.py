@@ -77,7 +77,7 @@ USUAL_DAMPING = float(USUAL.pin_friction_damping)
 
 
 class Fit(NamedTuple):
-    """What parameters have to fit; radii in the meshes of what yields are 0 of rigid ones [m]."""
+    """Data that parameters have to fit; the radii of rigid bodies are 0 [m]."""
 
     piston_radius: float
     skirt_lower: float

@@ -84,7 +84,7 @@ def on_rod(films: PinFilms) -> float:
 
 
 class PinKinematics(NamedTuple):
-    """Where the mechanism stands and how it moves.
+    """Position and motion of the mechanism.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class PinKinematics(NamedTuple):
 
 
 class Lack(NamedTuple):
-    """What the equations of motion lack.
+    """Imbalance of the equations of motion.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from ..geometry.arrays import Vector
 
 
 class Coefficients(NamedTuple):
-    """What a step of the generalised-alpha method needs; see `coefficients`.
+    """Coefficients of a step of the generalised-alpha method; see `coefficients`.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ memory worth all of it turns the motion round.
 
 
 class Inertia(NamedTuple):
-    """What moves across the bore when the piston moves as one rigid body.
+    """Inertia across the bore of the piston as one rigid body.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class MotionNotSolved(RuntimeError):
 
 @dataclass(frozen=True)
 class Inputs:
-    """What acts at the end of a step.
+    """Inputs at the end of a step.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Crank:
-    """How the crank turns.
+    """Motion of the crank.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ TRAPEZOIDAL = 1.0
 
 
 class Cylinder(NamedTuple):
-    """What a cylinder does to the block.
+    """Actions of a cylinder on the block.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class SpaceBody(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """What holds a motion: nothing but a damper within a play, a spring beyond it.
+    """Holder of a motion: a damper alone within a play, and a spring beyond it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class Held(NamedTuple):
 
 
 class Spin(NamedTuple):
-    """How a body moves in axes that turn with the rocking angle, each (3,).
+    """Motion of a body in axes that turn with the rocking angle, each (3,).
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class SpaceKinematics(NamedTuple):
 
 
 class Lack(NamedTuple):
-    """What the equations lack, and the forces between the bodies.
+    """Imbalance of the equations, and the forces between the bodies.
 
     Parameters
     ----------

@@ -207,7 +207,7 @@ class Parameters:
 
 @dataclass(frozen=True)
 class PinParameters:
-    """Those of a body FMU whose pin floats, beside `Parameters`, in SI."""
+    """Parameters of a body FMU whose pin floats, in addition to `Parameters`, in SI."""
 
     boss_clearance: float = _declared(
         "m", "Radius of the piston bosses minus radius of the pin", 10e-6, 1e-7, 1e-3
@@ -254,7 +254,7 @@ class AxisParameters:
 
 @dataclass(frozen=True)
 class BigEndParameters:
-    """Those of a body FMU whose rod turns on the crank in a film, beside `PinParameters`, in SI."""
+    """Parameters of a big end that turns on a film, in addition to `PinParameters`, in SI."""
 
     big_end_radius: float = _declared("m", "Radius of the crank pin", 24e-3, 1e-3, 1.0)
     big_end_clearance: float = _declared(

@@ -215,7 +215,7 @@ def reach_of(c: Coefficients, n: int) -> Reach:
 
 
 class Predicted(NamedTuple):
-    """Where a step ends without accelerations: position, velocity, auxiliary acceleration."""
+    """End of a step without accelerations: position, velocity, auxiliary acceleration."""
 
     position: np.ndarray
     velocity: np.ndarray

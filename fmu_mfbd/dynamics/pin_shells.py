@@ -28,7 +28,7 @@ EYE = PIN_SURFACES.index("small_end")
 
 
 class Shell(NamedTuple):
-    """Where the pin, or a journal of the crank, stands in a shell, and how both turn.
+    """Position of the pin, or a journal of the crank, in a shell, and rotation of both.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ class Load(NamedTuple):
 
 
 class Imbalance(NamedTuple):
-    """What the equations of motion lack, and the forces at both ends of the rod.
+    """Imbalance of the equations of motion, and the forces at both ends of the rod.
 
     Parameters
     ----------

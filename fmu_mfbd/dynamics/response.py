@@ -30,7 +30,7 @@ from .system import BodySystem, RingForce
 
 
 class StepEnd(NamedTuple):
-    """What derivatives at the end of a step, and forces on the block, follow from.
+    """End of a step, for derivatives and for forces on the block.
 
     Parameters
     ----------

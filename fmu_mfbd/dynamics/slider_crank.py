@@ -45,7 +45,7 @@ class Mechanism(NamedTuple):
 
 
 class CrankMotion(NamedTuple):
-    """How the crank turns at an instant.
+    """Motion of the crank at an instant.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def driven(before: CrankMotion, step: float, speed: float) -> CrankMotion:
 
 
 class LateralMotion(NamedTuple):
-    """How A moves across the bore at an instant.
+    """Motion of A across the bore at an instant.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Link(NamedTuple):
 
 
 class RodTurn(NamedTuple):
-    """How the rod turns; its angle psi about +z is 0 where it stands upright.
+    """Rotation of the rod; its angle psi about +z is 0 if it is upright.
 
     Parameters
     ----------
@@ -322,7 +322,7 @@ def carried_mass(mechanism: Mechanism) -> float:
 
 
 class PistonLoad(NamedTuple):
-    """What the pin has to hold beside the film.
+    """Load of the pin in addition to that of the film.
 
     Parameters
     ----------

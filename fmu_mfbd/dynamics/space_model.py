@@ -68,7 +68,7 @@ class SpaceSolution(NamedTuple):
 
 
 class LastInSpace(NamedTuple):
-    """What a derivative at the end of the last step starts from."""
+    """Data of the last step for derivatives at its end."""
 
     coefficients: Coefficients
     solved: SpaceSolution

@@ -33,7 +33,7 @@ class BodySystem(NamedTuple):
 
 
 class RingForce(NamedTuple):
-    """What the rings do to the piston.
+    """Actions of the rings on the piston.
 
     lateral : float
         Along x, towards the thrust side [N].
@@ -52,7 +52,7 @@ NO_RINGS = RingForce(0.0, 0.0, 0.0)
 
 
 class OtherForces(NamedTuple):
-    """What acts on the piston beside the film and the pin.
+    """Forces on the piston other than those of film and pin.
 
     gas : float
         Along -y on the crown [N].
@@ -70,7 +70,7 @@ class OtherForces(NamedTuple):
 
 
 class StepProblem(NamedTuple):
-    """What a step is solved from, n coordinates.
+    """Data that a step is solved with, n coordinates.
 
     Parameters
     ----------

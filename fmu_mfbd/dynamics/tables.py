@@ -29,7 +29,7 @@ class Rows(NamedTuple):
 
 
 class Column(NamedTuple):
-    """What a column holds, and what 1 in it means in SI."""
+    """Quantity of a column, and the SI value of 1 in it."""
 
     name: str
     unit: float

@@ -34,7 +34,7 @@ class Component:
 
     @property
     def is_iterated(self) -> bool:
-        """Whether steps are repeated until the wires agree."""
+        """Return whether steps are repeated until the wires agree."""
         return self.is_loop and not self.fixed
 
 
@@ -236,7 +236,7 @@ class Componentwise:
         )
 
     def _is_past(self, macro_step: MacroStep, k: int) -> bool:
-        """Whether a participant that cannot go back has stepped before component k does."""
+        """Return whether a participant without rollback has stepped before component k does."""
         before = (name for one in self.components[:k] for name in one.names)
         known = macro_step.interface.participants
         return not all(getattr(known[name], "can_redo", True) for name in before)

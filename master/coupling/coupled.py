@@ -46,7 +46,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Options:
-    """What build.json of a coupled FMU holds; `case.export` writes it.
+    """Content of build.json of a coupled FMU; `case.export` writes it.
 
     name         : model identifier
     title        : the case's

@@ -15,7 +15,7 @@ from .wiring import Wire
 
 
 class WireWithConjugate(Protocol):
-    """What is asked of a wire in the case: both ends as "participant.variable", its conjugate."""
+    """Wire of the case: both ends as "participant.variable", and its conjugate."""
 
     source: str
     target: str
@@ -36,7 +36,7 @@ class ConjugatePair(NamedTuple):
 
 
 class Exchange(NamedTuple):
-    """What crossed the interface in a macro step [J].
+    """Work across the interface in a macro step [J].
 
     work : ndarray, shape (2,), W_1 and W_2; exchanged : sum |F_in| . |dq_out|; passed : the same by
     the trapezoidal rule, with what F_in and a velocity were at the beginning; worth : sum |F_in| .

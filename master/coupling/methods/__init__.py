@@ -40,7 +40,7 @@ METHODS = ("newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", 
 
 
 class CouplingOptions(Protocol):
-    """What the choice of a method is made from; the case's coupling table has it."""
+    """Options that choose a method; the case's coupling table has them."""
 
     @property
     def method(self) -> str: ...

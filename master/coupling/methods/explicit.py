@@ -56,7 +56,7 @@ class Growth:
 
     @property
     def is_unstable(self) -> bool:
-        """Whether the residual has grown without a break by more than it may."""
+        """Return whether the residual has grown without a break by more than it may."""
         return self.rises >= RISES and self.last > LARGEST_GROWTH * self.base
 
 

@@ -35,7 +35,7 @@ Rows = Annotated[Array, "pairs, unknowns"]
 
 
 class Goal(NamedTuple):
-    """How small a residual r is to be: |r| <= `size`, or each |r_i| <= `elements`_i."""
+    """Bound on a residual r: |r| <= `size`, or each |r_i| <= `elements`_i."""
 
     elements: Array
     size: float = 0.0
