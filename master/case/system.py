@@ -89,14 +89,7 @@ def open_system(
         faults += error.faults
     check_fixed(case, participants, faults)
     check_ports(case, participants, faults)
-    outside = [("observers", name) for name in case.observers]
-    if case.coupling.step_control:
-        outside.append(("step_controls", case.coupling.step_control))
-    for kind, name in outside:
-        try:
-            plugin(kind, name)
-        except BadInput as error:
-            faults += error.faults
+    _check_plugins(case, faults)
     clock, begin = check_time(case, parameters, faults)
     if faults or clock is None:
         raise BadInput(faults)
@@ -124,6 +117,18 @@ def open_system(
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, angular_speed(case, parameters)),
     )
+
+
+def _check_plugins(case, faults):
+    """Append the faults of observers and step control."""
+    names = [("observers", name) for name in case.observers]
+    if case.coupling.step_control:
+        names.append(("step_controls", case.coupling.step_control))
+    for kind, name in names:
+        try:
+            plugin(kind, name)
+        except BadInput as error:
+            faults += error.faults
 
 
 def _as_they_start(participants, wires, progress):
