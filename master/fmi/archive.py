@@ -1,11 +1,15 @@
-"""Checks of archives (FMU, SSP) before they are unpacked, and of their unpacked files."""
+"""Checks of archives (FMU, SSP) before and after they are unpacked into the cache."""
 
 import os
+import shutil
 import tempfile
+import warnings
 import zipfile
 import zlib
+from hashlib import sha256
 from pathlib import Path
 
+from .cache import cache_folder
 from .errors import BadInput
 
 LARGEST_RATIO = 200
@@ -34,6 +38,25 @@ def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
         parts = Path(member.filename.replace("\\", "/")).parts
         if ".." in parts or member.filename.startswith("/"):
             raise BadInput(f"{path}: expected files inside it, got path {member.filename!r}")
+
+
+def unpack(path: Path) -> Path:
+    """Unpack an FMU into a folder of the user's cache, named by its hash; return the folder."""
+    digest = sha256(Path(path).read_bytes()).hexdigest()[:16]
+    folder = cache_folder("unpacked") / f"{Path(path).stem}-{digest}"
+    if folder.exists():
+        if restored := restore_files(path, folder):
+            warnings.warn(f"{folder}: was damaged; restored {', '.join(restored)}", stacklevel=2)
+    else:
+        partial = Path(tempfile.mkdtemp(dir=folder.parent))
+        with zipfile.ZipFile(path) as archive:
+            check_archive(archive, Path(path))
+            archive.extractall(partial)
+        try:
+            partial.rename(folder)
+        except OSError:  # another process was faster
+            shutil.rmtree(partial)
+    return folder
 
 
 def restore_files(path: Path, folder: Path) -> list[str]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .participant import FieldByField
+from .participant import FieldByField, Wrapper
 
 
 class Conversion(NamedTuple):
@@ -24,7 +24,7 @@ class Conversion(NamedTuple):
         return (value - self.offset) / self.gain
 
 
-class ConvertedParticipant(FieldByField):
+class ConvertedParticipant(FieldByField, Wrapper):
     """Participant with inputs that are set in the wire's unit.
 
     Parameters
@@ -35,18 +35,11 @@ class ConvertedParticipant(FieldByField):
     """
 
     def __init__(self, participant, conversions):
-        self.participant, self.conversions = participant, conversions
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
-
-    def start(self, parameters, start_time, stop_time):
-        """Start, see `FmuParticipant.start`; converted inputs have the wire's unit."""
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
+        super().__init__(participant)
+        self.conversions = conversions
 
     def enter(self, parameters, start_time, stop_time):
-        """Run the first half of `start`."""
+        """Run the first half of `start`; converted inputs have the wire's unit."""
         values = {name: self._given(name, value) for name, value in parameters.items()}
         self.participant.enter(values, start_time, stop_time)
 

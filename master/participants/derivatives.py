@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
-from .participant import Participant
+from .participant import Participant, Wrapper
 
 Fields = dict[str, np.ndarray]
 """Values or changes by field."""
@@ -113,18 +113,15 @@ def scales(
     }
 
 
-class Differenced:
+class Differenced(Wrapper):
     """Participant with derivatives by differences of its steps, even if it offers others."""
 
     has_derivatives = False
 
     def __init__(self, participant: Participant):
-        self.participant = participant
+        super().__init__(participant)
         self._begin: Any = None
         self._last_step = (0.0, 0.0)
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
 
     def restore(self, saved: Any) -> None:
         """Restore a saved state, where the next step begins."""
@@ -138,8 +135,7 @@ class Differenced:
 
     def begin_step(self, time: float, step: float) -> None:
         self._last_step = time, step
-        apart: Any = self.participant
-        apart.begin_step(time, step)
+        self.participant.begin_step(time, step)
 
     def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
         return difference(self.participant, self._begin, self._last_step, seeds, products)

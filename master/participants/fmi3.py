@@ -6,7 +6,8 @@ from functools import cached_property
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant, Functions
+from .fmi2 import WHOLE, FmuParticipant
+from .transfer import Functions
 
 LARGEST_ITERATION = 1000
 """Maximum number of calls of fmi3UpdateDiscreteStates in an event."""

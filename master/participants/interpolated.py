@@ -6,7 +6,7 @@ import numpy as np
 
 from ..fmi.fields import Field
 from .derivatives import difference
-from .participant import FieldByField
+from .participant import FieldByField, Wrapper
 from .plain import pack, unpack
 
 
@@ -53,7 +53,7 @@ def hermite(begin, end, begin_slope, end_slope, step):
     )  # Eq. (P3)
 
 
-class InterpolatedParticipant(FieldByField):
+class InterpolatedParticipant(FieldByField, Wrapper):
     """Participant with inputs that vary from their old to their new value during a macro step.
 
     Setting such an input sets its value at the end of the step. An input of the kind "mean" is
@@ -76,7 +76,8 @@ class InterpolatedParticipant(FieldByField):
     has_derivatives = False  # the FMU's own would be with respect to inputs at the beginning
 
     def __init__(self, participant, interpolation):
-        self.participant, self.interpolation = participant, interpolation
+        super().__init__(participant)
+        self.interpolation = interpolation
         self.fields = participant.fields | {
             slope_of(name): _slope(participant.fields[name])
             for name, kind in interpolation.items()
@@ -88,16 +89,11 @@ class InterpolatedParticipant(FieldByField):
         self._initialising = False
         self._last_step: Any = None
 
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
-
-    def start(self, parameters, start_time, stop_time):
-        """Start, see `FmuParticipant.start`; interpolated inputs begin with their start values."""
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
-
     def enter(self, parameters, start_time, stop_time):
-        """Run the first half of `start`; in Initialization Mode, `set` sets inputs directly."""
+        """Run the first half of `start`; interpolated inputs begin with their start values.
+
+        In Initialization Mode, `set` sets inputs directly.
+        """
         known = self.participant.fields
         self.participant.enter(
             {k: v for k, v in parameters.items() if k in known}, start_time, stop_time

@@ -11,10 +11,11 @@ from typing import Any
 
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .open import open_fmu
+from .participant import StartedInHalves
 from .worker import Worker, shared_file, shared_numbers
 
 
-class IsolatedParticipant:
+class IsolatedParticipant(StartedInHalves):
     """Participant whose FMU runs in another process, with the same methods and results.
 
     Parameters
@@ -63,11 +64,6 @@ class IsolatedParticipant:
         self._process = Worker(_serve, memory, recipe, files=[memory])
         self._pipe = self._process.pipe
         self._values, self._changes = _views(shared_numbers(memory), self.fields)
-
-    def start(self, parameters, start_time, stop_time):
-        """Instantiate and initialise in the process; see `FmuParticipant.start`."""
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
 
     def another(self):
         """Return a second instance in a separate process, not started."""

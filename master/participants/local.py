@@ -5,9 +5,10 @@ from pythonfmu.enums import Fmi2Status
 
 from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..fmi.slave import COURSE, reserved
+from .participant import StartedInHalves
 
 
-class LocalParticipant:
+class LocalParticipant(StartedInHalves):
     """Participant of a `FieldSlave`, with the methods of `participant.Participant`.
 
     Parameters
@@ -27,11 +28,6 @@ class LocalParticipant:
             bool(slave.courses),
         )
 
-    def start(self, parameters, start_time, stop_time):
-        """Initialise with `parameters` in SI; raise `BadInput` with the faults of the model."""
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
-
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`, up to Initialization Mode.
 
@@ -42,7 +38,7 @@ class LocalParticipant:
         self.slave.enter_initialization_mode()
 
     def leave(self):
-        """Run the second half of `start`: leave Initialization Mode."""
+        """Run the second half of `start`; raise `BadInput` with the faults of the model."""
         self.slave.exit_initialization_mode()
         if self.slave.fault:
             raise BadInput(

@@ -3,9 +3,10 @@
 from contextlib import contextmanager
 
 from ..fmi.errors import Discard, ParticipantFault
+from .participant import Wrapper
 
 
-class OneWayParticipant:
+class OneWayParticipant(Wrapper):
     """Participant whose states are not restored.
 
     Parameters
@@ -21,11 +22,8 @@ class OneWayParticipant:
     can_redo = can_serialise = False
 
     def __init__(self, participant):
-        self.participant = participant
+        super().__init__(participant)
         self._steps = 0
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
 
     def step(self, time, step):
         """Take a step [s]."""

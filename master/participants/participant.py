@@ -1,6 +1,6 @@
 """Protocol of participants: every object with these methods can take part."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import prod
 from typing import Any, Protocol
 
@@ -64,6 +64,31 @@ class Participant(Protocol):
         self, seeds: Mapping[str, np.ndarray], products: Iterable[str]
     ) -> dict[str, np.ndarray]: ...
     def close(self) -> None: ...
+
+
+class StartedInHalves:
+    """`start` of a participant by its halves."""
+
+    enter: Callable[..., None]
+    leave: Callable[[], None]
+
+    def start(self, parameters: Mapping[str, Value], start_time: float, stop_time: float) -> None:
+        """Instantiate and initialise with `parameters` by name, in the participant's units.
+
+        The others have their start values. Raises `BadInput` with every fault.
+        """
+        self.enter(parameters, start_time, stop_time)
+        self.leave()
+
+
+class Wrapper(StartedInHalves):
+    """Participant that changes another one: undefined attributes are those of that one."""
+
+    def __init__(self, participant: Any):
+        self.participant = participant
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.participant, name)
 
 
 class FieldByField:

@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from .participant import Wrapper
 
-class RestartedParticipant:
+
+class RestartedParticipant(Wrapper):
     """Participant whose only state is its start.
 
     Parameters
@@ -18,11 +20,8 @@ class RestartedParticipant:
     """
 
     def __init__(self, participant: Any, values: Mapping[str, Any], begin: float, end: float):
-        self.participant = participant
+        super().__init__(participant)
         self.given = values, begin, end
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
 
     def save(self):
         """Do nothing, because there is only one state."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fmi.errors import Discard, Finished
 from .derivatives import difference
-from .participant import FieldByField
+from .participant import FieldByField, Wrapper
 
 EXACT = 1e-9
 """Tolerance of a macro step that must be a multiple of a fixed step, relative to that step."""
@@ -29,7 +29,7 @@ def shifted(course, by):
     return found
 
 
-class Substeps(FieldByField):
+class Substeps(FieldByField, Wrapper):
     """Participant that takes equal steps of limited length inside a macro step.
 
     Interpolated inputs vary from step to step. If the participant can interpolate, it receives
@@ -49,13 +49,11 @@ class Substeps(FieldByField):
     can_interpolate = True
 
     def __init__(self, participant, length, fixed=False):
-        self.participant, self.length, self.fixed = participant, length, fixed
+        super().__init__(participant)
+        self.length, self.fixed = length, fixed
         self._courses: dict[str, np.ndarray] = {}
         self._begin: Any = None
         self._last_step: Any = None
-
-    def __getattr__(self, name):
-        return getattr(self.participant, name)
 
     def __repr__(self):
         return repr(self.participant)

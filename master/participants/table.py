@@ -15,13 +15,14 @@ from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import Field
 from ..fmi.quantities import is_known, pint_unit, registry
 from .interpolated import slope_of
+from .participant import StartedInHalves
 from .plain import pack, unpack
 
 HEAD = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
 KINDS = ("hold", "linear", "cubic")
 
 
-class TableParticipant:
+class TableParticipant(StartedInHalves):
     """Participant with outputs by interpolation in a table, at the end of every step.
 
     hold : the value of the last row that is not later; linear : between rows; cubic : the cubic
@@ -72,13 +73,8 @@ class TableParticipant:
         self.fields[column] = _field(column, unit, description)
         self.columns[column] = values
 
-    def start(self, parameters, start_time, stop_time):
-        """Start; raise `BadInput` if the table does not cover the time from start to stop."""
-        self.enter(parameters, start_time, stop_time)
-        self.leave()
-
     def enter(self, parameters, start_time, stop_time):
-        """Run the first half of `start`."""
+        """Run the first half of `start`; raise `BadInput` if the table does not cover the time."""
         first, last = self.times[0], self.times[-1]
         spare = 1e-9 * (stop_time - start_time)
         if start_time < first - spare or (self.kind != "hold" and stop_time > last + spare):

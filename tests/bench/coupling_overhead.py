@@ -24,7 +24,7 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.methods import method_of
 from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.stepping import Stepper
-from piston_cosim.master.participants.fmi2 import unpack
+from piston_cosim.master.fmi.archive import unpack
 from piston_cosim.master.participants.local import LocalParticipant
 
 STEPS, TURN, UNTIMED = 360, 10, 20

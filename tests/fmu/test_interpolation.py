@@ -14,9 +14,10 @@ from numpy.polynomial import Polynomial
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.archive import unpack
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.participants.fmi2 import FmuParticipant, unpack
+from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant, hermite, linear
 from piston_cosim.master.participants.local import LocalParticipant
 from piston_cosim.master.results.file import Results

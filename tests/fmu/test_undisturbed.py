@@ -16,8 +16,8 @@ import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import read_tree
+from piston_cosim.master.fmi.archive import unpack
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.participants.fmi2 import unpack
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 
@@ -210,7 +210,7 @@ def test_a_description_is_read_once_and_again_where_what_was_kept_is_damaged(fol
 def test_where_no_description_can_be_kept_it_is_read_each_time(folder, monkeypatch):
     fields = open_fmu("a", folder / "a.fmu").fields
     monkeypatch.setattr(
-        "piston_cosim.master.participants.description_cache.cache_folder",
+        "piston_cosim.master.participants.description.cache_folder",
         lambda kind: folder / "not" / "there",
     )
     assert open_fmu("a", folder / "a.fmu").fields == fields

@@ -317,7 +317,7 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     ------
     Trial
     """
-    from piston_cosim.master.participants.fmi2 import unpack
+    from piston_cosim.master.fmi.archive import unpack
 
     folder = unpack(fmu)
     needed = () if (Path(folder) / NATIVE).exists() else PACKAGES

@@ -1,0 +1,289 @@
+"""Values of an FMU's fields: typed, and several real ones by one call."""
+
+import ctypes
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+from ..fmi.errors import ParticipantFault
+from .description import DescribedFmu
+from .participant import read_each, write_each
+
+REAL = ctypes.POINTER(ctypes.c_double)
+
+
+class FmuFields(DescribedFmu):
+    """Fields of an FMI 2.0 FMU, set and read.
+
+    A subclass creates the instance: `_fmu` of FMPy, and its `_functions`.
+    """
+
+    _whole_numbers = {
+        "Integer": "fmi2GetInteger",
+        "Enumeration": "fmi2GetInteger",
+        "Boolean": "fmi2GetBoolean",
+    }
+    """Functions that read 32-bit integers, by type."""
+
+    def __init__(self, name, path, sizes=None, elements=()):
+        super().__init__(name, path, sizes, elements)
+        self._vectors: dict[str, TransferBlock] = {}
+        self._pairs: dict[tuple[str, tuple[str, ...]], TransferBlock] = {}
+        self._input_values: dict[str, np.ndarray] = {}
+        self._written: TransferBlock | None = None
+        self._courses: dict[tuple[str, int], tuple] = {}
+        self._chosen: dict[tuple[str, ...], list[tuple]] = {}
+        self._functions: Any = None
+        self._fmu: Any = None
+
+    def _vector(self, name):
+        """Return the block of a field, created once."""
+        if name not in self._vectors:
+            self._vectors[name] = block_of({name: self.fields[name]})
+        return self._vectors[name]
+
+    def set(self, name, value):
+        """Set a field (array of its shape), or a scalar of any type."""
+        field = self.fields[name]
+        if field.is_double:
+            block = self._vector(name)
+            block.values[:] = np.ravel(value)
+            self._write(block)
+            if field.causality == "input":
+                self._remember(block)
+        else:
+            values = (
+                np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
+            )
+            self._check_fit(field, values)
+            self._access()[field.native or field.type][1](list(field.references), values)
+            if field.causality == "input" and field.type == "Real":
+                self._input_values[name] = np.array(values, dtype=float)
+                self._written = None
+
+    def _check_fit(self, field, values):
+        """Raise `ParticipantFault` if an integer does not fit its type; C would truncate it."""
+        if field.whole_numbers:
+            low, high = field.whole_numbers
+            for value in values:
+                if not low <= value <= high:
+                    kind = field.native or field.type
+                    raise ParticipantFault(
+                        f"{self.name}: {field.name}: {value} does not fit its type, {kind}, "
+                        f"{low} to {high}"
+                    )
+
+    def set_course(self, name, course):
+        """Set an input and its time derivatives at the beginning of the next step.
+
+        course : ndarray, shape (order + 1, *shape of the field), value first.
+        """
+        self.set(name, course[0])
+        highest, field = len(course) - 1, self.fields[name]
+        if (name, highest) not in self._courses:
+            orders = np.repeat(np.arange(1, highest + 1), field.size)
+            self._courses[name, highest] = (
+                (ctypes.c_uint * orders.size)(*field.references * highest),
+                (ctypes.c_int * orders.size)(*orders),
+            )
+        references, orders = self._courses[name, highest]
+        values = np.ascontiguousarray(course[1:], dtype=float)
+        self._fmu.fmi2SetRealInputDerivatives(
+            self._fmu.component, references, values.size, orders, values.ctypes.data_as(REAL)
+        )
+
+    def get(self, name):
+        """Return the value of a field: array of its shape, or a Python scalar.
+
+        A real input has the value that was set, because FMUs may return any other.
+        """
+        field = self.fields[name]
+        values = self._input_values.get(name)
+        if values is None and not field.is_double:
+            values = self._listed(field)
+            return np.array(values).reshape(field.shape) if field.shape else values[0]
+        if values is None:
+            block = self._vector(name)
+            self._read(block)
+            values = block.values
+        return values.reshape(field.shape).copy() if field.shape else float(values[0])
+
+    def _remember(self, block):
+        """Save the inputs of a block as the values that were set."""
+        if block is not self._written:
+            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
+            self._written = block
+
+    def _forget_inputs(self):
+        """Read inputs from the FMU until they are set again."""
+        self._input_values.clear()
+        self._written = None
+
+    def _listed(self, field):
+        """Return the values of all elements of a field that is not real."""
+        values = self._access()[field.type][0](list(field.references))
+        return [value.decode() if isinstance(value, bytes) else value for value in values]
+
+    def write(self, names, values):
+        """Set several real fields from their concatenated values."""
+        block = self._pairs.get(("written", names))
+        if block is None:
+            if not self._are_double(names):
+                write_each(self, names, values)
+                return
+            block = self._pair(names, "written")
+        block.values[:] = values
+        self._write(block)
+        self._remember(block)
+
+    def read(self, names):
+        """Return several real fields, concatenated; the next call overwrites the array."""
+        block = self._pairs.get(("read", names))
+        if block is None:
+            if not self._are_double(names):
+                return read_each(self, names)
+            block = self._pair(names)
+        self._read(block)
+        return block.values
+
+    def _are_double(self, names):
+        """Return whether one call can transfer several fields."""
+        return True
+
+    def _write(self, block):
+        self._call("fmi2SetReal", *block.arguments)
+
+    def _read(self, block):
+        self._call("fmi2GetReal", *block.arguments)
+
+    def _call(self, function, *arguments):
+        """Call the FMU without FMPy's layers, which take longer than a small FMU.
+
+        All arguments are ctypes objects, so nothing is converted.
+        """
+        functions = self._functions
+        status = functions[function](functions.component, *arguments)
+        if status > fmi2.fmi2Warning:
+            raise FMICallException(function, status)
+
+    def _access(self) -> dict[str, tuple]:
+        """Return FMPy's getters and setters of lists, by type."""
+        one = self._fmu
+        return {
+            "Real": (one.getReal, one.setReal),
+            "Integer": (one.getInteger, one.setInteger),
+            "Enumeration": (one.getInteger, one.setInteger),
+            "Boolean": (one.getBoolean, one.setBoolean),
+            "String": (one.getString, one.setString),
+        }
+
+    def get_many(self, names):
+        """Return the values of several scalars by name, with one call for each type."""
+        names = tuple(names)
+        if (getters := self._chosen.get(names)) is None:
+            getters = self._chosen[names] = self._getters(names)
+        values = {}
+        for chosen, getter in getters:
+            values |= zip(chosen, getter())
+        return values
+
+    def _getters(self, names):
+        """Return names of scalars by type, each with a function that returns their values."""
+        kinds: dict[str, list[str]] = {}
+        for name in names:
+            kind = self._kind(name)
+            kinds.setdefault(self._whole_numbers.get(kind, kind), []).append(name)
+        return [
+            (chosen, self._getter(kind, chosen, [self.fields[n].references[0] for n in chosen]))
+            for kind, chosen in ((kind, tuple(found)) for kind, found in kinds.items())
+        ]
+
+    def _getter(self, kind, names, references):
+        """Return a function that returns the values of several scalars.
+
+        kind : type, or the FMU's function that reads integers.
+        """
+        if kind in ("Real", "Float64"):
+            return lambda: self.read(names).tolist()
+        if kind not in self._whole_numbers.values():
+            return partial(self._access()[kind][0], references)
+        count = len(references)
+        values = (ctypes.c_int * count)()
+        arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
+
+        def listed():
+            self._call(kind, *arguments)
+            return list(values)
+
+        return listed
+
+    def _kind(self, name):
+        """Return the type of a field in the FMU's version of the standard."""
+        return self.fields[name].native or self.fields[name].type
+
+    def _pair(self, names, use="read"):
+        """Return the block of several fields, created once for each use."""
+        if (use, names) not in self._pairs:
+            self._pairs[use, names] = block_of({name: self.fields[name] for name in names})
+        return self._pairs[use, names]
+
+    def _cut(self, block):
+        return {
+            name: block.values[part].reshape(self.fields[name].shape).copy()
+            for name, part in block.parts.items()
+        }
+
+
+@dataclass(frozen=True)
+class TransferBlock:
+    """Fields that one call transfers.
+
+    references : C array of value references; count : their number; pointer : to `values`; parts
+    : slice of each field.
+    """
+
+    references: ctypes.Array
+    count: int
+    values: np.ndarray
+    pointer: Any
+    parts: dict[str, slice]
+
+    @cached_property
+    def arguments(self):
+        """References, their number and the pointer to the values."""
+        return self.references, ctypes.c_size_t(self.count), self.pointer
+
+
+class Functions(dict):
+    """Functions of an FMU's library by name, without declared types, and its instance."""
+
+    def __init__(self, fmu):
+        super().__init__()
+        self.library = fmu.dll
+        self.component = ctypes.c_void_p(fmu.component)
+
+    def __missing__(self, name):
+        self[name] = function = self.library[name]
+        return function
+
+
+def block_of(fields):
+    """Return the block of several fields (name -> Field)."""
+    references = [reference for field in fields.values() for reference in field.references]
+    ends = np.cumsum([field.size for field in fields.values()])
+    values = np.zeros(int(ends[-1]) if fields else 0)
+    parts = {
+        name: slice(int(end) - field.size, int(end))
+        for (name, field), end in zip(fields.items(), ends)
+    }
+    return TransferBlock(
+        (ctypes.c_uint * len(references))(*references),
+        len(references),
+        values,
+        values.ctypes.data_as(REAL),
+        parts,
+    )
