@@ -5,11 +5,10 @@ from piston_cosim.master.fmi.builder_native import (
     FRONTS,
     ITERATING,
     ITERATION,
-    PLATFORMS,
     libraries,
     library_name,
-    newer_symbols,
 )
+from piston_cosim.master.fmi.compiler import PLATFORMS, newer_symbols
 
 # all packages are compiled side by side for the first entry, and cached for the others
 MODELS = (("master.coupling", ITERATING, "fmu_ehd", "fmu_mfbd"), ("fmu_ehd",), ("fmu_mfbd",))

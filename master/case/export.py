@@ -49,7 +49,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
     version : {"2.0", "3.0"}
         Version of FMI. 3.0 needs a C compiler.
     platforms : sequence of str
-        Platforms of a native FMU that needs no Python, see `builder_native.PLATFORMS`. If empty,
+        Platforms of a native FMU that needs no Python, see `compiler.PLATFORMS`. If empty,
         the FMU runs in Python.
 
     Returns

@@ -48,7 +48,8 @@ def native_choice(
 
 def _uncovered(table, folder, given):
     """Return why a participant cannot be machine code, as ends of "participants.NAME"."""
-    from ..fmi.builder_native import cannot_build, part_of, this_platform
+    from ..fmi.builder_native import cannot_build, part_of
+    from ..fmi.compiler import this_platform
     from ..fmi.native_parts import uncovered_values
 
     platform = this_platform()

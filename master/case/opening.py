@@ -66,7 +66,8 @@ def _path_of_fmu(table, build, folder, progress, native):
 def _built(table, build, folder, progress, native):
     """Build the FMU of a package or of a file."""
     from ..fmi.builder import build_fmu, build_fmu_of_file
-    from ..fmi.builder_native import build_native_fmu, this_platform
+    from ..fmi.builder_native import build_native_fmu
+    from ..fmi.compiler import this_platform
 
     if table.package and native:
         here = [name for name in [this_platform()] if name]

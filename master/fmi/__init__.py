@@ -6,7 +6,8 @@ description     modelDescription.xml of FMI 2.0 (description3: of FMI 3.0)
 documentation   page and licences inside an FMU
 builder         FMUs from parts, cached by content
 builder_native  FMUs that need no Python, from native_code (machine code) of native_parts
-compiler        the C front in front/
+model_file      the file of a native FMU that describes its model
+compiler        C compilers by platform, for the front in front/
 tree            the project, or its copy in an FMU
 requirements    requirements of an FMU on Python
 fields          scalars of an FMU gathered into arrays

@@ -10,11 +10,7 @@ import fcntl
 import json
 import os
 import platform as machine
-import re
 import shutil
-import struct
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -32,99 +28,19 @@ import numpy as np
 from . import native_code
 from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder, write_whole
-from .compiler import HOME
+from .compiler import COMMON, HOME, PLATFORMS, compiler_of, linked, this_platform
 from .errors import BadInput, unknown
 from .jobs import jobs
+from .model_file import slave_file
 from .native_parts import NativePart, symbol
-from .slave import PRODUCT, SEED, FieldSlave, reserved
+from .slave import FieldSlave
 from .tree import ROOT, code_digest, import_part, reached, slave_class
-from .variables import Variable
 
-MARK = b"PCNATIV2"
-"""First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
-
-OWN_NAME = Path(__file__).name
+OWN_FILES = ("builder_native.py", "model_file.py")
+"""Files that determine the content of an FMU, in addition to `PACKING`."""
 
 REPORT = 4.0
 """Time between two messages about another process that compiles [s]."""
-
-WORD = 8  # bytes that are summed at once
-
-CAUSALITIES = ("parameter", "input", "constant", "output")
-TYPES = ("Real", "Integer", "String", "Enumeration")
-
-
-class Platform(NamedTuple):
-    """Platform of a native FMU, and the command that links its library.
-
-    compilers : alternative commands of C compilers, the preferred one first; ending : suffix of the
-    library; folders : folder of the library in an FMU, by version of FMI.
-    """
-
-    compilers: tuple[tuple[str, ...], ...]
-    options: tuple[str, ...]
-    ending: str
-    folders: Mapping[str, str]
-
-
-def _zig(target, *options):
-    """Return the command of zig, which contains the headers and libraries of all platforms.
-
-    It is installed with `pip install ziglang`.
-    """
-    return ("zig", "cc", "-target", target, *options)
-
-
-def _zig_for_linux(processor):
-    """Return the command of zig with the oldest glibc and without its run-time library.
-
-    The sin, cos and memcpy of that library would replace those of the system.
-    """
-    return _zig(f"{processor}-linux-gnu.{'.'.join(map(str, OLDEST_GLIBC))}", "-rtlib=none")
-
-
-OLDEST_GLIBC = (2, 17)
-"""Oldest version of glibc that release libraries support: that of RHEL 7."""
-
-COMMON = ("-std=gnu11", "-O2", "-ffp-contract=off", "-shared")
-ELF = ("-fPIC", "-fvisibility=hidden", "-Wl,-Bsymbolic", "-Wl,-z,noexecstack", "-Wl,-S")
-MACH_O = ("-fPIC", "-fvisibility=hidden")
-PLATFORMS = {
-    "linux64": Platform(
-        (_zig_for_linux("x86_64"), (os.environ.get("CC", "cc"),)),
-        ELF,
-        ".so",
-        {"2.0": "linux64", "3.0": "x86_64-linux"},
-    ),
-    "win64": Platform(
-        (
-            _zig("x86_64-windows-gnu"),
-            ("x86_64-w64-mingw32-gcc", "-static-libgcc", "-static"),
-        ),
-        ("-D__USE_MINGW_ANSI_STDIO=1",),
-        ".dll",
-        {"2.0": "win64", "3.0": "x86_64-windows"},
-    ),
-    "aarch64-linux": Platform(
-        (_zig_for_linux("aarch64"), ("aarch64-linux-gnu-gcc",)),
-        ELF,
-        ".so",
-        {"2.0": "aarch64-linux", "3.0": "aarch64-linux"},
-    ),
-    "darwin64": Platform(
-        (_zig("x86_64-macos.11.0"),),
-        MACH_O,
-        ".dylib",
-        {"2.0": "darwin64", "3.0": "x86_64-darwin"},
-    ),
-    "aarch64-darwin": Platform(
-        (_zig("aarch64-macos.11.0"),),
-        MACH_O,
-        ".dylib",
-        {"2.0": "aarch64-darwin", "3.0": "aarch64-darwin"},
-    ),
-}
-"""Platforms by name, as in `native_code.TARGETS`."""
 
 AHEAD = Path(__file__).parent / "libraries"
 """Folder of prebuilt libraries, named by `library_name`."""
@@ -143,18 +59,6 @@ ITERATING = "master.coupling.methods"
 OF_ITERATION = ("runtime.c", "fmi_parts.c")
 
 
-def this_platform() -> str | None:
-    """Return the name of this machine's platform; None if native FMUs do not support it."""
-    machines = {
-        ("Linux", "x86_64"): "linux64",
-        ("Linux", "aarch64"): "aarch64-linux",
-        ("Windows", "AMD64"): "win64",
-        ("Darwin", "x86_64"): "darwin64",
-        ("Darwin", "arm64"): "aarch64-darwin",
-    }
-    return machines.get((machine.system(), machine.machine()))
-
-
 def is_made_ahead(package: str) -> bool:
     """Return whether there is a prebuilt library of a package for this machine."""
     platform = this_platform()
@@ -165,16 +69,6 @@ def is_made_ahead(package: str) -> bool:
     except BadInput:
         return False
     return (AHEAD / library_name((package,), platform, "2.0")).exists()
-
-
-def compiler_of(platform: str) -> tuple[str, ...] | None:
-    """Return the command of the C compiler for a platform, None if there is none."""
-    for command in PLATFORMS[platform].compilers:
-        if found := shutil.which(command[0]):
-            return (found, *command[1:])
-        if command[0] == "zig" and find_spec("ziglang"):
-            return (sys.executable, "-m", "ziglang", *command[1:])
-    return None
 
 
 def build_native_fmu(
@@ -210,7 +104,7 @@ def build_native_fmu(
     made_of = {
         "build.json": json.dumps(resolved, sort_keys=True).encode(),
         **{file.name: file.read_bytes() for file in files},
-        **{name: (Path(__file__).parent / name).read_bytes() for name in (*PACKING, OWN_NAME)},
+        **{name: (Path(__file__).parent / name).read_bytes() for name in (*PACKING, *OWN_FILES)},
         "code": code_of(package).name.encode(),
         "libraries": repr([library_name((package,), one, version) for one in platforms]).encode(),
         "version": f"{version_of('piston-cosim')} {version} {experiment!r}".encode(),
@@ -564,119 +458,24 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
 
 
 def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
-    """Return the library of a platform, linked from object files by package.
+    """Return the library of a platform, linked from object files by package; see `linked`.
 
     The package of the model's entries is first, then those of the participants inside it.
-
-    Raises
-    ------
-    RuntimeError
-        With the message of the compiler.
     """
     package, *participants = codes
     with tempfile.TemporaryDirectory() as scratch:
         objects = [Path(scratch) / f"{one}.o" for one in codes]
         for path, code in zip(objects, codes.values()):
             path.write_bytes(code)
-        library = Path(scratch) / f"slave{PLATFORMS[platform].ending}"
-        files = [str(HOME / name) for name in _sources_in_c(version, bool(participants))]
-        command = [
-            *(compiler_of(platform) or ()),
-            *COMMON,
-            *PLATFORMS[platform].options,
-            *definitions(package, participants),
-            *files,
-            *map(str, objects),
-            "-lm",
-            "-o",
-            str(library),
-        ]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            raise RuntimeError(f"{command[0]} could not link a native FMU:\n{done.stderr}")
-        return library.read_bytes()
-
-
-def newer_symbols(library: bytes) -> list[str]:
-    """Return the symbol versions of an ELF library that are newer than `OLDEST_GLIBC`."""
-    versions = {
-        tuple(map(int, text.split(b"."))) for text in re.findall(rb"GLIBC_(\d+(?:\.\d+)*)", library)
-    }
-    return [f"GLIBC_{'.'.join(map(str, v))}" for v in sorted(versions) if v > OLDEST_GLIBC]
-
-
-# ---- the file that describes the model
-
-
-def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
-    """Return the content of resources/slave.bin, which front/native.c reads.
-
-    It contains positions, ranges and start values of the variables, the choices that are
-    covered, the first part of the model's memory, and sentences.
-    """
-    given = np.asarray(given, dtype="<f8")
-    blocks = [
-        (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
-        for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
-        for n in names
-    ]
-    table = slave.table
-    texts = [text for v in table for text in (v.name, v.unit, *v.choices)]
-    head = [
-        slave.real_count,
-        len(slave.real),
-        len(slave.integer),
-        len(slave.derivative_inputs),
-        len(slave.derivative_outputs),
-        len(table),
-        len(given),
-        len(part.faults),
-        len(texts),
-    ]
-    rows = [_row(slave, v, part.covered) for v in table]
-    integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
-    numbers = [x for v in table for x in _ranges(v, part.covered)]
-    content = b"".join(
-        [
-            struct.pack(f"<{len(integers)}q", *map(int, integers)),
-            np.array(numbers, dtype="<f8").tobytes(),
-            slave.real.astype("<f8").tobytes(),
-            slave.integer.astype("<i8").tobytes(),
-            given.tobytes(),
-            *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
-        ]
-    )
-    content += bytes(-len(content) % WORD)
-    return MARK + _sums(content) + content
-
-
-def _sums(content):
-    """Return the sum of all words and of their running sums, as `sums_of` in front/native.c."""
-    words = np.frombuffer(content, dtype="<u8")
-    weights = np.arange(len(words), 0, -1, dtype=np.uint64)
-    sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
-    return np.array(sums, dtype="<u8").tobytes()
-
-
-def _row(slave, v: Variable, covered):
-    """Return type, position, size, causality, extents, number of choices, covered choices."""
-    extents = (*v.shape, 0, 0, 0)[:3]
-    known = covered.get(v.name, v.choices)
-    mask = sum(1 << k for k, name in enumerate(v.choices) if name in known)
-    return (
-        TYPES.index(v.type),
-        slave.references[v.name],
-        v.size,
-        CAUSALITIES.index(v.causality),
-        *extents,
-        len(v.choices),
-        mask,
-    )
-
-
-def _ranges(v: Variable, covered):
-    """Return the allowed range and the covered range."""
-    low = -np.inf if v.minimum is None else v.minimum
-    high = np.inf if v.maximum is None else v.maximum
-    only = None if v.choices else covered.get(v.name)
-    return (low, high, -np.inf, np.inf) if only is None else (low, high, only, only)
+        return linked(
+            [
+                *(compiler_of(platform) or ()),
+                *COMMON,
+                *PLATFORMS[platform].options,
+                *definitions(package, participants),
+                *(str(HOME / name) for name in _sources_in_c(version, bool(participants))),
+                *map(str, objects),
+                "-lm",
+            ],
+            PLATFORMS[platform].ending,
+        )

@@ -105,7 +105,8 @@ import json, sys
 import numpy as np
 from pathlib import Path
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu, this_platform
+from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.compiler import this_platform
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 folder = Path(sys.argv[1])

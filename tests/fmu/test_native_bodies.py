@@ -20,7 +20,8 @@ from piston_cosim.master.case.contract import swap
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of
+from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.compiler import compiler_of
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.fmi3 import Fmu3Participant

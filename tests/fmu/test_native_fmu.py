@@ -29,7 +29,8 @@ from piston_cosim.fmu_ehd.variables import (
     variables,
 )
 from piston_cosim.master.api.fmus import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu, compiler_of
+from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.compiler import compiler_of
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
 from piston_cosim.master.participants.fmi2 import FmuParticipant

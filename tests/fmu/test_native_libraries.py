@@ -8,14 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from piston_cosim.master.fmi import builder_native
-from piston_cosim.master.fmi.builder_native import (
-    PLATFORMS,
-    build_native_fmu,
-    compiler_of,
-    library_name,
-    newer_symbols,
-)
+from piston_cosim.master.fmi import builder_native, compiler
+from piston_cosim.master.fmi.builder_native import build_native_fmu, library_name
+from piston_cosim.master.fmi.compiler import PLATFORMS, compiler_of, newer_symbols
 from piston_cosim.master.fmi.errors import BadInput
 
 GRID = {"grid": [8, 6]}
@@ -77,10 +72,8 @@ def test_newer_symbols_are_named(versions, newer):
 
 @pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
 def test_zig_links_where_it_is_installed(monkeypatch, platform):
-    monkeypatch.setattr(builder_native, "find_spec", lambda name: name)
-    monkeypatch.setattr(
-        builder_native.shutil, "which", lambda name: None if name == "zig" else name
-    )
+    monkeypatch.setattr(compiler, "find_spec", lambda name: name)
+    monkeypatch.setattr(compiler.shutil, "which", lambda name: None if name == "zig" else name)
     command = compiler_of(platform)
     assert command is not None and "ziglang" in command and command[-2].endswith("gnu.2.17")
 

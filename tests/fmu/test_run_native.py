@@ -12,8 +12,8 @@ from piston_cosim.master.case.machine_code import native_choice
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi import builder_native
-from piston_cosim.master.fmi.builder_native import library_name, this_platform
-from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.fmi.builder_native import library_name
+from piston_cosim.master.fmi.compiler import compiler, this_platform
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.run import run
 

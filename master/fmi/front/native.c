@@ -1,5 +1,5 @@
 /* A slave of machine code for front.h: its variables, its memory, its states. One file of the FMU describes it,
-   resources/slave.bin, which builder_native.py writes. */
+   resources/slave.bin, which model_file.py writes. */
 
 #include "front.h"
 #include "native.h"

@@ -1,0 +1,90 @@
+"""The file of a native FMU that describes its model, which front/native.c reads."""
+
+import struct
+
+import numpy as np
+
+from .native_parts import NativePart
+from .slave import PRODUCT, SEED, FieldSlave, reserved
+from .variables import Variable
+
+MARK = b"PCNATIV2"
+"""First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
+
+WORD = 8  # bytes that are summed at once
+CAUSALITIES = ("parameter", "input", "constant", "output")
+TYPES = ("Real", "Integer", "String", "Enumeration")
+
+
+def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
+    """Return the content of resources/slave.bin, which front/native.c reads.
+
+    It contains positions, ranges and start values of the variables, the choices that are
+    covered, the first part of the model's memory, and sentences.
+    """
+    given = np.asarray(given, dtype="<f8")
+    blocks = [
+        (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
+        for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
+        for n in names
+    ]
+    table = slave.table
+    texts = [text for v in table for text in (v.name, v.unit, *v.choices)]
+    head = [
+        slave.real_count,
+        len(slave.real),
+        len(slave.integer),
+        len(slave.derivative_inputs),
+        len(slave.derivative_outputs),
+        len(table),
+        len(given),
+        len(part.faults),
+        len(texts),
+    ]
+    rows = [_row(slave, v, part.covered) for v in table]
+    integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
+    numbers = [x for v in table for x in _ranges(v, part.covered)]
+    content = b"".join(
+        [
+            struct.pack(f"<{len(integers)}q", *map(int, integers)),
+            np.array(numbers, dtype="<f8").tobytes(),
+            slave.real.astype("<f8").tobytes(),
+            slave.integer.astype("<i8").tobytes(),
+            given.tobytes(),
+            *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
+        ]
+    )
+    content += bytes(-len(content) % WORD)
+    return MARK + _sums(content) + content
+
+
+def _sums(content):
+    """Return the sum of all words and of their running sums, as `sums_of` in front/native.c."""
+    words = np.frombuffer(content, dtype="<u8")
+    weights = np.arange(len(words), 0, -1, dtype=np.uint64)
+    sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
+    return np.array(sums, dtype="<u8").tobytes()
+
+
+def _row(slave, v: Variable, covered):
+    """Return type, position, size, causality, extents, number of choices, covered choices."""
+    extents = (*v.shape, 0, 0, 0)[:3]
+    known = covered.get(v.name, v.choices)
+    mask = sum(1 << k for k, name in enumerate(v.choices) if name in known)
+    return (
+        TYPES.index(v.type),
+        slave.references[v.name],
+        v.size,
+        CAUSALITIES.index(v.causality),
+        *extents,
+        len(v.choices),
+        mask,
+    )
+
+
+def _ranges(v: Variable, covered):
+    """Return the allowed range and the covered range."""
+    low = -np.inf if v.minimum is None else v.minimum
+    high = np.inf if v.maximum is None else v.maximum
+    only = None if v.choices else covered.get(v.name)
+    return (low, high, -np.inf, np.inf) if only is None else (low, high, only, only)
