@@ -10,8 +10,9 @@ solvers     direct solvers of its linear systems
 
 A step of a whole film:
 
+constants   constants during a run
 step        the order of a step, for skirts and bearings
-step_parts  begin, forces, sums and derivatives of a step
+step_parts  begin, forces and sums of a step; step_tangent: its derivatives
 summary     scalars of a film in one pass over its cells
 faults      why a step is rejected; contradictions: between parameters
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
-from . import step
+from . import constants, step, step_tangent
 from .balance import oil_layer, openings
 from .balance.film_step import FilmStep
 from .balance.grid import Array, Grid
@@ -15,7 +15,8 @@ from .faults import FAULTS, raise_noted
 from .laws.asperity import contact_table
 from .laws.roughness import factor_table
 from .parameters import Parameters, chosen_of, numbers_of
-from .step import Directions, Fields, Inputs, LastStep, Linearisation, Memory, Scalars
+from .step import Fields, Inputs, LastStep, Memory, Scalars
+from .step_tangent import Directions, Linearisation
 from .summary import halves
 from .surroundings import Surroundings, surroundings
 
@@ -48,13 +49,15 @@ class LubricationModel:
             factors = factor_table(
                 p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
             )
-        tables = step.Tables(
+        tables = constants.Tables(
             contact_table(p.contact_law),
             halves(n_circumferential),
             factors,
             oil_layer.skirt_edges(domain.open_cells),
         )
-        self.fixed = step.fixed_of(numbers_of(p), chosen_of(p), self._bearing, True, domain, tables)
+        self.fixed = constants.fixed_of(
+            numbers_of(p), chosen_of(p), self._bearing, True, domain, tables
+        )
         self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})
@@ -188,7 +191,7 @@ class LubricationModel:
                 "the last step was refused, or there was none: it has no directional derivative"
             )
         if self._linear is None:
-            self._linear = step.linearise(self.fixed, last)
+            self._linear = step_tangent.linearise(self.fixed, last)
         shape = (-1, *self.grid.shape)
         motions = (dfilm_thickness, dsliding_velocity, dcircumferential_velocity)
         stacked = [
@@ -203,7 +206,7 @@ class LubricationModel:
         for k in range(0, len(stacked[0]), BATCH):
             some = slice(k, k + BATCH)
             directions = Directions(*(one[some] for one in stacked))
-            step.changes(
+            step_tangent.changes(
                 self.fixed,
                 last,
                 self._linear,

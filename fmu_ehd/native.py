@@ -14,7 +14,7 @@ from ..master.fmi.compiled import compiled
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED, reserved
-from . import step
+from . import step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import skirt_edges
 from .contradictions import FROM_EDGES, FULL_TURN
@@ -57,7 +57,8 @@ from .native_step import (
 )
 from .options import BuildOptions
 from .parameters import CHOSEN, NUMBERS
-from .step import ALONG, AROUND, NORMAL, Directions, Fields, Inputs, Scalars
+from .step import Fields, Inputs, Scalars
+from .step_tangent import ALONG, AROUND, NORMAL, Directions
 from .summary import halves
 
 NOWHERE = -1
@@ -103,7 +104,7 @@ def given(slave: Any) -> Array:
         {
             "state": room(step.Memory, **lengths),
             "last": room(step.LastStep, **lengths),
-            "linear": room(step.Linearisation, **lengths),
+            "linear": room(step_tangent.Linearisation, **lengths),
             "solver": room(Solver, **lengths),
             "faults": ROOM,
         },
@@ -296,7 +297,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     fixed = fixed_of(block, False)
     last = last_of(part(memory, LAST))
     if block.has_linear[0] == 0.0:
-        put_linear(part(memory, LINEAR), step.linearise(fixed, last))
+        put_linear(part(memory, LINEAR), step_tangent.linearise(fixed, last))
         block.has_linear[0] = 1.0
     linear = linear_of(part(memory, LINEAR))
     n_c, n_a = block.mask.shape
@@ -314,7 +315,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
         filled(block, seeds[NORMAL], domain), filled(block, seeds[ALONG], domain), turning
     )
     right = np.empty((1, n_c, n_a))
-    step.changes(fixed, last, linear, seeded, factors_of(memory), right, products)
+    step_tangent.changes(fixed, last, linear, seeded, factors_of(memory), right, products)
 
 
 PART = NativePart(

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..master.fmi.block import flatten, part
 from ..master.fmi.compiled import compiled, packed
-from . import contradictions, step, surroundings
+from . import constants, contradictions, surroundings
 from .balance import openings
 from .balance.film_step import Domain
 from .balance.grid import Array, Cells, Field, keep
@@ -21,7 +21,8 @@ from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import fill_factor_table
 from .parameters import NUMBERS, Chosen, Numbers
 from .solvers.blocks import Factors
-from .step import LastStep, Linearisation, Memory
+from .step import LastStep, Memory
+from .step_tangent import Linearisation
 from .summary import Halves
 
 SECTOR_ANGLE = NUMBERS.index("sector_angle")
@@ -38,7 +39,8 @@ PARTS = ("given", "state", "last", "linear", "solver", "faults")
 GIVEN, STATE, LAST, LINEAR, SOLVER, FAULTS_AT = range(len(PARTS))
 """Parts of the memory.
 
-They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step.Linearisation` and `Solver`.
+They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step_tangent.Linearisation` and
+`Solver`.
 """
 
 Vector = Annotated[Array, "n"]
@@ -170,19 +172,19 @@ def domain_of(block: FilmSetup):
 
 @compiled
 def fixed_of(block: FilmSetup, on_bore: bool):
-    """Return `step.FilmConstants`; a tangent needs no bore."""
+    """Return `constants.FilmConstants`; a tangent needs no bore."""
     chosen = chosen_from(block.chosen)
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
         factors = block.factors
-    tables = step.Tables(
+    tables = constants.Tables(
         block.tables[int(chosen.contact_law) - 1],
         Halves(block.share, block.sine),
         factors,
         block.faces,
     )
     x = numbers_from(block.numbers)
-    return step.fixed_of(x, chosen, block.bearing, on_bore, domain_of(block), tables)
+    return constants.fixed_of(x, chosen, block.bearing, on_bore, domain_of(block), tables)
 
 
 @compiled

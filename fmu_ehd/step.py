@@ -2,30 +2,28 @@
 
 Python runs it as written (`model`), and a native FMU compiles it (`native_step`).
 
-A step is `begin`, `solve` and `end`, with what faults each has noted looked at in between; its
-derivatives are `linearise`, once, and `changes`, for any directions. What differs between a skirt
-and a bearing, and with oil on the bore, is said here.
+A step is `begin`, `solve` and `end`; the caller checks the faults that each has noted. Its
+derivatives are in `step_tangent`. Only this file and `constants` know whether the film is that of a
+skirt or of a bearing, and whether there is oil on the bore.
 """
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
 from . import step_parts as parts
-from .balance import coated_film, film_step, oil_layer, reynolds
+from .balance import coated_film, film_step, oil_layer
 from .balance.coated_film import CoatedFilm, CoatedInputs, Layer
 from .balance.film_step import (
     BalanceInputs,
     Domain,
     FilmSolution,
-    film_slopes,
-    solutions,
     solved_filling,
 )
-from .balance.films import COUETTE, STORED, FilmSlopes, Quantities
-from .balance.flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
+from .balance.films import STORED, FilmSlopes, Quantities
+from .balance.flow_film import FlowFilm, ShearedOil, flow_film
 from .balance.grid import (
     LOWER,
     UPPER,
@@ -37,114 +35,19 @@ from .balance.grid import (
     Stencil,
     sum_of_products,
 )
-from .balance.oil_layer import Bore, LayerVolumes, OilLayer
+from .balance.oil_layer import LayerVolumes, OilLayer
 from .balance.reynolds import Filling
 from .balance.transport import Lift
-from .contradictions import FROM_BORE_AND_RING, FROM_EDGES
+from .constants import FilmConstants
 from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
-from .laws import cavitation, circumferential, coating, friction
-from .laws.asperity import contact_constants
-from .laws.circumferential import Changes, CircumferentialInputs, CircumferentialSlopes
+from .laws import circumferential
+from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
-from .laws.contact import contact_changes, has_narrow_steps
-from .laws.friction import ForceSlopes, ShearInputs
+from .laws.contact import has_narrow_steps
+from .laws.friction import ShearInputs
 from .laws.piezoviscosity import NONE, TruePressure, raised, true_pressure
-from .oil import thinning_law
 from .solvers.sparse import LinearSolver
-from .summary import Halves
 from .surroundings import Surroundings
-
-# entrainment velocity in the frame of the grid, which rides on the skirt or rests on the shell of a
-# bearing, to the sliding velocity
-SHARE_OF_A_SKIRT = -0.5
-SHARE_OF_A_BEARING = 0.5
-
-BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `parameters.Chosen`
-
-NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
-
-
-class FilmConstants(NamedTuple):
-    """Constants of a film during a run.
-
-    domain : film_step.Domain; surfaces : step_parts.Surfaces; laws : flow_film.FilmLaws;
-    bearing : whether it is a bearing's; share : of the sliding velocity that is entrainment [-];
-    radius : of the bore [m]; bore : oil_layer.Bore.
-    """
-
-    domain: Domain
-    surfaces: parts.Surfaces
-    laws: FilmLaws
-    bearing: bool
-    share: float
-    radius: float
-    bore: Bore
-
-
-class Tables(NamedTuple):
-    """Arrays of a film.
-
-    contact : of `asperity.contact_table`; halves : summary.Halves; factors : of
-    `roughness.fill_factor_table`, of shape (0, 0) without flow factors; faces : of
-    `oil_layer.Bore`.
-    """
-
-    contact: Array
-    halves: Halves
-    factors: Array
-    faces: Array
-
-
-@compilable
-def fixed_of(
-    x: Any, chosen: Any, bearing: bool, on_bore: bool, domain: Domain, tables: Tables
-) -> FilmConstants:
-    """Return the constants of a film.
-
-    Parameters
-    ----------
-    x, chosen : parameters.Numbers, parameters.Chosen
-    bearing : bool
-        Whether the film is that of a bearing.
-    on_bore : bool
-        False omits the oil on the bore, which a tangent does not need.
-    domain : film_step.Domain
-    tables : Tables
-    """
-    cells = domain.cells
-    n_c, n_a = domain.open_cells.shape
-    area = np.zeros((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            if not domain.open_cells[i, j]:
-                area[i, j] = cells.dx * cells.dy
-    surfaces = parts.Surfaces(
-        area,
-        contact_constants(x, tables.contact),
-        tables.halves,
-        coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
-        x.cavitation_pressure,
-        x.friction_rounding_velocity,
-        chosen.cavity_shear == BY_FILM_FRACTION,
-    )
-    thinning = thinning_law(int(chosen.shear_thinning_law) - 1, x)
-    supply = oil_layer.Supply(
-        on_bore and chosen.oil_supply != FROM_EDGES,
-        chosen.oil_supply == FROM_BORE_AND_RING,
-        x.initial_oil_layer,
-        x.stroke,
-        x.chamfer_capacity,
-        x.largest_oil_layer,
-    )
-    return FilmConstants(
-        domain,
-        surfaces,
-        FilmLaws(x.minimum_flow_film, x.roughness_rms, tables.factors, thinning),
-        bearing,
-        SHARE_OF_A_BEARING if bearing else SHARE_OF_A_SKIRT,
-        x.bore_radius,
-        oil_layer.bore_of(supply, tables.faces, cells, n_a),
-    )
 
 
 class Memory(NamedTuple):
@@ -309,40 +212,6 @@ class StepResult(NamedTuple):
     scalars: Scalars
     last: LastStep
     iterations: int
-
-
-StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
-
-
-class Linearisation(NamedTuple):
-    """Derivatives that all directions of a tangent share.
-
-    stencil, stencil_around : ndarray, shape (2, 5, n_c, n_a), of the balance, `film_slopes`, the
-    velocity the axial and the circumferential one; that of a skirt of shape (0, 0, 0, 0);
-    film : friction.ForceSlopes; around : circumferential.CircumferentialSlopes;
-    weight : ndarray, shape (n_c, n_a), c k of Eq. (L3) [m/Pa];
-    contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
-    the contact's forces to the film thickness of a cell and its neighbours, as of
-    `contact.Contact` [N/m].
-    What there is not is of shape (0, ..).
-    """
-
-    stencil: StencilPair
-    stencil_around: StencilPair
-    film: ForceSlopes
-    around: CircumferentialSlopes
-    weight: Field
-    contact_pressure: Stencil
-    contact_shear: Stencil
-    contact_around: Stencil
-
-
-class Directions(NamedTuple):
-    """Changes of hard film [m], V and W [m/s], each ndarray of shape (m, n_c, n_a)."""
-
-    film: Array
-    velocity: Array
-    turning: Array
 
 
 # ---- solvers: dense blocks in kernels, any solver in Python
@@ -706,154 +575,3 @@ def end(
         last,
         found.iterations,
     )
-
-
-# ---- derivatives
-
-
-@compilable
-def balance_slopes(
-    fixed: FilmConstants, last: LastStep, slopes: FilmSlopes, around: float, along: float
-) -> Array:
-    """Return `film_step.film_slopes` of a step.
-
-    around, along : derivatives of the entrainment velocities to the velocity of `slopes`.
-    """
-    velocity = last.shear.velocity
-    axial = fixed.share * velocity
-    entrainment = Entrainment(last.turning.velocity, axial)
-    if fixed.bearing:
-        entrainment = Entrainment(fixed.share * last.turning.velocity, axial)
-    return film_slopes(
-        last.film,
-        slopes,
-        entrainment,
-        Entrainment(np.full(velocity.shape, around), np.full(velocity.shape, along)),
-        last.filling,
-        last.edges,
-        last.length,
-        fixed.domain,
-    )
-
-
-@compilable
-def _raised_slopes(slopes: FilmSlopes, ratio: Array) -> FilmSlopes:
-    """Return the derivatives of `raised` quantities."""
-    return FilmSlopes(raised(slopes.by_film, ratio), raised(slopes.by_velocity, ratio))
-
-
-@compilable
-def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
-    """Return the derivatives of the last step that all directions share."""
-    shear = last.shear
-    under = last.under
-    by_oil = fixed.surfaces.by_oil
-    shares = cavitation.shares(fixed.domain.model, last.unknown, last.full)
-    stencil = balance_slopes(fixed, last, last.slopes, 0.0, fixed.share)
-    none = np.zeros((0, 0))
-    no_stencil = np.zeros((0, 0, 0))
-    weight = none
-    if fixed.surfaces.compliance > 0.0:
-        compliance = fixed.surfaces.compliance
-        weight = compliance * coating.yielding(compliance, last.pressure_slope)
-    normal = no_stencil
-    along = no_stencil
-    across = no_stencil
-    if last.touching:
-        normal, along = parts.contact_slopes(shear, last.pressure_slope, last.stress_slope)
-    if not fixed.bearing:
-        film = parts.force_slopes(shear, last.film, last.slopes, shares, under, by_oil)
-        around = CircumferentialSlopes(none, none, none, none, none, none, none, none)
-        return Linearisation(
-            stencil, np.zeros((0, 0, 0, 0)), film, around, weight, normal, along, across
-        )
-    turning = last.turning
-    by_pressure = np.zeros(last.unknown.shape)
-    if under.ratio.size > 0:
-        sheared = -shear.area * shear.shearing * turning.velocity * last.film[COUETTE]
-        by_pressure = sheared * under.slope
-    around = circumferential.force_slopes(
-        shear,
-        turning,
-        _raised_slopes(last.slopes, under.ratio),
-        _raised_slopes(last.slopes_around, under.ratio),
-        by_pressure,
-    )
-    if last.touching:
-        axial, tangential = circumferential.boundary_shares(shear, turning)
-        along = axial * last.stress_slope
-        across = tangential * last.stress_slope
-    viscous = ShearInputs(
-        shear.pressure,
-        shear.shearing,
-        shear.velocity,
-        shear.film,
-        np.zeros(last.unknown.shape),  # stands in `around`
-        shear.area,
-        shear.constants,
-    )
-    film = parts.force_slopes(viscous, last.film, last.slopes, shares, under, by_oil)
-    to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
-    return Linearisation(stencil, to_turning, film, around, weight, normal, along, across)
-
-
-@compilable
-def changes(
-    fixed: FilmConstants,
-    last: LastStep,
-    linear: Linearisation,
-    directions: Directions,
-    solver: LinearSolver,
-    right: Array,
-    forces: Array,
-) -> None:
-    """Compute the changes of the forces at the end of the last step.
-
-    The state at its beginning is held.
-
-    Parameters
-    ----------
-    fixed : FilmConstants
-    last : LastStep
-    linear : Linearisation
-    directions : Directions
-    solver : sparse.LinearSolver or blocks.Factors
-        With the factorisation of the step.
-    right : ndarray, shape (m, n_c, n_a)
-        Room for the changes of the signed unknown.
-    forces : ndarray, shape (2, m, n_c, n_a), of a bearing (3, m, n_c, n_a)
-        Overwritten: changes of pressure, friction and circumferential force [N].
-    """
-    hard, velocity, turning = directions
-    still = np.zeros(hard.shape)
-    deflection = still
-    by_contact = still
-    moved = hard
-    coated = linear.weight.size > 0
-    if coated:
-        by_contact = contact_changes(last.pressure_slope, hard, still)
-        moved = coating.pushed(linear.weight, by_contact, hard)
-    reynolds.apply_stencils(linear.stencil, moved, velocity, right)
-    if fixed.bearing:
-        added = np.empty(hard.shape)
-        reynolds.apply_stencils(linear.stencil_around, still, turning, added)
-        right += added
-    unknown = solutions(solver, last.stencil, right)  # Eq. (E6)
-    film = hard
-    if coated:
-        share = linear.film.pressure_share
-        deflection = coating.deflection_changes(linear.weight, by_contact, share, unknown)
-        film = hard + deflection
-    friction.force_changes(linear.film, film, velocity, unknown, forces[NORMAL], forces[ALONG])
-    add = parts.add_contact_changes
-    if last.touching:
-        add(linear.contact_pressure, hard, deflection, forces[NORMAL])
-        add(linear.contact_shear, hard, deflection, forces[ALONG])
-    if not fixed.bearing:
-        return
-    of_all = Changes(film, velocity, turning, unknown)
-    circumferential.force_changes(
-        linear.around, linear.film, last.turning, of_all, forces[ALONG], forces[AROUND]
-    )
-    if last.touching:
-        add(linear.contact_around, hard, deflection, forces[AROUND])

@@ -10,16 +10,15 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
-from .balance.films import COUETTE, FilmSlopes, Quantities
+from .balance.films import Quantities
 from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import StepRatios, TransportHistory
 from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
 from .laws import friction
 from .laws.asperity import ContactConstants
-from .laws.contact import Contact, contact, contact_changes
-from .laws.friction import ForceSlopes, ShearConstants, ShearForces, ShearInputs
-from .laws.piezoviscosity import TruePressure, raised
+from .laws.contact import Contact, contact
+from .laws.friction import ShearConstants, ShearForces, ShearInputs
 from .summary import Halves, Summary, summarise
 
 # ---- what a step starts from
@@ -439,106 +438,3 @@ def account(
     gain -= cavitation_pressure * (acted.volume - totals.volume)
     after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
     return Account(after, share, sum_of_products(found.content, area), gain)
-
-
-# ---- derivatives of the forces
-
-
-@compiled
-def force_slopes(
-    shear: ShearInputs,
-    film: Array,
-    slopes: FilmSlopes,
-    shares: tuple[Array, Array],
-    under: TruePressure,
-    by_oil: bool,
-):
-    """Return the derivatives of the forces that all directions share, but for contact.
-
-    Parameters
-    ----------
-    shear : friction.ShearInputs
-    film : ndarray, shape (6, n_c, n_a)
-        Quantities of `films`, without the viscosity under pressure.
-    slopes : films.FilmSlopes
-        Of `film`.
-    shares : tuple of ndarray, shape (n_c, n_a)
-        Derivatives of reduced pressure and film fraction to the signed unknown.
-    under : piezoviscosity.TruePressure
-    by_oil : bool
-        Whether the oil alone shears in cavities.
-
-    Returns
-    -------
-    friction.ForceSlopes
-    """
-    of_pressure, of_fraction = shares
-    n_c, n_a = of_pressure.shape
-    by_pressure = np.zeros((n_c, n_a))
-    if under.ratio.size > 0:
-        of_pressure = of_pressure.copy()
-        for i in range(n_c):
-            for j in range(n_a):
-                sheared = -shear.area[i, j] * shear.shearing[i, j] * shear.velocity[i, j]
-                by_pressure[i, j] = sheared * film[COUETTE, i, j] * under.slope[i, j]
-                of_pressure[i, j] *= under.ratio[i, j]  # dp/dq, Eq. (O6)
-    by_film = raised(slopes.by_film, under.ratio)
-    by_velocity = raised(slopes.by_velocity, under.ratio)
-    if not by_oil:
-        of_fraction = np.zeros((n_c, n_a))
-    return ForceSlopes(
-        friction.shear_slopes(shear, FilmSlopes(by_film, by_velocity), by_pressure),
-        shear.area,
-        of_pressure,
-        of_fraction,
-        shear.constants.dy,
-    )
-
-
-# ---- where surfaces touch
-
-
-@compiled
-def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Array):
-    """Return the derivatives of the contact forces to the film thickness.
-
-    They are those to the film thickness of a cell and of its neighbours.
-
-    Parameters
-    ----------
-    shear : friction.ShearInputs
-    pressure_slope, stress_slope : ndarray, shape (5, n_c, n_a)
-        Of `contact.Contact` [Pa/m].
-
-    Returns
-    -------
-    normal, along : ndarray, shape (5, n_c, n_a)
-        [N/m].
-    """
-    _, n_c, n_a = pressure_slope.shape
-    rounding = shear.constants.rounding_velocity
-    normal = np.empty((5, n_c, n_a))
-    along = np.empty((5, n_c, n_a))
-    for k in range(5):
-        for i in range(n_c):
-            for j in range(n_a):
-                area = shear.area[i, j]
-                v = shear.velocity[i, j]
-                speed = np.sqrt(v * v + rounding * rounding)
-                normal[k, i, j] = area * pressure_slope[k, i, j]
-                # Eq. (F2)
-                along[k, i, j] = -area * stress_slope[k, i, j] * v / speed
-    return normal, along
-
-
-@compiled
-def add_contact_changes(slope: Array, film_thickness: Array, deflection: Array, force: Array):
-    """Add the changes of a contact force, as by `contact.contact_changes`, in place.
-
-    The shape is (m, n_c, n_a).
-    """
-    changes = contact_changes(slope, film_thickness, deflection)
-    for q in range(force.shape[0]):
-        for i in range(force.shape[1]):
-            for j in range(force.shape[2]):
-                force[q, i, j] += changes[q, i, j]

@@ -21,7 +21,8 @@ from . import film_step
 from .film_step import BalanceInputs, Domain, FilmSolution, film_slopes, lift_along
 from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
 from .grid import Array, Entrainment
-from .reynolds import BY_FILM, Filling
+from .reynolds import Filling
+from .tangent import BY_FILM
 
 
 class Layer(NamedTuple):

@@ -22,7 +22,7 @@ from ..solvers.blocks import (
     substitute_one,
 )
 from ..solvers.sparse import LinearSolver, linear_solver
-from . import openings, reynolds, transport
+from . import openings, reynolds, tangent, transport
 from .films import STORED, FilmSlopes
 from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags, Grid
 from .reynolds import Faces, Filling, Storage
@@ -409,7 +409,7 @@ def film_slopes(
 ):
     """Return the derivative of the film balance to film thickness and sliding velocity.
 
-    It is that of `reynolds.linearise`.
+    It is that of `tangent.linearise`.
 
     Parameters
     ----------
@@ -439,7 +439,7 @@ def film_slopes(
             for j in range(lift.shape[1]):
                 if bounded[i, j]:
                     lift[i, j] = -1.0  # a given inflow follows neither film nor velocity
-    stencil = reynolds.linearise(
+    stencil = tangent.linearise(
         film,
         slopes,
         entrainment,
@@ -560,6 +560,6 @@ class FilmStep:
         ndarray, shape (m, n_c, n_a)
         """
         right = np.empty(dfilm.shape)
-        reynolds.apply_stencils(self._slopes, dfilm, dvelocity, right)
+        tangent.apply_stencils(self._slopes, dfilm, dvelocity, right)
         assert self._solution is not None, "tangent before solve"
         return solutions(self.solver, self._solution.stencil, right)  # Eq. (E6)

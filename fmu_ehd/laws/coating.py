@@ -37,7 +37,7 @@ class Softness(NamedTuple):
     """A deflection that follows the pressure, w - w_0 = weight q + offset.
 
     stencil : ndarray, shape (5, n_c, n_a), derivative of the film balance to the film, from
-    `reynolds.linearise`;
+    `tangent.linearise`;
     weight, offset : ndarray, shape (n_c, n_a) [m/Pa], [m].
     """
 

@@ -9,7 +9,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance import reynolds
+from piston_cosim.fmu_ehd.balance import reynolds, tangent
 from piston_cosim.fmu_ehd.balance.films import (
     CONDUCTIVITY_A,
     CONDUCTIVITY_C,
@@ -29,7 +29,8 @@ from piston_cosim.fmu_ehd.balance.grid import (
     Entrainment,
     in_plenty,
 )
-from piston_cosim.fmu_ehd.balance.reynolds import BY_FILM, BY_VELOCITY, Filling, Storage
+from piston_cosim.fmu_ehd.balance.reynolds import Filling, Storage
+from piston_cosim.fmu_ehd.balance.tangent import BY_FILM, BY_VELOCITY
 from piston_cosim.fmu_ehd.laws import coating
 from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table, point_contact
 from piston_cosim.fmu_ehd.laws.contact import Contact
@@ -118,7 +119,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     follow = Entrainment(np.zeros(shape), np.ones(shape))
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
     edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
-    stencil = reynolds.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
+    stencil = tangent.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
     assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)
 

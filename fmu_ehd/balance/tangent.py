@@ -1,0 +1,334 @@
+"""Tangent of the mass balance of `reynolds`, exact.
+
+Derivatives of the residual R of Eq. (E1), with the matrix M of the step and the names of
+`reynolds`:
+
+Eq. (E6):  M du = -(dR/ds ds + dR/dt dt + dR/dg dg + dR/dU dU)
+
+They are two five-point stencils, which all directions share: one to the film thickness and one to
+the sliding velocity.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compiled
+from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, STORED, TRANSPORT, FilmSlopes
+from .grid import (
+    CENTRE,
+    EAST,
+    FIRST,
+    LAST,
+    LOWER,
+    NORTH,
+    SOUTH,
+    UPPER,
+    WEST,
+    Array,
+    Cells,
+    Edges,
+    Entrainment,
+)
+from .reynolds import Filling
+
+# first axis of the tangent of the film balance: derivative to film thickness and to sliding
+# velocity
+BY_FILM, BY_VELOCITY = range(2)
+
+
+class Side(NamedTuple):
+    """Quantities of the cell on one side of a face.
+
+    conductivity g [m3/(Pa s)], transport t [m], velocity U [m/s], pressure p [Pa], film_fraction f
+    [-].
+    """
+
+    conductivity: float
+    transport: float
+    velocity: float
+    pressure: float
+    film_fraction: float
+
+
+class FlowSlopes(NamedTuple):
+    """Derivatives of the face flow from cell a to cell b.
+
+    g_a, g_b : to the conductivities [Pa]; t_a, t_b : to the transported films [m2/s];
+    velocity : to the entrainment velocity of either cell [m2].
+    """
+
+    g_a: float
+    g_b: float
+    t_a: float
+    t_b: float
+    velocity: float
+
+
+@compiled(inline="always")
+def _side(conductivity, transport, velocity, pressure, fraction, i, j):
+    """Return the quantities of cell (i, j) that a face needs."""
+    return Side(conductivity[i, j], transport[i, j], velocity[i, j], pressure[i, j], fraction[i, j])
+
+
+@compiled(inline="always")
+def _flow_slopes(a, b, aspect, width, lift=0.0):
+    """Return the derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
+    velocity = 0.5 * (a.velocity + b.velocity)
+    upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
+    inverse = 1.0 / (a.conductivity + b.conductivity)
+    share_a = a.conductivity * inverse
+    share_b = b.conductivity * inverse
+    moved = width * velocity * upstream
+    bend = moved * (b.transport - a.transport) * inverse
+    driven = 2.0 * aspect * (a.pressure - b.pressure)
+    return FlowSlopes(
+        share_b * (share_b * driven + bend),
+        share_a * (share_a * driven - bend),
+        moved * share_b,
+        moved * share_a,
+        0.5 * width * upstream * (a.transport * share_b + b.transport * share_a),
+    )
+
+
+@compiled(inline="always")
+def _add_edge(q, sign, conductivity, slopes, dvelocity, centre, i, j):
+    """Add the derivatives of the flow over an edge, `FlowSlopes` q, to the centre of both stencils.
+
+    The cell's film stands on both sides of the face. `sign`: 1 for outward flow; `conductivity`:
+    its row among the quantities of the film.
+    """
+    by_film, by_velocity = slopes
+    both_g = q.g_a + q.g_b
+    both_t = q.t_a + q.t_b
+    film = both_g * by_film[conductivity, i, j] + both_t * by_film[TRANSPORT, i, j]
+    velocity = 2.0 * q.velocity * dvelocity[i, j]
+    if by_velocity.shape[0] > 0:
+        velocity += both_g * by_velocity[conductivity, i, j] + both_t * by_velocity[TRANSPORT, i, j]
+    centre[BY_FILM, i, j] += sign * film
+    centre[BY_VELOCITY, i, j] += sign * velocity
+
+
+@compiled
+def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
+    """Add the derivatives of the flows over lower and upper edge to both centres.
+
+    `centre` has the shape (2, n_c, n_a).
+    """
+    g = film[CONDUCTIVITY_A]
+    t = film[TRANSPORT]
+    u = entrainment.axial
+    pressure, fraction, lift = filling
+    n_c, n_a = pressure.shape
+    aspect = 2.0 * cells.dx / cells.dy
+    for i in range(n_c):
+        cell = _side(g, t, u, pressure, fraction, i, 0)
+        entering = edges.film_fraction[LOWER]
+        if cells.dx * u[i, 0] * t[i, 0] * entering > edges.limit[i, 0]:
+            entering = 0.0  # a given inflow follows neither film nor velocity
+        beyond = Side(g[i, 0], t[i, 0], u[i, 0], edges.pressure[LOWER], entering)
+        inward = _flow_slopes(beyond, cell, aspect, cells.dx)
+        _add_edge(inward, -1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, 0)
+        j = n_a - 1
+        cell = _side(g, t, u, pressure, fraction, i, j)
+        entering = edges.film_fraction[UPPER]
+        if -cells.dx * u[i, j] * t[i, j] * entering > edges.limit[i, n_a]:
+            entering = 0.0
+        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[UPPER], entering)
+        outward = _flow_slopes(cell, beyond, aspect, cells.dx)
+        _add_edge(outward, 1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, j)
+
+
+@compiled
+def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
+    """Add the derivatives of the flows over first and last edge of a grid that is no ring."""
+    g = film[CONDUCTIVITY_C]
+    t = film[TRANSPORT]
+    u = entrainment.circumferential
+    du = dentrainment.circumferential
+    pressure, fraction, lift = filling
+    n_c, n_a = pressure.shape
+    aspect = 2.0 * cells.dy / cells.dx
+    for j in range(n_a):
+        cell = _side(g, t, u, pressure, fraction, 0, j)
+        beyond = Side(g[0, j], t[0, j], u[0, j], edges.pressure[FIRST], edges.film_fraction[FIRST])
+        inward = _flow_slopes(beyond, cell, aspect, cells.dy)
+        _add_edge(inward, -1.0, CONDUCTIVITY_C, slopes, du, centre, 0, j)
+        i = n_c - 1
+        cell = _side(g, t, u, pressure, fraction, i, j)
+        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[LAST], edges.film_fraction[LAST])
+        outward = _flow_slopes(cell, beyond, aspect, cells.dy)
+        _add_edge(outward, 1.0, CONDUCTIVITY_C, slopes, du, centre, i, j)
+
+
+@compiled(inline="always")
+def _of_cell(g, t, velocity, row, slopes, du, i, j):
+    """Return the derivatives of a face flow to film thickness and sliding velocity of a cell.
+
+    g, t, velocity : its derivatives to conductivity, transported film and entrainment there;
+    row : of the conductivity in `films`.
+    """
+    by_film, by_velocity = slopes
+    of_film = g * by_film[row, i, j] + t * by_film[TRANSPORT, i, j]
+    of_velocity = velocity * du[i, j]
+    if by_velocity.shape[0] > 0:
+        of_velocity += g * by_velocity[row, i, j] + t * by_velocity[TRANSPORT, i, j]
+    return of_film, of_velocity
+
+
+@compiled
+def _balance_cells(stencil):
+    """Set the centre of both stencils: a cell loses what its neighbours win."""
+    _, _, n_c, n_a = stencil.shape
+    for m in range(2):
+        for i in range(n_c):
+            before = (i - 1) % n_c
+            after = (i + 1) % n_c
+            for j in range(n_a):
+                stencil[m, CENTRE, i, j] = -(
+                    stencil[m, WEST, after, j] + stencil[m, EAST, before, j]
+                )
+            for j in range(n_a - 1):
+                stencil[m, CENTRE, i, j] -= stencil[m, SOUTH, i, j + 1]
+            for j in range(1, n_a):
+                stencil[m, CENTRE, i, j] -= stencil[m, NORTH, i, j - 1]
+
+
+@compiled
+def linearise(
+    film: Array,
+    slopes: FilmSlopes,
+    entrainment: Entrainment,
+    dentrainment: Entrainment,
+    filling: Filling,
+    edges: Edges,
+    cells: Cells,
+    area_per_step: float,
+):
+    """Return the derivative of the cell balance, Eq. (E1), as two five-point stencils.
+
+    They are those to film thickness and to sliding velocity.
+
+    What is upstream of a face stays so; at rest the cell before the face counts as downstream of
+    the one behind it.
+
+    Parameters
+    ----------
+    film : ndarray, shape (6, n_c, n_a)
+        Quantities of `films`.
+    slopes : films.FilmSlopes
+    entrainment : grid.Entrainment
+        [m/s].
+    dentrainment : grid.Entrainment
+        Its derivatives to the sliding velocity [-].
+    filling : reynolds.Filling
+    edges : grid.Edges
+    cells : grid.Cells
+    area_per_step : float
+        As in `reynolds.Storage`.
+
+    Returns
+    -------
+    ndarray, shape (2, 5, n_c, n_a)
+        First axis BY_FILM, BY_VELOCITY; second axis as in `reynolds.assemble`.
+    """
+    by_film, by_velocity = slopes
+    dx, dy, ring = cells
+    pressure, fraction, lift = filling
+    n_c, n_a = pressure.shape
+    stencil = np.empty((2, 5, n_c, n_a))
+    stencil[:, SOUTH, :, 0] = 0.0  # no neighbour beyond an edge
+    stencil[:, NORTH, :, n_a - 1] = 0.0
+    if not ring:
+        stencil[:, WEST, 0] = 0.0
+        stencil[:, EAST, n_c - 1] = 0.0
+    t = film[TRANSPORT]
+    g = film[CONDUCTIVITY_A]
+    u = entrainment.axial
+    for i in range(n_c):
+        for j in range(n_a - 1):
+            a = _side(g, t, u, pressure, fraction, i, j)
+            b = _side(g, t, u, pressure, fraction, i, j + 1)
+            q = _flow_slopes(a, b, dx / dy, dx, lift[i, j + 1])
+            here = _of_cell(
+                q.g_a, q.t_a, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j
+            )
+            there = _of_cell(
+                q.g_b, q.t_b, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j + 1
+            )
+            for m in range(2):
+                stencil[m, SOUTH, i, j + 1] = -here[m]
+                stencil[m, NORTH, i, j] = there[m]
+
+    g = film[CONDUCTIVITY_C]
+    u = entrainment.circumferential
+    du = dentrainment.circumferential
+    for i in range(n_c if ring else n_c - 1):
+        k = (i + 1) % n_c
+        for j in range(n_a):
+            a = _side(g, t, u, pressure, fraction, i, j)
+            b = _side(g, t, u, pressure, fraction, k, j)
+            q = _flow_slopes(a, b, dy / dx, dy)
+            here = _of_cell(q.g_a, q.t_a, q.velocity, CONDUCTIVITY_C, slopes, du, i, j)
+            there = _of_cell(q.g_b, q.t_b, q.velocity, CONDUCTIVITY_C, slopes, du, k, j)
+            for m in range(2):
+                stencil[m, WEST, k, j] = -here[m]
+                stencil[m, EAST, i, j] = there[m]
+
+    _balance_cells(stencil)
+    centre = stencil[:, CENTRE]
+    _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+    if not ring:
+        _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+    for i in range(n_c):
+        for j in range(n_a):
+            held = area_per_step * fraction[i, j]
+            stencil[BY_FILM, CENTRE, i, j] += held * by_film[STORED, i, j]
+            if by_velocity.shape[0] > 0:
+                stencil[BY_VELOCITY, CENTRE, i, j] += held * by_velocity[STORED, i, j]
+    return stencil
+
+
+@compiled
+def apply_stencils(stencil: Array, dfilm: Array, dvelocity: Array, out: Array):
+    """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
+
+    Parameters
+    ----------
+    stencil : ndarray, shape (2, 5, n_c, n_a)
+        From `linearise`.
+    dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
+        [m], [m/s].
+    out : ndarray, shape (m, n_c, n_a)
+        Overwritten [m3/s].
+    """
+    m, n_c, n_a = dfilm.shape
+    row = np.empty(n_a)
+    for q in range(m):
+        for i in range(n_c):
+            before = (i - 1) % n_c
+            after = (i + 1) % n_c
+            for j in range(n_a):
+                row[j] = (
+                    stencil[BY_FILM, CENTRE, i, j] * dfilm[q, i, j]
+                    + stencil[BY_FILM, WEST, i, j] * dfilm[q, before, j]
+                    + stencil[BY_FILM, EAST, i, j] * dfilm[q, after, j]
+                )
+            for j in range(n_a):
+                row[j] += (
+                    stencil[BY_VELOCITY, CENTRE, i, j] * dvelocity[q, i, j]
+                    + stencil[BY_VELOCITY, WEST, i, j] * dvelocity[q, before, j]
+                    + stencil[BY_VELOCITY, EAST, i, j] * dvelocity[q, after, j]
+                )
+            for j in range(1, n_a):
+                row[j] += (
+                    stencil[BY_FILM, SOUTH, i, j] * dfilm[q, i, j - 1]
+                    + stencil[BY_VELOCITY, SOUTH, i, j] * dvelocity[q, i, j - 1]
+                )
+            for j in range(n_a - 1):
+                row[j] += (
+                    stencil[BY_FILM, NORTH, i, j] * dfilm[q, i, j + 1]
+                    + stencil[BY_VELOCITY, NORTH, i, j] * dvelocity[q, i, j + 1]
+                )
+            for j in range(n_a):
+                out[q, i, j] = -row[j]
