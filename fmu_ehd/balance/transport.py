@@ -258,6 +258,28 @@ def _face_film(mobile, g):
 
 
 @compiled(inline="always")
+def _expected_film(past, ratio, travel, supply, width):
+    """Return the film that is expected after the share `ratio` of the last step."""
+    stored = _expected(past, STORED, ratio)
+    mobile = _expected(past, TRANSPORT, ratio)
+    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio))
+    return TransportFilm(stored, mobile, between, travel, past.full, past.resting, supply, width)
+
+
+@compiled(inline="always")
+def _explicit_steps(i, way, length):
+    """Return the number of explicit steps of row i, 0 without a lift; length : of a cell [m]."""
+    farthest = 0.0
+    for j in range(way.mobile.shape[1]):
+        swept = max(abs(way.travel[i, j]), abs(way.travel[i, j + 1]))
+        farthest = max(farthest, swept * way.mobile[i, j] / way.stored[i, j])
+    courant = farthest / length
+    if not NEAREST < courant <= FARTHEST:
+        return 0
+    return int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
+
+
+@compiled(inline="always")
 def _entering(fraction, limit, step, swept):
     """Film fraction that comes in over an edge; swept: volume of the film dragged in [m3]."""
     return min(fraction, limit * step / swept) if swept > 0.0 else fraction
@@ -282,21 +304,12 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
     """
     width = cells.dx
     area = cells.dx * cells.dy
-    # in the middle of the step, and at its end
-    stored = _expected(past, STORED, 0.5 * pace.ratio)
-    mobile = _expected(past, TRANSPORT, 0.5 * pace.ratio)
-    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, 0.5 * pace.ratio))
-    stored_end = _expected(past, STORED, pace.ratio)
-    mobile_end = _expected(past, TRANSPORT, pace.ratio)
-    between_end = _face_film(mobile_end, _expected(past, CONDUCTIVITY_A, pace.ratio))
-    n_c, n_a = stored.shape
+    n_c, n_a = past.content.shape
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = TransportFilm(stored, mobile, between, travel, past.full, past.resting, supply, width)
-    end = TransportFilm(
-        stored_end, mobile_end, between_end, travel, past.full, past.resting, supply, width
-    )
+    way = _expected_film(past, 0.5 * pace.ratio, travel, supply, width)  # in the middle of the step
+    end = _expected_film(past, pace.ratio, travel, supply, width)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -305,23 +318,18 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
     flow = np.empty(n_a + 1)
     flow_ahead = np.empty(n_a + 1)
     for i in range(n_c):
-        farthest = 0.0
-        for j in range(n_a):
-            swept = max(abs(travel[i, j]), abs(travel[i, j + 1]))
-            farthest = max(farthest, swept * mobile[i, j] / stored[i, j])
-        courant = farthest / cells.dy
-        if not NEAREST < courant <= FARTHEST:
+        steps = _explicit_steps(i, way, cells.dy)
+        if steps == 0:
             continue
-        steps = int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
         for j in range(n_a + 1):
             given[j] = pace.ratio * past.passed[i, j]
             through[j] = 0.0
         # what the implicit step lets in over a starved edge
-        swept = width * travel[i, 0] * between_end[i, 0]
+        swept = width * travel[i, 0] * end.between[i, 0]
         supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[i, 0], step, swept)
         if supply[LOWER, i] < 1.0 and swept > 0.0:
             given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER, i]
-        swept = width * travel[i, n_a] * between_end[i, n_a]
+        swept = width * travel[i, n_a] * end.between[i, n_a]
         supply[UPPER, i] = _entering(edges.film_fraction[UPPER], edges.limit[i, n_a], step, -swept)
         if supply[UPPER, i] < 1.0 and swept < 0.0:
             given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
@@ -333,10 +341,10 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
             if edges.limit[i, j] == np.inf or past.resting[i, 2 * j - 1 - up]:
                 continue
             # a film that starts behind an opening
-            swept = width * travel[i, j] * between_end[i, j]
+            swept = width * travel[i, j] * end.between[i, j]
             entering = _entering(1.0, edges.limit[i, j], step, abs(swept))
             if entering < 1.0:
-                content[up] = entering * stored[i, up]
+                content[up] = entering * way.stored[i, up]
                 given[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
         for _ in range(steps):
             _row_flow(content, i, way, steps, given, flow)
@@ -356,16 +364,16 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
             if abs(x) <= NEAREST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
                 continue
             up = j - 1 if x > 0.0 else j
-            swept = width * x * between_end[i, j]
+            swept = width * x * end.between[i, j]
             # a last flow that pressure drove is none of transport
             last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
-            reached = min(content[up] / stored_end[i, up], 1.0)
+            reached = min(content[up] / end.stored[i, up], 1.0)
             # Eq. (T11)
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
             down = 2 * j - 1 - up
-            fuller = content[up] / stored_end[i, up]
+            fuller = content[up] / end.stored[i, up]
             if not _holds_front(down, down - up, i, past.full):
-                fuller = max(fuller, content[down] / stored_end[i, down])
+                fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
         _lift_at_fronts(i, through, end, fraction)
