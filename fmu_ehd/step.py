@@ -486,6 +486,29 @@ def solve(
 
 
 @compilable
+def _layer_left(
+    fixed: FilmConstants,
+    memory: Memory,
+    inputs: Inputs,
+    begun: StepStart,
+    solved: StepSolution,
+    passed: Array,
+) -> OilLayer:
+    """Return the oil outside the film after a step; passed : of `step_parts.OilTransport`."""
+    layer = begun.covered
+    if not fixed.bore.supply.followed:
+        return layer
+    bore = fixed.bore
+    spilled = begun.begin.pace.share * layer.spilled
+    if fixed.domain.has_openings:
+        spilled = spilled + begun.begin.start.length * solved.solution.spilled  # Eq. (T28)
+    volumes = LayerVolumes(oil_layer.inflow(bore, passed), spilled)
+    gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
+    mean = oil_layer.mean_of(inputs.velocity)
+    return oil_layer.left(bore, layer, memory.layer, volumes, gaps, mean, inputs.length)
+
+
+@compilable
 def end(
     fixed: FilmConstants,
     memory: Memory,
@@ -523,16 +546,7 @@ def end(
         fixed.surfaces.cavitation_pressure,
         length,
     )
-    layer = begun.covered
-    if fixed.bore.supply.followed:
-        bore = fixed.bore
-        spilled = begun.begin.pace.share * layer.spilled
-        if domain.has_openings:
-            spilled = spilled + begun.begin.start.length * found.spilled  # Eq. (T28)
-        passed = LayerVolumes(oil_layer.inflow(bore, went.passed), spilled)
-        gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
-        mean = oil_layer.mean_of(inputs.velocity)
-        layer = oil_layer.left(bore, layer, memory.layer, passed, gaps, mean, length)
+    layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
     ledger = BalanceScalars(
         account.boundary_share, account.energy_gain, flows, found.mass_imbalance, account.oil
