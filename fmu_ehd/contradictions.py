@@ -39,7 +39,7 @@ from .faults import (
 from .laws.cavitation import CAVITATION, Cavitation
 from .laws.piezoviscosity import PressureLaw, reduced_at_edges
 from .laws.roughness import FLOW_FACTORS
-from .oil import TWO_POINT
+from .oil import VISCOSITY_LAWS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
@@ -199,7 +199,7 @@ def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults:
         refuse(faults, FACTORS_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
     if bearing and part and cut_outs:
         refuse(faults, CUT_OUTS_IN_A_SECTOR, 0, 0, sector, FULL_TURN, 0.0)
-    if chosen.viscosity_law - 1 == TWO_POINT and x.viscosity_40 <= x.viscosity_100:
+    if chosen.viscosity_law - 1 == VISCOSITY_LAWS.two_point and x.viscosity_40 <= x.viscosity_100:
         refuse(faults, VISCOSITIES_REVERSED, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
     if rough and x.roughness_rms <= 0.0:
         refuse(faults, FACTORS_WITHOUT_ROUGHNESS, 0, 0, 0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..master.fmi.block import memory_of, part, room, row_of
+from ..master.fmi.block import memory_of, room, row_of
 from ..master.fmi.compiled import compiled
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import ROOM
@@ -23,13 +23,9 @@ from .laws.asperity import CONTACT_LAWS, contact_table
 from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import TABLE as FACTOR_TABLE
 from .native_step import (
-    FAULTS_AT,
     INITIAL_FILM_FRACTION,
-    LAST,
-    LINEAR,
     ROOM_ON_BORE,
     SECTOR_ANGLE,
-    STATE,
     STROKES,
     FilmSetup,
     InputPositions,
@@ -46,6 +42,7 @@ from .native_step import (
     last_of,
     linear_of,
     memory_of_state,
+    parts_of,
     place_openings,
     put_last,
     put_linear,
@@ -58,7 +55,7 @@ from .native_step import (
 from .options import BuildOptions
 from .parameters import CHOSEN, NUMBERS
 from .step import Fields, Inputs, Scalars
-from .step_tangent import ALONG, AROUND, NORMAL, Directions
+from .step_tangent import FORCE, Directions
 from .summary import halves
 
 NOWHERE = -1
@@ -232,7 +229,8 @@ def publish(fields, scalars, iterations, real, integer, places):
 @compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
-    faults = part(memory, FAULTS_AT)
+    parts = parts_of(memory)
+    faults = parts.faults
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
     block = block_of(memory)
@@ -247,7 +245,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     begun, fields, scalars = step.start(fixed, inputs, initial, faults)
     if faults[0] > 0.0:
         return
-    put_memory(part(memory, STATE), begun)
+    put_memory(parts.state, begun)
     publish(fields, scalars, 0.0, real, integer, block.places)
 
 
@@ -257,7 +255,8 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
 
     If the step is rejected, the fault is noted and the state stays.
     """
-    faults = part(memory, FAULTS_AT)
+    parts = parts_of(memory)
+    faults = parts.faults
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
     block = block_of(memory)
@@ -267,7 +266,7 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
         return
     fixed = fixed_of(block, True)
     inputs = inputs_of(real, block, fixed.domain, numbers[0])
-    before = memory_of_state(part(memory, STATE).copy())
+    before = memory_of_state(parts.state.copy())
     begun = step.begin(fixed, before, inputs, faults)
     if faults[0] > 0.0:
         return
@@ -277,8 +276,8 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     ended = step.end(fixed, before, inputs, begun, solved, faults)
     if faults[0] > 0.0:
         return
-    put_memory(part(memory, STATE), ended.memory)
-    put_last(part(memory, LAST), ended.last)
+    put_memory(parts.state, ended.memory)
+    put_last(parts.last, ended.last)
     block.has_last[0] = 1.0
     block.has_linear[0] = 0.0
     iterations = float(ended.iterations)
@@ -288,18 +287,19 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
 @compiled
 def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     """Products of the seeds among the variables; `numbers` unused."""
-    faults = part(memory, FAULTS_AT)
+    parts = parts_of(memory)
+    faults = parts.faults
     faults[0] = 0.0
     block = block_of(memory)
     if block.has_last[0] == 0.0:
         refuse(faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
         return
     fixed = fixed_of(block, False)
-    last = last_of(part(memory, LAST))
+    last = last_of(parts.last)
     if block.has_linear[0] == 0.0:
-        put_linear(part(memory, LINEAR), step_tangent.linearise(fixed, last))
+        put_linear(parts.linear, step_tangent.linearise(fixed, last))
         block.has_linear[0] = 1.0
-    linear = linear_of(part(memory, LINEAR))
+    linear = linear_of(parts.linear)
     n_c, n_a = block.mask.shape
     directions = 3 if block.bearing else 2
     n = directions * n_c * n_a
@@ -310,9 +310,11 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     domain = fixed.domain
     turning = np.zeros((0, 0, 0))
     if block.bearing:
-        turning = filled(block, seeds[AROUND], domain)
+        turning = filled(block, seeds[FORCE.around], domain)
     seeded = Directions(
-        filled(block, seeds[NORMAL], domain), filled(block, seeds[ALONG], domain), turning
+        filled(block, seeds[FORCE.normal], domain),
+        filled(block, seeds[FORCE.along], domain),
+        turning,
     )
     right = np.empty((1, n_c, n_a))
     step_tangent.changes(fixed, last, linear, seeded, factors_of(memory), right, products)

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import flatten, part
+from ..master.fmi.block import flatten, parts
 from ..master.fmi.compiled import compiled, packed
 from . import constants, contradictions, surroundings
 from .balance import openings
@@ -34,14 +34,6 @@ _, chosen_from = packed(Chosen)
 
 STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
 ROOM_ON_BORE = 1 + 2 * STROKES
-
-PARTS = ("given", "state", "last", "linear", "solver", "faults")
-GIVEN, STATE, LAST, LINEAR, SOLVER, FAULTS_AT = range(len(PARTS))
-"""Parts of the memory.
-
-They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step_tangent.Linearisation` and
-`Solver`.
-"""
 
 Vector = Annotated[Array, "n"]
 Number = Annotated[Array, "1"]
@@ -113,6 +105,22 @@ class Solver(NamedTuple):
     direction: Number
 
 
+class Parts(NamedTuple):
+    """Parts of the memory.
+
+    They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step_tangent.Linearisation` and
+    `Solver`, and the faults.
+    """
+
+    given: Vector
+    state: Vector
+    last: Vector
+    linear: Vector
+    solver: Vector
+    faults: Vector
+
+
+parts_of = parts(Parts)
 _, _block = flatten(FilmSetup)
 put_law, law_from = flatten(PressureLaw)
 put_solver, _solver = flatten(Solver)
@@ -124,7 +132,7 @@ put_linear, linear_of = flatten(Linearisation)
 @compiled
 def block_of(memory: Array):
     """Return `FilmSetup`; writing into its arrays changes the memory."""
-    return _block(part(memory, GIVEN))
+    return _block(parts_of(memory).given)
 
 
 @compiled
@@ -133,7 +141,7 @@ def clear_solver(memory: Array, block: FilmSetup):
     n_c, n_a = block.mask.shape
     rows = np.zeros((n_a, n_c))
     room = Solver(np.zeros((n_a, n_c, n_c)), rows, rows, np.zeros(n_a), np.zeros(1))
-    put_solver(part(memory, SOLVER), room)
+    put_solver(parts_of(memory).solver, room)
 
 
 # ---- what stays of a film
@@ -203,7 +211,7 @@ def roughen(block: FilmSetup):
 @compiled
 def factors_of(memory: Array):
     """`blocks.Factors` in the memory."""
-    solver = _solver(part(memory, SOLVER))
+    solver = _solver(parts_of(memory).solver)
     return Factors(
         solver.columns,
         solver.diagonals,

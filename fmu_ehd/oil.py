@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable
+from ..master.fmi.compiled import compilable, numbered
 from .balance.grid import Array
 from .declaration import choice, declared
 from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS
@@ -56,8 +56,7 @@ ZERO_CELSIUS = 273.15  # [K]
 # ---- temperature
 
 
-VISCOSITY_LAWS = ("constant", "vogel_1921", "walther_1931", "two_point")
-CONSTANT, VOGEL_1921, WALTHER_1931, TWO_POINT = range(len(VISCOSITY_LAWS))
+VISCOSITY_LAWS = numbered("constant", "vogel_1921", "walther_1931", "two_point")
 
 
 class LowShear(NamedTuple):
@@ -98,12 +97,12 @@ def low_shear_law(kind: int, x: Any) -> LowShear:
 @compilable
 def low_shear_viscosity(law: LowShear, temperature: Any) -> Any:
     """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
-    if law.kind == VOGEL_1921:
+    if law.kind == VISCOSITY_LAWS.vogel_1921:
         celsius = temperature - ZERO_CELSIUS
         return law.vogel_viscosity * np.exp(law.vogel_b / (celsius + law.vogel_c))  # Eq. (O1)
-    if law.kind == WALTHER_1931:
+    if law.kind == VISCOSITY_LAWS.walther_1931:
         return law.density * walther_viscosity(law.walther_a, law.walther_m, temperature)
-    if law.kind == TWO_POINT:
+    if law.kind == VISCOSITY_LAWS.two_point:
         cold = ZERO_CELSIUS + 40.0
         thick = _double_logarithm(law.viscosity_40 / law.density)
         thin = _double_logarithm(law.viscosity_100 / law.density)
@@ -147,8 +146,7 @@ def vogel_constants(
 # ---- shear rate
 
 
-SHEAR_THINNING_LAWS = ("none", "cross_1965", "carreau_1972")
-NO_THINNING, CROSS_1965, CARREAU_1972 = range(len(SHEAR_THINNING_LAWS))
+SHEAR_THINNING_LAWS = numbered("none", "cross_1965", "carreau_1972")
 
 
 class Thinning(NamedTuple):
@@ -206,7 +204,7 @@ def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any
     """
     critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
-    if law.kind == CROSS_1965:
+    if law.kind == SHEAR_THINNING_LAWS.cross_1965:
         factor, slope = _cross_1965(law.exponent, ratio)
     else:
         factor, slope = _carreau_1972(law.exponent, ratio)
@@ -238,7 +236,7 @@ def tangent_thinning(law: Thinning, shear_rate: float, temperature: float) -> tu
     """mu_t/mu_0 [-] and its derivative [s], Eq. (O10), as `thinning`."""
     critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
-    if law.kind == CROSS_1965:
+    if law.kind == SHEAR_THINNING_LAWS.cross_1965:
         factor, slope = _cross_tangent(law.exponent, ratio)
     else:
         factor, slope = _carreau_tangent(law.exponent, ratio)
@@ -257,12 +255,14 @@ class Oil:
     Each constant is declared here, once: unit, default, range and meaning.
     """
 
-    viscosity_law: str = choice("Dependence of the viscosity on temperature", VISCOSITY_LAWS)
+    viscosity_law: str = choice(
+        "Dependence of the viscosity on temperature", VISCOSITY_LAWS._fields
+    )
     pressure_viscosity_law: str = choice(
-        "Dependence of the viscosity on pressure", PRESSURE_VISCOSITY_LAWS
+        "Dependence of the viscosity on pressure", PRESSURE_VISCOSITY_LAWS._fields
     )
     shear_thinning_law: str = choice(
-        "Dependence of the viscosity on shear rate", SHEAR_THINNING_LAWS
+        "Dependence of the viscosity on shear rate", SHEAR_THINNING_LAWS._fields
     )
 
     # Eqs. (O1) to (O3)
@@ -318,9 +318,9 @@ class Oil:
     @property
     def thinning(self) -> Thinning:
         """Law of shear thinning."""
-        return thinning_law(SHEAR_THINNING_LAWS.index(self.shear_thinning_law), self)
+        return thinning_law(getattr(SHEAR_THINNING_LAWS, self.shear_thinning_law), self)
 
     def low_shear_viscosity(self, temperature: Array) -> Array:
         """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
-        kind = VISCOSITY_LAWS.index(self.viscosity_law)
+        kind = getattr(VISCOSITY_LAWS, self.viscosity_law)
         return low_shear_viscosity(low_shear_law(kind, self), temperature)

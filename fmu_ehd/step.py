@@ -45,7 +45,7 @@ from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
 from .laws.contact import has_narrow_steps
 from .laws.friction import ShearInputs
-from .laws.piezoviscosity import NONE, TruePressure, raised, true_pressure
+from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TruePressure, raised, true_pressure
 from .solvers.sparse import LinearSolver
 from .surroundings import Surroundings
 
@@ -532,7 +532,7 @@ def end(
     acted = acting.along
     law = inputs.around.pressure_law
     highest = acted.summary.highest - fixed.surfaces.cavitation_pressure
-    if law.kind != NONE and highest > law.limit:
+    if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, BEYOND_PRESSURE_LAW)
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)

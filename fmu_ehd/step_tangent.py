@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled
+from ..master.fmi.compiled import compilable, compiled, numbered
 from .balance.film_step import film_slopes, solutions
 from .balance.films import COUETTE, FilmSlopes
 from .balance.grid import Array, Entrainment, Field, Stencil
@@ -22,7 +22,7 @@ from .laws.piezoviscosity import TruePressure, raised
 from .solvers.sparse import LinearSolver
 from .step import LastStep
 
-NORMAL, ALONG, AROUND = range(3)  # forces whose changes are asked for
+FORCE = numbered("normal", "along", "around")  # forces whose changes are asked for
 
 StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
 
@@ -294,15 +294,17 @@ def changes(
         share = linear.film.pressure_share
         deflection = coating.deflection_changes(linear.weight, by_contact, share, unknown)
         film = hard + deflection
-    friction.force_changes(linear.film, film, velocity, unknown, forces[NORMAL], forces[ALONG])
+    friction.force_changes(
+        linear.film, film, velocity, unknown, forces[FORCE.normal], forces[FORCE.along]
+    )
     if last.touching:
-        add_contact_changes(linear.contact_pressure, hard, deflection, forces[NORMAL])
-        add_contact_changes(linear.contact_shear, hard, deflection, forces[ALONG])
+        add_contact_changes(linear.contact_pressure, hard, deflection, forces[FORCE.normal])
+        add_contact_changes(linear.contact_shear, hard, deflection, forces[FORCE.along])
     if not fixed.bearing:
         return
     of_all = Changes(film, velocity, turning, unknown)
     circumferential.force_changes(
-        linear.around, linear.film, last.turning, of_all, forces[ALONG], forces[AROUND]
+        linear.around, linear.film, last.turning, of_all, forces[FORCE.along], forces[FORCE.around]
     )
     if last.touching:
-        add_contact_changes(linear.contact_around, hard, deflection, forces[AROUND])
+        add_contact_changes(linear.contact_around, hard, deflection, forces[FORCE.around])

@@ -31,13 +31,8 @@ import numpy as np
 from ...master.fmi.compiled import compiled
 from ..laws.hermite import interpolate
 from ..laws.roughness import (
-    DRAG,
+    FACTOR,
     FACTORS,
-    FLOW_FACTOR_A,
-    FLOW_FACTOR_C,
-    GAP_EXCESS,
-    POISEUILLE_FACTOR,
-    SHEAR_FLOW_FACTOR,
     TABLE_END,
     TABLE_START,
 )
@@ -116,8 +111,8 @@ def _factors(table, separation, roughness_rms, f, df):
             f[k] = table[0 if separation < TABLE_START else last, column]
             df[k] = 0.0
     if separation >= TABLE_END:  # the factor keeps its value, its share of H does not
-        f[DRAG] *= TABLE_END / separation
-        df[DRAG] = -f[DRAG] / (separation * roughness_rms)
+        f[FACTOR.drag] *= TABLE_END / separation
+        df[FACTOR.drag] = -f[FACTOR.drag] / (separation * roughness_rms)
 
 
 @compiled
@@ -154,8 +149,8 @@ def rough_film(
             mu = viscosity[i, j]
             _factors(table, film_thickness[i, j] / roughness_rms, roughness_rms, f, df)
 
-            gap = film_thickness[i, j] + roughness_rms * f[GAP_EXCESS]  # h_T
-            dgap = 1.0 + roughness_rms * df[GAP_EXCESS]
+            gap = film_thickness[i, j] + roughness_rms * f[FACTOR.gap_excess]  # h_T
+            dgap = 1.0 + roughness_rms * df[FACTOR.gap_excess]
             if gap < minimum_flow_film:
                 gap = minimum_flow_film
                 dgap = 0.0
@@ -167,22 +162,22 @@ def rough_film(
 
             quantities[STORED, i, j] = gap  # Eq. (E8)
             by_film[STORED, i, j] = dgap
-            quantities[TRANSPORT, i, j] = gap - roughness_rms * f[SHEAR_FLOW_FACTOR]
-            by_film[TRANSPORT, i, j] = dgap - roughness_rms * df[SHEAR_FLOW_FACTOR]
+            quantities[TRANSPORT, i, j] = gap - roughness_rms * f[FACTOR.shear_flow]
+            by_film[TRANSPORT, i, j] = dgap - roughness_rms * df[FACTOR.shear_flow]
 
             cube = h * h * h / (12.0 * mu)
             dcube = dh * h * h / (4.0 * mu)
-            phi = 1.0 + f[FLOW_FACTOR_C]
+            phi = 1.0 + f[FACTOR.flow_c]
             quantities[CONDUCTIVITY_C, i, j] = phi * cube
-            by_film[CONDUCTIVITY_C, i, j] = phi * dcube + df[FLOW_FACTOR_C] * cube
-            phi = 1.0 + f[FLOW_FACTOR_A]
+            by_film[CONDUCTIVITY_C, i, j] = phi * dcube + df[FACTOR.flow_c] * cube
+            phi = 1.0 + f[FACTOR.flow_a]
             quantities[CONDUCTIVITY_A, i, j] = phi * cube
-            by_film[CONDUCTIVITY_A, i, j] = phi * dcube + df[FLOW_FACTOR_A] * cube
+            by_film[CONDUCTIVITY_A, i, j] = phi * dcube + df[FACTOR.flow_a] * cube
 
-            quantities[COUETTE, i, j] = f[DRAG] * mu / roughness_rms  # Eq. (E9)
-            by_film[COUETTE, i, j] = df[DRAG] * mu / roughness_rms
-            phi = 1.0 + f[POISEUILLE_FACTOR]
-            dphi = df[POISEUILLE_FACTOR]
+            quantities[COUETTE, i, j] = f[FACTOR.drag] * mu / roughness_rms  # Eq. (E9)
+            by_film[COUETTE, i, j] = df[FACTOR.drag] * mu / roughness_rms
+            phi = 1.0 + f[FACTOR.poiseuille]
+            dphi = df[FACTOR.poiseuille]
             quantities[POISEUILLE, i, j] = 0.5 * phi * h
             by_film[POISEUILLE, i, j] = 0.5 * (phi * dh + dphi * h)
     return quantities, by_film

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..oil import NO_THINNING, Thinning, tangent_thinning, thinning
+from ..oil import SHEAR_THINNING_LAWS, Thinning, tangent_thinning, thinning
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes, rough_film, smooth_film
 from .grid import Array
 
@@ -82,7 +82,7 @@ def flow_film(film_thickness: Array, sheared: ShearedOil, laws: FilmLaws) -> Flo
         quantities, by_film = rough_film(
             film_thickness, sheared.viscosity, floor, laws.roughness_rms, laws.factors
         )
-    if laws.thinning.kind == NO_THINNING:
+    if laws.thinning.kind == SHEAR_THINNING_LAWS.none:
         n_c, n_a = film_thickness.shape
         slopes = FilmSlopes(by_film, np.zeros((0, n_c, n_a)))
         return FlowFilm(quantities, slopes, slopes)

@@ -25,20 +25,19 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable, compiled, numbered
 from ..balance.films import COUETTE
 from ..balance.grid import Array, Field
 
-PRESSURE_VISCOSITY_LAWS = ("none", "barus_1893", "roelands_1966")
-NONE, BARUS_1893, ROELANDS_1966 = range(len(PRESSURE_VISCOSITY_LAWS))
+PRESSURE_VISCOSITY_LAWS = numbered("none", "barus_1893", "roelands_1966")
 
 POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
 POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
 # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
 LARGEST_RATIO = 1e3
 TABLE_CELLS = 2000  # of Eq. (O6): interpolation error below 1 mPa
-OF_PRESSURE, OF_REDUCED, OF_RATIO = range(3)  # rows of the table
-TABLE = (3, TABLE_CELLS + 1)
+ROW = numbered("pressure", "reduced", "ratio")  # of the table
+TABLE = (len(ROW), TABLE_CELLS + 1)
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
 
 
@@ -92,18 +91,18 @@ def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> Pre
     -------
     PressureLaw
     """
-    if kind == BARUS_1893:
+    if kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return _barus_1893(alpha, table)
-    if kind == ROELANDS_1966:
+    if kind == PRESSURE_VISCOSITY_LAWS.roelands_1966:
         return _roelands_1966(alpha, viscosity, table)
-    return PressureLaw(NONE, alpha, 0.0, 0.0, np.inf, np.inf, table)
+    return PressureLaw(PRESSURE_VISCOSITY_LAWS.none, alpha, 0.0, 0.0, np.inf, np.inf, table)
 
 
 @compiled
 def _barus_1893(alpha, table):
     limit = np.log(LARGEST_RATIO) / alpha
     most = -np.expm1(-alpha * limit) / alpha  # Eq. (O6)
-    return PressureLaw(BARUS_1893, alpha, 0.0, 0.0, limit, most, table)
+    return PressureLaw(PRESSURE_VISCOSITY_LAWS.barus_1893, alpha, 0.0, 0.0, limit, most, table)
 
 
 @compiled
@@ -112,14 +111,15 @@ def _roelands_1966(alpha, viscosity, table):
     for i in range(viscosity.shape[0]):
         for j in range(viscosity.shape[1]):
             total += viscosity[i, j]
+    kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
     level = np.log(total / viscosity.size) + POLE_LOGARITHM
     z = alpha * POLE_PRESSURE / level
     growth = np.log(LARGEST_RATIO) / level + 1.0
     limit = POLE_PRESSURE * (growth ** (1.0 / z) - 1.0)
-    law = PressureLaw(ROELANDS_1966, alpha, level, z, limit, 0.0, table)
+    law = PressureLaw(kind, alpha, level, z, limit, 0.0, table)
     _fill_table(law)
-    most = table[OF_REDUCED, TABLE_CELLS]
-    return PressureLaw(ROELANDS_1966, alpha, level, z, limit, most, table)
+    most = table[ROW.reduced, TABLE_CELLS]
+    return PressureLaw(kind, alpha, level, z, limit, most, table)
 
 
 @compiled
@@ -130,9 +130,9 @@ def _fill_table(law):
     reduced = 0.0
     for k in range(TABLE_CELLS + 1):
         pressure = law.limit if k == TABLE_CELLS else k * step
-        law.table[OF_PRESSURE, k] = pressure
-        law.table[OF_REDUCED, k] = reduced
-        law.table[OF_RATIO, k], _ = _ratio_below(law, pressure)
+        law.table[ROW.pressure, k] = pressure
+        law.table[ROW.reduced, k] = reduced
+        law.table[ROW.ratio, k], _ = _ratio_below(law, pressure)
         part = 0.0
         for m in range(GAUSS_NODES.size):
             at, _ = _ratio_below(law, pressure + half * (1.0 + GAUSS_NODES[m]))
@@ -146,7 +146,7 @@ def _fill_table(law):
 @compiled
 def _ratio_below(law, pressure):
     """mu/mu_0 [-] and its derivative to p [1/Pa]."""
-    if law.kind == BARUS_1893:
+    if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         ratio = np.exp(law.alpha * pressure)  # Eq. (O4)
         return ratio, law.alpha * ratio
     base = max(1.0 + pressure / POLE_PRESSURE, 1e-3)
@@ -157,17 +157,17 @@ def _ratio_below(law, pressure):
 @compiled
 def _reduced_below(law, pressure):
     """q [Pa] of p [Pa]."""
-    if law.kind == BARUS_1893:
+    if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return -np.expm1(-law.alpha * pressure) / law.alpha  # Eq. (O6)
-    return _read(law.table, OF_PRESSURE, OF_REDUCED, pressure)
+    return _read(law.table, ROW.pressure, ROW.reduced, pressure)
 
 
 @compiled
 def _pressure_below(law, reduced):
     """p [Pa] of q [Pa]."""
-    if law.kind == BARUS_1893:
+    if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return -np.log1p(-law.alpha * reduced) / law.alpha
-    return _read(law.table, OF_REDUCED, OF_PRESSURE, reduced)
+    return _read(law.table, ROW.reduced, ROW.pressure, reduced)
 
 
 @compiled
@@ -182,9 +182,9 @@ def _read(table, given, wanted, x):
         else:
             high = middle
     # dq/dp = mu_0/mu
-    m0 = table[OF_RATIO, low]
-    m1 = table[OF_RATIO, high]
-    if wanted == OF_REDUCED:
+    m0 = table[ROW.ratio, low]
+    m1 = table[ROW.ratio, high]
+    if wanted == ROW.reduced:
         m0 = 1.0 / m0
         m1 = 1.0 / m1
     step = table[given, high] - table[given, low]
@@ -226,7 +226,9 @@ def pressure_of(law: PressureLaw, reduced: float):
 @compilable
 def reduced_at_edges(law: PressureLaw, pressure: Array) -> Array:
     """q [Pa] of the pressures at the edges, shape (5,)."""
-    return pressure if law.kind == NONE else _reduced_at_edges(law, pressure)
+    return (
+        pressure if law.kind == PRESSURE_VISCOSITY_LAWS.none else _reduced_at_edges(law, pressure)
+    )
 
 
 @compiled
@@ -240,7 +242,7 @@ def _reduced_at_edges(law, pressure):
 @compilable
 def true_pressure(law: PressureLaw, reduced: Array) -> TruePressure:
     """`TruePressure` of a reduced pressure, shape (n_c, n_a) [Pa]."""
-    if law.kind == NONE:
+    if law.kind == PRESSURE_VISCOSITY_LAWS.none:
         return TruePressure(reduced, np.zeros((0, 0)), np.zeros((0, 0)))
     return _true_pressure(law, reduced)
 

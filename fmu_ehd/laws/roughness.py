@@ -69,22 +69,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled, numbered
 from ..balance.grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 
 # functions of the table, in its order, by Eqs. (R7), (R8): h_T/sigma - H; phi - 1 across i and
 # along j; Phi_s; (phi_f + Phi_fs)/H, which is finite at H = 0; phi_fp - 1
-(
-    GAP_EXCESS,
-    FLOW_FACTOR_C,
-    FLOW_FACTOR_A,
-    SHEAR_FLOW_FACTOR,
-    DRAG,
-    POISEUILLE_FACTOR,
-) = range(6)
-FACTORS = 6
+FACTOR = numbered("gap_excess", "flow_c", "flow_a", "shear_flow", "drag", "poiseuille")
+FACTORS = len(FACTOR)
 
 
 class Row(NamedTuple):
@@ -341,17 +334,17 @@ def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table
     for k in range(TABLE_CELLS + 1):
         h = TABLE_START + k * ((TABLE_END - TABLE_START) / TABLE_CELLS)
         gap = average_gap(h)
-        _put(table, k, GAP_EXCESS, h, Factor(gap.value, gap.slope - 1.0))
+        _put(table, k, FACTOR.gap_excess, h, Factor(gap.value, gap.slope - 1.0))
         across = _both(y, pressure_flow_factor(h, 1.0 / s), pressure_flow_factor(h, 1.0 / b))
-        _put(table, k, FLOW_FACTOR_C, 1.0, across)
+        _put(table, k, FACTOR.flow_c, 1.0, across)
         along = _both(y, pressure_flow_factor(h, s), pressure_flow_factor(h, b))
-        _put(table, k, FLOW_FACTOR_A, 1.0, along)
+        _put(table, k, FACTOR.flow_a, 1.0, along)
         carried = _against(y, shear_flow_factor(h, s), shear_flow_factor(h, b), 0.0)
-        _put(table, k, SHEAR_FLOW_FACTOR, 0.0, carried)
+        _put(table, k, FACTOR.shear_flow, 0.0, carried)
         sliding = _both(y, sliding_stress_factor(h, s), sliding_stress_factor(h, b))
-        _put(table, k, DRAG, 0.0, _drag(h, sliding))
+        _put(table, k, FACTOR.drag, 0.0, _drag(h, sliding))
         driven = _against(y, pressure_stress_factor(h, s), pressure_stress_factor(h, b), 1.0)
-        _put(table, k, POISEUILLE_FACTOR, 0.0, driven)
+        _put(table, k, FACTOR.poiseuille, 0.0, driven)
 
 
 @cache

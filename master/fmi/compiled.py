@@ -10,6 +10,7 @@ recompiled. If nothing can be cached, each process compiles its kernels. numba (
 imported by the first call.
 """
 
+from collections import namedtuple
 from contextlib import suppress
 from functools import cached_property, partial, update_wrapper
 from pathlib import Path
@@ -41,6 +42,11 @@ def standing_for(kernel):
     Both have the same arguments, some of which are objects in Python.
     """
     return partial(ReplacedFunction, kernel=kernel)
+
+
+def numbered(*names: str) -> Any:
+    """Return a named tuple of the numbers of `names`, from 0 on: choices or rows in kernels."""
+    return namedtuple("Numbered", names)._make(range(len(names)))
 
 
 def packed(kind: Any, *others: str):

@@ -50,7 +50,7 @@ def test_no_oil_of_the_library_is_left_out(library):
 @pytest.fixture(params=["barus_1893", "roelands_1966"])
 def law(request):
     """A pressure law, alpha = 20 1/GPa."""
-    kind = PRESSURE_VISCOSITY_LAWS.index(request.param)
+    kind = getattr(PRESSURE_VISCOSITY_LAWS, request.param)
     return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), np.zeros(TABLE))
 
 

@@ -35,7 +35,7 @@ from piston_cosim.fmu_ehd.laws import coating
 from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table, point_contact
 from piston_cosim.fmu_ehd.laws.contact import Contact
 from piston_cosim.fmu_ehd.laws.piezoviscosity import TruePressure
-from piston_cosim.fmu_ehd.oil import CROSS_1965, Thinning
+from piston_cosim.fmu_ehd.oil import SHEAR_THINNING_LAWS, Thinning
 
 VISCOSITY = 0.012  # [Pa s]
 FILM = 6e-6  # [m]
@@ -145,7 +145,7 @@ def test_thinned_film_follows_film_and_velocity():
     g_a = h^3/(12 mu_t),  g_c = h^3/(12 mu). Below the floor it follows the velocity alone; W shears
     it as V does; at rest it is thick.
     """
-    law = Thinning(CROSS_1965, 0.2, 1.0, -np.log10(FILM), 0.0)
+    law = Thinning(SHEAR_THINNING_LAWS.cross_1965, 0.2, 1.0, -np.log10(FILM), 0.0)
     laws = FilmLaws(FILM, 0.0, np.zeros((0, 0)), law)
     thickness = FILM * np.array([[1.0 + 1e-15, 0.5, 0.5, 0.5]])
     velocity = np.array([[-3.0, -3.0, 0.0, 0.0]])

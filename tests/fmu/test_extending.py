@@ -20,10 +20,9 @@ PARTS = ("fmu_ehd", "fmu_mfbd", "master", "models")
 VISCOSITY_LAW = {
     "fmu_ehd/oil.py": [
         ('"walther_1931", "two_point")', '"walther_1931", "two_point", "reynolds_1886")'),
-        ("WALTHER_1931, TWO_POINT = range", "WALTHER_1931, TWO_POINT, REYNOLDS_1886 = range"),
         (
             "    return law.viscosity + 0.0 * temperature\n",
-            "    if law.kind == REYNOLDS_1886:\n"
+            "    if law.kind == VISCOSITY_LAWS.reynolds_1886:\n"
             "        return law.viscosity * np.exp(-0.03 * (temperature - ZERO_CELSIUS))\n"
             "    return law.viscosity + 0.0 * temperature\n",
         ),
