@@ -26,7 +26,6 @@ from .dynamics.build_options import (
     BoreGrid,
     BuildOptions,
     CrankBearing,
-    DampingBand,
     FilmGrid,
     FloatingPin,
     InSpace,
@@ -111,7 +110,6 @@ def options_ahead(build: Build, tables: Tables) -> BuildOptions:
         gas=tables.gas,
         speed=tables.speed,
         start=tables.start,
-        damping_bands=tuple(DampingBand(band.above, band.ratio) for band in build.damping_bands),
         surfaces=film_surfaces(build),
         floating_pin=floating_pin(build),
         crank_bearings=crank_bearings(build),
@@ -165,7 +163,7 @@ def prepare(
         try:
             check_modes(tables.start, len(piston.omega) + len(block.omega))
         except ValueError as error:
-            raise BadInput([str(error)]) from None
+            raise BadInput(str(error)) from None
     ahead = options_ahead(build, tables)
     prepared = replace(
         ahead,
@@ -216,7 +214,7 @@ def in_space(build: Build, piston: Path) -> InSpace:
         try:
             mass, centre, about_centre = mass_properties(load(MeshProperties, piston))
         except ValueError as error:
-            raise BadInput([f"piston.{error}"]) from None
+            raise BadInput(f"piston.{error}") from None
         centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset
     else:
         assert build.motion_in_space
@@ -346,17 +344,11 @@ def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
 
     def made() -> ReducedSmallEnd:
         from .finite_elements.matrices import assembled
-        from .reduction.small_end import read_small_end, reduce_small_end
+        from .reduction.reduce import read_surfaces
+        from .reduction.small_end import CUT, EYE, reduce_small_end
 
         with _reducing("small_end", options.mesh, progress) as say:
-            mesh = read_small_end(
-                options.mesh,
-                {name: surface.region() for name, surface in options.surfaces.items()},
-                options.mesh_unit,
-                options.axes,
-                options.origin,
-                say,
-            )
+            mesh = read_surfaces(options, (EYE, CUT), say)
             material = options.young, options.poisson, options.density
             return reduce_small_end(assembled(mesh, *material), film, say)
 

@@ -4,7 +4,7 @@ It has geometry, masses, clearance cold and hot, cells with a film, faults, and 
 shapes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,8 +28,7 @@ from .dynamics.contradictions import pin_radius
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
-from .finite_elements.mesh import Mesh, MeshFault, read_mesh
-from .finite_elements.point_cloud import read_nodes
+from .finite_elements.mesh import Mesh, MeshFault
 from .geometry.grid import cell_centres
 from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
@@ -44,10 +43,10 @@ from .preview_remarks import (
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
-from .reduction.reduce import ends, faults_of_modes
+from .reduction.reduce import ends, faults_of_modes, read_surfaces, refuse
 from .reduction.reduced_body import MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
-from .reduction.small_end import eye_shell, read_small_end
+from .reduction.small_end import CUT, EYE, eye_shell
 
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
@@ -148,10 +147,8 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
         return None
     assert build.floating_pin and build.floating_pin.small_end
     options = build.floating_pin.small_end
-    regions = {name: surface.region() for name, surface in options.surfaces.items()}
-    placed = options.mesh_unit, options.axes, options.origin
     try:
-        mesh = read_small_end(options.mesh, regions, *placed, remarks.append)
+        mesh = read_surfaces(options, (EYE, CUT), remarks.append)
         radius = eye_shell(mesh, film).radius
     except MeshFault as error:
         wrong += error.faults
@@ -180,13 +177,13 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         except ValueError:  # a file without them
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return Sized(body, skirt)
-    mesh = _mesh(options, ("skirt", "crown", "pin_bore"), remarks)
+    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), remarks.append)
     mass = mass_properties(mesh, options.density) if options.density else None
     if mass:
         found = piston_faults(mesh, mass.mass, options.pin_offset)
     else:
         found = cylinder_faults(mesh, "skirt")
-    _refuse(found, options)
+    refuse(found, options)
     angle, height, lower, upper = _grid(build, mesh)
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     if films := boss_films(build):
@@ -220,8 +217,8 @@ def _block(build: Build, remarks: list[str]) -> Sized:
         return Sized(rigid_block(options, build.grid))
     if options.reduced:
         return Sized(load(ReducedBlock, Path(options.reduced)))
-    mesh = _mesh(options, ("bore", "bolts"), remarks)
-    _refuse(block_faults(mesh), options)
+    mesh = read_surfaces(options, ("bore", "bolts"), remarks.append)
+    refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)
     heights = np.linspace(lower, upper, options.stations)
@@ -230,23 +227,6 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
     return Sized(rigid_block(rigid, build.grid), None, mesh)
-
-
-def _mesh(options: Piston | Block, names: Sequence[str], remarks: list[str]) -> Mesh:
-    """Read the mesh of a body, or its nodes."""
-    path = Path(options.mesh or "")
-    regions = {name: surface.region() for name, surface in options.surfaces.items()}
-    surfaces = dict.fromkeys(names) | regions
-    placed = options.mesh_unit, options.axes, options.origin
-    if path.suffix == ".csv":
-        mesh, _ = read_nodes(path, surfaces, *placed)
-        return mesh
-    return read_mesh(path, surfaces, *placed, remarks.append)
-
-
-def _refuse(found: list[str], options: Piston | Block) -> None:
-    if found:
-        raise MeshFault([f"{options.mesh}: {fault}" for fault in found])
 
 
 def mass_properties(mesh: Mesh, density: float) -> MassProperties:

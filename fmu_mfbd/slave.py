@@ -128,7 +128,7 @@ class Mfbd(FieldSlave):
             state, outputs = self._begin(self.model, parameters, values)
             _, straight = self._begin(self.model.unyielding(), parameters, values)
         except MotionNotSolved as error:
-            raise BadInput([f"start: {error}"]) from None
+            raise BadInput(f"start: {error}") from None
         gaps = self._of_films(("film_thickness",))
         self._tell_of_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
         return state, outputs

@@ -102,9 +102,7 @@ class Part:
         labels: list[int] = []
         if keyword.name == "NODE":
             if options.get("SYSTEM", "R").upper() != "R":
-                raise MeshFault(
-                    [f"*Node: expected nodes in x, y, z, got system={options['SYSTEM']}"]
-                )
+                raise MeshFault(f"*Node: expected nodes in x, y, z, got system={options['SYSTEM']}")
             for label, *cells in keyword.rows():
                 labels.append(int(label))
                 x, y, z, *_ = [float(cell) if cell else 0.0 for cell in cells] + [0.0] * 3
@@ -126,10 +124,8 @@ class Part:
             return []
         if len(cells) % (count + 1):
             raise MeshFault(
-                [
-                    f"*Element, type={kind}: expected a multiple of {count + 1} numbers, got "
-                    f"{len(cells)}"
-                ]
+                f"*Element, type={kind}: expected a multiple of {count + 1} numbers, got "
+                f"{len(cells)}"
             )
         rows = np.array(cells, dtype=np.int64).reshape(-1, count + 1).tolist()
         self.elements |= {label: nodes for label, *nodes in rows}
@@ -155,7 +151,7 @@ def read_abaqus(path: Path) -> Deck:
     for keyword in _keywords(path):
         if keyword.name in GENERATED and keyword.lines:
             raise MeshFault(
-                [f"{path}: expected written nodes, got *{keyword.name}; write the mesh in full"]
+                f"{path}: expected written nodes, got *{keyword.name}; write the mesh in full"
             )
         if keyword.name == "PART":
             current = parts.setdefault(keyword.options["NAME"].casefold(), Part())
@@ -169,7 +165,7 @@ def read_abaqus(path: Path) -> Deck:
     if parts and not instances:
         if len(parts) > 1:
             names = ", ".join(parts)
-            raise MeshFault([f"{path}: expected an *Instance of a part, got parts {names} alone"])
+            raise MeshFault(f"{path}: expected an *Instance of a part, got parts {names} alone")
         instances = list(parts.values())
     return _Assembly([*instances, root]).deck()
 
@@ -180,16 +176,14 @@ def _instance(keyword, parts):
     part = parts.get(keyword.options.get("PART", "").casefold())
     if part is None:
         raise MeshFault(
-            [f"*Instance {name}: expected a known part, got {keyword.options.get('PART')!r}"]
+            f"*Instance {name}: expected a known part, got {keyword.options.get('PART')!r}"
         )
     own = Part(**{key: copy(value) for key, value in vars(part).items()})
     own.name = name
     rows = [[float(cell) for cell in row if cell] for row in keyword.rows()]
     lengths = [len(row) for row in rows]
     if max(lengths[:1], default=0) > 3 or lengths[1:] not in ([], [7]):
-        raise MeshFault(
-            [f"*Instance {name}: expected lines of 3 and 7 numbers, got {keyword.lines}"]
-        )
+        raise MeshFault(f"*Instance {name}: expected lines of 3 and 7 numbers, got {keyword.lines}")
     if rows:
         own.shift[: len(rows[0])] = rows[0]
     if len(rows) > 1:
@@ -205,7 +199,7 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     Eq. (M18):  R = I + sin(angle) W + (1 - cos(angle)) W W,   W v = n x v,  n = axis/|axis|
     """
     if not axis.any():
-        raise MeshFault(["*Instance: expected two points of its axis of rotation, got one"])
+        raise MeshFault("*Instance: expected two points of its axis of rotation, got one")
     x, y, z = axis / np.linalg.norm(axis)
     W = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * W + (1 - np.cos(angle)) * W @ W  # Eq. (M18)
@@ -310,7 +304,7 @@ class _Assembly:
         for index, part in enumerate(self.parts):
             if part.name.casefold() == name.casefold():
                 return index
-        raise MeshFault([f"set: expected a known instance, got {name!r}"])
+        raise MeshFault(f"set: expected a known instance, got {name!r}")
 
     def _members(self, k: int, cell: str, sets: dict[str, list]) -> list[Any]:
         """Return the members of an entry: a number or the name of a set, either after INSTANCE."""
@@ -325,7 +319,7 @@ class _Assembly:
         instance, dot, label = cell.rpartition(".")
         if dot and label.isdigit():
             return self._members(self._index(k, instance), label, sets)
-        raise MeshFault([f"set: expected a set defined before it, got {cell!r}"])
+        raise MeshFault(f"set: expected a set defined before it, got {cell!r}")
 
 
 def _keywords(path: Path) -> Iterator[Keyword]:
@@ -337,7 +331,7 @@ def _keywords(path: Path) -> Iterator[Keyword]:
                 yield keyword
             keyword = _keyword(line)
         elif keyword is None:
-            raise MeshFault([f"{path}: expected a keyword first, got {line!r}"])
+            raise MeshFault(f"{path}: expected a keyword first, got {line!r}")
         else:
             keyword.lines.append(line)
     if keyword:

@@ -43,16 +43,14 @@ def read_ansys(path: Path) -> Deck:
             _read_nodes(lines, labels, points)
         elif command == "EBLOCK":
             if "SOLID" not in (word.upper() for word in words):
-                raise MeshFault([f"{path}: expected an EBLOCK with SOLID, got one without"])
+                raise MeshFault(f"{path}: expected an EBLOCK with SOLID, got one without")
             elements += _elements(lines)
         elif command == "CMBLOCK":
             components |= _component(lines, words)
     if not labels or not elements:
         raise MeshFault(
-            [
-                f"{path}: expected NBLOCK and EBLOCK, got {len(labels)} nodes and {len(elements)} "
-                "elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
-            ]
+            f"{path}: expected NBLOCK and EBLOCK, got {len(labels)} nodes and {len(elements)} "
+            "elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
         )
     number = rows_by_number(labels, points)
     tets = []
@@ -74,7 +72,7 @@ def _nodes(kind, label, nodes):
     """Return the nodes of a tetrahedron; a missing middle node is 0 in the file."""
     count = TETRAHEDRA[kind]
     if len(nodes) < count or 0 in nodes[:count]:
-        raise MeshFault([f"element {label}, SOLID{kind}: expected {count} nodes, got {len(nodes)}"])
+        raise MeshFault(f"element {label}, SOLID{kind}: expected {count} nodes, got {len(nodes)}")
     return nodes[:count]
 
 
@@ -125,7 +123,7 @@ def _format(pattern, line):
     """Return the numbers in the format line of a block."""
     match = re.match(r"\s*\(\s*" + pattern, line, re.IGNORECASE)
     if not match:
-        raise MeshFault([f"block: expected a known format, got {line.strip()!r}"])
+        raise MeshFault(f"block: expected a known format, got {line.strip()!r}")
     return [int(text) for text in match.groups()]
 
 

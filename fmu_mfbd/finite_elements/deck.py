@@ -14,8 +14,8 @@ LINEAR, QUADRATIC = 4, 10
 class MeshFault(ValueError):
     """Error for a mesh that cannot be used; `faults` contains one sentence for each fault."""
 
-    def __init__(self, faults: Iterable[str]):
-        self.faults = list(faults)
+    def __init__(self, faults: str | Iterable[str]):
+        self.faults = [faults] if isinstance(faults, str) else list(faults)
         super().__init__("\n".join(self.faults))
 
     def of_file(self, path: Path | str) -> "MeshFault":
@@ -65,7 +65,7 @@ def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list
     try:
         return [number[node] for node in nodes]
     except KeyError as error:
-        raise MeshFault([f"{owner}: expected a known node, got {error.args[0]}"]) from None
+        raise MeshFault(f"{owner}: expected a known node, got {error.args[0]}") from None
 
 
 def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> dict[int, int]:
@@ -80,7 +80,7 @@ def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> 
     for row, label in enumerate(labels):
         first = number.setdefault(label, row)
         if tuple(points[first]) != tuple(points[row]):
-            raise MeshFault([f"node {label}: expected one position, got two"])
+            raise MeshFault(f"node {label}: expected one position, got two")
     return number
 
 
@@ -95,10 +95,8 @@ def tetrahedra(elements: Sequence[Sequence[int]]) -> np.ndarray:
     kinds = Counter(map(len, elements))
     if len(kinds) > 1:
         raise MeshFault(
-            [
-                f"body: expected ten-node tetrahedra only, got {kinds[LINEAR]} of "
-                f"{len(elements)} with four nodes"
-            ]
+            f"body: expected ten-node tetrahedra only, got {kinds[LINEAR]} of "
+            f"{len(elements)} with four nodes"
         )
     return np.array(elements, dtype=np.int64).reshape(-1, *(kinds or [QUADRATIC]))
 
@@ -135,9 +133,7 @@ def lines_of(
             continue
         inner = path.parent / name
         if not inner.is_file():
-            raise MeshFault(
-                [f"{path.name}: expected to include {name!r}, got no such file {inner}"]
-            )
+            raise MeshFault(f"{path.name}: expected to include {name!r}, got no such file {inner}")
         if inner.resolve() in above:
-            raise MeshFault([f"{path.name}: expected no circular include, got {name!r}"])
+            raise MeshFault(f"{path.name}: expected no circular include, got {name!r}")
         yield from lines_of(inner, clean, include, above)

@@ -82,10 +82,8 @@ def read_matrix(path: Path | str, labels: np.ndarray) -> Sparse:
         return _by_labels(Entries(*table.T), labels, path)
     if table.shape[1] != 3:
         raise MeshFault(
-            [
-                f"{path.name}: expected 3 or 5 columns, got {table.shape[1]}; write row, column, "
-                "value or node, direction, node, direction, value"
-            ]
+            f"{path.name}: expected 3 or 5 columns, got {table.shape[1]}; write row, column, "
+            "value or node, direction, node, direction, value"
         )
     row, column, value = table.T
     row = row.astype(np.int64) - 1
@@ -101,17 +99,15 @@ def _columns(path):
     try:
         return np.loadtxt(path, comments="*", delimiter="," if "," in first else None, ndmin=2)
     except ValueError:
-        raise MeshFault([f"{path.name}: expected rows of numbers, got other text"]) from None
+        raise MeshFault(f"{path.name}: expected rows of numbers, got other text") from None
 
 
 def _whole(matrix, n, path):
     """Check the size, and complete a triangle."""
     if matrix.shape != (3 * n, 3 * n):
         raise MeshFault(
-            [
-                f"{path.name}: expected {3 * n} rows for {n} nodes, got {matrix.shape[0]} x "
-                f"{matrix.shape[1]}"
-            ]
+            f"{path.name}: expected {3 * n} rows for {n} nodes, got {matrix.shape[0]} x "
+            f"{matrix.shape[1]}"
         )
     return _symmetric(matrix.tocsc(), path)
 
@@ -125,11 +121,9 @@ def _symmetric(matrix, path):
     if difference.nnz and difference.data.max() > 1e-8 * abs(matrix).max():
         at = difference.data.argmax()
         raise MeshFault(
-            [
-                f"{path.name}: expected a symmetric matrix, got a difference of "
-                f"{difference.data[at]:.3g} between rows {difference.row[at] + 1} and "
-                f"{difference.col[at] + 1}"
-            ]
+            f"{path.name}: expected a symmetric matrix, got a difference of "
+            f"{difference.data[at]:.3g} between rows {difference.row[at] + 1} and "
+            f"{difference.col[at] + 1}"
         )
     return sp.csc_matrix(matrix + (other - both))
 
@@ -185,7 +179,7 @@ def _dmig(path: Path) -> Entries:
                     rows.append((node, card.integer(k + 1) or 1, *column, card.real(k + 2)))
     if len(names) != 1 or not rows:
         present = ", ".join(sorted(names)) or "none"
-        raise MeshFault([f"{path.name}: expected one DMIG matrix, got {present}"])
+        raise MeshFault(f"{path.name}: expected one DMIG matrix, got {present}")
     return Entries(*np.array(rows, dtype=float).T)
 
 

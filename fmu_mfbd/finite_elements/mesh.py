@@ -91,10 +91,10 @@ def read_mesh(
     raw = read_raw(Path(path))
     if not len(raw.tets):
         present = ", ".join(f"{count} {kind}" for kind, count in raw.other.items()) or "nothing"
-        raise MeshFault([f"{path}: expected 10-node tetrahedra, got {present}"])
+        raise MeshFault(f"{path}: expected 10-node tetrahedra, got {present}")
     if solids := {kind: n for kind, n in raw.other.items() if kind not in FLAT}:
         present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
-        raise MeshFault([f"{path}: expected 10-node tetrahedra only, got also {present}"])
+        raise MeshFault(f"{path}: expected 10-node tetrahedra only, got also {present}")
     tets = raw.tets
     points = to_body_axes(raw.points * scale, axes, origin)
     used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular
@@ -145,7 +145,7 @@ def axes_matrix(axes: Sequence[str]) -> np.ndarray:
     for row, axis in enumerate(axes):
         matrix[row, "xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     if not np.isclose(np.linalg.det(matrix), 1.0):
-        raise MeshFault([f"axes: expected three right-handed directions, got {list(axes)}"])
+        raise MeshFault(f"axes: expected three right-handed directions, got {list(axes)}")
     return matrix
 
 
@@ -184,11 +184,9 @@ def _read(plain, path):
     except MeshFault as fault:
         raise fault.of_file(path) from None
     except OSError as error:
-        raise MeshFault([file_fault(path, error)]) from None
+        raise MeshFault(file_fault(path, error)) from None
     except (Exception, SystemExit):  # readers raise whatever comes, meshio ends the process
-        raise MeshFault(
-            [f"{path}: expected a mesh file, got other or incomplete content"]
-        ) from None
+        raise MeshFault(f"{path}: expected a mesh file, got other or incomplete content") from None
 
 
 READERS = {

@@ -49,7 +49,7 @@ class Card:
             return int(text) if text else None
         except ValueError:
             raise MeshFault(
-                [f"{self}: expected a whole number in field {index + 2}, got {text!r}"]
+                f"{self}: expected a whole number in field {index + 2}, got {text!r}"
             ) from None
 
     def real(self, index: int) -> float:
@@ -59,7 +59,7 @@ class Card:
             return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"E\1", text)) if text else 0.0
         except ValueError:
             raise MeshFault(
-                [f"{self}: expected a number in field {index + 2}, got {text!r}"]
+                f"{self}: expected a number in field {index + 2}, got {text!r}"
             ) from None
 
 
@@ -104,7 +104,7 @@ def _label(card):
     """Return the number of a node."""
     label = card.integer(0)
     if label is None:
-        raise MeshFault([f"{card}: expected a number in field 2, got nothing"])
+        raise MeshFault(f"{card}: expected a number in field 2, got nothing")
     return label
 
 
@@ -113,7 +113,7 @@ def _nodes(card):
     nodes = [card.integer(index) for index in range(2, 12)]
     present = [node for node in nodes if node]
     if len(present) not in (4, 10) or None in nodes[:4]:
-        raise MeshFault([f"{card}: expected 4 or 10 nodes, got {len(present)}"])
+        raise MeshFault(f"{card}: expected 4 or 10 nodes, got {len(present)}")
     return present
 
 
@@ -137,9 +137,9 @@ class _BasicSystem:
             return self.frames[system]
         card = self.systems.get(system)
         if card is None or system in above:
-            raise MeshFault([f"{user}: expected a known coordinate system, got {system}"])
+            raise MeshFault(f"{user}: expected a known coordinate system, got {system}")
         if card.name != "CORD2R":
-            raise MeshFault([f"{user}: expected the basic system or CORD2R, got {card}"])
+            raise MeshFault(f"{user}: expected the basic system or CORD2R, got {card}")
         origin, axes = self.frame(card.integer(1) or 0, card, (*above, system))
         local = np.reshape([card.real(index) for index in range(2, 11)], (3, 3))
         a, b, c = origin + local @ axes
@@ -163,10 +163,8 @@ def cards(path: Path) -> Iterator[Card]:
         begins = head.lstrip("+*")
         if card is None or (begins and card.mark and begins != card.mark):
             raise MeshFault(
-                [
-                    f"{card or 'no entry'}: expected its continuations right behind it, got "
-                    f"{line[:24].strip()!r}"
-                ]
+                f"{card or 'no entry'}: expected its continuations right behind it, got "
+                f"{line[:24].strip()!r}"
             )
         card.fields += fields
         card.mark = mark
@@ -186,7 +184,7 @@ def _include(line):
         return None
     name = re.match(r"(?i)include\s+['\"]?([^'\"]+)['\"]?\s*$", line)
     if not name:
-        raise MeshFault([f"expected an include in one line, got {line.strip()!r}"])
+        raise MeshFault(f"expected an include in one line, got {line.strip()!r}")
     return name[1].strip()
 
 

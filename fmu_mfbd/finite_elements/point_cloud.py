@@ -26,7 +26,7 @@ def read_nodes(
     scale: float = 1.0,
     axes: Sequence[str] = ("x", "y", "z"),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
-) -> tuple[Mesh, np.ndarray]:
+) -> Mesh:
     """Read nodes of a CSV file, and triangulate their surfaces with three-node triangles.
 
     The header is `node,x,y,z` or `node,x,y,z,sets`. `sets` contains names of surfaces, separated by
@@ -39,8 +39,8 @@ def read_nodes(
 
     Returns
     -------
-    Mesh, ndarray of int
-        Mesh without tetrahedra, and the nodes' numbers in the file.
+    Mesh
+        Without tetrahedra, with the nodes' numbers in the file.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def read_nodes(
             faces[name] = members[name][triangulate(points[mask], VIEWS[name])]
     if faults:
         raise MeshFault(faults)
-    return Mesh(points, np.empty((0, 10), dtype=np.int64), faces, members), labels
+    return Mesh(points, np.empty((0, 10), dtype=np.int64), faces, members, labels)
 
 
 def _table(path):
@@ -79,10 +79,7 @@ def _table(path):
     header = [name.strip().lower() for name in rows[0]] if rows else []
     if header not in (["node", "x", "y", "z"], ["node", "x", "y", "z", "sets"]):
         raise MeshFault(
-            [
-                f"{path}: expected a first row node,x,y,z or node,x,y,z,sets, got "
-                f"{','.join(header)!r}"
-            ]
+            f"{path}: expected a first row node,x,y,z or node,x,y,z,sets, got {','.join(header)!r}"
         )
     labels = []
     points = []
@@ -94,10 +91,10 @@ def _table(path):
             points.append([float(x), float(y), float(z)])
         except ValueError:
             what = f"expected a node number and three coordinates, got {','.join(row)!r}"
-            raise MeshFault([f"{path}, row {number}: {what}"]) from None
+            raise MeshFault(f"{path}, row {number}: {what}") from None
         sets.append(frozenset(names[0].split() if names else ()))
     if len(set(labels)) < len(labels):
-        raise MeshFault([f"{path}: expected different node numbers, got equal ones"])
+        raise MeshFault(f"{path}: expected different node numbers, got equal ones")
     return np.array(labels), np.array(points), sets
 
 

@@ -9,10 +9,10 @@ from ...master.fmi.cache import cache_folder
 from ...master.fmi.errors import BadInput
 from ...master.fmi.phases import phase
 from ...master.fmi.variables import Variable
-from ..finite_elements.deck import MeshFault
-from ..reduction.monoblock import Plan, free_block, read_block, reduce_monoblock
+from ..finite_elements.mesh import MeshFault, read_mesh
+from ..reduction.monoblock import Plan, free_block, reduce_monoblock
 from ..reduction.store import kept
-from .options import BuildMonoblock, read_monoblock
+from .options import FREE_MODES, BuildMonoblock, read_monoblock
 from .variables import variables
 
 Say = Callable[[str], None]
@@ -54,7 +54,8 @@ def prepare(
 
     def made():
         with phase("reducing monoblock"):
-            mesh = read_block(build.mesh, plan, build.mesh_unit, build.axes, build.origin, progress)
+            placed = build.mesh_unit, build.axes, build.origin
+            mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, progress)
             material = build.young, build.poisson, build.density
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
             return reduce_monoblock(body, plan, progress)
@@ -66,7 +67,7 @@ def prepare(
     except MeshFault as error:
         raise BadInput([f"{options['mesh']}: {fault}" for fault in error.faults]) from None
     except (ValueError, MemoryError) as error:
-        raise BadInput([str(error)]) from None
+        raise BadInput(str(error)) from None
     resolved = {
         "file": path.name,
         "cylinders": len(build.cylinder_z),
@@ -85,6 +86,6 @@ def plan_of(build: BuildMonoblock) -> Plan:
         grid=(build.bore.around, build.bore.axial),
         lower=build.bore_lower,
         upper=build.bore_upper,
-        free_modes=build.free_modes,
+        free_modes=FREE_MODES,
         modes=build.modes,
     )

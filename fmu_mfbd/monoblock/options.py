@@ -9,6 +9,9 @@ from ...master.fmi.errors import BadInput
 from ...master.fmi.option_classes import sentences
 from ..body_options import BoreFromOutside, Density, Length, Mass, Number, PlacedMesh, Pressure
 
+FREE_MODES = 10
+"""Number of lowest modes of the free block among all modes."""
+
 
 class BuildMonoblock(PlacedMesh):
     """Build options of the block FMU.
@@ -41,11 +44,9 @@ class BuildMonoblock(PlacedMesh):
     """Upper end of the bores' grids above the crank axis."""
     bore: BoreFromOutside = BoreFromOutside()
     """Grid of each bore, equal to block.bore_from_outside of the cylinders."""
-    free_modes: Annotated[int, Field(ge=1, le=100)] = 10
-    """Number of lowest modes of the free block."""
     modes: Annotated[int, Field(ge=2, le=400)] = 100
-    """Total number of modes: free modes, static responses to forces on deck, bearings and mounts,
-    and most compliant pressures on the bores.
+    """Total number of modes: ten free modes, static responses to forces on deck, bearings and
+    mounts, and most compliant pressures on the bores.
     """
 
     @field_validator("cylinder_z")
@@ -67,9 +68,9 @@ class BuildMonoblock(PlacedMesh):
     @model_validator(mode="after")
     def _enough(self):
         answers = 3 * len(self.cylinder_z) + 3 * self.mounts
-        if self.modes <= self.free_modes + answers:
+        if self.modes <= FREE_MODES + answers:
             raise ValueError(
-                f"modes: expected more than {self.free_modes} free modes and {answers} answers to "
+                f"modes: expected more than {FREE_MODES} free modes and {answers} answers to "
                 f"forces, got {self.modes}"
             )
         return self
@@ -89,5 +90,5 @@ def read_monoblock(options: dict[str, Any], folder: Path) -> BuildMonoblock:
         raise BadInput(sentences(error, BuildMonoblock)) from None
     path = (folder / build.mesh).resolve()
     if not path.is_file():
-        raise BadInput([f"mesh: expected a file in {folder}, got {build.mesh!r}"])
+        raise BadInput(f"mesh: expected a file in {folder}, got {build.mesh!r}")
     return build.model_copy(update={"mesh": str(path)})

@@ -54,10 +54,8 @@ class Monoblock(FieldSlave):
         )
         if self.model.loose():
             raise BadInput(
-                [
-                    "mount_1_stiffness_x, ..: expected mounts that hold all six directions or "
-                    "none, got others"
-                ]
+                "mount_1_stiffness_x, ..: expected mounts that hold all six directions or "
+                "none, got others"
             )
         cylinders = self._cylinders(values)
         state = self.model.start(cylinders)

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from ..finite_elements.element import Sparse, each_direction, rigid_motions
 from ..finite_elements.faces import surface_matrix
 from ..finite_elements.matrices import FullModel, assembled
-from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
+from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
 from .bases import (
@@ -244,12 +244,6 @@ def reduce_monoblock(
     size = body.K.shape[0]
     pushed = [one.reshape(-1, size) for one in (read.deck, read.bearing, read.mount)]
     rows = np.concatenate(pushed)
-    least = plan.free_modes + len(rows)
-    if plan.modes <= least:
-        raise ValueError(
-            f"modes: expected more than {plan.free_modes} free modes and {len(rows)} answers to "
-            f"forces, got {plan.modes}"
-        )
     elastic = inertia_relief(body, factors)
     progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")
     first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(rows.T)])
@@ -274,15 +268,3 @@ def reduce_monoblock(
         heights=np.linspace(plan.lower, plan.upper, plan.grid[1]),
         radius=read.radius,
     )
-
-
-def read_block(
-    path: str, plan: Plan, unit: float, axes: Sequence[str], origin: Sequence[float], say: Say
-) -> Mesh:
-    """Read the block's mesh with all its surfaces.
-
-    Raises
-    ------
-    MeshFault
-    """
-    return read_mesh(path, dict.fromkeys(plan.surfaces()), unit, axes, origin, say)

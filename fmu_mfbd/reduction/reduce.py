@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -217,7 +217,7 @@ def reduce_piston(
     mesh, K, M = full_model(options, ("skirt", "crown", "pin_bore"), progress)
     east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
     mass = float(east @ (M @ east))
-    _check(piston_faults(mesh, mass, options.pin_offset), options)
+    refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
     axis, _ = pin_bore(mesh)
@@ -303,7 +303,7 @@ def reduce_block(
         As for `reduce_piston`.
     """
     mesh, K, M = full_model(options, ("bore", "bolts"), progress)
-    _check(block_faults(mesh), options)
+    refuse(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -332,8 +332,8 @@ def reduce_block(
     return Reduced(body, _anatomy(mesh, mesh.points, shapes, options), properties, left)
 
 
-def _check(faults: list[str], options: Piston | Block) -> None:
-    """Raise MeshFault with the faults, if there are any."""
+def refuse(faults: list[str], options: Piston | Block) -> None:
+    """Raise a `MeshFault` with the faults of a body's mesh, if there are any."""
     if faults:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
@@ -356,6 +356,22 @@ def _properties(position, M, skirt):
     return MeshProperties(rigid.T @ (M @ rigid), len(skirt), skirt)  # Eq. (J8)
 
 
+def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
+    """Read the mesh or the nodes of a body with surfaces; `options` of piston, block or small end.
+
+    Raises
+    ------
+    MeshFault
+    """
+    path = Path(options.mesh or "")
+    regions = {name: surface.region() for name, surface in options.surfaces.items()}
+    surfaces = dict.fromkeys(names) | regions
+    placed = options.mesh_unit, options.axes, options.origin
+    if path.suffix == ".csv":
+        return read_nodes(path, surfaces, *placed)
+    return read_mesh(path, surfaces, *placed, say)
+
+
 def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> FullModel:
     """Return a body with the named surfaces and its matrices, from elements or from files.
 
@@ -364,29 +380,19 @@ def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> 
     MeshFault
         If mesh or matrices are wrong.
     """
-    path = Path(options.mesh or "")
-    regions = {name: surface.region() for name, surface in options.surfaces.items()}
-    surfaces = dict.fromkeys(names) | regions
-    if path.suffix == ".csv":
-        mesh, labels = read_nodes(path, surfaces, options.mesh_unit, options.axes, options.origin)
-    else:
-        mesh = read_mesh(path, surfaces, options.mesh_unit, options.axes, options.origin, progress)
-        labels = None
+    mesh = read_surfaces(options, names, progress)
     freedoms = 3 * len(mesh.points)
     if not (options.stiffness and options.mass):
         progress(f"assembling {freedoms} degrees of freedom")
         # options without matrices have a material
         assert options.young and options.density and options.poisson is not None
         return assembled(mesh, options.young, options.poisson, options.density)
+    labels = mesh.labels
     if labels is None:
-        if mesh.labels is None:
-            raise MeshFault(
-                [
-                    f"{path}: expected nodes with numbers for the matrices, got linear tetrahedra "
-                    "or several instances"
-                ]
-            )
-        labels = mesh.labels
+        raise MeshFault(
+            f"{options.mesh}: expected nodes with numbers for the matrices, got linear tetrahedra "
+            "or several instances"
+        )
     progress(f"reading matrices of {freedoms} degrees of freedom")
     turn = sp.kron(sp.identity(len(mesh.points)), axes_matrix(options.axes), format="csr")
     K = turn @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ turn.T
@@ -417,10 +423,8 @@ def ends(mesh, name, lower, upper):
     slack = (most - least) / 100
     if lower < least - slack or upper > most + slack:
         raise MeshFault(
-            [
-                f"{name}_lower, {name}_upper: expected within surface '{name}', {least:g} to "
-                f"{most:g} m, got {lower:g}, {upper:g} m"
-            ]
+            f"{name}_lower, {name}_upper: expected within surface '{name}', {least:g} to "
+            f"{most:g} m, got {lower:g}, {upper:g} m"
         )
     return lower, upper
 

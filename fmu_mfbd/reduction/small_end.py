@@ -4,13 +4,12 @@ The small end is the eye with a part of the shank. The rigid rod fixes the shank
 modes do not depend on the motion of the rod.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from ..finite_elements.matrices import FullModel
-from ..finite_elements.mesh import Mesh, MeshFault, read_mesh
-from ..finite_elements.regions import Region
+from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import film_rows
 from .bases import Elastic, orthonormal_modes
@@ -22,24 +21,6 @@ Say = Callable[[str], None]
 
 EYE, CUT = "eye", "cut"
 """Surfaces of the mesh: the bore about z, and the section where the rod fixes the shank."""
-
-
-def read_small_end(
-    path: str,
-    regions: Mapping[str, Region],
-    unit: float,
-    axes: Sequence[str],
-    origin: Sequence[float],
-    say: Say,
-) -> Mesh:
-    """Read the small end's mesh with its two surfaces; arguments as for `read_mesh`.
-
-    Raises
-    ------
-    MeshFault
-    """
-    surfaces: dict[str, Region | None] = dict.fromkeys((EYE, CUT))
-    return read_mesh(path, surfaces | dict(regions), unit, axes, origin, say)
 
 
 def eye_shell(mesh: Mesh, film: EyeFilm) -> Shells:
@@ -90,10 +71,8 @@ def held_at_cut(body: FullModel, factors: Factorise = factorise) -> Elastic:
     place = body.mesh.points[held] - body.mesh.points[held].mean(axis=0)
     if len(held) < 3 or np.linalg.matrix_rank(place, tol=1e-9) < 2:
         raise MeshFault(
-            [
-                f"small end: surface '{CUT}': expected nodes off one line, got {len(held)} nodes "
-                "on a line"
-            ]
+            f"small end: surface '{CUT}': expected nodes off one line, got {len(held)} nodes "
+            "on a line"
         )
     return Elastic(body.K, body.M, held, factors)
 

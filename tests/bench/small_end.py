@@ -22,13 +22,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.reduction.small_end import (
     EyeFilm,
     eye_shell,
     held_at_cut,
-    read_small_end,
     reduce_small_end,
 )
 from piston_cosim.master.case.reading import find_case
@@ -89,7 +89,7 @@ def known_pressures(results):
 
 def main():
     """Both tables."""
-    mesh = read_small_end(str(PATH), {}, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), print)
+    mesh = read_mesh(PATH, dict.fromkeys(("eye", "cut")))
     body = assembled(mesh, *STEEL)
     factors = Once()
     elastic = held_at_cut(body, factors)

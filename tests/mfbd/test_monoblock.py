@@ -26,12 +26,12 @@ from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.monoblock import Cylinder, MountedMonoblock, Mounting
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.monoblock.build import declared_variables
 from piston_cosim.fmu_mfbd.reduction.monoblock import (
     Plan,
     free_block,
     held_by,
-    read_block,
     readings,
     reduce_monoblock,
 )
@@ -55,7 +55,7 @@ class Whole(NamedTuple):
 
 @pytest.fixture(scope="module")
 def whole():
-    mesh = read_block(str(MESH), PLAN, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), lambda text: None)
+    mesh = read_mesh(MESH, dict.fromkeys(PLAN.surfaces()))
     body = free_block(mesh, (YOUNG, POISSON, DENSITY), HEAD, CRANK)
     return Whole(body, reduce_monoblock(body, PLAN, lambda text: None))
 
@@ -489,7 +489,7 @@ def test_bores_that_are_not_there_are_refused():
         (PLAN._replace(cylinder_z=(-0.06, 0.065)), "cylinder_z"),
         (PLAN._replace(upper=0.38), "bore_upper"),
     ):
-        mesh = read_block(str(MESH), plan, 1.0, ("x", "y", "z"), (0.0, 0.0, 0.0), lambda text: None)
+        mesh = read_mesh(MESH, dict.fromkeys(plan.surfaces()))
         with pytest.raises(Exception, match=told):
             readings(mesh, plan)
 
