@@ -161,8 +161,8 @@ def prepare(real, integer, given):
     machine(given, p)
     widen(given, p)
     system = given.system
-    keep(system.piston.damping, modal_springs(given.piston_omega, given.bands, p).damping)
-    keep(system.block.damping, modal_springs(given.block_omega, given.bands, p).damping)
+    keep(system.piston.damping, modal_springs(given.piston_omega, p).damping)
+    keep(system.block.damping, modal_springs(given.block_omega, p).damping)
     if has_pins(given):
         machine_pins(given, p)
 

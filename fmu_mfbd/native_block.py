@@ -18,7 +18,7 @@ from .dynamics.assembly import (
 )
 from .dynamics.contradictions import Fit, pin_radius
 from .dynamics.gas_on_bore import BoreWall
-from .dynamics.modal_damping import DampingBands, modal_springs
+from .dynamics.modal_damping import modal_springs
 from .dynamics.parameters import CRANK_PARAMETERS, Parameters, PinParameters
 from .dynamics.pin_coordinates import Crankshaft, PinBodies
 from .dynamics.pin_films import PinSystem
@@ -137,7 +137,6 @@ class BodySetup(NamedTuple):
     heights: Vector
     widening: Matrix
     inverse: Matrix
-    bands: DampingBands
     gas: GasCurve
     start_position: Vector
     start_velocity: Vector
@@ -245,7 +244,7 @@ def pin_system_of(given: BodySetup, system: BodySystem) -> PinSystem:
         system.mechanism,
         pin_spin_inertia(settings.pin_mass, radius, settings.pin_inertia),
         AxisShapes(none, none, none, none, none),
-        modal_springs(given.eye_omega, given.bands, settings),
+        modal_springs(given.eye_omega, settings),
         Crankshaft(
             x.has_big_end,
             x.has_main_bearing,

@@ -11,7 +11,6 @@ from ..master.fmi.slave import PRODUCT, SEED, reserved
 from .dynamics.assembly import (
     ReducedBodies,
     assemble_system,
-    bands,
     body_faults,
     fit_of,
     load_bodies,
@@ -100,7 +99,6 @@ def _begun(slave: Any, options: BuildOptions, bodies: ReducedBodies) -> BodySetu
         heights=block.heights,
         widening=np.broadcast_to(widening, (len(angle), len(block.heights))),
         inverse=knot_rule(len(block.heights)),
-        bands=bands(options),
         gas=GasCurve(gas.angle, gas.pressure, gas.cycle) if gas else GasCurve(none, none, 0.0),
         start_position=begin.position() if begin else np.zeros(n),
         start_velocity=begin.velocity() if begin else np.zeros(n),

@@ -23,7 +23,6 @@ from .body_options import (
     Block,
     Count,
     Density,
-    Frequency,
     Inertia,
     Length,
     Number,
@@ -88,16 +87,6 @@ class Speed(Table):
         if (self.time_unit is None) == (self.angle_unit is None):
             raise ValueError("expected either time_unit or angle_unit, got both or neither")
         return self
-
-
-class Band(BaseModel):
-    """Modal damping ratio above a frequency, up to the next band."""
-
-    model_config = STRICT
-    above: Annotated[Frequency, Field(ge=0)]
-    """Lowest frequency of the band."""
-    ratio: Annotated[Number, Field(ge=0, le=2)]
-    """Modal damping ratio."""
 
 
 class FilmSurface(BaseModel):
@@ -244,21 +233,6 @@ class Common(BaseModel):
     """The block moves on mounts. Another participant provides block_acceleration_x and other
     inputs, and receives force_on_block_x and other outputs.
     """
-    damping_bands: list[Band] = []
-    """Modal damping by frequency. It replaces damping_ratio, high_frequency_damping_ratio and
-    damping_transition_frequency.
-    """
-
-    @field_validator("damping_bands")
-    @classmethod
-    def _rising(cls, bands):
-        if not bands:
-            return bands
-        rising = all(a.above < b.above for a, b in zip(bands, bands[1:]))
-        if bands[0].above != 0.0 or not rising:
-            got = ", ".join(f"{band.above:g}" for band in bands)
-            raise ValueError(f"expected rising bands from 0 Hz, got {got} Hz")
-        return bands
 
     @model_validator(mode="after")
     def _of_floating_pin(self):

@@ -27,7 +27,7 @@ from .clearance import surfaces
 from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import bore_wall
-from .modal_damping import DampingBands, ModalSprings, modal_springs
+from .modal_damping import ModalSprings, modal_springs
 from .model import Crank, PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
 from .parameters import (
@@ -134,7 +134,7 @@ def assemble_system(
 ) -> BodySystem:
     """Return both bodies, the mechanism and the films of a skirt."""
     parts = parted_piston(piston, options, parameters)
-    springs = modal_springs(block.omega, bands(options), parameters)
+    springs = modal_springs(block.omega, parameters)
     k = _moving(block, parameters)
     return BodySystem(
         piston=parts.moving,
@@ -178,14 +178,14 @@ def assemble_floating(
     radius = pin_radius(piston.radius, parameters)
     crank = crank or {}
     eye_omega = small_end.eye_omega if small_end else np.zeros(0)
-    eye = modal_springs(eye_omega, bands(options), parameters)
+    eye = modal_springs(eye_omega, parameters)
     spin = pin_spin_inertia(parameters.pin_mass, radius, pin.pin_inertia)
     shapes = STRAIGHT
     films = pin_surfaces(options, radius, pin, crank, bosses, small_end)
     if axis:
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
         spin = pin.pin_inertia or beam.pin.spin_inertia()
-        shapes = beam.shapes(modal_springs(beam.omega, bands(options), parameters).damping)
+        shapes = beam.shapes(modal_springs(beam.omega, parameters).damping)
         films = with_shapes(films, options.floating_pin, bosses, beam, axis)
     return PistonOnFloatingPin(
         assemble(piston, block, options, parameters),
@@ -335,14 +335,6 @@ def assemble_in_space(
     return PistonInSpace(planar, bodies)
 
 
-def bands(options: BuildOptions) -> DampingBands:
-    """Return the damping bands of the build table."""
-    each = options.damping_bands
-    return DampingBands(
-        np.array([band.above for band in each]), np.array([band.ratio for band in each])
-    )
-
-
 def faults(
     piston: ReducedPiston,
     block: ReducedBlock,
@@ -458,7 +450,7 @@ def parted_piston(
 ) -> PistonParts:
     """Return the piston with the modes up to the quasi-static frequency, and the faster ones."""
     k = _moving(piston, parameters)
-    springs = modal_springs(piston.omega, bands(options), parameters)
+    springs = modal_springs(piston.omega, parameters)
     contiguous = np.ascontiguousarray
     moving = FlexibleBody(
         mass=piston.mass,

@@ -65,14 +65,6 @@ class BlockOptions:
 
 
 @dataclass(frozen=True)
-class DampingBand:
-    """Modal damping ratio [-] from a frequency on [Hz], to the next band."""
-
-    above: float
-    ratio: float
-
-
-@dataclass(frozen=True)
 class SurfaceOptions:
     """A film surface: rows of the film grid that a film of its own takes.
 
@@ -188,9 +180,6 @@ class BuildOptions:
         In place of the input `crank_speed`.
     start : StartState, optional
         In place of the parameters start_*.
-    damping_bands : tuple of DampingBand
-        In place of the parameters damping_ratio, high_frequency_damping_ratio and
-        damping_transition_frequency, unless empty; the first begins at 0 Hz.
     skirt : list of list of int, optional
         Cells of the film grid with the skirt under them (1) and without (0), one row a
         circumferential cell, for who builds a film to it; None where it is not known, or whole.
@@ -212,7 +201,6 @@ class BuildOptions:
     gas: GasTable | None = None
     speed: SpeedTable | None = None
     start: StartState | None = None
-    damping_bands: tuple[DampingBand, ...] = ()
     skirt: list[list[int]] | None = None
     surfaces: tuple[SurfaceOptions, ...] = ()
     floating_pin: FloatingPin | None = None

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .slider_crank import CrankMotion, LateralMotion, Mechanism
+from .slider_crank import CrankMotion, LateralMotion, Mechanism, height
 
 
 class Carrier(NamedTuple):
@@ -105,10 +105,8 @@ def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> M
     px_velocity = -py * crank.speed
     py_velocity = px * crank.speed
     x = mechanism.offset + lateral.position
-    xi = x - px
-    f = np.sqrt(mechanism.rod_length**2 - xi**2)
-    y = py + f  # Eq. (K1)
-    y_velocity = py_velocity - xi / f * (lateral.velocity - px_velocity)
+    y, slope, lever = height(mechanism, lateral.position, crank.angle)
+    y_velocity = slope * lateral.velocity + lever * crank.speed
     return MechanismMotion(
         px,
         py,

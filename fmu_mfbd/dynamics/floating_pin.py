@@ -43,9 +43,7 @@ from .piston_motion import LATERAL, ROCKING, Load
 from .slider_crank import (
     CrankMotion,
     Link,
-    RodTurn,
     motion,
-    rod_turn,
 )
 
 NO_FILM = PinResultants(np.zeros(2), 0.0, 0.0)
@@ -90,7 +88,6 @@ class PinKinematics(NamedTuple):
     ----------
     link : Link
         Of the rod's eye from the place of its big end.
-    rod : RodTurn
     axes : ndarray, shape (2, 2)
         R, from the piston's axes to space.
     piston, pin, shift, rod_centre, crank : ndarray, shape (2,)
@@ -101,7 +98,6 @@ class PinKinematics(NamedTuple):
     """
 
     link: Link
-    rod: RodTurn
     axes: np.ndarray
     piston: np.ndarray
     pin: np.ndarray
@@ -181,7 +177,6 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
     first = layout(bodies)
     eye = eye_motion(first, now)
     link = motion(mechanism, eye, crank)
-    rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
     axes = turned(now.position[ROCKING])
     a = now.acceleration
     # Eq. (K25)
@@ -209,7 +204,7 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
     )
     pin = pair(a[LATERAL] + a[BOSS_X], high)
     journal = play_at(first.main_bearing, a)
-    return PinKinematics(link, rod, axes, piston, pin, shift, rod_centre, journal, frame)
+    return PinKinematics(link, axes, piston, pin, shift, rod_centre, journal, frame)
 
 
 @compilable
@@ -264,7 +259,7 @@ def imbalance(
     pin_y = mechanism.pin_mass * at.pin[1]
     above_eye = on_piston[1] + pin_y
     carried = mechanism.rod_centre * mechanism.rod_mass
-    sideways = link.slope * above_eye + link.rod_force - at.rod.slope * on_rod(films)
+    sideways = link.slope * above_eye + link.rod_force - link.rod.slope * on_rod(films)
     sideways += carried * (at.shift[0] + link.slope * at.shift[1])
     boss = films.bosses.force
     in_eye = films.eye.force
@@ -310,7 +305,7 @@ def imbalance(
             residual[first.main_bearing + way] = journal
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
-    torque = above_eye * lever + link.rod_moment - on_rod(films) * at.rod.lever
+    torque = above_eye * lever + link.rod_moment - on_rod(films) * link.rod.lever
     onward = across(towards)
     behind = (1 - mechanism.rod_centre) * mechanism.crank_radius
     by_centre = pair(behind * onward[0], behind * onward[1] + mechanism.rod_centre * lever)
@@ -372,23 +367,20 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: Pushes) -> np.
 
 
 @compilable
-def pushed(
-    first: Layout, link: Link, rod: RodTurn, films: PinFilms, on_piston: Pushes
-) -> np.ndarray:
+def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Pushes) -> np.ndarray:
     """Return what changes of the forces add to the residual of Eq. (D21), shape (7 + k + 2 n,).
 
     Parameters
     ----------
     first : Layout
     link : Link
-    rod : RodTurn
     films : PinFilms
         Changes.
     on_piston : Pushes
         Changes.
     """
     along = on_piston.axial
-    sideways = -link.slope * along - rod.slope * on_rod(films)
+    sideways = -link.slope * along - link.rod.slope * on_rod(films)
     out = generalised_forces(first, films, on_piston)
     for k in range(len(out)):
         out[k] = -out[k]

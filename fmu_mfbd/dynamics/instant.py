@@ -36,7 +36,7 @@ from .piston_motion import (
 )
 from .quasi_static import STILL, Ride, follow, static_coordinates
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
-from .slider_crank import carried_mass, height, motion, rod_turn
+from .slider_crank import carried_mass, height, motion
 from .system import BodySystem, OtherForces, StepProblem
 
 
@@ -149,9 +149,7 @@ def end_of_step(
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     impact = limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
-    rod = rod_turn(
-        mechanism, end.position[LATERAL], end.velocity[LATERAL], crank.angle, crank.speed
-    )
+    rod = motion(mechanism, lateral_motion(end), crank).rod
     now = height(mechanism, end.position[LATERAL], crank.angle)
     axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
     films = skirt_films(system, guided, forces, parts, axial_velocity, end.position, end.velocity)

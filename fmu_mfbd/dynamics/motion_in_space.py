@@ -21,7 +21,7 @@ from ..geometry.pin import across, turned
 from .generalised_alpha import Motion
 from .pin_friction import friction_moment
 from .piston_motion import LATERAL, ROCKING, lateral_motion
-from .slider_crank import CrankMotion, Link, Mechanism, RodTurn, carried_mass, motion, rod_turn
+from .slider_crank import CrankMotion, Link, Mechanism, carried_mass, motion
 
 SHIFT, ROLL, YAW = 2, 3, 4
 """Coordinates beside x_A and the rocking angle."""
@@ -134,14 +134,13 @@ class Spin(NamedTuple):
 
 
 class SpaceKinematics(NamedTuple):
-    """Positions of all parts: link, rod, axes R (2, 2), and acceleration of A (2,) in space.
+    """Positions of all parts: link, axes R (2, 2), and acceleration of A (2,) in space.
 
     It also has the piston without and with the pin, which turns with it except for the rocking
     angle.
     """
 
     link: Link
-    rod: RodTurn
     axes: np.ndarray
     of_A: np.ndarray
     spin: Spin
@@ -266,7 +265,6 @@ def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinem
     mechanism = bodies.mechanism
     q, dq, ddq = now
     link = motion(mechanism, lateral_motion(now), crank)
-    rod = rod_turn(mechanism, q[LATERAL], dq[LATERAL], crank.angle, crank.speed)
     axes = turned(q[ROCKING])
     # Eq. (K18)
     of_A = np.array([ddq[LATERAL], link.axial_acceleration])
@@ -277,7 +275,7 @@ def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinem
         velocity=np.array([dq[ROLL], dq[YAW], w]),
         change=np.array([ddq[ROLL] - w * dq[YAW], ddq[YAW] + w * dq[ROLL], ddq[ROCKING]]),
     )
-    return SpaceKinematics(link, rod, axes, of_A, spin, with_pin(bodies))
+    return SpaceKinematics(link, axes, of_A, spin, with_pin(bodies))
 
 
 def with_pin(bodies: SpaceBodies) -> SpaceBody:
@@ -321,7 +319,7 @@ def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMot
     # Eq. (D27)
     on_piston = at.axes @ in_plane - [load.lateral, load.axial]
     pull = on_piston + mechanism.pin_mass * at.of_A
-    slip = now.velocity[ROCKING] - at.rod.velocity
+    slip = now.velocity[ROCKING] - at.link.rod.velocity
     pin_x, pin_y = on_piston
     friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip).moment
     q = now.position
@@ -330,7 +328,7 @@ def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMot
     stopped = _held(bodies, now)
     along, about_x, about_y = np.concatenate([one.force for one in stopped])
     load_z, load_roll, load_yaw = load.across
-    rod_force = at.link.rod_force + friction * at.rod.slope
+    rod_force = at.link.rod_force + friction * at.link.rod.slope
     square = roll * (pull_y - load.guided) - yaw * pull_x
     z = q[SHIFT]
     arm = bodies.pin_offset + q[LATERAL]
@@ -345,7 +343,7 @@ def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMot
     )
     lever = at.link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
-    torque = pull_y * lever + at.link.rod_moment + friction * at.rod.lever
+    torque = pull_y * lever + at.link.rod_moment + friction * at.link.rod.lever
     holding = -np.array([along, about_x, about_y])
     return Lack(residual, on_piston, friction, pull, holding, float(torque))
 
@@ -373,7 +371,7 @@ def tangent(
     mechanism = bodies.mechanism
     at = place_of(bodies, now, crank)
     link = at.link
-    rod = at.rod
+    rod = at.link.rod
     unit = np.eye(COORDINATES)
     lateral, rocking, shift, roll, yaw = unit
     roll_now, yaw_now, _ = at.spin.tilt
@@ -436,7 +434,7 @@ def pushed(
     """Return the change of the residual (Eq. (D27)) with a change of the load, (5,)."""
     at = place_of(bodies, now, crank)
     lack = imbalance(bodies, load, now, crank)
-    slip = now.velocity[ROCKING] - at.rod.velocity
+    slip = now.velocity[ROCKING] - at.link.rod.velocity
     pin_x, pin_y = lack.on_piston
     friction = friction_moment(bodies.mechanism.friction, float(pin_x), float(pin_y), slip)
     roll, yaw, _ = at.spin.tilt
@@ -447,7 +445,7 @@ def pushed(
     arm = bodies.pin_offset + now.position[LATERAL]
     out = np.array(
         [
-            pull_x + at.link.slope * pull_y + at.rod.slope * rubbing,
+            pull_x + at.link.slope * pull_y + at.link.rod.slope * rubbing,
             -rubbing - turning,
             yaw * pull_x - roll * (pull_y - change.guided),
             -z * (pull_y - change.guided),

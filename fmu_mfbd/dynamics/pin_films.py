@@ -16,14 +16,12 @@ from ..geometry.pin import (
     Yielding,
     across,
     in_axes,
-    leaning,
     modal_push,
     opening_of,
     pair,
     power_on_grid,
     resultants_on,
     slope_push,
-    with_slopes,
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
@@ -85,7 +83,8 @@ def resultants_of(
     moment = 0.0
     for m in range(len(push)):
         moment += push[m] * modal[m]
-    return with_slopes(found, moment)
+    on_pin = found.on_pin + moment
+    return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
 
 
 @compilable
@@ -228,13 +227,12 @@ def gap_of(
     first: Layout, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
 ) -> np.ndarray:
     """Return the film thickness of film k, (c, a) [m]."""
-    gap = opening_of(surface, in_axes(shell.axes, shell.place))
+    gap = opening_of(surface, in_axes(shell.axes, shell.place), own_bent(shell).position)
     opened = yielded(surface, shell_modes_of(first, coordinates, k))
-    leans = leaning(surface, own_bent(shell).position)
     around, along = gap.shape
     for i in range(around):
         for j in range(along):
-            gap[i, j] = surface.clearance[j] + gap[i, j] + opened[i, j] + leans[i, j]
+            gap[i, j] = surface.clearance[j] + gap[i, j] + opened[i, j]
     return gap
 
 
@@ -308,16 +306,13 @@ def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -
             shell.axes,
             pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
         )
-        gap = opening_of(surface, way)
+        more = of_shapes(at, moved.position)
+        gap = opening_of(surface, way, turned_back(shell, shell.bent.position, more, turn))
         opened = yielded(surface, shell_modes_of(at, moved.position, k))
-        leans = np.zeros(gap.shape)
-        if surface.axis.shape[1] > 0:
-            more = of_shapes(at, moved.position)
-            leans = leaning(surface, turned_back(shell, shell.bent.position, more, turn))
         around, along = gap.shape
         for i in range(around):
             for j in range(along):
-                gaps[first + i * along + j] = gap[i, j] + opened[i, j] + leans[i, j]
+                gaps[first + i * along + j] = gap[i, j] + opened[i, j]
                 velocities[first + i * along + j] = surface.radius * by_motion.turning
         first += gap.size
     return FilmChange(gaps, velocities)

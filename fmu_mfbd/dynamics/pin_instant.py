@@ -15,7 +15,7 @@ from ..geometry.surfaces import pin_surface_at
 from .elimination import LUFactors, factorise, substitute
 from .energy import EnergyLedger
 from .floating_pin import Lack, PinFilms, Pushes, generalised_forces, imbalance, on_rod
-from .generalised_alpha import Coefficients, Motion, predict
+from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_coordinates import (
@@ -71,86 +71,43 @@ class PinSolution(NamedTuple):
     change: float
 
 
-class PinScalars(NamedTuple):
-    """Scalar outputs of pin, eye and crank, as `drive.Scalars`; 0 if their part is absent."""
+def _both(name, unit, description, nominal):
+    """Return an output along x and one along y: name, unit, description, nominal value."""
+    return [(f"{name}_{axis}", unit, f"{description} along {axis}", nominal) for axis in "xy"]
 
-    pin_displacement_x: Annotated[
-        float, "m", "Displacement of the pin axis from the axis of the bosses along x", 1e-5
-    ]
-    pin_displacement_y: Annotated[
-        float, "m", "Displacement of the pin axis from the axis of the bosses along y", 1e-5
-    ]
-    small_end_displacement_x: Annotated[
-        float, "m", "Displacement of the pin axis from the axis of the small end along x", 1e-5
-    ]
-    small_end_displacement_y: Annotated[
-        float, "m", "Displacement of the pin axis from the axis of the small end along y", 1e-5
-    ]
-    pin_angle: Annotated[float, "rad", "Rotation angle of the pin about +z", 1.0]
-    pin_rotation_speed: Annotated[float, "rad/s", "Angular velocity of the pin about +z", 10.0]
-    small_end_force_x: Annotated[float, "N", "Force of the pin on the rod along x", 1e3]
-    small_end_force_y: Annotated[float, "N", "Force of the pin on the rod along y", 1e3]
-    small_end_friction_moment: Annotated[
-        float, "N.m", "Friction moment of the pin on the rod about +z", 0.1
-    ]
-    pin_tilt_x: Annotated[float, "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4]
-    pin_tilt_y: Annotated[float, "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4]
-    pin_bending_x: Annotated[
-        float,
-        "m",
-        "Displacement of the floating pin at mid-length from the mean of both ends along x",
-        1e-5,
-    ]
-    pin_bending_y: Annotated[
-        float,
-        "m",
-        "Displacement of the floating pin at mid-length from the mean of both ends along y",
-        1e-5,
-    ]
-    small_end_widening_across: Annotated[
-        float, "m", "Change of the small-end diameter at mid-length, across the rod", 1e-5
-    ]
-    small_end_widening_along: Annotated[
-        float, "m", "Change of the small-end diameter at mid-length, along the rod", 1e-5
-    ]
-    big_end_displacement_x: Annotated[
-        float,
-        "m",
-        "Displacement of the crank pin from the middle of the rod's big end along x",
-        1e-5,
-    ]
-    big_end_displacement_y: Annotated[
-        float,
-        "m",
-        "Displacement of the crank pin from the middle of the rod's big end along y",
-        1e-5,
-    ]
-    big_end_force_x: Annotated[float, "N", "Force of the crank pin on the rod along x", 1e3]
-    big_end_force_y: Annotated[float, "N", "Force of the crank pin on the rod along y", 1e3]
-    big_end_friction_moment: Annotated[
-        float, "N.m", "Friction moment of the crank pin on the rod about +z", 0.1
-    ]
-    main_bearing_displacement_x: Annotated[
-        float,
-        "m",
-        "Displacement of the main journal from the middle of the main bearing along x",
-        1e-5,
-    ]
-    main_bearing_displacement_y: Annotated[
-        float,
-        "m",
-        "Displacement of the main journal from the middle of the main bearing along y",
-        1e-5,
-    ]
-    main_bearing_force_x: Annotated[
-        float, "N", "Force of the main journal on the block along x", 1e3
-    ]
-    main_bearing_force_y: Annotated[
-        float, "N", "Force of the main journal on the block along y", 1e3
-    ]
-    main_bearing_friction_moment: Annotated[
-        float, "N.m", "Friction moment of the main journal on the block about +z", 0.1
-    ]
+
+def _displacement(name, what):
+    return _both(f"{name}_displacement", "m", f"Displacement of {what}", 1e-5)
+
+
+def _force(name, what):
+    moment = f"{name}_friction_moment", "N.m", f"Friction moment of {what} about +z", 0.1
+    return [*_both(f"{name}_force", "N", f"Force of {what}", 1e3), moment]
+
+
+BENDING = "Displacement of the floating pin at mid-length from the mean of both ends"
+WIDENING = "Change of the small-end diameter at mid-length, {} the rod"
+PIN_OUTPUTS = (
+    *_displacement("pin", "the pin axis from the axis of the bosses"),
+    *_displacement("small_end", "the pin axis from the axis of the small end"),
+    ("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
+    ("pin_rotation_speed", "rad/s", "Angular velocity of the pin about +z", 10.0),
+    *_force("small_end", "the pin on the rod"),
+    ("pin_tilt_x", "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4),
+    ("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
+    *_both("pin_bending", "m", BENDING, 1e-5),
+    ("small_end_widening_across", "m", WIDENING.format("across"), 1e-5),
+    ("small_end_widening_along", "m", WIDENING.format("along"), 1e-5),
+    *_displacement("big_end", "the crank pin from the middle of the rod's big end"),
+    *_force("big_end", "the crank pin on the rod"),
+    *_displacement("main_bearing", "the main journal from the middle of the main bearing"),
+    *_force("main_bearing", "the main journal on the block"),
+)
+"""Scalar outputs of pin, eye and crank: name, unit, description, nominal value."""
+
+DECLARED = [(name, Annotated[float, *row]) for name, *row in PIN_OUTPUTS]
+PinScalars = NamedTuple("PinScalars", DECLARED)
+"""Their values, as `drive.Scalars`; 0 if their part is absent."""
 
 
 class PinInstant(NamedTuple):
@@ -175,12 +132,6 @@ class PinInstant(NamedTuple):
     work_error: np.ndarray
     scalars: PinScalars
     factors: LUFactors
-
-
-# ---- shells
-
-
-# ---- forces
 
 
 @compilable
@@ -214,16 +165,8 @@ def reach_of(c: Coefficients, n: int) -> Reach:
     return out
 
 
-class Predicted(NamedTuple):
-    """End of a step without accelerations: position, velocity, auxiliary acceleration."""
-
-    position: np.ndarray
-    velocity: np.ndarray
-    auxiliary: np.ndarray
-
-
 @compilable
-def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Predicted:
+def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Prediction:
     """Return the end of a step without accelerations.
 
     Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, b, m, modes and shapes by Eq. (N8)
@@ -237,7 +180,7 @@ def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Pred
             # Eq. (N9)
             found.position[k] = before.position[k] + c.step * before.velocity[k]
             found.velocity[k] = before.velocity[k]
-    return Predicted(found.position, found.velocity, found.auxiliary)
+    return found
 
 
 @compilable
@@ -254,7 +197,7 @@ def largest(values: np.ndarray) -> float:
 @compilable
 def solved(
     of: PinSystem,
-    predicted: Predicted,
+    predicted: Prediction,
     begun: np.ndarray,
     reach: Reach,
     load: Load,
@@ -503,6 +446,3 @@ def end_of_pin_step(
         pin_scalars(bodies.shapes, pin_surface_at(of.surfaces, EYE), at, kept, films),
         found.factors,
     )
-
-
-# ---- its derivative

@@ -16,7 +16,7 @@ from .pin_instant import reach_of
 from .piston_motion import LATERAL, ROCKING
 from .response import Response, StepEnd
 from .skirt_films import Change, forces_by_film, skirt_changes, together
-from .slider_crank import motion, rod_turn
+from .slider_crank import motion
 from .system import RingForce
 
 
@@ -77,10 +77,8 @@ def respond_pin(
         skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
         total(skirt.piston, by.on_piston),
     )
-    now = eye_motion(at, end)
-    link = motion(mechanism, now, crank)
-    rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
-    right = pushed(at, link, rod, films, changes)
+    link = motion(mechanism, eye_motion(at, end), crank)
+    right = pushed(at, link, films, changes)
     # Eq. (D23)
     acceleration = substitute(last.factors, right)
     reach = reach_of(last.coefficients, n)

@@ -21,7 +21,7 @@ from .pin_coordinates import (
     play_at,
 )
 from .piston_motion import ROCKING
-from .slider_crank import CrankMotion, Mechanism, rod_turn
+from .slider_crank import CrankMotion, Mechanism, motion
 
 EYE = PIN_SURFACES.index("small_end")
 """Number of the eye's film; those of the bosses come before it, those of the crank after."""
@@ -69,7 +69,7 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
             Bent(of_shapes(first, position), of_shapes(first, velocity)),
         )
     eye = eye_motion(first, now)
-    rod = rod_turn(mechanism, eye.position, eye.velocity, crank.angle, crank.speed)
+    rod = motion(mechanism, eye, crank).rod
     aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
     sine = -aside / mechanism.rod_length  # Eq. (K3)
     axes = axes_of(np.sqrt(1.0 - sine**2), sine)
@@ -163,8 +163,7 @@ def _shell_change(mechanism, first, end, moved, crank, k):
     if k < EYE:
         boss = pair(place[BOSS_X], place[BOSS_Y])
         return ShellChange(boss, place[ROCKING], speed[SPIN] - speed[ROCKING])
-    now = eye_motion(first, end)
-    rod = rod_turn(mechanism, now.position, now.velocity, crank.angle, crank.speed)
+    rod = motion(mechanism, eye_motion(first, end), crank).rod
     eye = eye_motion(first, moved)
     turn = rod.slope * eye.position
     turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position

@@ -44,7 +44,7 @@ def tangent(
     first = layout(bodies)
     mechanism = bodies.mechanism
     link = lack.at.link
-    slope = lack.at.rod.slope
+    slope = link.rod.slope
     c1 = to_velocity
     c2 = to_position
     modes = len(bodies.piston.stiffness)
@@ -53,7 +53,7 @@ def tangent(
     moments = _turned_moments(first, now, films)
     rows = np.empty(FRAME + modes)
     carried = mechanism.rod_centre * mechanism.rod_mass
-    swung = link.curvature * lack.above_eye - lack.at.rod.curvature * on_rod(films)
+    swung = link.curvature * lack.above_eye - link.rod.curvature * on_rod(films)
     swung += link.rod_force_by_position + carried * link.curvature * lack.at.shift[1]
     boss = films.bosses.force
     in_eye = films.eye.force

@@ -30,7 +30,7 @@ from .floating_frame import (
 )
 from .generalised_alpha import Motion, Prediction
 from .pin_friction import friction_moment
-from .slider_crank import CrankMotion, LateralMotion, Link, Mechanism, RodTurn, motion, rod_turn
+from .slider_crank import CrankMotion, LateralMotion, Link, Mechanism, motion
 
 LATERAL = 0
 ROCKING = 1
@@ -122,7 +122,6 @@ class Posture(NamedTuple):
     Parameters
     ----------
     link : Link
-    rod : RodTurn
     cosine, sine : float
         Of the rocking angle [-].
     frame : FrameMotion
@@ -131,7 +130,6 @@ class Posture(NamedTuple):
     """
 
     link: Link
-    rod: RodTurn
     cosine: float
     sine: float
     frame: FrameMotion
@@ -161,9 +159,6 @@ def posture(mechanism: Mechanism, carrier: Carrier, now: Motion, crank: CrankMot
     Posture
     """
     link = motion(mechanism, lateral_motion(now), crank)
-    rod = rod_turn(
-        mechanism, now.position[LATERAL], now.velocity[LATERAL], crank.angle, crank.speed
-    )
     c = np.cos(now.position[ROCKING])
     s = np.sin(now.position[ROCKING])
     added = carried(mechanism, carrier, lateral_motion(now), crank)
@@ -178,7 +173,7 @@ def posture(mechanism: Mechanism, carrier: Carrier, now: Motion, crank: CrankMot
         dq=now.velocity[RIGID:],
         ddq=now.acceleration[RIGID:],
     )
-    return Posture(link, rod, c, s, frame, added)
+    return Posture(link, c, s, frame, added)
 
 
 @compiled
@@ -214,7 +209,7 @@ def imbalance(
     force = frame_force(body, at.frame)
     pin_x = c * force.x - s * force.y - load.lateral
     pin_y = s * force.x + c * force.y - load.axial
-    slip = now.velocity[ROCKING] - at.rod.velocity
+    slip = now.velocity[ROCKING] - link.rod.velocity
     moment = friction_moment(mechanism.friction, pin_x, pin_y, slip).moment
     pull_x = pin_x + mechanism.pin_mass * (now.acceleration[LATERAL] + at.added.x)
     pull_y = pin_y + mechanism.pin_mass * (link.axial_acceleration + at.added.y)
@@ -222,7 +217,7 @@ def imbalance(
     residual = np.empty(len(now.position))
     # Eq. (D5)
     rod_force = link.rod_force + at.added.rod_force
-    residual[LATERAL] = pull_x + link.slope * pull_y + rod_force + moment * at.rod.slope
+    residual[LATERAL] = pull_x + link.slope * pull_y + rod_force + moment * link.rod.slope
     turning = load.moment + load.guided * now.position[LATERAL]
     residual[ROCKING] = force.moment - moment - turning
     for k in range(len(load.modal)):
@@ -231,7 +226,7 @@ def imbalance(
     r = mechanism.crank_radius
     lever = -r * np.sin(crank.angle) + link.slope * r * np.cos(crank.angle)
     rod_moment = link.rod_moment + at.added.rod_moment
-    torque = pull_y * lever + rod_moment + moment * at.rod.lever
+    torque = pull_y * lever + rod_moment + moment * link.rod.lever
     return Imbalance(residual, pin_x, pin_y, moment, torque)
 
 
@@ -265,7 +260,7 @@ def tangent(
     """
     at = posture(mechanism, load.carrier, now, crank)
     link = at.link
-    rod = at.rod
+    rod = link.rod
     c = at.cosine
     s = at.sine
     force = frame_force(body, at.frame)

@@ -25,7 +25,7 @@ from .piston_motion import (
 )
 from .quasi_static import STILL, Ride, follow, static_coordinates
 from .skirt_films import Change, forces_by_film, skirt_changes, together
-from .slider_crank import CrankMotion, motion, rod_turn
+from .slider_crank import CrankMotion, motion
 from .system import BodySystem, RingForce
 
 
@@ -119,9 +119,9 @@ def linearise(system: BodySystem, last: StepEnd) -> LinearisedMotion:
     slip = now.velocity[ROCKING]
     w = slip + load.carrier.w
     pin = imbalance(piston, mechanism, load, now, crank)
-    rod = rod_turn(mechanism, lateral.position, lateral.velocity, crank.angle, crank.speed)
-    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
     link = motion(mechanism, lateral, crank)
+    rod = link.rod
+    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
     added = carried(mechanism, load.carrier, lateral, crank)
     across = lateral.acceleration + added.x
     ax, ay = in_frame(across, link.axial_acceleration + added.y, angle)

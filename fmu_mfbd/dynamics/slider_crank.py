@@ -102,38 +102,6 @@ class Height(NamedTuple):
     lever: float
 
 
-class Link(NamedTuple):
-    """Acceleration of A along y, and the rod's share of the equations of motion.
-
-    Parameters
-    ----------
-    axial_acceleration : float
-        Y'' [m/s2].
-    axial_by_acceleration, axial_by_velocity, axial_by_position : float
-        Its slopes against x_A'' [-], x_A' [1/s] and x_A [1/s2].
-    slope, curvature : float
-        dY/dx_A [-], d2Y/dx_A2 [1/m].
-    rod_force : float
-        Inertia force of the rod on x_A [N].
-    rod_force_by_acceleration, rod_force_by_velocity, rod_force_by_position : float
-        Its slopes against x_A'' [kg], x_A' [kg/s] and x_A [kg/s2].
-    rod_moment : float
-        Inertia moment of the rod on phi [N m].
-    """
-
-    axial_acceleration: float
-    axial_by_acceleration: float
-    axial_by_velocity: float
-    axial_by_position: float
-    slope: float
-    curvature: float
-    rod_force: float
-    rod_force_by_acceleration: float
-    rod_force_by_velocity: float
-    rod_force_by_position: float
-    rod_moment: float
-
-
 class RodTurn(NamedTuple):
     """Rotation of the rod; its angle psi about +z is 0 if it is upright.
 
@@ -154,6 +122,40 @@ class RodTurn(NamedTuple):
     curvature: float
     velocity_slope: float
     lever: float
+
+
+class Link(NamedTuple):
+    """Acceleration of A along y, and the rod's share of the equations of motion.
+
+    Parameters
+    ----------
+    axial_acceleration : float
+        Y'' [m/s2].
+    axial_by_acceleration, axial_by_velocity, axial_by_position : float
+        Its slopes against x_A'' [-], x_A' [1/s] and x_A [1/s2].
+    slope, curvature : float
+        dY/dx_A [-], d2Y/dx_A2 [1/m].
+    rod_force : float
+        Inertia force of the rod on x_A [N].
+    rod_force_by_acceleration, rod_force_by_velocity, rod_force_by_position : float
+        Its slopes against x_A'' [kg], x_A' [kg/s] and x_A [kg/s2].
+    rod_moment : float
+        Inertia moment of the rod on phi [N m].
+    rod : RodTurn
+    """
+
+    axial_acceleration: float
+    axial_by_acceleration: float
+    axial_by_velocity: float
+    axial_by_position: float
+    slope: float
+    curvature: float
+    rod_force: float
+    rod_force_by_acceleration: float
+    rod_force_by_velocity: float
+    rod_force_by_position: float
+    rod_moment: float
+    rod: RodTurn
 
 
 @compiled
@@ -194,6 +196,7 @@ def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> 
     Eq. (K4):  on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1)
     Eq. (K5):  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
                G = (1 - k) P + k A  the rod's centre of mass, P the crank pin, k = rod_centre
+    Eq. (K6):  psi' = psi1 xi',  xi' = x_A' + r cos(phi) w        psi1 as in Eq. (K3)
 
     Parameters
     ----------
@@ -266,46 +269,13 @@ def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> 
         rod_force_by_velocity=force_by_velocity,
         rod_force_by_position=centre_by_position + turning_by_position,
         rod_moment=moment,
-    )
-
-
-@compiled
-def rod_turn(
-    mechanism: Mechanism,
-    lateral: float,
-    lateral_velocity: float,
-    crank_angle: float,
-    crank_speed: float,
-) -> RodTurn:
-    """Return the angular velocity of the rod and its slopes.
-
-    Eq. (K6):  psi' = psi1 xi',  xi' = x_A' + r cos(phi) w        psi1 as in Eq. (K3)
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    lateral, lateral_velocity : float
-        x_A [m] and its velocity [m/s].
-    crank_angle, crank_speed : float
-        [rad], [rad/s]
-
-    Returns
-    -------
-    RodTurn
-    """
-    r = mechanism.crank_radius
-    xi = mechanism.offset + lateral + r * np.sin(crank_angle)
-    f = np.sqrt(mechanism.rod_length**2 - xi**2)
-    psi1 = -1 / f
-    psi2 = -xi / f**3
-    xi_by_phi = r * np.cos(crank_angle)
-    xi_velocity = lateral_velocity + xi_by_phi * crank_speed
-    return RodTurn(
-        velocity=psi1 * xi_velocity,  # Eq. (K6)
-        slope=psi1,
-        curvature=psi2,
-        velocity_slope=psi2 * xi_velocity,
-        lever=psi1 * xi_by_phi,
+        rod=RodTurn(
+            velocity=psi1 * xi_velocity,  # Eq. (K6)
+            slope=psi1,
+            curvature=psi2,
+            velocity_slope=psi2 * xi_velocity,
+            lever=psi1 * r * cosine,
+        ),
     )
 
 

@@ -43,7 +43,7 @@ from .skirt_films import (
     window_of,
     work_error,
 )
-from .slider_crank import CrankMotion, height, motion, rod_turn
+from .slider_crank import CrankMotion, height, motion
 from .system import NO_RINGS, RingForce, StepProblem
 
 PASSES = 60
@@ -147,13 +147,7 @@ class PistonInSpace(PistonInBore):
         films = np.array([skirt.lateral, skirt.moment, *across])
         lack = solved.lack
         pin_x, pin_y = lack.on_piston
-        rod = rod_turn(
-            system.mechanism,
-            end.position[LATERAL],
-            end.velocity[LATERAL],
-            crank.angle,
-            crank.speed,
-        )
+        rod = motion(system.mechanism, lateral_motion(end), crank).rod
         instant = Instant(
             position=end.position,
             velocity=end.velocity,

@@ -238,8 +238,8 @@ def in_axes(axes: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
-    """Return the change of the film thickness by the pin's position.
+def opening_of(surface: PinSurface, place: np.ndarray, shapes: np.ndarray = PARALLEL) -> np.ndarray:
+    """Return the change of the film thickness by the pin, or its rate.
 
     Eq. (H6):  h = c - d . e      d = R(chi)^T (P - C), from the shell's axis C to the pin's P in
                                   the axes of the shell, rotated by chi; e = (cos a, sin a)
@@ -247,69 +247,44 @@ def opening_of(surface: PinSurface, place: np.ndarray) -> np.ndarray:
     Eq. (H7):  W = R (phi' - chi')      circumferential velocity of the pin's surface from its
                                         rotation relative to the shell
 
+    Eq. (H11):  d_j = d + sum_k psi_kj s_k      replaces d in Eq. (H6) in each row
+
     It is of first order in d/R, and linear in d.
 
     Parameters
     ----------
     surface : PinSurface
     place : ndarray, shape (2,)
-        d [m].
-
-    Returns
-    -------
-    ndarray, shape (c, a)
-        h - c [m].
-    """
-    around = surface.outward.shape[1]
-    along = len(surface.clearance)
-    out = np.empty((around, along))
-    for i in range(around):
-        # Eq. (H6)
-        opened = -(place[0] * surface.outward[0, i] + place[1] * surface.outward[1, i])
-        for j in range(along):
-            out[i, j] = opened
-    return out
-
-
-@compilable
-def row_of(surface: PinSurface, shapes: np.ndarray, j: int) -> np.ndarray:
-    """Return sum_k psi_kj s_k of the shapes' coordinates (n, 2) at row j, (2,)."""
-    x = 0.0
-    y = 0.0
-    for k in range(surface.axis.shape[1]):
-        x += surface.axis[j, k] * shapes[k, 0]
-        y += surface.axis[j, k] * shapes[k, 1]
-    return pair(x, y)
-
-
-@compilable
-def leaning(surface: PinSurface, shapes: np.ndarray) -> np.ndarray:
-    """Return the change of the film thickness by the pin's tilt and bending, or its rate.
-
-    Eq. (H11):  d_j = d + sum_k psi_kj s_k      replaces d in Eq. (H6) in each row
-
-    Parameters
-    ----------
-    surface : PinSurface
+        d [m], or its rate [m/s].
     shapes : ndarray, shape (n, 2)
         s in the axes of the shell [m], or its rate [m/s].
 
     Returns
     -------
     ndarray, shape (c, a)
-        [m]
+        h - c [m], or its rate [m/s].
     """
     around = surface.outward.shape[1]
     along = len(surface.clearance)
-    out = np.zeros((around, along))
-    if surface.axis.shape[1] == 0:
-        return out
+    out = np.empty((around, along))
     for j in range(along):
-        aside = row_of(surface, shapes, j)
+        at = row_of(surface, place, shapes, j)
         for i in range(around):
-            # Eq. (H11)
-            out[i, j] = -(aside[0] * surface.outward[0, i] + aside[1] * surface.outward[1, i])
+            # Eq. (H6)
+            out[i, j] = -(at[0] * surface.outward[0, i] + at[1] * surface.outward[1, i])
     return out
+
+
+@compilable
+def row_of(surface: PinSurface, place: np.ndarray, shapes: np.ndarray, j: int) -> np.ndarray:
+    """Return d_j of Eq. (H11) at row j, (2,)."""
+    x = place[0]
+    y = place[1]
+    for k in range(surface.axis.shape[1]):
+        # Eq. (H11)
+        x += surface.axis[j, k] * shapes[k, 0]
+        y += surface.axis[j, k] * shapes[k, 1]
+    return pair(x, y)
 
 
 @compilable
@@ -329,11 +304,14 @@ def yielded(surface: PinSurface, modal: np.ndarray) -> np.ndarray:
     ndarray, shape (c, a)
         [m]
     """
-    around = surface.outward.shape[1]
-    along = len(surface.clearance)
-    if surface.modes.outward.shape[1] == 0:
-        return np.zeros((around, along))
-    return (surface.modes.outward @ modal).reshape((around, along))  # Eq. (H8)
+    return on_cells(surface, surface.modes.outward, modal)  # Eq. (H8)
+
+
+@compilable
+def on_cells(surface: PinSurface, table: np.ndarray, modal: np.ndarray) -> np.ndarray:
+    """Return what a table of the shell's modes gives in each cell, (c, a); 0 of a rigid shell."""
+    shape = (surface.outward.shape[1], len(surface.clearance))
+    return (table @ modal).reshape(shape) if table.shape[1] > 0 else np.zeros(shape)
 
 
 @compilable
@@ -364,13 +342,6 @@ def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
     if k == 0:
         return np.zeros(0)
     return pressure.reshape(cells) @ surface.modes.slope  # Eq. (G5)
-
-
-@compilable
-def with_slopes(found: PinResultants, moment: float) -> PinResultants:
-    """Return resultants with the moment of pressure on an elastic shell, Eq. (G5) [N m]."""
-    on_pin = found.on_pin + moment
-    return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
 
 
 @compilable
@@ -407,38 +378,26 @@ def resultants_on(
     n = surface.axis.shape[1]
     pushes = forces.pressure.reshape((around, along))
     drags = forces.circumferential.reshape((around, along))
-    x = 0.0
-    y = 0.0
+    force = np.zeros(2)
+    on_shapes = np.zeros((n, 2))
     around_all = 0.0
-    for i in range(around):
-        push = 0.0
-        drag = 0.0
-        for j in range(along):
-            push += pushes[i, j]
-            drag += drags[i, j]
-        x += surface.onward[0, i] * drag - surface.outward[0, i] * push
-        y += surface.onward[1, i] * drag - surface.outward[1, i] * push
-        around_all += drag
-    # Eq. (G3)
-    force = in_space(axes, pair(x, y))
+    for j in range(along):
+        x = 0.0
+        y = 0.0
+        for i in range(around):
+            x += surface.onward[0, i] * drags[i, j] - surface.outward[0, i] * pushes[i, j]
+            y += surface.onward[1, i] * drags[i, j] - surface.outward[1, i] * pushes[i, j]
+            around_all += drags[i, j]
+        row = in_space(axes, pair(x, y))
+        for way in range(2):
+            force[way] += row[way]  # Eq. (G3)
+            for k in range(n):
+                on_shapes[k, way] += surface.axis[j, k] * row[way]  # Eq. (G8)
     on_shell = -surface.radius * around_all
     on_pin = -on_shell - cross(place, force)
-    on_shapes = np.zeros((n, 2))
     lever = 0.0
-    if n > 0:
-        for j in range(along):
-            x = 0.0
-            y = 0.0
-            for i in range(around):
-                x += surface.onward[0, i] * drags[i, j] - surface.outward[0, i] * pushes[i, j]
-                y += surface.onward[1, i] * drags[i, j] - surface.outward[1, i] * pushes[i, j]
-            row = in_space(axes, pair(x, y))
-            for k in range(n):
-                # Eq. (G8)
-                on_shapes[k, 0] += surface.axis[j, k] * row[0]
-                on_shapes[k, 1] += surface.axis[j, k] * row[1]
-        for k in range(n):
-            lever += cross(shapes[k], on_shapes[k])
+    for k in range(n):
+        lever += cross(shapes[k], on_shapes[k])
     return PinResultants(force, on_pin - lever, on_shell, on_shapes)
 
 
@@ -481,51 +440,26 @@ def power_on_grid(
     along = len(surface.clearance)
     pushes = forces.pressure.reshape((around, along))
     drags = forces.circumferential.reshape((around, along))
+    opening = yielded(surface, yielding.velocity)
+    slope = on_cells(surface, surface.modes.slope, yielding.position)
+    moved = on_cells(surface, surface.modes.onward, yielding.velocity)
     power = 0.0
     size = 0.0
-    # Eq. (G4)
-    for i in range(around):
-        push = 0.0
-        drag = 0.0
-        for j in range(along):
-            push += pushes[i, j]
-            drag += drags[i, j]
-        e_x = surface.outward[0, i]
-        e_y = surface.outward[1, i]
-        t_x = surface.onward[0, i]
-        t_y = surface.onward[1, i]
-        closing = -(velocity[0] * e_x + velocity[1] * e_y)
-        closing -= turning * (place[0] * t_x + place[1] * t_y)
-        arm = surface.radius - (place[0] * e_x + place[1] * e_y)
-        onward = turning * arm + velocity[0] * t_x + velocity[1] * t_y
-        power += push * closing + drag * onward
-        size += abs(push * closing) + abs(drag * onward)
-    if surface.modes.outward.shape[1] > 0:
-        opening = surface.modes.outward @ yielding.velocity
-        slope = surface.modes.slope @ yielding.position
-        moved = surface.modes.onward @ yielding.velocity
+    for j in range(along):
+        at = row_of(surface, place, bent.position, j)
+        moving = row_of(surface, velocity, bent.velocity, j)
         for i in range(around):
-            for j in range(along):
-                m = i * along + j
-                normal = pushes[i, j] * (opening[m] + turning * slope[m])
-                tangential = -drags[i, j] * moved[m]
-                power += normal + tangential
-                size += abs(normal) + abs(tangential)
-    if surface.axis.shape[1] > 0:
-        for j in range(along):
-            aside = row_of(surface, bent.position, j)
-            moving = row_of(surface, bent.velocity, j)
-            for i in range(around):
-                e_x = surface.outward[0, i]
-                e_y = surface.outward[1, i]
-                t_x = surface.onward[0, i]
-                t_y = surface.onward[1, i]
-                closing = -(moving[0] * e_x + moving[1] * e_y)
-                closing -= turning * (aside[0] * t_x + aside[1] * t_y)
-                onward = moving[0] * t_x + moving[1] * t_y
-                onward -= turning * (aside[0] * e_x + aside[1] * e_y)
-                power += pushes[i, j] * closing + drags[i, j] * onward
-                size += abs(pushes[i, j] * closing) + abs(drags[i, j] * onward)
+            e_x = surface.outward[0, i]
+            e_y = surface.outward[1, i]
+            t_x = surface.onward[0, i]
+            t_y = surface.onward[1, i]
+            # Eq. (G4)
+            closing = opening[i, j] - (moving[0] * e_x + moving[1] * e_y)
+            closing += turning * (slope[i, j] - (at[0] * t_x + at[1] * t_y))
+            arm = surface.radius - (at[0] * e_x + at[1] * e_y)
+            onward = turning * arm + moving[0] * t_x + moving[1] * t_y - moved[i, j]
+            power += pushes[i, j] * closing + drags[i, j] * onward
+            size += abs(pushes[i, j] * closing) + abs(drags[i, j] * onward)
     return FilmPower(power, size)
 
 

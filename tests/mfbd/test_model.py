@@ -5,15 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, bands
-from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, DampingBand
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, MotionNotSolved
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import height, rod_turn
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, LateralMotion, height, motion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
-from piston_cosim.fmu_mfbd.options import read_options
-from piston_cosim.master.fmi.errors import BadInput
 
 SPEED = 314.0
 STEP = np.pi / 180 / SPEED
@@ -333,32 +330,15 @@ def test_a_seized_pin_turns_the_piston_with_the_rod(reduced):
         assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=one) for one in (0.0, 1.0)
     )
     (_, alone), (state, out) = run(smooth, 6, size=0.0), run(seized, 6, size=0.0)
-    rod = rod_turn(
-        seized.system.mechanism,
-        state.position[0],
-        state.velocity[0],
-        state.crank_angle,
-        state.crank_speed,
-    ).velocity
+    lateral = LateralMotion(state.position[0], state.velocity[0], 0.0)
+    crank = CrankMotion(state.crank_angle, state.crank_speed, 0.0)
+    rod = motion(seized.system.mechanism, lateral, crank).rod.velocity
     assert rod < -60.0 and state.velocity[1] == pytest.approx(
         rod, rel=0.05
     )  # the start begins at rest
     assert alone["pin_friction_moment"] == 0.0 and abs(alone["rocking_angle"]) < 0.2 * abs(
         out["rocking_angle"]
     )
-
-
-def test_damping_bands_come_back_from_json_and_begin_at_0(reduced, bodies):
-    folder, options = bodies
-    text = [{"above": "0 Hz", "ratio": 0.01}, {"above": "5 kHz", "ratio": 0.02}]
-    read = read_options(options | {"damping_bands": text}, folder).damping_bands
-    wanted = tuple(DampingBand(band.above, band.ratio) for band in read)
-    assert wanted == (DampingBand(0, 0.01), DampingBand(5e3, 0.02))
-    banded = dataclasses.replace(reduced[0], damping_bands=wanted)
-    again = bands(BuildOptions.from_json(banded.to_json()))
-    np.testing.assert_array_equal(again, bands(banded))
-    with pytest.raises(BadInput, match="damping_bands: expected rising bands from 0"):
-        read_options(options | {"damping_bands": text[1:]}, folder)
 
 
 def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):

@@ -137,7 +137,6 @@ GAS = {
 BANDS_OF_ROWS = [{"name": name, "rows": rows} for name, rows in (("low", [1, 4]), ("up", [6, 10]))]
 """Two film surfaces of unequal size, a row between them without a film."""
 
-BANDS = [{"above": "0 Hz", "ratio": 0.01}, {"above": "20 kHz", "ratio": 0.4}]
 BEGIN = dict(
     crank_angle=0.7,
     rotation_speed=300.0,
@@ -214,7 +213,6 @@ def side_by_side(resources, changes):
         (SHAPED | LOADED, {"gas": GAS}),
         (SHAPED | LOADED | dict(gas_source=2), {"gas": GAS}),
         (SHAPED | LOADED | dict(gas_source=3), {"gas": GAS}),
-        (LOADED, {"damping_bands": BANDS}),
         (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
         (SHAPED | LOADED, {"grid": [8, 10], "film_surfaces": BANDS_OF_ROWS}),
         (SHAPED | LOADED | dict(crank_unbalance=0.05), {"mounted": True}),

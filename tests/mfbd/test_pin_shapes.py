@@ -23,7 +23,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     PinResultants,
     Yielding,
-    leaning,
+    opening_of,
     pin_surface,
     power_on_grid,
     resultants_on,
@@ -191,7 +191,7 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     surface = pin_surface(0.02, 10e-6, (4, 2), axis=axis)
     axes = turned(np.pi / 2)
     up = np.array([[0.0, 3e-6]])
-    gap = leaning(surface, up @ axes)
+    gap = opening_of(surface, np.zeros(2), up @ axes)
     np.testing.assert_allclose(gap[:, 0], [6e-6, 0, -6e-6, 0], atol=1e-20)
     np.testing.assert_allclose(gap[:, 1], [-3e-6, 0, 3e-6, 0], atol=1e-20)
     # 5 N in the first row push the pin along the shell's -x, downwards; 2 N of friction in the

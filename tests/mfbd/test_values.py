@@ -603,23 +603,6 @@ def test_gas_widens_the_bore(bodies, tmp_path):
     assert change == near(expected, rel=1e-3)  # digits of the velocity, place of the bore
 
 
-def test_damping_bands_of_the_build_table(bodies, tmp_path):
-    piston, block, *_ = flexible()
-    rate = np.array([0.02, -0.01, -0.03, 0.04])
-    moving(tmp_path, modal_coordinate=[0.0] * 4, modal_velocity=rate.tolist())
-    bands = [
-        {"above": "0 Hz", "ratio": 0.01},
-        {"above": "6 kHz", "ratio": 0.05},
-        {"above": "40 kHz", "ratio": 0.7},
-    ]
-    slave = bodies({"start": "start.json", "damping_bands": bands}, piston=piston, block=block)
-    omega = np.concatenate([piston["omega"], block["omega"]])
-    expected = -2.0 * np.array([0.01, 0.05, 0.05, 0.7]) * omega * rate
-    assert slave.do_step(0.0, 1e-10)
-    change = (seen(slave)["modal_velocity"] - rate) / 1e-10
-    assert change == near(expected, rel=1e-3)  # the step moves the modes a little
-
-
 def test_fast_modes_follow_their_load(bodies, tmp_path):
     """Above quasi_static_frequency: Omega^2 q = f - T^T a - al g + w^2 b with the acceleration of A
     and the turn of the frame, 40 rad/s at the start; slower modes are at rest there.

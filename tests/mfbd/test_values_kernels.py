@@ -5,9 +5,10 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
+    LateralMotion,
     Mechanism,
     PistonLoad,
-    rod_turn,
+    motion,
     side_force_demand,
 )
 from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
@@ -76,7 +77,7 @@ def test_side_force_that_gas_rings_and_inertia_ask_for(phi):
 
 def test_turn_of_the_rod_and_its_slopes():
     """psi' = psi1 x_A' = -1/2 for x_A' = 2; its slope 2 psi2 = -3/32; to the crank 2 psi1."""
-    turn = rod_turn(STANDING, 0.0, 2.0, 0.0, 0.0)
+    turn = motion(STANDING, LateralMotion(0.0, 2.0, 0.0), CrankMotion(0.0, 0.0, 0.0)).rod
     assert turn.velocity == near(-0.5)
     assert turn.slope == near(-0.25)
     assert turn.curvature == near(-3.0 / 64.0)

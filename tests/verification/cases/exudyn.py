@@ -19,7 +19,13 @@ from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     predict,
 )
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load, end_accelerations
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height, rod_turn
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
+    CrankMotion,
+    LateralMotion,
+    Mechanism,
+    height,
+    motion,
+)
 
 
 class Drive(NamedTuple):
@@ -206,9 +212,11 @@ def _start(mechanism: Mechanism, drive: Drive) -> Start:
     phi = drive.crank_angle
     r = mechanism.crank_radius
     above = height(mechanism, 0.0, phi)
+    turning = CrankMotion(phi, drive.crank_speed, 0.0)
+    link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), turning)
     return Start(
         lever=above.lever,
-        turn=rod_turn(mechanism, 0.0, 0.0, phi, drive.crank_speed).velocity,
+        turn=link.rod.velocity,
         pin=np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]),
         A=np.array([mechanism.offset, above.height, 0.0]),
     )
