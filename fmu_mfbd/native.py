@@ -3,6 +3,7 @@
 The entries compose the kernels and functions of `dynamics`, as `model` does.
 """
 
+from collections import namedtuple
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import refuse, remark
 from .dynamics.account import account
 from .dynamics.block_force import by_carrier, carried_force, force_at, force_change
-from .dynamics.carrier import FIXED, Carrier
+from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.clearance import machined_gap
 from .dynamics.contradictions import FAULTS, GIVEN_TWICE, NO_ANGLE, NOT_SOLVED, check, pin_radius
 from .dynamics.drive import End, Scalars, demand_of, others_of, scalars_of
@@ -22,6 +23,7 @@ from .dynamics.elimination import no_factors
 from .dynamics.generalised_alpha import Motion, coefficients
 from .dynamics.instant import end_of_step
 from .dynamics.modal_damping import modal_springs
+from .dynamics.parameters import GAS_SOURCES
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
 from .dynamics.pin_inertia import inertia, inertia_with_rod
 from .dynamics.pin_instant import end_of_pin_step
@@ -45,11 +47,8 @@ from .geometry.surfaces import (
     surface_at,
 )
 from .native_block import (
-    DIRECTION,
-    FAULTS_AT,
-    LAST,
+    PART_OF,
     SETTING,
-    STATE,
     Direction,
     direction_of,
     given_of,
@@ -68,7 +67,7 @@ from .native_given import given
 COVERED: dict[str, tuple[str, ...] | float] = {"crank_free": 0.0, "quasi_static_frequency": 1e9}
 """The only value of a number that is in the library; all else is free."""
 
-GAS_EITHER, GAS_TABLE, GAS_INPUT = range(1, 4)
+GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 5))
 """Numbers of the choices in `GAS_SOURCES`."""
 CHOSEN_GAS = SETTING.index("gas_source")
 ENERGY_GAIN, ENERGY_SIZE = map(Scalars._fields.index, ("energy_gain", "energy_size"))
@@ -255,13 +254,13 @@ def publish(real, integer, given, now, scalars):
     """Write the outputs and the numbers of evaluations into the variables."""
     places = given.places
     put_each(real, places.scalars, scalars)
-    put_films(real, places.skirt, now.film_thickness, now.sliding_velocity)
-    put_each(real, places.skirt.work_error, now.work_error)
+    put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
+    put_each(real, places.skirt.work_error, now.films.work_error)
     if len(given.piston_omega) + len(given.block_omega):
         first = COORDINATES if has_pins(given) else RIGID
         last = first + len(given.piston_omega) + len(given.block_omega)
-        put_stacked(real, places.outputs.modal_coordinate, now.position[first:last])
-        put_stacked(real, places.outputs.modal_velocity, now.kept_velocity[first:last])
+        put_stacked(real, places.outputs.modal_coordinate, now.end.position[first:last])
+        put_stacked(real, places.outputs.modal_velocity, now.kept.velocity[first:last])
     given.evaluations[0] += now.evaluations
     given.tangents[0] += now.tangents
     integer[places.outputs.residual_evaluations] = int(given.evaluations[0])
@@ -278,12 +277,11 @@ def publish_pin(real, given, bodies, found):
     if len(bodies.eye.stiffness):
         first = layout(bodies)
         at = places.outputs.small_end_modal_coordinate
-        put_stacked(real, at, of_eye(first, found.now.position))
+        put_stacked(real, at, of_eye(first, found.now.end.position))
         at = places.outputs.small_end_modal_velocity
-        put_stacked(real, at, of_eye(first, found.now.kept_velocity))
+        put_stacked(real, at, of_eye(first, found.now.kept.velocity))
 
 
-_, carrier_from = packed(Carrier)
 _, rings_from = packed(RingForce)
 
 
@@ -292,10 +290,10 @@ def crown_pressure(real, memory, given, p, crank_angle):
     """Return the gas pressure from input and table [Pa], with a remark if both are given."""
     by_input = real[given.places.gas_pressure]
     has_table = len(given.gas.angle) > 0
-    if has_table and by_input != 0.0 and p.gas_source == GAS_EITHER:
-        remark(part(memory, FAULTS_AT), GIVEN_TWICE)
-    pressure = 0.0 if p.gas_source == GAS_TABLE else by_input
-    if has_table and p.gas_source != GAS_INPUT:
+    if has_table and by_input != 0.0 and p.gas_source == GAS.either:
+        remark(part(memory, PART_OF.faults), GIVEN_TWICE)
+    pressure = 0.0 if p.gas_source == GAS.table else by_input
+    if has_table and p.gas_source != GAS.input:
         pressure += gas_pressure(given.gas, crank_angle)
     return pressure
 
@@ -308,7 +306,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     """
     crank = at.crank
     if not np.isfinite(crank.angle):
-        refuse(part(memory, FAULTS_AT), NO_ANGLE, 0.0, 0.0, crank.angle, 0.0, 0.0)
+        refuse(part(memory, PART_OF.faults), NO_ANGLE, 0.0, 0.0, crank.angle, 0.0, 0.0)
         return
     given = given_of(memory)
     places = given.places
@@ -335,7 +333,7 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     else:
         now = end_of_step(system, step, skirt)
     if now.evaluations == 0:
-        refuse(part(memory, FAULTS_AT), NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
+        refuse(part(memory, PART_OF.faults), NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
     scalars = scalars_of(now, crank, p.crank_inertia, system.piston, system.surfaces)
     publish(real, integer, given, now, scalars)
@@ -353,13 +351,13 @@ def solve(real, integer, memory, c, before, auxiliary, at):
     real[places.outputs.cylinder_pressure] = pressure
     real[places.outputs.side_force_demand] = demand_of(system, others, crank)
     # a tied pin's derivatives follow from the piston alone
-    n = len(now.position) if has_pins(given) else RIGID + len(given.piston_omega)
+    n = len(now.end.position) if has_pins(given) else RIGID + len(given.piston_omega)
     last = step_end(c, now, crank, n, factors)
-    put_last(part(memory, LAST), last)
+    put_last(part(memory, PART_OF.last), last)
     given.has_linear[0] = 0.0
     if is_mounted(given):
         put_each(real, places.on_block, force_at(system, p.crank_unbalance, last))
-    put_state(part(memory, STATE), state)
+    put_state(part(memory, PART_OF.state), state)
 
 
 @compiled
@@ -369,7 +367,7 @@ def make_direction(memory, given, system, last):
     columns = np.zeros((len(FIXED), 0))
     if is_mounted(given):
         columns = by_carrier(system, last)
-    put_direction(part(memory, DIRECTION), Direction(found, columns))
+    put_direction(part(memory, PART_OF.direction), Direction(found, columns))
     given.has_linear[0] = 1.0
     given.tangents[0] += 1.0
 
@@ -410,12 +408,12 @@ def change_with_pin(real, given, system, last):
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write state and outputs at the start; `numbers` unused."""
-    faults = part(memory, FAULTS_AT)
+    faults = part(memory, PART_OF.faults)
     faults[0] = 0.0
     given = given_of(memory)
     prepare(real, integer, given)
     p = settings_of(given)
-    lacks_gas = p.gas_source == GAS_TABLE and len(given.gas.angle) == 0
+    lacks_gas = p.gas_source == GAS.table and len(given.gas.angle) == 0
     check(given.fit, p, lacks_gas, faults)
     if faults[0] > 0.0:
         return
@@ -439,7 +437,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Take a step; the first of `numbers` is its length [s]."""
-    part(memory, FAULTS_AT)[0] = 0.0
+    part(memory, PART_OF.faults)[0] = 0.0
     step = numbers[0]
     state = state_of(memory)
     given = given_of(memory)
@@ -452,7 +450,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 @compiled
 def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write the products of the seeds among the variables (Eq. (D7)); `numbers` unused."""
-    part(memory, FAULTS_AT)[0] = 0.0
+    part(memory, PART_OF.faults)[0] = 0.0
     given = given_of(memory)
     system = system_of(given)
     last = last_of(memory)

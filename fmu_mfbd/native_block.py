@@ -162,8 +162,8 @@ class Direction(NamedTuple):
     by_carrier: Matrix
 
 
-PARTS = ("given", "state", "last", "direction", "faults")
-GIVEN, STATE, LAST, DIRECTION, FAULTS_AT = range(len(PARTS))
+PART_OF = namedtuple("Parts", ("given", "state", "last", "direction", "faults"))(*range(5))
+"""Numbers of the parts of a memory."""
 _, _given = flatten(BodySetup)
 put_state, _state = flatten(PistonState)
 put_last, _last = flatten(StepEnd)
@@ -173,25 +173,25 @@ put_direction, _direction = flatten(Direction)
 @compiled
 def given_of(memory: np.ndarray):
     """Return `BodySetup`; writing into its arrays changes the memory."""
-    return _given(part(memory, GIVEN))
+    return _given(part(memory, PART_OF.given))
 
 
 @compiled
 def state_of(memory: np.ndarray):
     """Return a copy of the state."""
-    return _state(part(memory, STATE).copy())
+    return _state(part(memory, PART_OF.state).copy())
 
 
 @compiled
 def last_of(memory: np.ndarray):
     """Return the end of the last step."""
-    return _last(part(memory, LAST))
+    return _last(part(memory, PART_OF.last))
 
 
 @compiled
 def direction_of(memory: np.ndarray):
     """Return `Direction`."""
-    return _direction(part(memory, DIRECTION))
+    return _direction(part(memory, PART_OF.direction))
 
 
 @compiled

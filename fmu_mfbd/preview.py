@@ -34,7 +34,7 @@ from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
 from .preview_remarks import (
     COLD,
-    Sized,
+    BodyPreview,
     narrowest,
     remarks_on_fit,
     remarks_on_gas,
@@ -128,8 +128,11 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
 
 
 def _tried(
-    look: Callable[[Build, list[str]], Sized], build: Build, wrong: list[str], remarks: list[str]
-) -> Sized | None:
+    look: Callable[[Build, list[str]], BodyPreview],
+    build: Build,
+    wrong: list[str],
+    remarks: list[str],
+) -> BodyPreview | None:
     """Return a body, or None with its faults."""
     try:
         return look(build, remarks)
@@ -164,11 +167,11 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
     )
 
 
-def _piston(build: Build, remarks: list[str]) -> Sized:
+def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     """Return the piston, rigid."""
     options = build.piston
     if options.rigid:
-        return Sized(rigid_piston(options, build.grid))
+        return BodyPreview(rigid_piston(options, build.grid))
     if options.reduced:
         skirt = None
         body = piston_about_pin(options, Path(options.reduced))
@@ -176,7 +179,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
             skirt = load(MeshProperties, Path(options.reduced)).skirt
         except ValueError:  # a file without them
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
-        return Sized(body, skirt)
+        return BodyPreview(body, skirt)
     mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), remarks.append)
     mass = mass_properties(mesh, options.density) if options.density else None
     if mass:
@@ -199,7 +202,7 @@ def _piston(build: Build, remarks: list[str]) -> Sized:
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return Sized(rigid_piston(rigid, build.grid), there, mesh)
+    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh)
 
 
 def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
@@ -210,13 +213,13 @@ def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, floa
     return angle, height, lower, upper
 
 
-def _block(build: Build, remarks: list[str]) -> Sized:
+def _block(build: Build, remarks: list[str]) -> BodyPreview:
     """Return the block, rigid."""
     options = build.block
     if options.rigid:
-        return Sized(rigid_block(options, build.grid))
+        return BodyPreview(rigid_block(options, build.grid))
     if options.reduced:
-        return Sized(load(ReducedBlock, Path(options.reduced)))
+        return BodyPreview(load(ReducedBlock, Path(options.reduced)))
     mesh = read_surfaces(options, ("bore", "bolts"), remarks.append)
     refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
@@ -226,7 +229,7 @@ def _block(build: Build, remarks: list[str]) -> Sized:
     x, _, z = mesh.points[mesh.nodes("bore")].T
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
-    return Sized(rigid_block(rigid, build.grid), None, mesh)
+    return BodyPreview(rigid_block(rigid, build.grid), None, mesh)
 
 
 def mass_properties(mesh: Mesh, density: float) -> MassProperties:
@@ -254,7 +257,7 @@ def mass_properties(mesh: Mesh, density: float) -> MassProperties:
     return MassProperties(float(mass), centre, float(inertia))
 
 
-def _of_piston(build: Build, piston: Sized) -> list[Figure]:
+def _of_piston(build: Build, piston: BodyPreview) -> list[Figure]:
     body = piston.body
     centre = body.S / body.mass
     about_centre = body.I0 - body.mass * float(centre @ centre)
@@ -276,7 +279,7 @@ def _of_piston(build: Build, piston: Sized) -> list[Figure]:
     return [*figures, _modes_of("piston", build.piston)]
 
 
-def _of_mesh(part: str, sized: Sized) -> list[Figure]:
+def _of_mesh(part: str, sized: BodyPreview) -> list[Figure]:
     """Return figures on the quality of a body's mesh, if it has tetrahedra."""
     if sized.mesh is None or not len(sized.mesh.tets):
         return []
@@ -287,7 +290,7 @@ def _of_mesh(part: str, sized: Sized) -> list[Figure]:
     return [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
 
 
-def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
+def _of_surfaces(prepared: BuildOptions, piston: BodyPreview) -> list[Figure]:
     """Return the lengths of several film surfaces."""
     _, along = prepared.grid
     row = (piston.body.skirt_upper - piston.body.skirt_lower) / along
@@ -297,7 +300,7 @@ def _of_surfaces(prepared: BuildOptions, piston: Sized) -> list[Figure]:
     ]
 
 
-def _of_pin(prepared: BuildOptions, piston: Sized, chosen: Parameters) -> list[Figure]:
+def _of_pin(prepared: BuildOptions, piston: BodyPreview, chosen: Parameters) -> list[Figure]:
     """Return lengths and radius of the surfaces of a floating pin."""
     pin = prepared.floating_pin
     if pin is None:
@@ -335,7 +338,7 @@ def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisPa
 
 
 def _of_axis(
-    prepared: BuildOptions, piston: Sized, chosen: Parameters, axis: AxisParameters
+    prepared: BuildOptions, piston: BodyPreview, chosen: Parameters, axis: AxisParameters
 ) -> list[Figure]:
     """Return the figures of a pin that tilts or bends."""
     assert prepared.floating_pin
@@ -360,7 +363,7 @@ def _modes_of(name: str, body: Piston | Block) -> Figure:
     return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis)
 
 
-def _of_block(build: Build, block: Sized) -> list[Figure]:
+def _of_block(build: Build, block: BodyPreview) -> list[Figure]:
     body = block.body
     return [
         *_of_mesh("block", block),
@@ -372,7 +375,7 @@ def _of_block(build: Build, block: Sized) -> list[Figure]:
 
 
 def _of_mechanism(
-    build: Build, block: Sized, chosen: Parameters, speed: float | None
+    build: Build, block: BodyPreview, chosen: Parameters, speed: float | None
 ) -> list[Figure]:
     turns = stroke_of(build.piston.pin_offset, chosen)
     stroke = turns.highest - turns.lowest
@@ -410,7 +413,9 @@ def stroke_of(pin_offset: float, chosen: Parameters) -> Stroke:
     return Stroke(lowest, highest)
 
 
-def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Parameters) -> Shapes:
+def _shapes(
+    prepared: BuildOptions, piston: BodyPreview, block: BodyPreview, chosen: Parameters
+) -> Shapes:
     """Return skirt and bore, cold and hot, on the film grid and along the bore."""
     body = piston.body
     angle, height = cell_centres(*prepared.grid, body.skirt_lower, body.skirt_upper)
@@ -431,7 +436,7 @@ def _shapes(prepared: BuildOptions, piston: Sized, block: Sized, chosen: Paramet
     )
 
 
-def _with_a_film(prepared: BuildOptions, piston: Sized) -> np.ndarray:
+def _with_a_film(prepared: BuildOptions, piston: BodyPreview) -> np.ndarray:
     """Return the cells of the film grid on a film surface and with the skirt under them."""
     film = np.zeros(prepared.grid, dtype=bool)
     for one in prepared.film_surfaces():

@@ -28,7 +28,7 @@ FEWEST = 3
 """Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
 
 
-class Sized(NamedTuple):
+class BodyPreview(NamedTuple):
     """A body as rigid as a data sheet, and what a mesh says besides.
 
     Parameters
@@ -46,7 +46,7 @@ class Sized(NamedTuple):
     mesh: Mesh | None = None
 
 
-class Narrowest(NamedTuple):
+class NarrowestGap(NamedTuple):
     """Smallest clearance of the concentric piston [m], at theta [deg] and y' [m]."""
 
     gap: float
@@ -54,16 +54,16 @@ class Narrowest(NamedTuple):
     height: float
 
 
-def narrowest(shapes: Shapes, hot: bool) -> Narrowest:
+def narrowest(shapes: Shapes, hot: bool) -> NarrowestGap:
     """Return the smallest clearance of the concentric, undeformed piston where there is a film."""
     gap = np.where(shapes.film, shapes.clearance(hot), np.inf)
     i, j = np.unravel_index(gap.argmin(), gap.shape)
     degrees = float(np.degrees(shapes.angle[i])) % 360.0
-    return Narrowest(float(gap[i, j]), degrees, float(shapes.height[j]))
+    return NarrowestGap(float(gap[i, j]), degrees, float(shapes.height[j]))
 
 
 def remarks_on_fit(
-    build: Build, piston: Sized, block: Sized, chosen: Parameters, shapes: Shapes
+    build: Build, piston: BodyPreview, block: BodyPreview, chosen: Parameters, shapes: Shapes
 ) -> list[str]:
     """Return remarks on clearance, heat and profile."""
     out = []

@@ -17,7 +17,7 @@ from .reduction.film_loads import (
     recorded_film_thickness,
     recorded_loads,
 )
-from .reduction.reduced_body import LeftOut, ReducedBlock, ReducedPiston, load
+from .reduction.reduced_body import MissingShapes, ReducedBlock, ReducedPiston, load
 from .reduction.truncation import Truncation, share_of_film, static_modes, truncation
 
 
@@ -70,12 +70,12 @@ def truncations(
     found = {}
     gap = np.zeros(shape)
     if len(piston.omega):
-        left = load(LeftOut, files["piston"])
+        left = load(MissingShapes, files["piston"])
         found["piston"] = truncation(left, static_modes(piston), loads.film)
         gap = gap + found["piston"].missing.reshape(shape)
     if len(block.omega):
         film = on_stations(loads, rows, block.heights)
-        left = load(LeftOut, files["block"])
+        left = load(MissingShapes, files["block"])
         found["block"] = truncation(left, static_modes(block), film)
         table = found["block"].missing.reshape(film.pressure.shape)
         gap = gap + on_rows(table, loads.height_of_A, rows, block.heights)

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from .carrier import ALPHA, AX, AY, FIXED, Carrier, W, carried, place
+from .carrier import FIXED, Carrier, carried, carrier_from, place
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Motion
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
@@ -122,12 +122,9 @@ def force_at(system: BodySystem, crank_unbalance: float, last: StepEnd) -> Block
 @compiled
 def _carried_by(load, change, share):
     """Return a load with the block's motion changed by a share of a change, (4,)."""
-    carrier = Carrier(
-        load.carrier.ax + share * change[AX],
-        load.carrier.ay + share * change[AY],
-        load.carrier.alpha + share * change[ALPHA],
-        load.carrier.w + share * change[W],
-    )
+    own = load.carrier
+    more = carrier_from(share * change)
+    carrier = Carrier(own.ax + more.ax, own.ay + more.ay, own.alpha + more.alpha, own.w + more.w)
     return Load(load.lateral, load.axial, load.moment, load.guided, load.modal, carrier)
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled, packed
 from .slider_crank import CrankMotion, LateralMotion, Mechanism, height
 
 
@@ -29,14 +29,13 @@ class Carrier(NamedTuple):
     w: float
 
 
-AX, AY, ALPHA, W = range(4)
-"""Numbers of a `Carrier` in an array."""
+_, carrier_from = packed(Carrier)
 
 FIXED = Carrier(0.0, 0.0, 0.0, 0.0)
 """A block that does not move."""
 
 
-class Carried(NamedTuple):
+class CarrierEffect(NamedTuple):
     """Terms that the block's motion adds.
 
     Parameters
@@ -126,7 +125,7 @@ def place(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> M
 @compiled
 def carried(
     mechanism: Mechanism, carrier: Carrier, lateral: LateralMotion, crank: CrankMotion
-) -> Carried:
+) -> CarrierEffect:
     """Compute what the block's motion adds to accelerations and to the rod's inertia forces.
 
     Eq. (K15):  on x_A:  k m_r e . g + J_r psi1 alpha,    on phi:  m_r G_phi . g + J_r psi_phi alpha
@@ -141,7 +140,7 @@ def carried(
 
     Returns
     -------
-    Carried
+    CarrierEffect
     """
     k = mechanism.rod_centre
     mass = mechanism.rod_mass
@@ -154,7 +153,7 @@ def carried(
     psi1 = -1 / f
     gx_by_phi = -(1 - k) * at.py
     gy_by_phi = at.px + k * f1 * at.py
-    return Carried(
+    return CarrierEffect(
         x,
         y,
         gx,

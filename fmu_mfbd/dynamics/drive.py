@@ -164,15 +164,15 @@ def scalars_of(
     surfaces: np.ndarray,
 ) -> Scalars:
     """Return the scalar outputs at an instant, `energy_gain` and `energy_size` before `account`."""
-    lateral, rocking = now.kept_velocity[LATERAL], now.kept_velocity[ROCKING]
+    lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
     lower, upper = skirt_edges(surfaces)
     return Scalars(
         crank_angle=crank.angle,
         rotation_speed=crank.speed,
-        piston_position=now.piston_position,
-        piston_velocity=now.piston_velocity,
-        lateral_displacement=now.position[LATERAL],
-        rocking_angle=now.position[ROCKING],
+        piston_position=now.axial.height,
+        piston_velocity=now.axial.velocity,
+        lateral_displacement=now.end.position[LATERAL],
+        rocking_angle=now.end.position[ROCKING],
         lateral_velocity=lateral,
         rocking_velocity=rocking,
         side_force=now.side_force,

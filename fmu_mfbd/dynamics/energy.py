@@ -37,7 +37,7 @@ class EnergyLedger(NamedTuple):
     accounted: float
 
 
-class Moving(NamedTuple):
+class MovingBodies(NamedTuple):
     """Everything that has inertia across the bore.
 
     Parameters
@@ -59,14 +59,14 @@ class Moving(NamedTuple):
 
 
 @compiled
-def motion_product(moving: Moving, a: np.ndarray, b: np.ndarray) -> float:
+def motion_product(moving: MovingBodies, a: np.ndarray, b: np.ndarray) -> float:
     """Return a . M b of the rigid motion across the bore (Eq. (N6)) and of modes with inertia.
 
     Eq. (D9):  a . M b = Eq. (N6) + sum ((a_x T_x + a_t g) b_q + (b_x T_x + b_t g) a_q + a_q b_q)
 
     Parameters
     ----------
-    moving : Moving
+    moving : MovingBodies
     a, b : ndarray, shape (n,)
     """
     body = moving.body
@@ -82,7 +82,7 @@ def motion_product(moving: Moving, a: np.ndarray, b: np.ndarray) -> float:
 
 
 @compiled
-def elastic_energy(moving: Moving, position: np.ndarray) -> float:
+def elastic_energy(moving: MovingBodies, position: np.ndarray) -> float:
     """Return the energy of the modes that have inertia, half the sum of Omega^2 q^2 [J]."""
     total = 0.0
     stiffness = moving.body.stiffness
@@ -94,7 +94,7 @@ def elastic_energy(moving: Moving, position: np.ndarray) -> float:
 
 
 @compiled
-def energy_error(moving: Moving, before: Motion, kept: Motion, end: Motion) -> float:
+def energy_error(moving: MovingBodies, before: Motion, kept: Motion, end: Motion) -> float:
     """Return the energy that time integration created (+) or lost (-) in a step [J].
 
     Eq. (D10):  e = T_1 - T_0 - (q_1 - q_0) . M (q''_0 + q''_1)/2,   T = q' . M q'/2
@@ -104,7 +104,7 @@ def energy_error(moving: Moving, before: Motion, kept: Motion, end: Motion) -> f
 
     Parameters
     ----------
-    moving : Moving
+    moving : MovingBodies
     before, kept, end : Motion
         At the start; at the end, as the next step starts from it and as the equations hold.
     """
@@ -150,7 +150,7 @@ def film_work(
 
 
 @compiled
-def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
+def other_forces(moving: MovingBodies, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
     """Compute all forces on the motion across the bore except the film's, from its acceleration.
 
     They are forces of springs, damping, gas, pin and rod. If `moving` holds the rod's inertia
@@ -160,7 +160,7 @@ def other_forces(moving: Moving, acceleration: np.ndarray, forces: FilmForces) -
 
     Parameters
     ----------
-    moving : Moving
+    moving : MovingBodies
     acceleration : ndarray, shape (n,)
         As the equations of motion hold.
     forces : FilmForces

@@ -25,12 +25,8 @@ from .floating_frame import (
 )
 from .generalised_alpha import Motion
 from .pin_coordinates import (
-    BOSS_X,
-    BOSS_Y,
-    EYE_X,
-    EYE_Y,
     NO_MODES,
-    SPIN,
+    PIN,
     Layout,
     PinBodies,
     eye_motion,
@@ -107,7 +103,7 @@ class PinKinematics(NamedTuple):
     frame: FrameMotion
 
 
-class Lack(NamedTuple):
+class PinImbalance(NamedTuple):
     """Imbalance of the equations of motion.
 
     Parameters
@@ -190,8 +186,8 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
         shift[1] + (1 - k) * crank_pin[1] + k * link.axial_acceleration,
     )
     # Eq. (K16)
-    high = link.axial_acceleration + shift[1] + a[EYE_Y]
-    piston = pair(a[LATERAL], high - a[BOSS_Y])
+    high = link.axial_acceleration + shift[1] + a[PIN.eye_y]
+    piston = pair(a[LATERAL], high - a[PIN.boss_y])
     of_A = in_axes(axes, piston)
     frame = FrameMotion(
         of_A[0],
@@ -202,7 +198,7 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
         of_modes(first, now.velocity),
         of_modes(first, a),
     )
-    pin = pair(a[LATERAL] + a[BOSS_X], high)
+    pin = pair(a[LATERAL] + a[PIN.boss_x], high)
     journal = play_at(first.main_bearing, a)
     return PinKinematics(link, axes, piston, pin, shift, rod_centre, journal, frame)
 
@@ -210,7 +206,7 @@ def place_of(bodies: PinBodies, now: Motion, crank: CrankMotion) -> PinKinematic
 @compilable
 def imbalance(
     bodies: PinBodies, load: Load, now: Motion, crank: CrankMotion, films: PinFilms
-) -> Lack:
+) -> PinImbalance:
     """Return the residual of the equations of motion.
 
     Eq. (D21):  x_A:    G_x + K_x + N = 0
@@ -277,11 +273,11 @@ def imbalance(
     residual = np.empty(first.size)
     residual[LATERAL] = on_piston[0] + pin_x + sideways
     residual[ROCKING] = rocking - films.bosses.on_shell
-    residual[BOSS_X] = pin_x + sideways - boss[0]
-    residual[BOSS_Y] = -on_piston[1] - boss[1]
-    residual[EYE_X] = -sideways - in_eye[0]
-    residual[EYE_Y] = above_eye - in_eye[1]
-    residual[SPIN] = bodies.spin_inertia * now.acceleration[SPIN] - on_pin
+    residual[PIN.boss_x] = pin_x + sideways - boss[0]
+    residual[PIN.boss_y] = -on_piston[1] - boss[1]
+    residual[PIN.eye_x] = -sideways - in_eye[0]
+    residual[PIN.eye_y] = above_eye - in_eye[1]
+    residual[PIN.spin] = bodies.spin_inertia * now.acceleration[PIN.spin] - on_pin
     for k in range(len(bodies.piston.stiffness)):
         residual[first.modes + k] = force.modal[k] - load.modal[k]
     shapes = bodies.shapes
@@ -312,10 +308,10 @@ def imbalance(
     torque += mechanism.rod_mass * (by_centre[0] * at.shift[0] + by_centre[1] * at.shift[1])
     torque += bodies.crank.unbalance * (onward[0] * at.crank[0] + onward[1] * at.crank[1])
     torque -= films.big_end.on_pin + films.main_bearing.on_pin
-    return Lack(residual, on_piston, above_eye, torque, at, force)
+    return PinImbalance(residual, on_piston, above_eye, torque, at, force)
 
 
-class Pushes(NamedTuple):
+class PistonForces(NamedTuple):
     """Forces on the piston other than the pin's, or changes of them.
 
     They act along x and y [N], about A [N m], and on its modes (k,) [kg^-1/2 N].
@@ -328,14 +324,14 @@ class Pushes(NamedTuple):
 
 
 @compilable
-def generalised_forces(first: Layout, films: PinFilms, on_piston: Pushes) -> np.ndarray:
+def generalised_forces(first: Layout, films: PinFilms, on_piston: PistonForces) -> np.ndarray:
     """Return the generalised forces, but for what they do along the driven motion.
 
     Parameters
     ----------
     first : Layout
     films : PinFilms
-    on_piston : Pushes
+    on_piston : PistonForces
 
     Returns
     -------
@@ -344,11 +340,11 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: Pushes) -> np.
     out = np.empty(first.size)
     out[LATERAL] = on_piston.lateral
     out[ROCKING] = on_piston.moment + films.bosses.on_shell
-    out[BOSS_X] = films.bosses.force[0]
-    out[BOSS_Y] = films.bosses.force[1]
-    out[EYE_X] = films.eye.force[0]
-    out[EYE_Y] = films.eye.force[1]
-    out[SPIN] = films.bosses.on_pin + films.eye.on_pin
+    out[PIN.boss_x] = films.bosses.force[0]
+    out[PIN.boss_y] = films.bosses.force[1]
+    out[PIN.eye_x] = films.eye.force[0]
+    out[PIN.eye_y] = films.eye.force[1]
+    out[PIN.spin] = films.bosses.on_pin + films.eye.on_pin
     for k in range(first.shapes - first.modes):
         out[first.modes + k] = on_piston.modal[k]
     n = (first.eye - first.shapes) // 2
@@ -367,7 +363,7 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: Pushes) -> np.
 
 
 @compilable
-def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Pushes) -> np.ndarray:
+def pushed(first: Layout, link: Link, films: PinFilms, on_piston: PistonForces) -> np.ndarray:
     """Return what changes of the forces add to the residual of Eq. (D21), shape (7 + k + 2 n,).
 
     Parameters
@@ -376,7 +372,7 @@ def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Pushes) -> np.
     link : Link
     films : PinFilms
         Changes.
-    on_piston : Pushes
+    on_piston : PistonForces
         Changes.
     """
     along = on_piston.axial
@@ -385,10 +381,10 @@ def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Pushes) -> np.
     for k in range(len(out)):
         out[k] = -out[k]
     out[LATERAL] += sideways
-    out[BOSS_X] += sideways
-    out[BOSS_Y] += along
-    out[EYE_X] -= sideways
-    out[EYE_Y] -= along
+    out[PIN.boss_x] += sideways
+    out[PIN.boss_y] += along
+    out[PIN.eye_x] -= sideways
+    out[PIN.eye_y] -= along
     if first.big_end >= 0:
         out[first.big_end] += sideways
         out[first.big_end + 1] += along

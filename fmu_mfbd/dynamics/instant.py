@@ -15,7 +15,7 @@ from ..geometry.film import (
 from .carrier import carried
 from .energy import (
     EnergyLedger,
-    Moving,
+    MovingBodies,
     elastic_energy,
     energy_error,
     film_work,
@@ -34,8 +34,8 @@ from .piston_motion import (
     end_accelerations,
     lateral_motion,
 )
-from .quasi_static import STILL, Ride, follow, static_coordinates
-from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
+from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
+from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
 from .slider_crank import carried_mass, height, motion
 from .system import BodySystem, OtherForces, StepProblem
 
@@ -45,14 +45,13 @@ class Instant(NamedTuple):
 
     Parameters
     ----------
-    position, velocity, acceleration : ndarray, shape (n,)
+    end : Motion
         Of all coordinates: [x_A [m], rocking angle [rad], piston then block modal coordinates
         [kg^1/2 m]], and derivatives in time.
-    kept_velocity, kept_acceleration, auxiliary : ndarray, shape (n,)
-        What the next step starts from; those of the end but after an impact (Eq. (N7)), and the
-        time integrator's auxiliary acceleration.
-    impact : bool
-        Whether the step was an impact.
+    kept : Motion
+        What the next step starts from: `end` except after an impact (Eq. (N7)).
+    auxiliary : ndarray, shape (n,)
+        The time integrator's auxiliary acceleration.
     ledger : EnergyLedger
         Energy across the bore.
     other_forces : ndarray, shape (n,)
@@ -63,43 +62,33 @@ class Instant(NamedTuple):
         On the piston, all but the pin's.
     side_force : float
         Of the piston on the bore through all films [N].
-    film_thickness, sliding_velocity : ndarray, shape (cells,)
-        Of all surfaces, stacked [m], [m/s].
-    piston_position, piston_velocity : float
-        Height of A [m] and its velocity [m/s].
+    films : SkirtFilms
+    axial : AxialMotion
+        Of A.
     pin_x, pin_y, pin_moment, torque : float
         Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank
         without its own inertia [N m].
     pin_friction_power : float
         What that friction turns into heat [W].
-    work_error : ndarray, shape (surfaces,)
-        `work_error` of each film [-].
     evaluations, tangents, change : int, int, float
         As of `piston_motion.Solution`.
     """
 
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    kept_velocity: np.ndarray
-    kept_acceleration: np.ndarray
+    end: Motion
+    kept: Motion
     auxiliary: np.ndarray
-    impact: bool
     ledger: EnergyLedger
     other_forces: np.ndarray
     guided: float
     load: Load
     side_force: float
-    film_thickness: np.ndarray
-    sliding_velocity: np.ndarray
-    piston_position: float
-    piston_velocity: float
+    films: SkirtFilms
+    axial: AxialMotion
     pin_x: float
     pin_y: float
     pin_moment: float
     torque: float
     pin_friction_power: float
-    work_error: np.ndarray
     evaluations: int
     tangents: int
     change: float
@@ -147,7 +136,7 @@ def end_of_step(
     _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
     moving = _moving_bodies(system, 0.0)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-    impact = limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
+    limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
     rod = motion(mechanism, lateral_motion(end), crank).rod
     now = height(mechanism, end.position[LATERAL], crank.angle)
@@ -165,28 +154,21 @@ def end_of_step(
         accounted=motion_product(with_rod, kept.velocity, kept.velocity) / 2,
     )
     return Instant(
-        position=end.position,
-        velocity=end.velocity,
-        acceleration=end.acceleration,
-        kept_velocity=kept.velocity,
-        kept_acceleration=kept.acceleration,
+        end=end,
+        kept=kept,
         auxiliary=predicted.auxiliary,
-        impact=impact,
         ledger=ledger,
         other_forces=other_forces(with_rod, end.acceleration, film_forces),
         guided=guided.height,
         load=load,
         side_force=-film_forces.lateral,
-        film_thickness=films.film_thickness,
-        sliding_velocity=films.sliding_velocity,
-        piston_position=now.height,
-        piston_velocity=axial_velocity,
+        films=films,
+        axial=AxialMotion(now.height, axial_velocity),
         pin_x=own.pin_x,
         pin_y=own.pin_y - films.on_slopes,
         pin_moment=own.pin_moment,
         torque=own.torque - films.on_slopes * upright.lever,
         pin_friction_power=own.pin_moment * (rod.velocity - end.velocity[ROCKING]),
-        work_error=films.work_error,
         evaluations=own.evaluations,
         tangents=own.tangents,
         change=own.change,
@@ -239,7 +221,7 @@ def _moving_bodies(system, carried):
     """Return what has inertia across the bore; `carried` as of `rigid_piston`."""
     piston = system.piston
     first = RIGID + len(piston.stiffness) + len(system.piston_static.stiffness)
-    return Moving(piston, rigid_piston(system, carried), first, system.block.stiffness)
+    return MovingBodies(piston, rigid_piston(system, carried), first, system.block.stiffness)
 
 
 @compiled
@@ -297,4 +279,4 @@ def _frame_ride(mechanism, carrier, now, crank):
     angle = now.position[ROCKING]
     x, y = in_frame(lateral.acceleration + added.x, axial + added.y, angle)
     spin = now.velocity[ROCKING] + carrier.w
-    return Ride(x, y, now.acceleration[ROCKING] + carrier.alpha, spin**2)
+    return FrameAcceleration(x, y, now.acceleration[ROCKING] + carrier.alpha, spin**2)

@@ -391,11 +391,11 @@ class PistonInBore:
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
         """Return all outputs by name; `variables.py` has their units."""
         outputs = {
-            **self._by_film("film_thickness", now.film_thickness),
-            **self._by_film("sliding_velocity", now.sliding_velocity),
+            **self._by_film("film_thickness", now.films.film_thickness),
+            **self._by_film("sliding_velocity", now.films.sliding_velocity),
             **{
                 f"{film.prefix}interface_work_error": error
-                for film, error in zip(self.films, now.work_error)
+                for film, error in zip(self.films, now.films.work_error)
             },
             **scalars_of(
                 now, crank, self.crank.inertia, self.system.piston, self.system.surfaces
@@ -404,8 +404,8 @@ class PistonInBore:
             "jacobian_evaluations": self.jacobian_evaluations,
         }
         if self.modes:
-            outputs["modal_coordinate"] = now.position[RIGID:].copy()
-            outputs["modal_velocity"] = now.kept_velocity[RIGID:].copy()
+            outputs["modal_coordinate"] = now.end.position[RIGID:].copy()
+            outputs["modal_velocity"] = now.kept.velocity[RIGID:].copy()
         return outputs
 
     def _on_block(self):

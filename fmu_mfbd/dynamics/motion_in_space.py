@@ -103,7 +103,7 @@ class SpaceLoad(NamedTuple):
     across: np.ndarray
 
 
-class Held(NamedTuple):
+class StopForce(NamedTuple):
     """Force of a `Stop`, opposite to the motion, (n,), and its slopes, (n, n).
 
     The slopes are against position and velocity.
@@ -147,7 +147,7 @@ class SpaceKinematics(NamedTuple):
     together: SpaceBody
 
 
-class Lack(NamedTuple):
+class SpaceImbalance(NamedTuple):
     """Imbalance of the equations, and the forces between the bodies.
 
     Parameters
@@ -180,7 +180,7 @@ def skew(vector: np.ndarray) -> np.ndarray:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> Held:
+def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> StopForce:
     """Compute the force of a stop against a motion of n coordinates in any direction.
 
     Eq. (K17):  F = k max(0, |q| - play) q/|q| + d q'
@@ -194,12 +194,12 @@ def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> Held:
     size = float(np.linalg.norm(position))
     damper = stop.damping * unit
     if size <= stop.play:
-        return Held(stop.damping * velocity, 0.0 * unit, damper)
+        return StopForce(stop.damping * velocity, 0.0 * unit, damper)
     # Eq. (K17)
     share = 1 - stop.play / size if size > 0.0 else 1.0
     along = np.outer(position, position) / size**2 if size > 0.0 else unit
     force = stop.stiffness * share * position + stop.damping * velocity
-    return Held(force, stop.stiffness * (share * unit + (1 - share) * along), damper)
+    return StopForce(force, stop.stiffness * (share * unit + (1 - share) * along), damper)
 
 
 def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
@@ -287,7 +287,9 @@ def with_pin(bodies: SpaceBodies) -> SpaceBody:
     return bodies.piston._replace(J=bodies.piston.J + thin)
 
 
-def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion) -> Lack:
+def imbalance(
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion
+) -> SpaceImbalance:
     """Return the residual of the equations of motion.
 
     Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
@@ -345,7 +347,7 @@ def imbalance(bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMot
     lever -= mechanism.crank_radius * np.sin(crank.angle)
     torque = pull_y * lever + at.link.rod_moment + friction * at.link.rod.lever
     holding = -np.array([along, about_x, about_y])
-    return Lack(residual, on_piston, friction, pull, holding, float(torque))
+    return SpaceImbalance(residual, on_piston, friction, pull, holding, float(torque))
 
 
 def _held(bodies, now):

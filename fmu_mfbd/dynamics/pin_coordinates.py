@@ -19,12 +19,23 @@ from .modal_damping import ModalSprings
 from .piston_motion import LATERAL, RIGID
 from .slider_crank import LateralMotion, Mechanism
 
-BOSS_X, BOSS_Y, EYE_X, EYE_Y, SPIN = range(2, 7)
-"""Coordinates of the pin: its axis from that of the piston's bosses and of the rod's eye [m], along
-x and y in space; its angle about +z [rad]."""
+
+class PinCoordinates(NamedTuple):
+    """Places of the pin's coordinates.
+
+    They are the positions of its axis from that of the piston's bosses and of the rod's eye [m],
+    along x and y in space, and its angle about +z [rad].
+    """
+
+    boss_x: int = RIGID
+    boss_y: int = RIGID + 1
+    eye_x: int = RIGID + 2
+    eye_y: int = RIGID + 3
+    spin: int = RIGID + 4
 
 
-COORDINATES = 7
+PIN = PinCoordinates()
+COORDINATES = PIN.spin + 1
 """Without modes, shapes of the pin and others, which follow in blocks (`layout`)."""
 
 
@@ -163,7 +174,7 @@ def shift_of(first: Layout, coordinates: np.ndarray) -> np.ndarray:
 @compilable
 def is_held(coordinate: int) -> bool:
     """Return whether a coordinate is so stiff that a step does not resolve its inertia."""
-    return BOSS_X <= coordinate <= EYE_Y or coordinate >= COORDINATES
+    return PIN.boss_x <= coordinate <= PIN.eye_y or coordinate >= COORDINATES
 
 
 @compilable
@@ -174,7 +185,7 @@ def small_end(first: Layout, coordinates: np.ndarray) -> float:
     the rate.
     """
     aside = shift_of(first, coordinates)
-    return coordinates[LATERAL] + coordinates[BOSS_X] - coordinates[EYE_X] - aside[0]
+    return coordinates[LATERAL] + coordinates[PIN.boss_x] - coordinates[PIN.eye_x] - aside[0]
 
 
 @compilable
@@ -202,4 +213,4 @@ def _of_skirt(first, coordinates):
 @compilable
 def lifted(first: Layout, coordinates: np.ndarray) -> float:
     """Return the lift of A by play (Eqs. (K16), (K25)) [m], or its change."""
-    return coordinates[EYE_Y] - coordinates[BOSS_Y] + shift_of(first, coordinates)[1]
+    return coordinates[PIN.eye_y] - coordinates[PIN.boss_y] + shift_of(first, coordinates)[1]

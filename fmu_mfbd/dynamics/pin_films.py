@@ -10,10 +10,10 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import (
+    ModeMotion,
     PinForces,
     PinResultants,
     PinSurface,
-    Yielding,
     across,
     in_axes,
     modal_push,
@@ -203,7 +203,7 @@ def _work_error(first, surface, forces, shell, end, k):
         place,
         own_velocity(shell),
         shell.turning,
-        Yielding(modal, modal_velocity),
+        ModeMotion(modal, modal_velocity),
         own_bent(shell),
     )
     moving = found.force[0] * shell.velocity[0] + found.force[1] * shell.velocity[1]
@@ -236,7 +236,7 @@ def gap_of(
     return gap
 
 
-class PinFilmsNow(NamedTuple):
+class PinFilmState(NamedTuple):
     """All films of pin and crank at an instant.
 
     Parameters
@@ -257,7 +257,7 @@ class PinFilmsNow(NamedTuple):
 
 
 @compilable
-def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmsNow:
+def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmState:
     """Return all films of pin and crank at an instant."""
     at = layout(of.bodies)
     cells = len(forces.pressure)
@@ -282,7 +282,7 @@ def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion)
         if k == EYE:
             rod_turning = shell.own_turning
         first = last
-    return PinFilmsNow(gaps, around, errors, friction_power, rod_turning)
+    return PinFilmState(gaps, around, errors, friction_power, rod_turning)
 
 
 @compilable

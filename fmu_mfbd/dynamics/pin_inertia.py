@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from .floating_frame import X, Y
-from .pin_coordinates import BOSS_X, BOSS_Y, EYE_X, EYE_Y, NOWHERE, SPIN, Layout, PinBodies, layout
+from .pin_coordinates import NOWHERE, PIN, Layout, PinBodies, layout
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import carried_mass
 
@@ -28,7 +28,7 @@ def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
     return total
 
 
-class Way(NamedTuple):
+class UnitMotion(NamedTuple):
     """Motion of all parts with a single coordinate.
 
     The parts are A, the pin's axis, the eye from its big end, the big end from its position without
@@ -51,18 +51,18 @@ class Way(NamedTuple):
 
 
 @compilable
-def way_of(first: Layout, j: int) -> Way:
+def way_of(first: Layout, j: int) -> UnitMotion:
     """Return how coordinate j moves everything."""
     lateral = 1.0 if j == LATERAL else 0.0
-    boss_x = 1.0 if j == BOSS_X else 0.0
-    boss_y = 1.0 if j == BOSS_Y else 0.0
-    eye_x = 1.0 if j == EYE_X else 0.0
-    eye_y = 1.0 if j == EYE_Y else 0.0
+    boss_x = 1.0 if j == PIN.boss_x else 0.0
+    boss_y = 1.0 if j == PIN.boss_y else 0.0
+    eye_x = 1.0 if j == PIN.eye_x else 0.0
+    eye_y = 1.0 if j == PIN.eye_y else 0.0
     journal_x = 1.0 if j == first.main_bearing else 0.0
     journal_y = 1.0 if first.main_bearing >= 0 and j == first.main_bearing + 1 else 0.0
     shift_x = journal_x - (1.0 if j == first.big_end else 0.0)
     shift_y = journal_y - (1.0 if first.big_end >= 0 and j == first.big_end + 1 else 0.0)
-    return Way(
+    return UnitMotion(
         x=lateral,
         y=eye_y - boss_y + shift_y,
         pin_x=lateral + boss_x,
@@ -110,7 +110,7 @@ def inertia(bodies: PinBodies) -> np.ndarray:
             out[i, j] = piston.mass * (a.x * b.x + a.y * b.y) + both
             out[i, j] += bodies.mechanism.pin_mass * (a.pin_x * b.pin_x + a.pin_y * b.pin_y)
     out[ROCKING, ROCKING] += piston.I0
-    out[SPIN, SPIN] += bodies.spin_inertia
+    out[PIN.spin, PIN.spin] += bodies.spin_inertia
     for k in range(first.modes, first.shapes):
         out[k, k] += 1.0
     n = len(bodies.shapes.mass)

@@ -14,16 +14,19 @@ from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at
 from .elimination import LUFactors, factorise, substitute
 from .energy import EnergyLedger
-from .floating_pin import Lack, PinFilms, Pushes, generalised_forces, imbalance, on_rod
+from .floating_pin import (
+    PinFilms,
+    PinImbalance,
+    PistonForces,
+    generalised_forces,
+    imbalance,
+    on_rod,
+)
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_coordinates import (
-    BOSS_X,
-    BOSS_Y,
-    EYE_X,
-    EYE_Y,
-    SPIN,
+    PIN,
     Layout,
     _of_skirt,
     eye_motion,
@@ -54,7 +57,7 @@ class PinSolution(NamedTuple):
     ----------
     end : Motion
     films : PinFilms
-    lack : Lack
+    lack : PinImbalance
     factors : LUFactors
         Of the tangent there.
     evaluations : int
@@ -65,7 +68,7 @@ class PinSolution(NamedTuple):
 
     end: Motion
     films: PinFilms
-    lack: Lack
+    lack: PinImbalance
     factors: LUFactors
     evaluations: int
     change: float
@@ -298,12 +301,12 @@ def pin_scalars(
     crank_pin = play_at(first.big_end, position)
     journal = play_at(first.main_bearing, position)
     return PinScalars(
-        pin_displacement_x=position[BOSS_X],
-        pin_displacement_y=position[BOSS_Y],
-        small_end_displacement_x=position[EYE_X],
-        small_end_displacement_y=position[EYE_Y],
-        pin_angle=position[SPIN],
-        pin_rotation_speed=now.velocity[SPIN],
+        pin_displacement_x=position[PIN.boss_x],
+        pin_displacement_y=position[PIN.boss_y],
+        small_end_displacement_x=position[PIN.eye_x],
+        small_end_displacement_y=position[PIN.eye_y],
+        pin_angle=position[PIN.spin],
+        pin_rotation_speed=now.velocity[PIN.spin],
         small_end_force_x=-films.eye.force[0],
         small_end_force_y=-films.eye.force[1],
         small_end_friction_moment=films.eye.on_shell,
@@ -394,7 +397,7 @@ def end_of_pin_step(
     end = found.end
     carried = _auxiliary_after(c, predicted, end)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-    impact = limit_memory(rigid_piston(system, 0.0), before, kept, carried, c.step)
+    limit_memory(rigid_piston(system, 0.0), before, kept, carried, c.step)
 
     axial = _axial_motion(mechanism, at, end, crank)
     on_skirt = skirt_films(
@@ -410,32 +413,25 @@ def end_of_pin_step(
     films = found.films
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
     driven += _along_crank(films, crank, on_pins.rod_turning)
-    pushes = Pushes(skirt.lateral, skirt.axial, skirt.moment, on_modes)
+    pushes = PistonForces(skirt.lateral, skirt.axial, skirt.moment, on_modes)
     all_forces = generalised_forces(at, films, pushes)
     return PinInstant(
         Instant(
-            position=end.position,
-            velocity=end.velocity,
-            acceleration=end.acceleration,
-            kept_velocity=kept.velocity,
-            kept_acceleration=kept.acceleration,
+            end=end,
+            kept=kept,
             auxiliary=carried,
-            impact=impact,
             ledger=_ledger(of, before, kept, end, all_forces, c.step * driven),
             other_forces=_other_forces(of, end, all_forces),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
-            film_thickness=on_skirt.film_thickness,
-            sliding_velocity=on_skirt.sliding_velocity,
-            piston_position=axial.height,
-            piston_velocity=axial.velocity,
+            films=on_skirt,
+            axial=axial,
             pin_x=found.lack.on_piston[0],
             pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
             pin_moment=films.bosses.on_shell,
             torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
             pin_friction_power=on_pins.friction_power,
-            work_error=on_skirt.work_error,
             evaluations=found.evaluations,
             tangents=found.evaluations,
             change=found.change,

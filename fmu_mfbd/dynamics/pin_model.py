@@ -90,11 +90,11 @@ class PistonOnFloatingPin(PistonInBore):
         outputs |= self._by_pin("film_thickness", step.film_thickness)
         outputs |= self._by_pin("circumferential_velocity", step.circumferential_velocity)
         if self.modes:
-            outputs["modal_coordinate"] = of_modes(self.layout, now.position).copy()
-            outputs["modal_velocity"] = of_modes(self.layout, now.kept_velocity).copy()
+            outputs["modal_coordinate"] = of_modes(self.layout, now.end.position).copy()
+            outputs["modal_velocity"] = of_modes(self.layout, now.kept.velocity).copy()
         if len(self.bodies.eye.stiffness):
-            outputs["small_end_modal_coordinate"] = of_eye(self.layout, now.position).copy()
-            outputs["small_end_modal_velocity"] = of_eye(self.layout, now.kept_velocity).copy()
+            outputs["small_end_modal_coordinate"] = of_eye(self.layout, now.end.position).copy()
+            outputs["small_end_modal_velocity"] = of_eye(self.layout, now.kept.velocity).copy()
         scalars = step.scalars._asdict().items()
         return outputs | {
             name: value for name, value in scalars if not name.startswith(self.absent)

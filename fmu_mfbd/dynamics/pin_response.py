@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from .elimination import substitute
-from .floating_pin import Pushes, pushed
+from .floating_pin import PistonForces, pushed
 from .generalised_alpha import Motion
 from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
 from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
@@ -71,7 +71,7 @@ def respond_pin(
     by = on_modes_of(of.surfaces, at, forces)
     films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
     arm = system.pin_offset + end.position[LATERAL]
-    changes = Pushes(
+    changes = PistonForces(
         skirt.lateral + rings.lateral,
         skirt.axial + rings.axial,
         skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)

@@ -5,14 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import PIN_SURFACES, Bent, across, axes_of, in_axes, pair, turned
+from ..geometry.pin import PIN_SURFACES, ShapeMotion, across, axes_of, in_axes, pair, turned
 from .generalised_alpha import Motion
 from .pin_coordinates import (
-    BOSS_X,
-    BOSS_Y,
-    EYE_X,
-    EYE_Y,
-    SPIN,
+    PIN,
     Layout,
     eye_motion,
     of_eye,
@@ -38,7 +34,7 @@ class Shell(NamedTuple):
         Of the pin's axis from the shell's, in space [m], [m/s].
     own_turning, turning : float
         chi' of the shell, phi' - chi' of the pin in it [rad/s].
-    bent : Bent
+    bent : ShapeMotion
         Of the pin, in space; no shapes of a journal of the crank, which stays parallel.
     """
 
@@ -47,7 +43,7 @@ class Shell(NamedTuple):
     velocity: np.ndarray
     own_turning: float
     turning: float
-    bent: Bent
+    bent: ShapeMotion
 
     def own_place(self) -> np.ndarray:
         """Return d of Eq. (H6) [m]."""
@@ -62,11 +58,11 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
     if k < EYE:
         return Shell(
             turned(position[ROCKING]),
-            pair(position[BOSS_X], position[BOSS_Y]),
-            pair(velocity[BOSS_X], velocity[BOSS_Y]),
+            pair(position[PIN.boss_x], position[PIN.boss_y]),
+            pair(velocity[PIN.boss_x], velocity[PIN.boss_y]),
             velocity[ROCKING],
-            velocity[SPIN] - velocity[ROCKING],
-            Bent(of_shapes(first, position), of_shapes(first, velocity)),
+            velocity[PIN.spin] - velocity[ROCKING],
+            ShapeMotion(of_shapes(first, position), of_shapes(first, velocity)),
         )
     eye = eye_motion(first, now)
     rod = motion(mechanism, eye, crank).rod
@@ -76,13 +72,13 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
     if k == EYE:
         return Shell(
             axes,
-            pair(position[EYE_X], position[EYE_Y]),
-            pair(velocity[EYE_X], velocity[EYE_Y]),
+            pair(position[PIN.eye_x], position[PIN.eye_y]),
+            pair(velocity[PIN.eye_x], velocity[PIN.eye_y]),
             rod.velocity,
-            velocity[SPIN] - rod.velocity,
-            Bent(of_shapes(first, position), of_shapes(first, velocity)),
+            velocity[PIN.spin] - rod.velocity,
+            ShapeMotion(of_shapes(first, position), of_shapes(first, velocity)),
         )
-    parallel = Bent(np.zeros((0, 2)), np.zeros((0, 2)))
+    parallel = ShapeMotion(np.zeros((0, 2)), np.zeros((0, 2)))
     if k == _big_end(first):
         at = first.big_end
         place = play_at(at, position)
@@ -124,11 +120,11 @@ def own_velocity(shell: Shell) -> np.ndarray:
 
 
 @compilable
-def own_bent(shell: Shell) -> Bent:
+def own_bent(shell: Shell) -> ShapeMotion:
     """Return tilt and bending of the pin in the axes of the shell."""
     bent = shell.bent
     still = np.zeros(bent.position.shape)
-    return Bent(
+    return ShapeMotion(
         turned_back(shell, still, bent.position, 0.0),
         turned_back(shell, bent.position, bent.velocity, shell.own_turning),
     )
@@ -161,14 +157,16 @@ def _shell_change(mechanism, first, end, moved, crank, k):
     place = moved.position
     speed = moved.velocity
     if k < EYE:
-        boss = pair(place[BOSS_X], place[BOSS_Y])
-        return ShellChange(boss, place[ROCKING], speed[SPIN] - speed[ROCKING])
+        boss = pair(place[PIN.boss_x], place[PIN.boss_y])
+        return ShellChange(boss, place[ROCKING], speed[PIN.spin] - speed[ROCKING])
     rod = motion(mechanism, eye_motion(first, end), crank).rod
     eye = eye_motion(first, moved)
     turn = rod.slope * eye.position
     turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position
     if k == EYE:
-        return ShellChange(pair(place[EYE_X], place[EYE_Y]), turn, speed[SPIN] - turning)
+        return ShellChange(
+            pair(place[PIN.eye_x], place[PIN.eye_y]), turn, speed[PIN.spin] - turning
+        )
     if k == _big_end(first):
         return ShellChange(play_at(first.big_end, place), turn, -turning)
     return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)

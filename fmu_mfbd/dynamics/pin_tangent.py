@@ -6,9 +6,9 @@ from ...master.fmi.compiled import compilable
 from ..geometry.pin import across, in_axes, in_space, pair
 from .floating_frame import RIGID as FRAME
 from .floating_frame import TURN, FlexibleBody, FrameMotion, X, Y, frame_arrow, mode_coupling
-from .floating_pin import Lack, PinFilms, on_rod
+from .floating_pin import PinFilms, PinImbalance, on_rod
 from .generalised_alpha import Motion
-from .pin_coordinates import BOSS_X, BOSS_Y, COORDINATES, EYE_X, EYE_Y, SPIN, PinBodies, layout
+from .pin_coordinates import COORDINATES, PIN, PinBodies, layout
 from .pin_inertia import way_of
 from .piston_motion import LATERAL, ROCKING, Load
 
@@ -19,7 +19,7 @@ def tangent(
     load: Load,
     now: Motion,
     films: PinFilms,
-    lack: Lack,
+    lack: PinImbalance,
     to_velocity: np.ndarray,
     to_position: np.ndarray,
 ) -> np.ndarray:
@@ -32,7 +32,7 @@ def tangent(
     ----------
     bodies, load, now, films
         As for `imbalance`; the films' nodal forces are held, and turn with their shells.
-    lack : Lack
+    lack : PinImbalance
         Of `imbalance`.
     to_velocity, to_position : ndarray, shape (7 + k + 2 n,)
         [s], [s2]; all modes alike.
@@ -80,11 +80,11 @@ def tangent(
         levers += moments[0] * boss_turn + moments[1] * eye_turn
         out[LATERAL, j] = on_piston[0] + on_pin_x + sideways
         out[ROCKING, j] = rows[TURN] - c2[LATERAL] * load.guided * way.x + slope_push
-        out[BOSS_X, j] = on_pin_x + sideways + boss[1] * boss_turn
-        out[BOSS_Y, j] = -on_piston[1] - boss[0] * boss_turn
-        out[EYE_X, j] = -sideways + in_eye[1] * eye_turn
-        out[EYE_Y, j] = lifting - in_eye[0] * eye_turn
-        out[SPIN, j] = levers - slope_push - eye_slope_push
+        out[PIN.boss_x, j] = on_pin_x + sideways + boss[1] * boss_turn
+        out[PIN.boss_y, j] = -on_piston[1] - boss[0] * boss_turn
+        out[PIN.eye_x, j] = -sideways + in_eye[1] * eye_turn
+        out[PIN.eye_y, j] = lifting - in_eye[0] * eye_turn
+        out[PIN.spin, j] = levers - slope_push - eye_slope_push
         for m in range(modes):
             out[first.modes + m, j] = rows[FRAME + m]
         # films' forces turn with their shells
@@ -113,8 +113,8 @@ def _turned_moments(first, now, films):
     """
     boss = films.bosses.force
     eye = films.eye.force
-    from_boss = now.position[BOSS_X] * boss[0] + now.position[BOSS_Y] * boss[1]
-    from_eye = now.position[EYE_X] * eye[0] + now.position[EYE_Y] * eye[1]
+    from_boss = now.position[PIN.boss_x] * boss[0] + now.position[PIN.boss_y] * boss[1]
+    from_eye = now.position[PIN.eye_x] * eye[0] + now.position[PIN.eye_y] * eye[1]
     bent_in_boss = 0.0
     bent_in_eye = 0.0
     n = len(films.bosses.on_shapes)
@@ -157,13 +157,13 @@ def _levers(first, now, films, j, to_position):
     eye = films.eye.force
     n = len(films.bosses.on_shapes)
     k = j - first.shapes
-    if j == BOSS_X:
+    if j == PIN.boss_x:
         return boss[1] * to_position
-    if j == BOSS_Y:
+    if j == PIN.boss_y:
         return -boss[0] * to_position
-    if j == EYE_X:
+    if j == PIN.eye_x:
         return eye[1] * to_position
-    if j == EYE_Y:
+    if j == PIN.eye_y:
         return -eye[0] * to_position
     if 0 <= k < n:
         return (films.bosses.on_shapes[k, 1] + films.eye.on_shapes[k, 1]) * to_position
@@ -178,7 +178,7 @@ def _add_springs(out, bodies, c1, c2):
     first = layout(bodies)
     shapes = bodies.shapes
     n = len(shapes.mass)
-    out[SPIN, SPIN] += bodies.spin_inertia
+    out[PIN.spin, PIN.spin] += bodies.spin_inertia
     for k in range(n):
         for way in range(2):
             m = first.shapes + way * n + k

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compiled
 from ..geometry.arrays import Vector
-from .carrier import FIXED, Carried, Carrier, carried
+from .carrier import FIXED, Carrier, CarrierEffect, carried
 from .floating_frame import (
     TURN,
     Arrow,
@@ -126,14 +126,14 @@ class Posture(NamedTuple):
         Of the rocking angle [-].
     frame : FrameMotion
         In space.
-    added : Carried
+    added : CarrierEffect
     """
 
     link: Link
     cosine: float
     sine: float
     frame: FrameMotion
-    added: Carried
+    added: CarrierEffect
 
 
 @compiled

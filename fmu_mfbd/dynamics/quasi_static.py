@@ -25,7 +25,7 @@ class StaticModes(NamedTuple):
     g: Vector
 
 
-class Ride(NamedTuple):
+class FrameAcceleration(NamedTuple):
     """Motion of the body frame that loads its static modes.
 
     Parameters
@@ -44,7 +44,7 @@ class Ride(NamedTuple):
     spin: float
 
 
-STILL = Ride(0.0, 0.0, 0.0, 0.0)
+STILL = FrameAcceleration(0.0, 0.0, 0.0, 0.0)
 """A frame that does not move."""
 
 
@@ -55,7 +55,9 @@ def standing(stiffness: np.ndarray) -> StaticModes:
 
 
 @compiled
-def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.ndarray:
+def static_coordinates(
+    modes: StaticModes, force: np.ndarray, ride: FrameAcceleration
+) -> np.ndarray:
     """Return the modal coordinates under the current forces.
 
     Eq. (D6):  Omega^2 q = f - T^T a - alpha g + w^2 b
@@ -69,7 +71,7 @@ def static_coordinates(modes: StaticModes, force: np.ndarray, ride: Ride) -> np.
     modes : StaticModes
     force : ndarray, shape (s,)
         [kg^-1/2 N]
-    ride : Ride
+    ride : FrameAcceleration
 
     Returns
     -------

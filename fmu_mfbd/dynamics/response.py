@@ -23,7 +23,7 @@ from .piston_motion import (
     solve_coupled,
     tangent,
 )
-from .quasi_static import STILL, Ride, follow, static_coordinates
+from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
 from .skirt_films import Change, forces_by_film, skirt_changes, together
 from .slider_crank import CrankMotion, motion
 from .system import BodySystem, RingForce
@@ -58,7 +58,8 @@ def step_end(
     c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: LUFactors
 ) -> StepEnd:
     """Return what is kept of a step's end, of so many coordinates."""
-    motion = Motion(now.position[:moving], now.velocity[:moving], now.acceleration[:moving])
+    position, velocity, acceleration = now.end
+    motion = Motion(position[:moving], velocity[:moving], acceleration[:moving])
     return StepEnd(c, now.guided, now.load, motion, crank, factors)
 
 
@@ -285,14 +286,14 @@ def _block_change(system, linear, force):
 
 
 @compiled
-def ridden(linear: LinearisedMotion, lateral: float, rocking: float) -> Ride:
+def ridden(linear: LinearisedMotion, lateral: float, rocking: float) -> FrameAcceleration:
     """Return the change of the frame's motion with changes of its accelerations.
 
     These are x_A'' [m/s2] and the angular acceleration [rad/s2].
     """
     x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
     y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
-    return Ride(x, y, rocking, linear.spin_by_rocking * rocking)
+    return FrameAcceleration(x, y, rocking, linear.spin_by_rocking * rocking)
 
 
 @compiled

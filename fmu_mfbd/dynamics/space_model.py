@@ -22,8 +22,8 @@ from .motion_in_space import (
     ROLL,
     SHIFT,
     YAW,
-    Lack,
     SpaceBodies,
+    SpaceImbalance,
     SpaceLoad,
     imbalance,
     inertia,
@@ -62,7 +62,7 @@ class SpaceSolution(NamedTuple):
 
     load: SpaceLoad
     end: Motion
-    lack: Lack
+    lack: SpaceImbalance
     evaluations: int
     change: float
 
@@ -138,7 +138,7 @@ class PistonInSpace(PistonInBore):
         end = solved.end
         carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
         kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-        impact = self._limit(before, kept, carried, c.step)
+        self._limit(before, kept, carried, c.step)
 
         now = height(system.mechanism, end.position[LATERAL], crank.angle)
         axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
@@ -149,28 +149,21 @@ class PistonInSpace(PistonInBore):
         pin_x, pin_y = lack.on_piston
         rod = motion(system.mechanism, lateral_motion(end), crank).rod
         instant = Instant(
-            position=end.position,
-            velocity=end.velocity,
-            acceleration=end.acceleration,
-            kept_velocity=kept.velocity,
-            kept_acceleration=kept.acceleration,
+            end=end,
+            kept=kept,
             auxiliary=carried,
-            impact=impact,
             ledger=self._ledger(before, kept, end, films, driven),
             other_forces=self.with_rod @ end.acceleration - films,  # Eq. (D15)
             guided=guided.height,
             load=plane,
             side_force=-skirt.lateral,
-            film_thickness=on_grids.film_thickness,
-            sliding_velocity=on_grids.sliding_velocity,
-            piston_position=now.height,
-            piston_velocity=axial_velocity,
+            films=on_grids,
+            axial=AxialMotion(now.height, axial_velocity),
             pin_x=pin_x,
             pin_y=pin_y - on_grids.on_slopes,
             pin_moment=lack.pin_moment,
             torque=lack.torque - on_grids.on_slopes * upright.lever,
             pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
-            work_error=on_grids.work_error,
             evaluations=solved.evaluations,
             tangents=solved.evaluations,
             change=solved.change,
@@ -280,7 +273,7 @@ class PistonInSpace(PistonInBore):
             acceleration = acceleration - step
         return SpaceSolution(load, end, lack, 0, change)
 
-    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> bool:
+    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> None:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
 
         z and roll correspond to x_A and the rocking angle, and the first moment has the other sign.
@@ -290,14 +283,12 @@ class PistonInSpace(PistonInBore):
         mass = body.mass + self.system.mechanism.pin_mass
         in_plane = Inertia(mass, body.S[1], body.J[2, 2])
         across = Inertia(mass, -body.S[1], body.J[0, 0])
-        stopped = False
         for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
             begun, ended = (
                 Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
                 for one in (before, kept)
             )
-            stopped |= bool(limit_memory(rigid, begun, ended, carried[pair], step))
-        return stopped
+            limit_memory(rigid, begun, ended, carried[pair], step)
 
     def _ledger(
         self, before: Motion, kept: Motion, end: Motion, films: np.ndarray, driven: float
@@ -319,9 +310,9 @@ class PistonInSpace(PistonInBore):
 
     def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
         """Return the outputs of a piston in its plane, and those across it."""
-        shift, roll, yaw = now.position[IN_SPACE]
+        shift, roll, yaw = now.end.position[IN_SPACE]
         solved = self._space.solved
-        motion = (shift, self.bodies.tilt + roll, yaw, *now.kept_velocity[IN_SPACE])
+        motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
         scalars = SpaceScalars._make([*motion, -solved.load.across[0], *solved.lack.held])
         return super()._outputs(now, crank) | scalars._asdict()
 

@@ -36,14 +36,14 @@ class ShellModes(NamedTuple):
     slope: Matrix
 
 
-class Yielding(NamedTuple):
+class ModeMotion(NamedTuple):
     """Modal coordinates and velocities of a shell, (k,)."""
 
     position: np.ndarray
     velocity: np.ndarray
 
 
-class Bent(NamedTuple):
+class ShapeMotion(NamedTuple):
     """Coordinates of a pin's n shapes along x and y [m], and velocities [m/s], each (n, 2)."""
 
     position: np.ndarray
@@ -408,8 +408,8 @@ def power_on_grid(
     place: np.ndarray,
     velocity: np.ndarray,
     turning: float,
-    yielding: Yielding,
-    bent: Bent,
+    yielding: ModeMotion,
+    bent: ShapeMotion,
 ) -> FilmPower:
     """Return the power of the film on pin and shell as the sum over its cells.
 
@@ -427,9 +427,9 @@ def power_on_grid(
         d and d' in the axes of the shell [m], [m/s].
     turning : float
         w [rad/s].
-    yielding : Yielding
+    yielding : ModeMotion
         Modal motion of a shell with modes.
-    bent : Bent
+    bent : ShapeMotion
         Motion of a pin with shapes, in the axes of the shell; d is then d_j of Eq. (H11).
 
     Returns

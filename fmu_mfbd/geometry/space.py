@@ -11,9 +11,6 @@ import numpy as np
 
 from .film import BoreSplines, FilmSurface, NodalForces, Window, on_rows
 
-SHIFT, ROLL, YAW = range(3)
-"""Coordinates that are not in the plane of the crank."""
-
 
 class Levers(NamedTuple):
     """Derivatives of film thickness and sliding velocity by the coordinates.
@@ -39,9 +36,8 @@ class Levers(NamedTuple):
         Eq. (G7):  Q_k = sum F dh/dq_k + sum f dv/dq'_k        the transpose of Eqs. (H9), (H10)
         """
         # Eq. (G7)
-        out = np.tensordot(self.thickness, film.pressure, 2)
-        out[ROLL] += float((self.sliding * film.friction).sum())
-        return out
+        rolling = float((self.sliding * film.friction).sum())
+        return np.tensordot(self.thickness, film.pressure, 2) + [0.0, rolling, 0.0]
 
 
 def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:

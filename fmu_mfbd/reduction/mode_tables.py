@@ -79,7 +79,7 @@ class StressPeak(NamedTuple):
     jump: float
 
 
-class Recovered(NamedTuple):
+class RecoveredFields(NamedTuple):
     """Fields on a body's mesh.
 
     Parameters
@@ -145,7 +145,7 @@ def write_modes(anatomy: Anatomy, path: Path | str) -> None:
 
 def recover(
     anatomy: Anatomy, modal_coordinate: np.ndarray, path: Path | str | None = None
-) -> Recovered:
+) -> RecoveredFields:
     """Return displacement and stress of a body at an instant, and write them to a VTU file.
 
     Eq. (J12):  u = Phi q
@@ -170,7 +170,7 @@ def recover(
         fields |= {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:
         _write(path, anatomy, fields)
-    return Recovered(displacement, stress, peak)
+    return RecoveredFields(displacement, stress, peak)
 
 
 def stress_peak(anatomy: Anatomy, in_elements: np.ndarray, stress: np.ndarray) -> StressPeak:

@@ -39,8 +39,8 @@ from .interpolation import SurfaceReading, covered, interpolation, radial_and_ax
 from .reduced_body import (
     Anatomy,
     BossFilms,
-    LeftOut,
     MeshProperties,
+    MissingShapes,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
@@ -91,7 +91,7 @@ class Reduced(NamedTuple):
     body: ReducedBody
     anatomy: Anatomy
     properties: MeshProperties
-    left_out: LeftOut | None = None
+    left_out: MissingShapes | None = None
     bosses: ReducedBosses | None = None
 
 
@@ -131,7 +131,7 @@ class Basis(NamedTuple):
     """Modes of a body and what they leave out; None for a rigid body."""
 
     modes: ClassedModes
-    left_out: LeftOut | None
+    left_out: MissingShapes | None
 
 
 class CylinderReading(NamedTuple):

@@ -290,7 +290,7 @@ class MeshProperties:
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class MissingShapes:
     """Static shapes that the modes of a body leave out, for `truncation`. No FMU contains them.
 
     Parameters
@@ -314,7 +314,7 @@ Part = TypeVar(
     | ReducedSmallEnd
     | Anatomy
     | MeshProperties
-    | LeftOut,
+    | MissingShapes,
 )
 
 
@@ -331,7 +331,7 @@ def load(part: type[Part], path: Path) -> Part:
     ----------
     part : type
         ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy,
-        MeshProperties or LeftOut.
+        MeshProperties or MissingShapes.
     path : Path
         .npz
 
@@ -359,7 +359,7 @@ def save(
     | ReducedSmallEnd
     | Anatomy
     | MeshProperties
-    | LeftOut,
+    | MissingShapes,
 ) -> None:
     """Write parts of a reduced body into one .npz file."""
     path.parent.mkdir(parents=True, exist_ok=True)

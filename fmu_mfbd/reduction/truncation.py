@@ -11,7 +11,7 @@ import numpy as np
 import scipy.linalg as la
 
 from .film_loads import FilmLoads
-from .reduced_body import LeftOut, ReducedBody
+from .reduced_body import MissingShapes, ReducedBody
 
 if TYPE_CHECKING:  # slow to import, and used after runs without
     from .smooth_prior import SurfaceAnswers
@@ -66,7 +66,7 @@ def static_modes(body: ReducedBody) -> StaticModes:
     return StaticModes(body.omega, body.radial.reshape(-1, count), body.axial.reshape(-1, count))
 
 
-def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> LeftOut:
+def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> MissingShapes:
     """Return the static shapes that the modes leave out of the answers to smooth pressures.
 
     Eq. (J16):  E = (K^-1 - Phi Omega^-2 Phi^T) R^T S,   S^T R E w_i = e_i w_i,
@@ -89,10 +89,10 @@ def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> 
     w = w[:, kept] / np.sqrt(e[kept])
     on = there[:, None]
     # Eq. (J16)
-    return LeftOut((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))
+    return MissingShapes((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))
 
 
-def truncation(left: LeftOut, modes: StaticModes, film: FilmLoads) -> Truncation:
+def truncation(left: MissingShapes, modes: StaticModes, film: FilmLoads) -> Truncation:
     """Return the truncation error of a body at the loads of a run.
 
     Eq. (J17):  e = R X X^T (R^T p - A^T f)
@@ -103,7 +103,7 @@ def truncation(left: LeftOut, modes: StaticModes, film: FilmLoads) -> Truncation
 
     Parameters
     ----------
-    left : LeftOut
+    left : MissingShapes
     modes : StaticModes
     film : FilmLoads
         At the points, m instants.

@@ -18,7 +18,7 @@ from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, pla
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters, PinParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import BOSS_X, BOSS_Y, EYE_X, EYE_Y
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import PIN
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia, inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
@@ -26,10 +26,10 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PARALLEL,
-    Bent,
+    ModeMotion,
     PinForces,
     PinResultants,
-    Yielding,
+    ShapeMotion,
     modal_push,
     opening_of,
     pin_surface,
@@ -227,13 +227,13 @@ def test_inertia_of_the_play_by_hand():
     """Eq. (D22): with one coordinate alone in motion, and the piston carried along by two."""
     model = floating_model()
     M = inertia(model.bodies)
-    assert M[EYE_X, EYE_X] == 0.0
-    assert M[BOSS_Y, BOSS_Y] == pytest.approx(1.39)
-    assert M[EYE_Y, EYE_Y] == pytest.approx(1.89)
+    assert M[PIN.eye_x, PIN.eye_x] == 0.0
+    assert M[PIN.boss_y, PIN.boss_y] == pytest.approx(1.39)
+    assert M[PIN.eye_y, PIN.eye_y] == pytest.approx(1.89)
     assert M[LATERAL, LATERAL] == pytest.approx(1.89)
-    assert M[BOSS_X, BOSS_X] == pytest.approx(0.5)
+    assert M[PIN.boss_x, PIN.boss_x] == pytest.approx(0.5)
     assert M[LATERAL, ROCKING] == pytest.approx(-1.39 * 26.5e-3)
-    assert M[EYE_Y, ROCKING] == pytest.approx(1.39 * 1.5e-3)
+    assert M[PIN.eye_y, ROCKING] == pytest.approx(1.39 * 1.5e-3)
     assert np.array_equal(M, M.T)
 
 
@@ -272,11 +272,11 @@ def test_a_shell_that_yields_by_hand():
     np.testing.assert_allclose(slope_push(surface, push), [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
     # pressure stands where the mode has no displacement, friction acts against u_t = sin 90 deg
     np.testing.assert_allclose(modal_push(surface, forces), [-5.0], atol=1e-14)
-    none, straight = np.zeros(2), Bent(PARALLEL, PARALLEL)
-    still = power_on_grid(surface, forces, none, none, 30.0, Yielding(q, 0 * q), straight)
+    none, straight = np.zeros(2), ShapeMotion(PARALLEL, PARALLEL)
+    still = power_on_grid(surface, forces, none, none, 30.0, ModeMotion(q, 0 * q), straight)
     turned_by = -7.0 * 2 * 4 / np.pi * 3e-6 * 30.0
     assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
-    moving = power_on_grid(surface, forces, none, none, 0.0, Yielding(q, q), straight)
+    moving = power_on_grid(surface, forces, none, none, 0.0, ModeMotion(q, q), straight)
     assert moving[0] == pytest.approx(-5.0 * 3e-6, rel=1e-12)
 
 
@@ -322,8 +322,8 @@ def test_inertia_of_modes_by_hand():
     assert np.array_equal(M, M.T)
     np.testing.assert_allclose(M[7:, 7:], np.eye(MODES))
     np.testing.assert_allclose(M[LATERAL, 7:], piston.T[0])
-    np.testing.assert_allclose(M[BOSS_Y, 7:], -piston.T[1])
-    np.testing.assert_allclose(M[EYE_Y, 7:], piston.T[1])
+    np.testing.assert_allclose(M[PIN.boss_y, 7:], -piston.T[1])
+    np.testing.assert_allclose(M[PIN.eye_y, 7:], piston.T[1])
     np.testing.assert_allclose(M[ROCKING, 7:], piston.g)
 
 

@@ -12,7 +12,7 @@ from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step import Memory
 from piston_cosim.fmu_mfbd.dynamics.account import account
-from piston_cosim.fmu_mfbd.dynamics.energy import Moving, energy_error
+from piston_cosim.fmu_mfbd.dynamics.energy import MovingBodies, energy_error
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
 from piston_cosim.fmu_mfbd.dynamics.impact import Inertia, limit_memory
 from piston_cosim.master.coupling.ledger import Ledger
@@ -284,7 +284,7 @@ def test_energy_error_has_size_and_sign():
     """0.3 kg goes 2 mm in a step at 100 m/s2 throughout: work 0.06 J. From 1 to 1.2 m/s it gains
     0.066 J, 0.006 J too many; from 1 to 1.1 m/s 0.0315 J, 0.0285 J too few.
     """
-    moving = Moving(rigid_body(MASS, (0.0, 0.0), 1e-3), INERTIA, 2, np.zeros(0))
+    moving = MovingBodies(rigid_body(MASS, (0.0, 0.0), 1e-3), INERTIA, 2, np.zeros(0))
     pushed = np.array([100.0, 0.0])
     before = Motion(np.zeros(2), np.array([1.0, 0.0]), pushed)
     for speed, error in ((1.2, 0.006), (1.1, -0.0285)):

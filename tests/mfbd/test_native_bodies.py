@@ -25,7 +25,7 @@ SCRIPT = """
 import json, sys
 import numpy as np
 from piston_cosim.fmu_mfbd import native
-from piston_cosim.fmu_mfbd.native_block import FAULTS_AT
+from piston_cosim.fmu_mfbd.native_block import PART_OF
 from piston_cosim.master.fmi.block import part
 from piston_cosim.fmu_mfbd.slave import Mfbd
 
@@ -72,7 +72,7 @@ begin = native.given(machine)
 native.size(machine.real, machine.integer, begin, numbers)
 memory = np.zeros(int(numbers[0]))
 memory[: begin.size] = begin
-faults = part(memory, FAULTS_AT)
+faults = part(memory, PART_OF.faults)
 call = machine.real, machine.integer, memory, numbers
 native.start(*call)
 if python.fault:

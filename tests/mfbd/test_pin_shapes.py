@@ -19,10 +19,10 @@ from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
-    Bent,
+    ModeMotion,
     PinForces,
     PinResultants,
-    Yielding,
+    ShapeMotion,
     opening_of,
     pin_surface,
     power_on_grid,
@@ -207,12 +207,14 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     # axis, and against it about its own
     assert found.on_pin == pytest.approx(0.04 - 6e-6, rel=1e-12)
     # rising by 0.1 m/s: pressure closes nothing but the first row, whose pin comes down at 0.2 m/s
-    rising = Bent(up @ axes, np.array([[0.0, 0.1]]) @ axes)
-    none, rigid = np.zeros(2), Yielding(np.zeros(0), np.zeros(0))
+    rising = ShapeMotion(up @ axes, np.array([[0.0, 0.1]]) @ axes)
+    none, rigid = np.zeros(2), ModeMotion(np.zeros(0), np.zeros(0))
     power, _ = power_on_grid(surface, forces, none, none, 0.0, rigid, rising)
     assert power == pytest.approx(5.0 * 0.2, rel=1e-12)
     # turning by 30 rad/s, the friction's arm is shorter by those 3 um
-    power, _ = power_on_grid(surface, forces, none, none, 30.0, rigid, Bent(up @ axes, 0 * up))
+    power, _ = power_on_grid(
+        surface, forces, none, none, 30.0, rigid, ShapeMotion(up @ axes, 0 * up)
+    )
     assert power == pytest.approx(2.0 * (0.02 - 3e-6) * 30.0, rel=1e-12)
 
 

@@ -23,7 +23,7 @@ from piston_cosim.fmu_mfbd.reduction.film_loads import (
 from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading, covered
 from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
-    LeftOut,
+    MissingShapes,
     ReducedBlock,
     ReducedPiston,
     load,
@@ -103,7 +103,7 @@ def test_pressure_of_the_prior_is_missed_exactly(skirt, files):
     the deflection, of which per cents are missing; a hundred summed terms allow 1e-5.
     """
     modes = static_modes(load(ReducedPiston, files["piston"]))
-    left = load(LeftOut, files["piston"])
+    left = load(MissingShapes, files["piston"])
     assert left.left_radial.dtype == np.float32
     *_, root = skirt
     force = root @ np.random.default_rng(4).normal(size=(root.shape[1], 3))
@@ -123,7 +123,7 @@ def test_missing_deflection_under_a_film_at_each_point(skirt, files):
     modes = static_modes(load(ReducedPiston, files["piston"]))
     film = film_forces(GRID)
     lost, whole = missing(skirt, modes, film)
-    found = truncation(load(LeftOut, files["piston"]), modes, film)
+    found = truncation(load(MissingShapes, files["piston"]), modes, film)
     assert rms(lost) > 0.01 * rms(whole)
     np.testing.assert_allclose(found.missing, lost, atol=0.1 * np.abs(lost).max())
     assert found.error == pytest.approx(rms(lost) / rms(whole), rel=0.05)
@@ -310,8 +310,8 @@ def test_a_run_states_it_of_both_bodies(coarse, files, kept, tmp_path):
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, GRID)
     loads = recorded_loads(path, GRID)
     on_bore = on_stations(loads, rows, block.heights)
-    skirt = truncation(load(LeftOut, files["piston"]), static_modes(piston), film)
-    bore = truncation(load(LeftOut, files["block"]), static_modes(block), on_bore)
+    skirt = truncation(load(MissingShapes, files["piston"]), static_modes(piston), film)
+    bore = truncation(load(MissingShapes, files["block"]), static_modes(block), on_bore)
     of_bore = on_rows(
         bore.missing.reshape(on_bore.pressure.shape), loads.height_of_A, rows, block.heights
     )
@@ -360,7 +360,9 @@ def test_a_body_without_what_is_left_out_says_so(coarse, files, kept, tmp_path):
     """As earlier versions wrote it."""
     folder, options = coarse
     with np.load(files["piston"]) as whole:
-        older = {name: whole[name] for name in whole.files if name not in LeftOut.__annotations__}
+        older = {
+            name: whole[name] for name in whole.files if name not in MissingShapes.__annotations__
+        }
     np.savez(tmp_path / "older.npz", **older)
     table = options | {"piston": {"reduced": str(tmp_path / "older.npz")}}
     path = results(tmp_path / "run.h5", {}, film_forces(GRID))
