@@ -60,24 +60,19 @@ def headlines(case, results) -> list[Headline]:
         *_of_each(runs, "pressure peak", _peaks),
         ("friction", _friction(runs[0])),
         *_of_each(runs, "asperity contact", _asperities),
-        *_of_piston(pistons, "side force", _side_force),
-        *_of_piston(pistons, "slap", _slap),
-        *_of_piston(pistons, "lateral motion", _lateral),
-        *_of_piston(pistons, "rocking angle", _rocking),
+        *_of_each(pistons, "side force", _side_force, "bodies"),
+        *_of_each(pistons, "slap", _slap, "bodies"),
+        *_of_each(pistons, "lateral motion", _lateral, "bodies"),
+        *_of_each(pistons, "rocking angle", _rocking, "bodies"),
         *_of_each(runs, "oil", _oil),
     ]
     return [Headline(name, said) for name, said in lines if said]
 
 
-def _of_each(runs, name, line):
-    """Return a line of each film, with the film's name if there are several."""
-    return [(name if len(runs) == 1 else f"{name}, {run.film}", line(run)) for run in runs]
-
-
-def _of_piston(pistons, name, line):
-    """Return a line of each piston, with its participant's name if there are several."""
-    alone = len(pistons) == 1
-    return [(name if alone else f"{name}, {run.bodies}", line(run)) for run in pistons]
+def _of_each(runs, name, line, of="film"):
+    """Return a line of each film or piston, with its participant's name if there are several."""
+    alone = len(runs) == 1
+    return [(name if alone else f"{name}, {getattr(run, of)}", line(run)) for run in runs]
 
 
 def friction_power(results) -> np.ndarray | None:
@@ -110,22 +105,21 @@ class Extreme(NamedTuple):
 
 def thinnest(run) -> Extreme | None:
     """Return the minimum film thickness, or None if the run lacks it."""
-    values = run.values(f"{run.film}.minimum_film_thickness")
-    if values is None:
-        return None
-    k = int(values.argmin())
-    place = thinnest_position(run.case, run.results, run.film)
-    return Extreme(float(values[k]), "m", f"{_at(run, k)}{_where(place)}")
+    return _extreme(run, "minimum_film_thickness", "m", np.argmin, thinnest_position)
 
 
 def highest(run) -> Extreme | None:
     """Return the maximum pressure, or None if the run lacks it."""
-    values = run.values(f"{run.film}.maximum_pressure")
+    return _extreme(run, "maximum_pressure", "Pa", np.argmax, highest_position)
+
+
+def _extreme(run, output, unit, row_of, position):
+    values = run.values(f"{run.film}.{output}")
     if values is None:
         return None
-    k = int(values.argmax())
-    place = highest_position(run.case, run.results, run.film)
-    return Extreme(float(values[k]), "Pa", f"{_at(run, k)}{_where(place)}")
+    k = int(row_of(values))
+    place = position(run.case, run.results, run.film)
+    return Extreme(float(values[k]), unit, f"{_at(run, k)}{_where(place)}")
 
 
 def _extreme_text(located):
