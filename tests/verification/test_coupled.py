@@ -23,7 +23,7 @@ ENGINE = Engine(
     bore_radius=40e-3,
     skirt_lower=-20e-3,
     skirt_upper=28e-3,
-    clearance=30e-6,
+    radial_clearance=30e-6,
     barrel=0.0,
     ovality=0.0,
     viscosity=10e-3,
@@ -38,7 +38,7 @@ ENGINE = Engine(
     piston_mass=0.4,
     piston_inertia=5e-4,
     piston_centre=np.array([1.5e-3, 12e-3]),
-    speed=300.0,
+    crank_speed=300.0,
 )
 
 
@@ -88,8 +88,8 @@ def test_newton_euler_is_lagranges_equation():
     behind = motion - dt * np.array([motion[2], motion[3], x_rate, tilt_rate])
     for index, load in ((0, force.lateral), (1, force.moment)):
         momentum_rate = (
-            slope(index + 2, ahead, angle + dt * ENGINE.speed)
-            - slope(index + 2, behind, angle - dt * ENGINE.speed)
+            slope(index + 2, ahead, angle + dt * ENGINE.crank_speed)
+            - slope(index + 2, behind, angle - dt * ENGINE.crank_speed)
         ) / (2 * dt)
         # differences of differences: six digits of terms of some 1e3 N and 1e1 N m
         assert momentum_rate - slope(index, motion, angle) == pytest.approx(load, rel=2e-3)
@@ -101,7 +101,7 @@ def test_pin_point_accelerates_upwards_as_the_rod_tells_it():
     across, _, up = bodies.accelerations(0.7, motion, NO_FORCE)
     t = 1e-5
     heights = [
-        bodies.height(0.7 + s * ENGINE.speed, 0.3 * s + across * s**2 / 2, 0.0)[0]
+        bodies.height(0.7 + s * ENGINE.crank_speed, 0.3 * s + across * s**2 / 2, 0.0)[0]
         for s in (-t, 0.0, t)
     ]
     assert np.diff(heights, 2)[0] / t**2 == pytest.approx(up, rel=1e-5)  # t^2 of the difference

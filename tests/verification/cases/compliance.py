@@ -1,6 +1,6 @@
 """Compliance of both unreduced bodies for pressure on the film.
 
-It requires one solution of the full mesh for each cell.
+It requires one solution of the full mesh for each pair of mirrored cells.
 """
 
 from pathlib import Path
@@ -14,6 +14,8 @@ from piston_cosim.fmu_mfbd.options import Build, read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model
 
+from .monolithic import mirrored
+
 AT_ONCE = 64
 """Number of loads for each solution, which limits the memory."""
 
@@ -21,30 +23,32 @@ AT_ONCE = 64
 class RigidPiston(NamedTuple):
     """Mass properties of a piston about A, and the edges of its skirt.
 
-    mass [kg]; centre : x, y from A [m]; inertia : about A and z [kg m2]; edges above A [m].
+    piston_mass [kg]; piston_centre : x, y from A [m]; piston_inertia : about A and z [kg m2];
+    edges above A [m].
     """
 
-    mass: float
-    centre: np.ndarray
-    inertia: float
+    piston_mass: float
+    piston_centre: np.ndarray
+    piston_inertia: float
     skirt_lower: float
     skirt_upper: float
 
 
 class Compliance(NamedTuple):
-    """Compliance of skirt and bore, with n cells of the film grid and s stations of the bore.
+    """Compliance of skirt and bore, with n cells of the film grid, of which m and k columns are on
+    one side of the plane of motion (`mirrored`), and s stations of the bore.
 
     Parameters
     ----------
     piston : RigidPiston
-    skirt : ndarray, shape (n, n)
-        Inward displacement of the skirt per nodal pressure force [m/N].
+    skirt : ndarray, shape (m, m)
+        Inward displacement of the skirt per nodal pressure force on both sides [m/N].
     skirt_inertia : ndarray, shape (n,)
         Inward displacement of the skirt per acceleration of A along +y [s2].
     skirt_gas : ndarray, shape (n,)
         Inward displacement of the skirt per force of the gas on the crown [m/N].
-    bore : ndarray, shape (c, s, c, s)
-        Outward displacement of the bore per radial force at its table [m/N].
+    bore : ndarray, shape (k, s, k, s)
+        Outward displacement of the bore per radial force on both sides [m/N].
     stations : ndarray, shape (s,)
         Heights above the crank axis [m].
     """
@@ -80,7 +84,7 @@ def compliance(options: dict[str, Any], folder: Path) -> Compliance:
     bore, stations = _bore(build)
     return Compliance(
         piston,
-        _answers(elastic, reading),
+        _answers(elastic, reading, around),
         reading @ elastic.solve(weight),
         reading @ elastic.solve(gas),
         bore,
@@ -122,14 +126,17 @@ def _bore(build: Build):
     angle, _ = cell_centres(around, 1, 0.0, 1.0)
     radial = film_surface(mesh, "bore", angle, stations).reading.radial
     elastic = Elastic(K, M, mesh.nodes("bolts"))
-    table = (around, len(stations))
-    return _answers(elastic, radial[:, elastic.free]).reshape(*table, *table), stations
+    of_half = _answers(elastic, radial[:, elastic.free], around)
+    columns = len(of_half) // len(stations)
+    return of_half.reshape((columns, len(stations)) * 2), stations
 
 
-def _answers(elastic, reading):
-    """Return R K^-1 R^T."""
-    out = np.empty((reading.shape[0],) * 2)
-    for first in range(0, reading.shape[0], AT_ONCE):
+def _answers(elastic, reading, around):
+    """Return R K^-1 R^T of loads with their mirror images."""
+    orbits, chosen = mirrored(around, reading.shape[0] // around)
+    loads = reading.T @ orbits
+    out = np.empty((len(chosen),) * 2)
+    for first in range(0, len(chosen), AT_ONCE):
         some = slice(first, first + AT_ONCE)
-        out[:, some] = reading @ elastic.solve(reading[some].T.toarray())
+        out[:, some] = reading[chosen] @ elastic.solve(loads[:, some].toarray())
     return out

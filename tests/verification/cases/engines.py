@@ -20,7 +20,7 @@ from piston_cosim.master.fmi.quantities import to_si
 
 from .coupling import summary_of
 from .mixed_film import Roughness, Supply
-from .monolithic import Curves, Elasticity, Engine, Monolithic, mirrored
+from .monolithic import Curves, Elasticity, Engine, Monolithic
 
 
 class Problem(NamedTuple):
@@ -192,59 +192,44 @@ def of_mesh(what: str, case: str, pin_offset: str, cells: int):
     return getattr(compliance, what)(options, folder)
 
 
+UNITS = {
+    name: unit
+    for unit, names in {
+        "m": "bore_radius radial_clearance barrel ovality crank_radius rod_length crank_offset "
+        "pin_offset rod_centre roughness_rms oil_ring_layer initial_oil_layer largest_oil_layer",
+        "m2": "chamfer_capacity",
+        "m/s": "friction_rounding_velocity oil_splash",
+        "rad/s": "crank_speed",
+        "kg": "rod_mass pin_mass",
+        "kg.m2": "rod_inertia",
+        "Pa": "contact_modulus",
+        "Pa.s": "viscosity",
+        "1": "film_fraction_lower_edge initial_film_fraction asperity_product asperity_slope "
+        "boundary_friction_coefficient",
+    }.items()
+    for name in names.split()
+}
+"""Of the parameters that both sides name alike."""
+
+
 def engine(problem: Problem, cells: int) -> Engine:
     """The same numbers for the system of equations."""
     pin_offset = problem.piston["pin_offset"]
+    given = problem.bodies | problem.lubrication | {"pin_offset": pin_offset}
+
+    def numbers(kind: type) -> dict[str, Any]:
+        common = UNITS.keys() & kind.__annotations__
+        return {name: to_si(given[name], UNITS[name]) for name in common}
+
     piston = of_mesh("rigid_piston", problem.case, pin_offset, cells)
-    both = problem.bodies | problem.lubrication
-
-    def number(name: str, unit: str) -> float:
-        return to_si(both[name], unit)
-
-    roughness = supply = None
-    if number("roughness_rms", "m") > 0:
-        roughness = Roughness(
-            rms=number("roughness_rms", "m"),
-            product=number("asperity_product", "1"),
-            slope=number("asperity_slope", "1"),
-            modulus=number("contact_modulus", "Pa"),
-            friction=number("boundary_friction_coefficient", "1"),
-            rounding=number("friction_rounding_velocity", "m/s"),
-        )
-    if both["oil_supply"] == "bore_and_ring":
-        supply = Supply(
-            ring=number("oil_ring_layer", "m"),
-            initial=number("initial_oil_layer", "m"),
-            largest=number("largest_oil_layer", "m"),
-            splash=number("oil_splash", "m/s"),
-            capacity=number("chamfer_capacity", "m2"),
-        )
+    scarce = given["oil_supply"] == "bore_and_ring"
     return Engine(
+        **numbers(Engine),
+        **piston._asdict(),
         grid=(cells, cells),
-        bore_radius=number("bore_radius", "m"),
-        viscosity=number("viscosity", "Pa.s"),
-        clearance=number("radial_clearance", "m"),
-        barrel=number("barrel", "m"),
-        ovality=number("ovality", "m"),
-        crank_radius=number("crank_radius", "m"),
-        rod_length=number("rod_length", "m"),
-        crank_offset=number("crank_offset", "m"),
-        pin_offset=to_si(pin_offset, "m"),
-        rod_mass=number("rod_mass", "kg"),
-        rod_inertia=number("rod_inertia", "kg.m2"),
-        rod_centre=number("rod_centre", "m"),
-        pin_mass=number("pin_mass", "kg"),
-        piston_mass=piston.mass,
-        piston_inertia=piston.inertia,
-        piston_centre=piston.centre,
-        skirt_lower=piston.skirt_lower,
-        skirt_upper=piston.skirt_upper,
-        speed=number("crank_speed", "rad/s"),
-        gas=_gas_force(problem.case, number("bore_radius", "m")),
-        roughness=roughness,
-        edge_fraction=number("film_fraction_lower_edge", "1"),
-        initial_fraction=number("initial_film_fraction", "1"),
-        supply=supply,
+        gas=_gas_force(problem.case, to_si(given["bore_radius"], "m")),
+        roughness=Roughness(**numbers(Roughness)) if "asperity_slope" in given else None,
+        supply=Supply(**numbers(Supply)) if scarce else None,
     )
 
 
@@ -260,38 +245,36 @@ def _gas_force(case: str, bore_radius: float) -> Callable[[float], float]:
     return lambda crank: float(np.interp(np.degrees(crank), angle, force, period=period))
 
 
-def elasticity(problem: Problem, cells: int, share: float = 1.0) -> Elasticity:
+def elasticity(problem: Problem, cells: int, share: float) -> Elasticity:
     """Both bodies' compliance, times `share`."""
     whole = of_mesh("compliance", problem.case, problem.piston["pin_offset"], cells)
     rows = film_rows(whole.piston.skirt_lower, whole.piston.skirt_upper, (1, cells))
-    orbits, _ = mirrored(cells, cells)
     spline = CubicSpline(whole.stations, np.eye(len(whole.stations)), bc_type="natural")
 
-    def of_cells(height: float) -> np.ndarray:
+    def compliance(height: float) -> np.ndarray:
         at = spline(height + rows)
         facing = np.einsum("as,isjt,bt->iajb", at, whole.bore, at, optimize=True)
-        return share * ((whole.skirt + facing.reshape(whole.skirt.shape)) @ orbits)
+        return share * (whole.skirt + facing.reshape(whole.skirt.shape))
 
-    return Elasticity(of_cells, share * whole.skirt_inertia, share * whole.skirt_gas)
+    return Elasticity(compliance, share * whole.skirt_inertia, share * whole.skirt_gas)
 
 
-def in_one_system(
-    problem: Problem, grid: Grid, span: Span, elastic: Elasticity | None = None
-) -> Curves:
-    """Curves at whole degrees."""
+def in_one_system(problem: Problem, grid: Grid, span: Span, share: float = 0.0) -> Curves:
+    """Curves at whole degrees, of bodies with that share of their compliance."""
     degrees = span.start + np.arange(span.end * grid.steps + 1) / grid.steps
+    elastic = elasticity(problem, grid.cells, share) if share else None
     run = Monolithic(engine(problem, grid.cells), elastic).run(np.radians(degrees))
     return Curves(*(curve[:: grid.steps] for curve in run))
 
 
-def extrapolated(problem: Problem, grids: Sequence[Grid], span: Span) -> Curves:
+def extrapolated(problem: Problem, grids: Sequence[Grid], span: Span, share: float = 0.0) -> Curves:
     """Curves for cells and steps towards zero.
 
     Eq. (Z10):  u = u_3 + (u_3 - u_2) h_3^q/(h_2^q - h_3^q),   1 <= q <= 2
 
     q is the order that the three runs show by their root mean square differences.
     """
-    runs = [in_one_system(problem, grid, span) for grid in grids]
+    runs = [in_one_system(problem, grid, span, share) for grid in grids]
     size = np.array([1 / grid.cells for grid in grids])
     orders = np.linspace(1, 2, 101)
     ratio = (size[0] ** orders - size[1] ** orders) / (size[1] ** orders - size[2] ** orders)

@@ -21,12 +21,12 @@ class Roughness(NamedTuple):
     coefficient of boundary friction [-] and the velocity that rounds it at rest [m/s].
     """
 
-    rms: float
-    product: float
-    slope: float
-    modulus: float
-    friction: float
-    rounding: float
+    roughness_rms: float
+    asperity_product: float
+    asperity_slope: float
+    contact_modulus: float
+    boundary_friction_coefficient: float
+    friction_rounding_velocity: float
 
 
 class Contact(NamedTuple):
@@ -70,16 +70,17 @@ class Asperities:
         self.weight = weight
         separation = np.linspace(-2.0, REACH, 1801)
         r = roughness
-        scale = 16 * np.sqrt(2) * np.pi / 15 * r.product**2 * np.sqrt(r.slope) * r.modulus
+        scale = 16 * np.sqrt(2) * np.pi / 15 * r.asperity_product**2
+        scale *= np.sqrt(r.asperity_slope) * r.contact_modulus
         self.law = CubicSpline(separation, scale * height_integral(2.5, separation))
 
     def contact(self, position, deflection) -> Contact:
         """Contact at a position; deflection: ndarray, shape (n, points), or 0 [m]."""
         gap = self.gap + self.by_motion @ position + deflection
-        reach = REACH * self.roughness.rms
+        reach = REACH * self.roughness.roughness_rms
         cells = np.flatnonzero(gap.min(axis=1) < reach)
-        separation = np.minimum(gap[cells], reach) / self.roughness.rms
-        by_gap = self.law(separation, 1) / self.roughness.rms * self.weight
+        separation = np.minimum(gap[cells], reach) / self.roughness.roughness_rms
+        by_gap = self.law(separation, 1) / self.roughness.roughness_rms * self.weight
         values = np.zeros((len(gap), 4))
         values[cells, 0] = self.law(separation) @ self.weight
         values[cells, 1:3] = np.einsum("np,npk->nk", by_gap, self.by_motion[cells])
@@ -92,11 +93,11 @@ class Supply(NamedTuple):
     largest one below it [m], splash [m/s], what an edge can push along [m2].
     """
 
-    ring: float
-    initial: float
-    largest: float
-    splash: float
-    capacity: float
+    oil_ring_layer: float
+    initial_oil_layer: float
+    largest_oil_layer: float
+    oil_splash: float
+    chamfer_capacity: float
 
 
 LOWER, UPPER = 0, 1
@@ -123,7 +124,7 @@ class BoreOil:
         self.supply = supply
         self.size = size
         self.ends = size * np.arange(1, int(np.ceil(depth / size)) + 2)
-        self.layer = np.full((around, len(self.ends)), supply.initial)
+        self.layer = np.full((around, len(self.ends)), supply.initial_oil_layer)
         self.pushed = np.zeros((2, around))
 
     def bare(self, depth: float) -> np.ndarray:
@@ -133,12 +134,14 @@ class BoreOil:
     def available(self, depth: float, new_depth: float, step: float) -> np.ndarray:
         """Splash, then take up what the edges cover; return what can go into the film [m2]."""
         bare = self.bare(depth)
-        growth = self.supply.splash * step * (bare > 0)
-        self.layer = np.maximum(self.layer, np.minimum(self.layer + growth, self.supply.largest))
+        growth = self.supply.oil_splash * step * (bare > 0)
+        self.layer = np.maximum(
+            self.layer, np.minimum(self.layer + growth, self.supply.largest_oil_layer)
+        )
         down = new_depth - depth
         covered = np.maximum(bare - self.bare(new_depth), 0.0) * self.size
         self.pushed[LOWER] += self.layer @ covered
-        self.pushed[UPPER] += self.supply.ring * max(-down, 0.0)
+        self.pushed[UPPER] += self.supply.oil_ring_layer * max(-down, 0.0)
         return self.pushed
 
     def left(self, depth: float, new_depth: float, inflow: np.ndarray, gap: np.ndarray) -> None:
@@ -154,4 +157,4 @@ class BoreOil:
             more = (stays / distance)[:, None] * uncovered
             whole = np.maximum(bare + uncovered, 1e-12)
             self.layer = (self.layer * bare + more) / whole
-        self.pushed = np.minimum(self.pushed, self.supply.capacity)
+        self.pushed = np.minimum(self.pushed, self.supply.chamfer_capacity)

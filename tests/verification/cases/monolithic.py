@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import LinearOperator, gmres, splu
 
 from .mixed_film import LOWER, POINTS, UPPER, Asperities, BoreOil, Contact, Roughness, Supply
 
@@ -37,6 +37,8 @@ POSITION_SCALE = np.array([1e-6, 1e-5])
 """m and rad."""
 CONVERGED = 1e-7
 """Newton's step, by the scales of the unknowns."""
+ACCURATE = 1e-4
+"""Residual of a linear system of the loads, which Newton's iteration corrects."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Engine:
         Cells around and along the skirt.
     bore_radius, skirt_lower, skirt_upper : float
         Edges above pin point A [m].
-    clearance, barrel, ovality : float
+    radial_clearance, barrel, ovality : float
         Radial at the thrust faces; drop at the edges; difference of diameters [m].
     viscosity : float
         [Pa s]
@@ -61,23 +63,23 @@ class Engine:
         [kg], about A [kg m2].
     piston_centre : ndarray, shape (2,)
         x, y of the centre of mass from A [m].
-    speed : float
+    crank_speed : float
         Of the crank [rad/s].
     gas : callable
         Crank angle [rad] to the force of the gas on the crown [N].
     roughness : Roughness, optional
         Smooth if omitted.
-    edge_fraction, initial_fraction : float
-        Film fraction that enters at the edges, and at the start [-].
+    film_fraction_lower_edge, initial_film_fraction : float
+        Film fraction that enters at both edges, and at the start [-].
     supply : Supply, optional
-        Of the oil on the bore; replaces `edge_fraction`. The run then starts at top dead centre.
+        Of the oil on the bore instead of the edges. The run then starts at top dead centre.
     """
 
     grid: tuple[int, int]
     bore_radius: float
     skirt_lower: float
     skirt_upper: float
-    clearance: float
+    radial_clearance: float
     barrel: float
     ovality: float
     viscosity: float
@@ -92,11 +94,11 @@ class Engine:
     piston_mass: float
     piston_inertia: float
     piston_centre: np.ndarray
-    speed: float
+    crank_speed: float
     gas: Callable[[float], float] = lambda angle: 0.0
     roughness: Roughness | None = None
-    edge_fraction: float = 1.0
-    initial_fraction: float = 1.0
+    film_fraction_lower_edge: float = 1.0
+    initial_film_fraction: float = 1.0
     supply: Supply | None = None
 
 
@@ -105,37 +107,33 @@ class Elasticity(NamedTuple):
 
     Parameters
     ----------
-    compliance : callable
-        Height of A [m] to a matrix C (n, m): the film thickness per nodal pressure force [m/N] on
-        each of the m cells of `mirrored`, with the same force on its mirror image.
+    compliance : callable, optional
+        Height of A [m] to a matrix C (m, m): the film thickness on each of the m cells of
+        `mirrored` per nodal pressure force [m/N] on them and on their mirror images. Rigid if None.
     inertia : ndarray, shape (n,)
         Film thickness per acceleration of the piston along y [s2].
     gas : ndarray, shape (n,)
         Film thickness per force of the gas on the crown [m/N].
     """
 
-    compliance: Callable[[float], np.ndarray]
-    inertia: np.ndarray
-    gas: np.ndarray
+    compliance: Callable[[float], np.ndarray] | None
+    inertia: np.ndarray | float
+    gas: np.ndarray | float
 
 
-def rigid(cells: int) -> Elasticity:
-    """Return bodies that no load deflects."""
-    return Elasticity(lambda height: np.zeros((cells, 0)), np.zeros(cells), np.zeros(cells))
+RIGID = Elasticity(None, 0.0, 0.0)
 
 
 class Jacobian(NamedTuple):
-    """What Newton's step needs beside the balance of the oil, c loads or coordinates.
+    """What Newton's step needs beside the balance of the oil.
 
-    by_force : x_A'' and b' per lateral force and moment (2, 2); loaded : l cells whose load
-    changes; compliance : columns of C of these (n, l) [m/N];
+    by_force : x_A'' and b' per lateral force and moment (2, 2); compliance : C;
     pushing, rubbing : lateral force and moment per pressure of the film and of the asperities
     (2, n) [m2], [m3]; contact : of the cells.
     """
 
     by_force: np.ndarray
-    loaded: np.ndarray
-    compliance: np.ndarray
+    compliance: np.ndarray | None
     pushing: np.ndarray
     rubbing: np.ndarray
     contact: Contact
@@ -209,12 +207,12 @@ class Conductance(NamedTuple):
 
 class OilBalance(NamedTuple):
     """Of the cells (n,) [m3/s], and of those of `mirrored` (m,) the slopes against the unknowns of
-    the cells (m, n) and against changes of the film thickness.
+    the cells and against the film thickness (m, n).
     """
 
     value: np.ndarray
     by_unknown: sp.csr_matrix
-    by_film: Callable[[np.ndarray], np.ndarray]
+    by_film: sp.csr_matrix
 
 
 def faces_of(around: int, along: int, dx: float, dy: float) -> Faces:
@@ -288,7 +286,7 @@ class Bodies:
         sine = np.sin(angle)
         cosine = np.cos(angle)
         r = e.crank_radius
-        w = e.speed
+        w = e.crank_speed
         return np.array(
             [
                 [e.crank_offset - r * sine, r * cosine],
@@ -368,7 +366,7 @@ class Monolithic:
 
     def __init__(self, engine: Engine, elasticity: Elasticity | None = None):
         self.engine = engine
-        self.elasticity = elasticity or rigid(engine.grid[0] * engine.grid[1])
+        self.elasticity = elasticity or RIGID
         self.bodies = Bodies(engine)
         around, along = engine.grid
         self.dx = 2 * np.pi * engine.bore_radius / around
@@ -385,8 +383,8 @@ class Monolithic:
         self.orbits, self.chosen = mirrored(around, along)
         self.chosen_outflow = self.faces.outflow[self.chosen]
         self.asperities = self._asperities() if engine.roughness else None
-        self.inlet = np.full((2, around), engine.edge_fraction)
-        self.load = np.zeros(len(self.gap))
+        self.inlet = np.full((2, around), engine.film_fraction_lower_edge)
+        self.load = np.zeros(len(self.chosen))
 
     def _clearance(self, angle, height):
         """Gap at rest [m], and how x_A and the rocking angle change it, at angles and heights."""
@@ -394,7 +392,7 @@ class Monolithic:
         middle = (e.skirt_lower + e.skirt_upper) / 2
         half = (e.skirt_upper - e.skirt_lower) / 2
         gap = (
-            e.clearance
+            e.radial_clearance
             + e.barrel * ((height - middle) / half) ** 2
             + e.ovality / 4 * (1 + np.cos(2 * angle))
         )
@@ -421,15 +419,22 @@ class Monolithic:
     def rubbing(self, sliding) -> float:
         """Boundary shear stress per contact pressure, along y [-]."""
         r = self.engine.roughness
-        return -r.friction * sliding / np.hypot(sliding, r.rounding) if r else 0.0
+        if r is None:
+            return 0.0
+        share = sliding / np.hypot(sliding, r.friction_rounding_velocity)
+        return -r.boundary_friction_coefficient * share
 
-    def thickness(self, position, angle, up, pressed):
-        """h [m] at the cells: of a position, a crank angle (gas), an acceleration along y, and a
-        deflection by pressure.
+    def thickness(self, position, angle, up):
+        """h [m] at the cells without loads on them: of a position, a crank angle (gas), and an
+        acceleration along y.
         """
         bodies = self.elasticity
         pushed = bodies.inertia * up + bodies.gas * self.engine.gas(angle)
-        return self.gap + self.by_motion @ position + pushed + pressed
+        return self.gap + self.by_motion @ position + pushed
+
+    def deflection(self, compliance, load):
+        """What loads add to h [m] at the cells."""
+        return 0 * self.gap if compliance is None else self.orbits @ (compliance @ load)
 
     def carried(self, fraction, sliding):
         """Film fraction upstream of the axial faces, and the operator that takes it from the
@@ -508,15 +513,15 @@ class Monolithic:
             Newton's iteration does not converge.
         """
         e = self.engine
-        step = (angles[1] - angles[0]) / e.speed
+        step = (angles[1] - angles[0]) / e.crank_speed
         n = len(self.gap)
         position = np.zeros(2)
         velocity = np.zeros(2)
-        unknown = np.full(n, e.initial_fraction - 1)
+        unknown = np.full(n, e.initial_film_fraction - 1)
         h = self.gap + self.by_motion @ position
         rows = [self._row(angles[0], unknown, h, position, velocity)]
         # values of the last step and of the one before
-        past = [(position, velocity, e.initial_fraction * h)] * 2
+        past = [(position, velocity, e.initial_film_fraction * h)] * 2
         rates = (1.0, -1.0, 0.0)  # backward Euler, then BDF2
         oil = BoreOil(e.supply, e.grid[0], self.dy, 2 * e.crank_radius) if e.supply else None
         top = self.bodies.height(angles[0], 0.0, 0.0)[0]
@@ -573,9 +578,7 @@ class Monolithic:
         content_past = last * content_1 + before * content_2
         position = position_1 + step * velocity_1
         height, _ = self.bodies.height(angle, position[0], velocity_1[0])
-        compliance = self.elasticity.compliance(height)
-        cells = self.chosen[: compliance.shape[1]]  # none of rigid bodies
-        load = self.load[cells]
+        compliance = self.elasticity.compliance and self.elasticity.compliance(height)
         _, _, up = self.bodies.accelerations(angle, (*position, *velocity_1), NO_FORCE)
         more = 0.0
         size = np.inf
@@ -584,9 +587,8 @@ class Monolithic:
             motion = *position, *velocity
             _, sliding = self.bodies.height(angle, position[0], velocity[0])
             pressure, fraction = _interpret(unknown)
-            h = self.thickness(position, angle, up, compliance @ load)
+            h = self.thickness(position, angle, up) + self.deflection(compliance, self.load)
             contact = self.contact(position, h)
-            self.load = self.area * (pressure + contact.pressure)
             force = self.force(pressure, fraction, h, sliding, contact.pressure)
             force = self._with_gas(force, self.engine.gas(angle), position)
             if available is not None and sliding != 0:
@@ -600,26 +602,20 @@ class Monolithic:
             pushing = self.area * np.vstack([-self.sine, self.height * self.sine])
             rubbing = pushing.copy()
             rubbing[1] += self.area * self.arm * self.rubbing(sliding)
-            some = (load != 0) | (self.load[cells] != 0)
-            jacobian = Jacobian(
-                self._by_force(angle, motion, force),
-                cells[some],
-                compliance[:, some],
-                pushing,
-                rubbing,
-                contact,
-            )
-            missing = load[some] - self.load[cells[some]]
+            by_force = self._by_force(angle, motion, force)
+            jacobian = Jacobian(by_force, compliance, pushing, rubbing, contact)
+            missing = self.load - self.area * (pressure + contact.pressure)[self.chosen]
             change, moved, added = self._newton(oil, unknown > 0, jacobian, now, balance, missing)
             change = np.clip(change, -0.5 - np.abs(unknown), 0.5 + np.abs(unknown))
             unknown = np.maximum(unknown + change, EMPTIEST - 1)
             position = position + moved
-            load[some] += added
-            deflected = np.abs(compliance[:, some] @ added).max() / POSITION_SCALE[0]
-            size = max(np.abs(change).max(), np.abs(moved / POSITION_SCALE).max(), deflected)
+            self.load = self.load + added
+            deflected = self.deflection(compliance, added) / POSITION_SCALE[0]
+            scaled = change, moved / POSITION_SCALE, deflected
+            size = max(np.abs(one).max() for one in scaled)
             if size < CONVERGED:
                 velocity = now * position + position_past
-                h = self.thickness(position, angle, up, compliance @ load)
+                h = self.thickness(position, angle, up) + self.deflection(compliance, self.load)
                 return unknown, h, position, velocity
         raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
 
@@ -655,16 +651,10 @@ class Monolithic:
         kept = sp.csr_matrix(sp.diags(self.area * now * h * ~full))
         rows = self.chosen
         by_unknown = self.chosen_outflow @ by_unknown + kept[rows]
-
-        def by_film(changes):
-            by_before, by_behind = (
-                (by * gradient + sliding / 4 * carried)[:, None] for by in passing[1:]
-            )
-            flow = by_before * (faces.before @ changes) + by_behind * (faces.behind @ changes)
-            keeps = self.area * now * fraction[rows, None] * changes[rows]
-            return keeps - self.chosen_outflow @ flow
-
-        return OilBalance(value, by_unknown, by_film)
+        by_before, by_behind = (by * gradient + sliding / 4 * carried for by in passing[1:])
+        flow = _scaled(faces.before, by_before) + _scaled(faces.behind, by_behind)
+        kept = sp.csr_matrix(sp.diags(self.area * now * fraction))
+        return OilBalance(value, by_unknown, kept[rows] - self.chosen_outflow @ flow)
 
     def _with_gas(self, force, gas, position):
         """Add the gas, which acts along the bore's axis."""
@@ -686,37 +676,34 @@ class Monolithic:
 
         Eq. (Z11):  z = A (p + p_c),   deflection C z
         """
-        by_force, loaded, compliance, pushing, rubbing, contact = jacobian
+        by_force, compliance, pushing, rubbing, contact = jacobian
         as_pressure = PRESSURE_SCALE * full
-        half = sp.csc_matrix(oil.by_unknown @ self.orbits)
-        by_film = oil.by_film(np.hstack([self.by_motion, compliance]))
-        right = np.column_stack([oil.value[self.chosen], by_film])
-        solution = splu(half, permc_spec="MMD_AT_PLUS_A").solve(right)
-        of_cells = self.orbits @ solution
-        from_oil = of_cells[:, 0]
-        from_position = of_cells[:, 1:3]
-        from_load = of_cells[:, 3:]
-        # Eq. (Z11)
-        touching = contact.by_deflection[:, None] * compliance
-        pressing = as_pressure[loaded, None]
-        one = np.eye(len(loaded))
-        one += self.area * (pressing * from_load[loaded] - touching[loaded])
-        pressed = -self.area * as_pressure[loaded] * from_oil[loaded] - missing
-        moving = self.area * (contact.by_motion[loaded] - pressing * from_position[loaded])
-        solved = np.linalg.solve(one, np.column_stack([pressed, moving]))
-        added = solved[:, 0]
-        by_position = solved[:, 1:]
-        from_oil = from_oil + from_load @ added
-        from_position = from_position + from_load @ by_position
-        # lateral force and moment per load, and per position
-        by_load = rubbing @ touching
-        stiffness = rubbing @ contact.by_motion + by_load @ by_position
+        half = splu(sp.csc_matrix(oil.by_unknown @ self.orbits), permc_spec="MMD_AT_PLUS_A")
+        from_position = self.orbits @ half.solve(oil.by_film @ self.by_motion)
         by_cells = -by_force @ (pushing * as_pressure)
-        moved = np.linalg.solve(
-            now**2 * np.eye(2) - by_cells @ from_position - by_force @ stiffness,
-            by_cells @ from_oil - balance + by_force @ by_load @ added,
-        )
-        return -from_oil - from_position @ moved, moved, added + by_position @ moved
+        stiffness = now**2 * np.eye(2) - by_cells @ from_position
+        stiffness -= by_force @ rubbing @ contact.by_motion
+
+        def reply(load):
+            """Change of cells and position, and of the loads that they make, to a change of z."""
+            deflection = self.deflection(compliance, load)
+            from_oil = self.orbits @ half.solve(oil.value[self.chosen] + oil.by_film @ deflection)
+            touching = contact.by_deflection * deflection
+            moved = np.linalg.solve(
+                stiffness, by_cells @ from_oil - balance + by_force @ (rubbing @ touching)
+            )
+            change = -from_oil - from_position @ moved
+            pressed = as_pressure * change + contact.by_motion @ moved + touching
+            return change, moved, self.area * pressed[self.chosen]
+
+        _, _, fixed = reply(0 * missing)
+        added = fixed - missing  # Eq. (Z11)
+        if compliance is not None:
+            shape = compliance.shape
+            operator = LinearOperator(shape, lambda load: load - (reply(load)[-1] - fixed))
+            added, _ = gmres(operator, added, rtol=ACCURATE, restart=len(added))
+        change, moved, _ = reply(added)
+        return change, moved, added
 
 
 def _interpret(unknown):
