@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import LinearOperator, gmres, splu
 
 from .mixed_film import LOWER, POINTS, UPPER, Asperities, BoreOil, Contact, Roughness, Supply
@@ -401,20 +402,26 @@ class Monolithic:
 
     def _asperities(self):
         """Contact at Gauss points of the cells."""
+        e = self.engine
         x, weight = np.polynomial.legendre.leggauss(POINTS)
-        across = np.repeat(x, POINTS) / 2 * 2 * np.pi / self.engine.grid[0]
-        along = np.tile(x, POINTS) / 2 * self.dy
-        gap, by_motion = self._clearance(self.angle[:, None] + across, self.height[:, None] + along)
-        self.spread = _spread(self.engine.grid, x / 2)
-        return Asperities(self.engine.roughness, gap, by_motion, np.kron(weight, weight) / 4)
+        across = np.repeat(x, POINTS) / 2 * 2 * np.pi / e.grid[0]
+        up = np.tile(x, POINTS) / 2 * self.dy
+        gap, by_motion = self._clearance(self.angle[:, None] + across, self.height[:, None] + up)
+        around, along = (np.add.outer(np.arange(cells), x / 2).ravel() for cells in e.grid)
+        ring = np.vstack([np.eye(e.grid[0]), np.eye(1, e.grid[0])])
+        self.around = CubicSpline(np.arange(len(ring)), ring, bc_type="periodic")(around)
+        self.along = CubicSpline(np.arange(e.grid[1]), np.eye(e.grid[1]))(along)
+        return Asperities(e.roughness, gap, by_motion, np.kron(weight, weight) / 4)
 
     def contact(self, position, h) -> Contact:
-        """Contact of the cells, with the deflection that h leaves, linear between the cells."""
+        """Contact of the cells, with the deflection that h leaves, cubic between the cells."""
         n = len(self.gap)
         if self.asperities is None:
             return Contact(np.zeros(n), np.zeros((n, 2)), np.zeros(n))
-        deflection = self.spread @ (h - self.gap - self.by_motion @ position)
-        return self.asperities.contact(position, deflection.reshape(n, -1))
+        deflection = (h - self.gap - self.by_motion @ position).reshape(self.engine.grid)
+        points = self.around @ deflection @ self.along.T
+        of_cells = points.reshape(len(deflection), POINTS, -1, POINTS).swapaxes(1, 2)
+        return self.asperities.contact(position, of_cells.reshape(n, -1))
 
     def rubbing(self, sliding) -> float:
         """Boundary shear stress per contact pressure, along y [-]."""
@@ -709,30 +716,6 @@ class Monolithic:
 def _interpret(unknown):
     """Pressure [Pa] and film fraction [-] of the signed unknown."""
     return PRESSURE_SCALE * np.maximum(unknown, 0), 1 + np.minimum(unknown, 0)
-
-
-def _spread(grid, places):
-    """Matrix that reads cells linearly at points of each cell, beyond the last ones too, (n p p,
-    n); places : of the points, from the centre [cells].
-    """
-    one = []
-    for cells, ring in zip(grid, (True, False)):
-        number = np.repeat(np.arange(cells), len(places))
-        offset = np.tile(places, cells)
-        other = number + np.where(offset > 0, 1, -1)
-        if ring:
-            other = other % cells
-        else:
-            other = np.where((other < 0) | (other == cells), 2 * number - other, other)
-        share = np.abs(offset) if ring else offset * np.sign(other - number)
-        here = sp.diags(1 - share) @ _taking(number, cells)
-        one.append(here + sp.diags(share) @ _taking(other, cells))
-    around, along = one
-    whole = sp.csr_matrix(sp.kron(around, along))
-    # rows by cell, then by point around and along
-    p = len(places)
-    order = np.arange(whole.shape[0]).reshape(grid[0], p, grid[1], p).transpose(0, 2, 1, 3)
-    return whole[order.ravel()]
 
 
 def mirrored(around, along):
