@@ -251,10 +251,10 @@ class Iteration:
         self.x[:] = guess
         self.numbers[:2] = macro_step.step, macro_step.time
         self.begin(macro_step)
-        before = self.parts.state.copy()
+        self.parts.before[:] = self.parts.state
         self._run()
         if not self.numbers[-1]:
-            self.parts.state[:] = before
+            self.parts.state[:] = self.parts.before
         if fault := self.end(macro_step):
             self.interface.trail += self._measures()
             raise fault
