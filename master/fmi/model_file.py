@@ -5,14 +5,13 @@ import struct
 import numpy as np
 
 from .native_parts import NativePart
-from .slave import PRODUCT, SEED, FieldSlave, reserved
+from .slave import CAUSALITIES, PRODUCT, SEED, FieldSlave, reserved
 from .variables import Variable
 
 MARK = b"PCNATIV2"
 """First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
 
 WORD = 8  # bytes that are summed at once
-CAUSALITIES = ("parameter", "input", "constant", "output")
 TYPES = ("Real", "Integer", "String", "Enumeration")
 
 

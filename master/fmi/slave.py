@@ -39,6 +39,9 @@ COURSE, SEED, PRODUCT = "course", "seed", "product"
 directional derivative."""
 
 
+CAUSALITIES = ("parameter", "input", "constant", "output")
+"""Causalities in the order of the front (front.h)."""
+
 LARGEST = sys.float_info.max
 
 
@@ -240,7 +243,15 @@ class FieldSlave(Fmi2Slave):
             )
         ]
         kinds = ("Real", "Integer", "String", "Enumeration")
-        entries = [(kinds.index(v.type), self.references[v.name], v.size) for v in self.table]
+        entries = [
+            (
+                kinds.index(v.type),
+                self.references[v.name],
+                v.size,
+                CAUSALITIES.index(v.causality),
+            )
+            for v in self.table
+        ]
         head = [
             real,
             integer,

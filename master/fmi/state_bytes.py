@@ -4,6 +4,7 @@ Layout
     8 bytes     length of the head, little endian
     head        JSON: `arrays`, name, dtype and shape of each; further entries of the FMU
     arrays      consecutive, in the order of the head
+    front       time and phase of the instance, if the FMU has the C front (front/common.c)
 
 The FMU's entry `slow` names members that change little between cycles of a repeated run. They
 may be set to other values at the end of a cycle, where the state is one from which the FMU can
@@ -53,4 +54,5 @@ def slow_members(data: bytes) -> dict[str, np.ndarray]:
 def with_members(data: bytes, members: Mapping[str, np.ndarray]) -> bytes:
     """Return the state with some members set to other values of the same shape."""
     head, arrays = split(data)
-    return join(head, {**arrays, **members})
+    of_front = data[len(join(head, arrays)) :]
+    return join(head, {**arrays, **members}) + of_front

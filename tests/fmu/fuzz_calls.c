@@ -68,6 +68,7 @@ static int reset(void *), enter(void *), leave(void *), terminate(void *), step(
 static int get_state(void *, void **), set_state(void *, void *), free_state(void *, void **);
 static int state_size(void *, void *, size_t *), to_bytes(void *, void *, char *, size_t);
 static int from_bytes(void *, const char *, size_t, void **);
+static double reached(void *, const Fmu *);         /* end of the last step [s] */
 static void ask_or_tell(void *, const Fmu *);       /* values, derivatives, what is not offered */
 
 #ifdef FMI3
@@ -84,14 +85,16 @@ static void *new_instance(const Fmu *f)
     return one;
 }
 
-/* From its start values through a few steps. */
-static void run(void *one)
+/* From its start values, some of them changed, through a few steps. */
+static void run(void *one, const Fmu *f)
 {
     count(reset(one));
     count(enter(one));
+    for (uint32_t k = any(3); k; k--)
+        ask_or_tell(one, f);
     count(leave(one));
     for (uint32_t k = any(4); k; k--)
-        count(step(one, 0.0, 1e-5 * (1 + any(4))));
+        count(step(one, reached(one, f), 1e-5 * (1 + any(4))));
 }
 
 static void *state[STATES];
@@ -152,8 +155,8 @@ static void states(void *one)
 static void call(void *one, const Fmu *f)
 {
     switch (any(12)) {
-    case 0: case 1: count(step(one, number(), step_size())); break;
-    case 2: run(one); break;
+    case 0: case 1: count(step(one, any(4) ? reached(one, f) : number(), step_size())); break;
+    case 2: run(one, f); break;
     case 3: count(any(2) ? enter(one) : leave(one)); break;
     case 4: if (any(2)) count(terminate(one)); break;
     default: ask_or_tell(one, f);

@@ -50,6 +50,14 @@ static int from_bytes(void *one, const char *bytes, size_t size, void **state)
     return fmi2DeSerializeFMUstate(one, bytes, size, state);
 }
 
+static double reached(void *one, const Fmu *f)
+{
+    double time = 0.0;
+    (void)f;
+    fmi2GetRealStatus(one, 2, &time);
+    return time;
+}
+
 static void ask_or_tell(void *one, const Fmu *f)
 {
     Reference vr[MOST], more[MOST];

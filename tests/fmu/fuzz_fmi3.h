@@ -61,6 +61,14 @@ static int step(void *one, double time, double length)
     return fmi3DoStep(one, time, length, any(2), &event, &stop, &early, &reached);
 }
 
+static double reached(void *one, const Fmu *f)
+{
+    double time = 0.0;
+    Reference of_time = (Reference)f->count;
+    fmi3GetFloat64(one, &of_time, 1, &time, 1);
+    return time;
+}
+
 /* References, mostly of variables of one kind, and how many values go with them: once in eight times another number. */
 typedef struct { Reference vr[MOST]; size_t count, values; } Chosen;
 

@@ -161,10 +161,10 @@ def test_an_input_out_of_its_range_is_refused_in_a_step(tmp_path, outside):
         one.enterInitializationMode()
         one.exitInitializationMode()
         seen = []
-        for value in (400.0, 600.0, 400.0):
+        for time, value in ((0.0, 400.0), (1e-5, 600.0), (1e-5, 400.0)):
             one.setReal([references["oil_temperature_upper_edge"]], [value])
             try:
-                one.doStep(0.0, 1e-5)
+                one.doStep(time, 1e-5)
                 seen.append("taken")
             except Exception:
                 seen.append("refused")

@@ -30,6 +30,7 @@ from piston_cosim.master.runs.run import run
 
 from ..mfbd.conftest import write_bodies
 from .conftest import rigid_bodies
+from .runs import reached
 
 ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
 SEEDS = (
@@ -101,9 +102,9 @@ def side_by_side(python, native, parameters, steps=40):
                 one.set(name, value)
             if k % 10 == 0:
                 saved = one.save()
-                one.step(0.0, 2.5 * size)
+                one.step(reached(one), 2.5 * size)
                 one.restore(saved)
-            one.step(0.0, size)
+            one.step(reached(one), size)
         for name in names:
             a, b = (np.asarray(one.get(name), dtype=float) for one in both)
             largest[name] = max(largest[name], float(np.abs(a).max()))
@@ -228,11 +229,11 @@ def test_several_films_in_a_block_that_moves_are_those_of_the_slave(flexible, ri
                 one.set(name, value)
             if k % 8 == 0:
                 saved = one.save()
-                one.step(0.0, 7e-5)
+                one.step(reached(one), 7e-5)
                 if k == 16:
                     saved = one._fmu.deSerializeFMUstate(one.serialise(saved))
                 one.restore(saved)
-            one.step(0.0, 3e-5)
+            one.step(reached(one), 3e-5)
         for name in names:
             a, b = (np.asarray(one.get(name), dtype=float) for one in both)
             largest[name] = max(largest[name], float(np.abs(a).max()))
@@ -337,16 +338,16 @@ def test_a_refused_step_leaves_the_motion_as_it_was(rigid):
     one = FmuParticipant("bodies", rigid)
     shape = (12, 10)
     one.start(given(0, shape), 0.0, 1.0)
-    one.step(0.0, 3e-5)
+    one.step(reached(one), 3e-5)
     before = one.get("film_thickness").copy()
     with pytest.raises(Discard, match="crank angle = inf rad: must be finite"):
-        one.step(0.0, 1e308)
+        one.step(reached(one), 1e308)
     assert np.array_equal(one.get("film_thickness"), before)
     saved = one.save()
-    one.step(0.0, 3e-5)
+    one.step(reached(one), 3e-5)
     after = one.get("film_thickness").copy()
     one.restore(saved)
-    one.step(0.0, 3e-5)
+    one.step(reached(one), 3e-5)
     assert np.array_equal(one.get("film_thickness"), after)
     one.close()
 

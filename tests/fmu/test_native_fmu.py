@@ -43,6 +43,8 @@ from piston_cosim.tests.verification.cases.motored import (
     physics,
 )
 
+from .runs import reached
+
 GRID = (12, 10)
 OF_OIL = ("axial temperature", "barus", "roelands", "cross", "carreau")
 """Physics with exp, log or powers of the C library."""
@@ -93,7 +95,7 @@ def step(one, film, velocity, size=DEGREE, turning=None):
     one.set("sliding_velocity", velocity)
     if turning is not None:
         one.set(TURNING_INPUT, turning)
-    one.step(0.0, size)
+    one.step(reached(one), size)
 
 
 def turned(shape, time):
@@ -330,7 +332,7 @@ def test_inputs_in_place_of_parameters(make_native):
         assert np.abs(one.get("nodal_pressure_force") - force).max() <= 1e-11 * np.abs(force).max()
     one.set("pressure_upper_edge", -1.0)
     with pytest.raises(Discard, match="pressure_upper_edge: expected at least"):
-        one.step(0.0, DEGREE)
+        one.step(reached(one), DEGREE)
     one.close()
 
 
@@ -537,14 +539,14 @@ def test_a_film_of_many_cells_gives_its_first_outputs_at_once(host, make_native,
 
 def place_size():
     """Bytes of a state: head with two sums, variables, integers, 20 fields, faces, 11 numbers, room
-    for oil on the bore and at two edges; 30 lengths of these arrays.
+    for oil on the bore and at two edges; 30 lengths of these arrays; time and phase.
     """
     n_c, n_a = GRID
     table = variables(GRID)
     reals = sum(v.size for v in table if v.type == "Real")
     integers = sum(v.size for v in table if v.type in ("Integer", "Enumeration"))
     states = (20 + ROOM_ON_BORE) * n_c * n_a + 2 * n_c * (n_a + 1) + 11 + 2 * n_c + 30
-    return 8 + 6 * 8 + 8 * (reals + integers + states)
+    return 8 + 6 * 8 + 8 * (reals + integers + states) + 2 * 8
 
 
 # ---- other machines

@@ -134,7 +134,7 @@ def motored(folder, extrapolation=None):
     film.start({"film_thickness": thickness, "sliding_velocity": velocity}, 0.0, 1.0)
     oil = []
     course = []
-    for _ in range(CYCLES):
+    for cycle in range(CYCLES):
         if extrapolation:
             extrapolation.begin({"film": film})
         course = []
@@ -142,7 +142,7 @@ def motored(folder, extrapolation=None):
             thickness, velocity = motored_film((8, 8), (k + 1) % 60 * STEP)
             film.set("film_thickness", thickness)
             film.set("sliding_velocity", velocity)
-            film.step(0.0, STEP)
+            film.step((60 * cycle + k) * STEP, STEP)
             course.append(film.get("oil_on_bore"))
         oil.append(course[-1])
         if extrapolation:

@@ -166,7 +166,9 @@ def test_slow_members_of_bytes():
     data = join({"slow": ["a"]}, {"a": np.arange(3.0), "b": np.ones((2, 2)), "c": np.array(2.0)})
     assert slow_members(data)["a"].tolist() == [0.0, 1.0, 2.0]
     assert list(slow_members(data)) == ["a"]
-    head, arrays = split(with_members(data, {"a": np.full(3, 7.0)}))
+    moved = with_members(data + b"front", {"a": np.full(3, 7.0)})
+    head, arrays = split(moved)
+    assert moved.endswith(b"front") and len(moved) == len(data) + 5
     assert head == {"slow": ["a"]}
     assert arrays["a"].tolist() == [7.0] * 3
     assert arrays["b"].tolist() == [[1.0, 1.0], [1.0, 1.0]]

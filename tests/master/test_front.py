@@ -4,6 +4,7 @@ import ctypes
 import json
 import re
 import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -97,10 +98,85 @@ def toy(fmu):
     participant.close()
 
 
-def started(toy, **parameters):
-    toy.start(parameters, 0.0, 1.0)
+def started(toy, begin=0.0, **parameters):
+    toy.start(parameters, begin, 1.0)
     toy.set("u", U)
     return toy
+
+
+CREATED = "before Initialization Mode; enter Initialization Mode first"
+IN_MODE = "in Initialization Mode; leave Initialization Mode first"
+STARTED = "in Step Mode; reset the instance to start again"
+ENDED = "after termination; reset the instance to start again"
+READY = [("enter", 0.0, 2.0), ("leave",)]
+AT_STEP = "expected a step at {} s, got one at {} s; restore a state to return"
+NO_TIMES = "expected finite times, got a step of {} s at {} s"
+NO_START = "expected a finite start before the stop, got start {} s and stop {} s"
+CALLS = [
+    ([("step", 0.0, 0.1)], f"expected a call in Step Mode, got one {CREATED}"),
+    ([("leave",)], f"expected a call in Initialization Mode, got one {CREATED}"),
+    ([("end",)], f"expected a call in Step Mode, got one {CREATED}"),
+    ([("derive",)], f"expected a call in Step Mode, got one {CREATED}"),
+    ([("set", "x")], "expected a parameter or an input before Initialization Mode, got the output"),
+    ([*READY[:1], ("step", 0.0, 0.1)], f"expected a call in Step Mode, got one {IN_MODE}"),
+    ([*READY[:1], ("end",)], f"expected a call in Step Mode, got one {IN_MODE}"),
+    (
+        [*READY[:1], ("set", "cells")],
+        "expected a parameter or an input in Initialization Mode, got",
+    ),
+    ([*READY[:1], ("set", "gain"), ("set", "law"), ("set", "u"), ("leave",)], ""),
+    ([("enter", np.nan, 2.0)], NO_START.format("nan", 2)),
+    ([("enter", 3.0, 2.0)], NO_START.format(3, 2)),
+    ([("enter", 0.0, np.nan)], NO_START.format(0, "nan")),
+    (
+        [*READY, ("enter", 0.0, 2.0)],
+        f"expected a call before Initialization Mode, got one {STARTED}",
+    ),
+    ([*READY, ("leave",)], f"expected a call in Initialization Mode, got one {STARTED}"),
+    ([*READY, ("set", "gain")], "expected an input in Step Mode, got the parameter"),
+    ([*READY, ("set", "law")], "expected an input in Step Mode, got the parameter"),
+    ([*READY, ("set", "total")], "expected an input in Step Mode, got the output"),
+    ([*READY, ("step", 0.0, 1.0), ("step", 99.0, 1.0)], AT_STEP.format(1, 99)),
+    ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 2e-6, 1.0)], AT_STEP.format(1, "1.000002")),
+    ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 5e-7, 1.0)], ""),
+    ([*READY, ("step", 0.0, 1.0), ("step", 1.0, 1e-9), ("step", 1.0 + 1e-9, 1e-9)], ""),
+    ([*READY, ("step", np.nan, 1.0)], NO_TIMES.format(1, "nan")),
+    ([*READY, ("step", 0.0, np.nan)], NO_TIMES.format("nan", 0)),
+    ([*READY, ("save",), ("step", 0.0, 1.0), ("restore",), ("step", 0.0, 1.0)], ""),
+    ([*READY, ("step", 0.0, 1.0), ("save",), ("reset",), ("restore",), ("step", 1.0, 1.0)], ""),
+    ([*READY, ("null",)], "expected a state of this FMU, got NULL"),
+    ([*READY, ("log", "logAll"), ("log", "logStatusError")], ""),
+    ([*READY, ("log", "all")], "expected a log category of the model description, got all"),
+    ([*READY, ("end",), ("end",)], f"expected a call in Step Mode, got one {ENDED}"),
+    ([*READY, ("end",), ("step", 0.0, 1.0)], f"expected a call in Step Mode, got one {ENDED}"),
+    ([*READY, ("end",), ("set", "u")], "expected no variable after termination, got the input"),
+    ([*READY, ("end",), ("reset",), *READY, ("step", 0.0, 1.0), ("end",)], ""),
+]
+"""Calls of a host, and what the FMU says of the last one; empty if it is allowed."""
+
+
+def test_misuse_gives_one_sentence(fmu):
+    """Each list of calls on an instance of its own, in a process without the source."""
+    answers = edge_host(fmu, [calls for calls, _ in CALLS])
+    for (calls, sentence), (statuses, words) in zip(CALLS, answers, strict=True):
+        name = f"{calls}: {words}"
+        assert statuses == [0] * (len(calls) - 1) + [3 if sentence else 0], name
+        assert len(words) == bool(sentence) and sentence in "".join(words), name
+        assert not words or re.match(r"fmi[23]\w+: expected .{20,200}$", words[0]), name
+
+
+def test_resources_of_another_place(fmu):
+    """The sentence names the folder, and no Python."""
+    ((statuses, words),) = edge_host(fmu, [[]], "/elsewhere")
+    assert statuses == [3] and len(words) == 1
+    assert re.match("instantiate: expected the folder resources of this FMU, got /else", words[0])
+
+
+def edge_host(fmu, calls, *elsewhere):
+    """Return statuses and log of each list of calls, see edge_host.py."""
+    command = [sys.executable, HERE / "edge_host.py", fmu, json.dumps(calls), *elsewhere]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
 
 
 def is_native(toy):
@@ -162,7 +238,7 @@ def test_a_state_of_other_parameters_is_started_again(toy, law):
 
 
 def test_a_failed_step_changes_nothing_and_says_why(toy):
-    started(toy, gain=4.0)
+    started(toy, 0.5, gain=4.0)
     state = toy.save()
     with pytest.raises(Discard) as refusal:
         toy.step(0.5, 0.1)
@@ -173,14 +249,14 @@ def test_a_failed_step_changes_nothing_and_says_why(toy):
     assert str(refusal.value) == f"toy: {reasons}"
     toy.restore(state)
     toy.set("u", U / 4)
-    toy.step(0.0, 0.1)
-    np.testing.assert_array_equal(toy.get("x"), 0.1 * U)
+    toy.step(0.5, 0.125)
+    np.testing.assert_array_equal(toy.get("x"), 0.125 * U)
     for step, words in ((0.0, "0 s: must be positive"), (np.inf, "inf s: must be positive")):
         with pytest.raises(Discard, match=f"step size = {words}"):
-            toy.step(0.1, step)
+            toy.step(0.625, step)
     toy.set("u", np.where(U == -2.5, np.nan, U))
     with pytest.raises(Discard, match=re.escape("u[2,2]: expected a finite value, got nan m")):
-        toy.step(0.1, 0.1)
+        toy.step(0.625, 0.1)
 
 
 def test_every_parameter_out_of_range_is_named(toy):
@@ -211,6 +287,7 @@ def test_outputs_follow_inputs_in_initialization_mode(toy):
     toy.step(0.0, 0.5)
     np.testing.assert_array_equal(toy.get("x"), 5.0 + 0.5 * U)
     toy._fmu.reset()
+    toy._begun = False  # so that it is not terminated
     assert (toy._fmu.getReal if toy.version == "2" else toy._fmu.getFloat64)(
         [toy.fields["gain"].references[0]]
     ) == [2.0]
@@ -297,7 +374,7 @@ def test_what_native_code_does_not_cover(toy):
     assert toy.log == []  # once
     toy.set("u", np.full(SHAPE, -1234.0))
     with pytest.raises(Discard, match="there is not enough memory for a step"):
-        toy.step(0.0, 0.1)
+        toy.step(0.1, 0.1)
 
 
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)
@@ -321,8 +398,7 @@ def test_a_damaged_model_file_is_rejected(toy, damage):
         path.write_bytes(whole)
 
 
-@pytest.mark.parametrize("fmu", ["native"], indirect=True)
-def test_addresses_of_other_instances_are_rejected(toy, fmu):
+def test_addresses_of_other_instances_are_rejected(toy):
     """A freed state, and one that no FMU has given."""
     started(toy)
     state = toy.save()
@@ -331,7 +407,7 @@ def test_addresses_of_other_instances_are_rejected(toy, fmu):
     for wrong in (freed, ctypes.cast(ctypes.create_string_buffer(4096), ctypes.c_void_p)):
         with pytest.raises(FMICallException):
             toy.restore(wrong)
-    assert "no state of this FMU" in toy.log[-1][1]
+    assert "expected a state of this FMU, got an unknown or freed address" in toy.log[-1][1]
 
 
 # ---- runtime.c, fmi_parts.c

@@ -72,26 +72,23 @@ EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 
 EXPORT int fmi2SetDebugLogging(Instance *I, int logging, size_t count, const char *const *categories)
 {
-    (void)count, (void)categories;
-    I->logging = logging;
-    return OK;
+    return front_logs(I, __func__, logging, count, categories);
 }
 
 EXPORT int fmi2SetupExperiment(Instance *I, int tolerant, double tolerance, double start, int stops, double stop)
 {
-    (void)tolerant, (void)tolerance, (void)stops, (void)stop;
-    I->reached = start;
-    return OK;
+    (void)tolerant, (void)tolerance;
+    return front_set_up(I, __func__, start, stops, stop);
 }
 
-EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_initialise(I, 1); }
-EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_initialise(I, 0); }
-EXPORT int fmi2Terminate(Instance *I) { return front_terminate(I); }
+EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_enter(I, __func__); }
+EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_leave(I, __func__); }
+EXPORT int fmi2Terminate(Instance *I) { return front_terminate(I, __func__); }
 
 EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
 {
     (void)keeps_no_state;
-    return front_step(I, time, step);
+    return front_step(I, __func__, time, step);
 }
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */
@@ -103,8 +100,9 @@ static int unknown(Instance *I, const char *where, Reference reference)
 }
 
 /* Define a function that does `action` at each position in a storage whose `number` references begin at `first`, after
-   `before`. */
-#define EACH(name, constant, type, first, number, before, action)                             \
+   `before`, if the variable may be set or this does not matter. */
+#define MAY_SET front_may_set(I, __func__, vr[k], I->causality[vr[k]])
+#define EACH(name, constant, type, first, number, before, may, action)                        \
     EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
     {                                                                                         \
         int status = before;                                                                  \
@@ -112,17 +110,19 @@ static int unknown(Instance *I, const char *where, Reference reference)
             int64_t place = (int64_t)vr[k] - (first);                                         \
             if (place < 0 || place >= (number))                                               \
                 return unknown(I, __func__, vr[k]);                                           \
+            if (!(may))                                                                       \
+                return ERROR;                                                                 \
             action;                                                                           \
         }                                                                                     \
         return status;                                                                        \
     }
-EACH(fmi2SetReal, const, double, 0, I->reals, OK, I->real[place] = value[k])
-EACH(fmi2GetReal, , double, 0, I->reals, front_show(I), value[k] = I->real[place])
-EACH(fmi2SetInteger, const, int, I->first_integer, I->integers, OK, I->integer[place] = value[k])
-EACH(fmi2GetInteger, , int, I->first_integer, I->integers, front_show(I), value[k] = (int)I->integer[place])
-EACH(fmi2SetBoolean, const, int, 0, 0, OK, (void)value)
-EACH(fmi2GetBoolean, , int, 0, 0, front_show(I), (void)value)
-EACH(fmi2SetString, const, char *const, I->first_string, I->strings, OK, front_set_text(I, vr[k], value[k]))
+EACH(fmi2SetReal, const, double, 0, I->reals, OK, MAY_SET, I->real[place] = value[k])
+EACH(fmi2GetReal, , double, 0, I->reals, front_show(I), 1, value[k] = I->real[place])
+EACH(fmi2SetInteger, const, int, I->first_integer, I->integers, OK, MAY_SET, I->integer[place] = value[k])
+EACH(fmi2GetInteger, , int, I->first_integer, I->integers, front_show(I), 1, value[k] = (int)I->integer[place])
+EACH(fmi2SetBoolean, const, int, 0, 0, OK, 1, (void)value)
+EACH(fmi2GetBoolean, , int, 0, 0, front_show(I), 1, (void)value)
+EACH(fmi2SetString, const, char *const, I->first_string, I->strings, OK, MAY_SET, slave_set_text(I, vr[k], value[k]))
 
 EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const char **value)
 {
@@ -130,7 +130,7 @@ EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const c
         if ((int64_t)vr[k] < I->first_string || (int64_t)vr[k] >= I->first_string + I->strings)
             return unknown(I, __func__, vr[k]);
     int status = front_show(I);
-    return status == OK ? front_get_texts(I, vr, count, value) : status;
+    return status == OK ? slave_get_texts(I, vr, count, value) : status;
 }
 
 /* Set the derivatives of inputs at the beginning of the next step, which the slave then interpolates. */
@@ -154,28 +154,28 @@ EXPORT int fmi2SetRealInputDerivatives(Instance *I, const Reference *vr, size_t 
 EXPORT int fmi2GetDirectionalDerivative(Instance *I, const Reference *unknown, size_t unknowns, const Reference *known,
                                         size_t knowns, const double *seed, double *product)
 {
-    return front_derivative(I, unknown, unknowns, known, knowns, seed, product);
+    return front_derivative(I, __func__, unknown, unknowns, known, knowns, seed, product);
 }
 
 /* ---- states ----------------------------------------------------------------------------------------------------- */
 
-EXPORT int fmi2GetFMUstate(Instance *I, void **state) { return front_get_state(I, state); }
-EXPORT int fmi2SetFMUstate(Instance *I, void *state) { return front_set_state(I, state); }
+EXPORT int fmi2GetFMUstate(Instance *I, void **state) { return front_get_state(I, __func__, state); }
+EXPORT int fmi2SetFMUstate(Instance *I, void *state) { return front_set_state(I, __func__, state); }
 EXPORT int fmi2FreeFMUstate(Instance *I, void **state) { (void)I; if (state) front_free_state(state); return OK; }
 
 EXPORT int fmi2SerializedFMUstateSize(Instance *I, void *state, size_t *size)
 {
-    return front_state_to_bytes(I, state, NULL, size);
+    return front_state_to_bytes(I, __func__, state, NULL, size);
 }
 
 EXPORT int fmi2SerializeFMUstate(Instance *I, void *state, char *bytes, size_t size)
 {
-    return front_state_to_bytes(I, state, bytes, &size);
+    return front_state_to_bytes(I, __func__, state, bytes, &size);
 }
 
 EXPORT int fmi2DeSerializeFMUstate(Instance *I, const char *bytes, size_t size, void **state)
 {
-    return front_state_from_bytes(I, bytes, size, state);
+    return front_state_from_bytes(I, __func__, bytes, size, state);
 }
 
 /* ---- features that this FMU does not have, as its model description states -------------------------------------- */

@@ -11,7 +11,6 @@
 typedef void Logger(void *environment, int status, const char *category, const char *message);
 
 #define EXPORT __attribute__((visibility("default")))
-enum { REAL, INTEGER, TEXT, CHOICE };
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
@@ -39,29 +38,27 @@ EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 
 EXPORT int fmi3SetDebugLogging(Instance *I, bool logging, size_t count, const char *const *categories)
 {
-    (void)count, (void)categories;
-    I->logging = logging;
-    return OK;
+    return front_logs(I, __func__, logging, count, categories);
 }
 
 EXPORT int fmi3EnterInitializationMode(Instance *I, bool tolerant, double tolerance, double start, bool stops, double stop)
 {
-    (void)tolerant, (void)tolerance, (void)stops, (void)stop;
-    I->reached = start;
-    return front_initialise(I, 1);
+    (void)tolerant, (void)tolerance;
+    int status = front_set_up(I, __func__, start, stops, stop);
+    return status == OK ? front_enter(I, __func__) : status;
 }
 
-EXPORT int fmi3ExitInitializationMode(Instance *I) { return front_initialise(I, 0); }
+EXPORT int fmi3ExitInitializationMode(Instance *I) { return front_leave(I, __func__); }
 EXPORT int fmi3EnterStepMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3EnterConfigurationMode(Instance *I) { (void)I; return OK; }
 EXPORT int fmi3ExitConfigurationMode(Instance *I) { (void)I; return OK; }
-EXPORT int fmi3Terminate(Instance *I) { return front_terminate(I); }
+EXPORT int fmi3Terminate(Instance *I) { return front_terminate(I, __func__); }
 
 EXPORT int fmi3DoStep(Instance *I, double time, double step, bool keeps_no_state, bool *event, bool *terminate, bool *early,
                       double *reached)
 {
     (void)keeps_no_state;
-    int status = front_step(I, time, step);
+    int status = front_step(I, __func__, time, step);
     *event = *terminate = *early = false;
     *reached = status == OK ? time + step : time;
     return status;
@@ -87,9 +84,20 @@ static bool fits(Instance *I, const char *where, int type, bool with_time, const
     return elements == values;
 }
 
+/* Return whether the variables fit and may be set; log the fault if not. */
+static bool may_set(Instance *I, const char *where, int type, const Reference *vr, size_t count, size_t values)
+{
+    if (!fits(I, where, type, false, vr, count, values))
+        return false;
+    for (size_t k = 0; k < count; k++)
+        if (!front_may_set(I, where, vr[k], I->variable[vr[k]].causality))
+            return false;
+    return true;
+}
+
 EXPORT int fmi3SetFloat64(Instance *I, const Reference *vr, size_t count, const double *value, size_t values)
 {
-    if (!fits(I, __func__, REAL, false, vr, count, values))
+    if (!may_set(I, __func__, REAL, vr, count, values))
         return ERROR;
     for (size_t k = 0; k < count; value += I->variable[vr[k++]].size)
         memcpy(I->real + I->variable[vr[k]].offset, value, (size_t)I->variable[vr[k]].size * sizeof *value);
@@ -114,7 +122,7 @@ EXPORT int fmi3GetFloat64(Instance *I, const Reference *vr, size_t count, double
 #define WHOLE(set, get, type, kind)                                                                        \
     EXPORT int set(Instance *I, const Reference *vr, size_t count, const type *value, size_t values)       \
     {                                                                                                      \
-        if (!fits(I, __func__, kind, false, vr, count, values))                                            \
+        if (!may_set(I, __func__, kind, vr, count, values))                                                \
             return ERROR;                                                                                  \
         for (size_t k = 0; k < count; k++)                                                                 \
             for (int64_t e = 0; e < I->variable[vr[k]].size; e++)                                          \
@@ -136,10 +144,10 @@ WHOLE(fmi3SetInt64, fmi3GetInt64, int64_t, CHOICE)
 
 EXPORT int fmi3SetString(Instance *I, const Reference *vr, size_t count, const char *const *value, size_t values)
 {
-    if (!fits(I, __func__, TEXT, false, vr, count, values))
+    if (!may_set(I, __func__, TEXT, vr, count, values))
         return ERROR;
     for (size_t k = 0; k < count; k++)
-        front_set_text(I, (Reference)(I->first_string + I->variable[vr[k]].offset), value[k]);
+        slave_set_text(I, (Reference)(I->first_string + I->variable[vr[k]].offset), value[k]);
     return OK;
 }
 
@@ -154,7 +162,7 @@ EXPORT int fmi3GetString(Instance *I, const Reference *vr, size_t count, const c
         offset[k] = (Reference)(I->first_string + I->variable[vr[k]].offset);
     int status = front_show(I);
     if (status == OK)
-        status = front_get_texts(I, offset, count, value);
+        status = slave_get_texts(I, offset, count, value);
     free(offset);
     return status;
 }
@@ -177,7 +185,7 @@ EXPORT int fmi3GetDirectionalDerivative(Instance *I, const Reference *unknown, s
     if (!fits(I, __func__, REAL, false, unknown, unknowns, products) || !fits(I, __func__, REAL, false, known, knowns, seeds))
         return ERROR;
     Reference *from = elements(I, known, knowns, seeds), *to = elements(I, unknown, unknowns, products);
-    int status = from && to ? front_derivative(I, to, products, from, seeds, seed, product) : ERROR;
+    int status = from && to ? front_derivative(I, __func__, to, products, from, seeds, seed, product) : ERROR;
     free(from);
     free(to);
     return status;
@@ -192,23 +200,23 @@ EXPORT int fmi3GetNumberOfVariableDependencies(Instance *I, Reference reference,
 
 /* ---- states ----------------------------------------------------------------------------------------------------- */
 
-EXPORT int fmi3GetFMUState(Instance *I, void **state) { return front_get_state(I, state); }
-EXPORT int fmi3SetFMUState(Instance *I, void *state) { return front_set_state(I, state); }
+EXPORT int fmi3GetFMUState(Instance *I, void **state) { return front_get_state(I, __func__, state); }
+EXPORT int fmi3SetFMUState(Instance *I, void *state) { return front_set_state(I, __func__, state); }
 EXPORT int fmi3FreeFMUState(Instance *I, void **state) { (void)I; if (state) front_free_state(state); return OK; }
 
 EXPORT int fmi3SerializedFMUStateSize(Instance *I, void *state, size_t *size)
 {
-    return front_state_to_bytes(I, state, NULL, size);
+    return front_state_to_bytes(I, __func__, state, NULL, size);
 }
 
 EXPORT int fmi3SerializeFMUState(Instance *I, void *state, char *bytes, size_t size)
 {
-    return front_state_to_bytes(I, state, bytes, &size);
+    return front_state_to_bytes(I, __func__, state, bytes, &size);
 }
 
 EXPORT int fmi3DeserializeFMUState(Instance *I, const char *bytes, size_t size, void **state)
 {
-    return front_state_from_bytes(I, bytes, size, state);
+    return front_state_from_bytes(I, __func__, bytes, size, state);
 }
 
 /* ---- features that this FMU does not have, as its model description states -------------------------------------- */

@@ -247,23 +247,16 @@ static int call(Instance *I, const char *method, const char *format, ...)
     return status;
 }
 
-int front_step(Instance *I, double time, double step)
-{
-    int status = call(I, "do_step", "(dd)", time, step);
-    if (status == OK)
-        I->reached = time + step;
-    return status;
-}
+int slave_step(Instance *I, double time, double step) { return call(I, "do_step", "(dd)", time, step); }
 
-int front_initialise(Instance *I, int enters)
+int slave_initialise(Instance *I, int enters)
 {
-    I->initialising = enters;
     return call(I, enters ? "enter_initialization_mode" : "exit_initialization_mode", "()");
 }
 
-int front_terminate(Instance *I) { return call(I, "terminate", "()"); }
-int front_products(Instance *I) { return call(I, "update_products", "()"); }
-int front_show(Instance *I) { return I->initialising ? call(I, "show_start", "()") : OK; }
+int slave_terminate(Instance *I) { return call(I, "terminate", "()"); }
+int slave_products(Instance *I) { return call(I, "update_products", "()"); }
+int slave_show(Instance *I) { return call(I, "show_start", "()"); }
 
 /* ---- instances -------------------------------------------------------------------------------------------------- */
 
@@ -307,7 +300,7 @@ static int read_layout(Instance *I)
     I->course = take(&cursor, I->courses, 3);
     I->seed = take(&cursor, I->seeds, 3);
     I->product = take(&cursor, I->products, 3);
-    I->variable = take(&cursor, I->variables, 3);
+    I->variable = take(&cursor, I->variables, 4);
     py.Py_DecRef(layout);
     return OK;
 }
@@ -322,7 +315,7 @@ static const char IMPORT[] =
     "    sys.path.remove(resources)\n"
     "slave = entry.Entry(instance_name=instance, resources=resources)\n";
 
-static int create_slave(Instance *I)
+static int import_slave(Instance *I)
 {
     PyObject *scope = py.PyDict_New(), *done = NULL;
     PyObject *resources = py.PyUnicode_FromString(I->resources), *name = py.PyUnicode_FromString(I->name);
@@ -343,25 +336,18 @@ static int create_slave(Instance *I)
     return status;
 }
 
-Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
+static int with_python(Instance *I)
 {
-    Instance *I = malloc(sizeof *I);
-    *I = settings;
-    I->name = strdup(name ? name : "instance");
-    I->resources = resources;
-    int status = ERROR;
-    if (front_is_own(I, token) && have_python(I)) {
-        int held = py.PyGILState_Ensure();
-        status = create_slave(I);
-        py.PyGILState_Release(held);
-    }
-    if (status == OK)
-        return I;
-    front_free(I);
-    return NULL;
+    int held = py.PyGILState_Ensure();
+    int status = import_slave(I);
+    py.PyGILState_Release(held);
+    return status;
 }
 
-void front_free(Instance *I)
+int slave_create(Instance *I) { return have_python(I) ? with_python(I) : ERROR; }
+int slave_reset(Instance *I) { return with_python(I); }
+
+void slave_free(Instance *I)
 {
     if (py.Py_IsInitialized && py.Py_IsInitialized()) {
         int held = py.PyGILState_Ensure();
@@ -370,28 +356,16 @@ void front_free(Instance *I)
         py.PyGILState_Release(held);
     }
     forget_layout(I);
-    free(I->name);
-    free(I->resources);
-    free(I);
-}
-
-int front_reset(Instance *I)
-{
-    I->initialising = 0;
-    int held = py.PyGILState_Ensure();
-    int status = create_slave(I);
-    py.PyGILState_Release(held);
-    return status;
 }
 
 /* ---- texts and states ------------------------------------------------------------------------------------------- */
 
-int front_set_text(Instance *I, Reference reference, const char *text)
+int slave_set_text(Instance *I, Reference reference, const char *text)
 {
     return call(I, "set_string", "([I][s])", reference, text);
 }
 
-int front_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
+int slave_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
 {
     int status, held = py.PyGILState_Ensure();
     PyObject *list = py.PyList_New((ptrdiff_t)count);
@@ -406,31 +380,28 @@ int front_get_texts(Instance *I, const Reference *reference, size_t count, const
     return status;
 }
 
-int front_get_state(Instance *I, void **state)
+int slave_get_state(Instance *I, void **state)
 {
-    front_free_state(state);
+    slave_free_state(*state);
     int status, held = py.PyGILState_Ensure();
     *state = ask(I, "_get_fmu_state", py.Py_BuildValue("()"), &status);
     py.PyGILState_Release(held);
     return status;
 }
 
-int front_set_state(Instance *I, void *state)
+int slave_set_state(Instance *I, void *state)
 {
     return call(I, "_set_fmu_state", "(O)", state);
 }
 
-void front_free_state(void **state)
+void slave_free_state(void *state)
 {
-    if (!*state)
-        return;
     int held = py.PyGILState_Ensure();
-    py.Py_DecRef(*state);
-    *state = NULL;
+    py.Py_DecRef(state);
     py.PyGILState_Release(held);
 }
 
-int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
+int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
 {
     char *data;
     ptrdiff_t length;
@@ -451,7 +422,7 @@ int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
     return status;
 }
 
-int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
+int slave_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
 {
     int status, held = py.PyGILState_Ensure();
     PyObject *data = py.PyBytes_FromStringAndSize(bytes, (ptrdiff_t)size);

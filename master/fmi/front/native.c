@@ -4,21 +4,12 @@
 #include "front.h"
 #include "native.h"
 
-#ifdef _WIN32
-#define WIN32_LEAN_AND_MEAN
-#define NOUSER
-#include <windows.h>
-#endif
-
 #include <math.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char MARK[8] = "PCNATIV2";      /* the last digit is the version of the file */
 
-enum { REAL, INTEGER, STRING, CHOICE };                     /* types of a variable, as in front.h */
-enum { PARAMETER, INPUT, CONSTANT, OUTPUT };
 enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
 
 /* Description of a variable in the file: numbers, then ranges; texts are separate. */
@@ -49,84 +40,11 @@ typedef struct {
     Pool *pool;
 } Native;
 
-/* ---- addresses that hosts hold ------------------------------------------------------------------------------------ */
-
-/* Addresses given to hosts by all instances in this process. Freed and unknown addresses are rejected. */
-typedef struct { void **at; size_t count, room; } Held;
-
-static Held instances, states;
-static atomic_flag busy = ATOMIC_FLAG_INIT;
-
-static size_t place_of(const Held *held, const void *address)
-{
-    size_t k = held->count;
-    while (k && held->at[k - 1] != address)     /* the newest are used most */
-        k--;
-    return k;
-}
-
-static void begin_alone(void)
-{
-    while (atomic_flag_test_and_set(&busy))
-        ;
-}
-
-/* Return whether there was memory for it. */
-static int hold(Held *held, void *address)
-{
-    begin_alone();
-    if (held->count == held->room) {
-        size_t room = 2 * held->room + 16;
-        void **more = realloc(held->at, room * sizeof *more);
-        if (more)
-            held->at = more, held->room = room;
-    }
-    int fits = held->count < held->room;
-    if (fits)
-        held->at[held->count++] = address;
-    atomic_flag_clear(&busy);
-    return fits;
-}
-
-static int is_held(const Held *held, const void *address)
-{
-    begin_alone();
-    size_t place = place_of(held, address);
-    atomic_flag_clear(&busy);
-    return place > 0;
-}
-
-/* Return whether it was held. */
-static int let_go(Held *held, const void *address)
-{
-    begin_alone();
-    size_t place = place_of(held, address);
-    if (place)
-        held->at[place - 1] = held->at[--held->count];
-    if (!held->count) {
-        free(held->at);
-        *held = (Held){0};
-    }
-    atomic_flag_clear(&busy);
-    return place > 0;
-}
-
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
-
-/* Paths of the standard are UTF-8, also on Windows. */
-static FILE *open_file(const char *path)
-{
-#ifdef _WIN32
-    wchar_t wide[8192];
-    return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, 8192) ? _wfopen(wide, L"rb") : NULL;
-#else
-    return fopen(path, "rb");
-#endif
-}
 
 static char *read_whole(const char *path, size_t *size)
 {
-    FILE *file = open_file(path);
+    FILE *file = front_open(path);
     if (!file)
         return NULL;
     char *bytes = NULL;
@@ -377,7 +295,7 @@ static int range_faults(Native *N, int inputs_alone, char *text)
     int count = 0;
     for (int64_t k = 0; k < N->head->variables; k++) {
         const Row *v = N->row + k;
-        if (v->causality == OUTPUT || v->type == STRING || (inputs_alone && v->causality != INPUT))
+        if (v->causality == OUTPUT || v->type == TEXT || (inputs_alone && v->causality != INPUT))
             continue;
         count += v->type == CHOICE ? choice_fault(N, k, text) : number_fault(N, k, text);
     }
@@ -451,20 +369,19 @@ static int same_parameters(Native *N)
     return 1;
 }
 
-int front_initialise(Instance *I, int enters)
+int slave_initialise(Instance *I, int enters)
 {
     Native *N = I->slave;
-    I->initialising = enters;
     N->is_shown = 0;
     return enters ? OK : checked_start(I);
 }
 
 /* In Initialization Mode, let outputs follow the inputs if these are valid. */
-int front_show(Instance *I)
+int slave_show(Instance *I)
 {
     Native *N = I->slave;
     char text[LONGEST] = "";
-    if (!I->initialising || (N->is_shown && !memcmp(N->shown, N->real, real_bytes(N))
+    if ((N->is_shown && !memcmp(N->shown, N->real, real_bytes(N))
                              && !memcmp(N->shown_integer, N->integer, integer_bytes(N))))
         return OK;
     if (!range_faults(N, 0, text))
@@ -474,7 +391,7 @@ int front_show(Instance *I)
     return OK;
 }
 
-int front_step(Instance *I, double time, double step)
+int slave_step(Instance *I, double time, double step)
 {
     Native *N = I->slave;
     char text[LONGEST] = "";
@@ -490,7 +407,6 @@ int front_step(Instance *I, double time, double step)
         char refused[LONGEST] = "";
         double when[FAULT_NUMBERS] = {0.0, 0.0, 0.0, time + step, 0.0, 0.0};
         if (run(N, native_advance, step, time, refused, "; ")) {
-            I->reached = time + step;
             log_remark(I);
             return OK;
         }
@@ -501,7 +417,7 @@ int front_step(Instance *I, double time, double step)
     return DISCARD;
 }
 
-int front_products(Instance *I)
+int slave_products(Instance *I)
 {
     Native *N = I->slave;
     char text[LONGEST] = "";
@@ -511,11 +427,11 @@ int front_products(Instance *I)
     return ERROR;
 }
 
-int front_terminate(Instance *I) { (void)I; return OK; }
+int slave_terminate(Instance *I) { (void)I; return OK; }
 
-int front_set_text(Instance *I, Reference reference, const char *text) { (void)I, (void)reference, (void)text; return OK; }
+int slave_set_text(Instance *I, Reference reference, const char *text) { (void)I, (void)reference, (void)text; return OK; }
 
-int front_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
+int slave_get_texts(Instance *I, const Reference *reference, size_t count, const char **texts)
 {
     (void)I, (void)reference, (void)texts;
     return count ? ERROR : OK;
@@ -533,7 +449,6 @@ static void begin(Instance *I)
     memcpy(N->memory, N->given, (size_t)N->head->given * sizeof(double));
     N->is_shown = N->has_state = N->was_started = 0;
     N->refused[0] = 0;
-    I->initialising = 0;
 }
 
 /* Return why the slave of these resources cannot be created; NULL if it can. */
@@ -573,7 +488,7 @@ static const char *make(Instance *I)
         || !I->variable)
         return "asks for more memory than there is";
     for (int64_t k = 0; k < h->variables; k++)
-        I->variable[k] = (Entry){N->row[k].type, N->row[k].offset, N->row[k].size};
+        I->variable[k] = (Entry){N->row[k].type, N->row[k].offset, N->row[k].size, N->row[k].causality};
     I->real = N->real, I->integer = N->integer;
     I->reals = h->reals, I->integers = h->integers, I->strings = 0;
     I->first_integer = h->first_integer, I->first_string = h->first_integer + h->integers;
@@ -583,7 +498,15 @@ static const char *make(Instance *I)
     return NULL;
 }
 
-static void release(Instance *I)
+int slave_create(Instance *I)
+{
+    const char *lacking = make(I);
+    if (lacking)
+        front_log(I, ERROR, "instantiate: %s/slave.bin %s", I->resources, lacking);
+    return lacking ? ERROR : OK;
+}
+
+void slave_free(Instance *I)
 {
     Native *N = I->slave;
     if (N) {
@@ -594,47 +517,9 @@ static void release(Instance *I)
         pool_free(N->pool);
     }
     free(N);
-    free(I->name);
-    free(I->resources);
-    free(I);
 }
 
-Instance *front_create(const char *name, const char *token, char *resources, Instance settings)
-{
-    Instance *I = malloc(sizeof *I);
-    char *own = malloc(strlen(name ? name : "instance") + 1);
-    if (!I || !own) {
-        free(I);
-        free(own);
-        free(resources);
-        return NULL;
-    }
-    *I = settings;
-    I->name = strcpy(own, name ? name : "instance");
-    I->resources = resources;
-#ifdef _WIN32
-    if (resources[0] == '/' && resources[1] && resources[2] == ':')      /* file:///C:/.. */
-        memmove(resources, resources + 1, strlen(resources));
-#endif
-    if (front_is_own(I, token)) {
-        const char *lacking = make(I);
-        if (!lacking && !hold(&instances, I))
-            lacking = "asks for more memory than there is";
-        if (!lacking)
-            return I;
-        front_log(I, ERROR, "instantiate: %s/slave.bin %s", I->resources, lacking);
-    }
-    release(I);
-    return NULL;
-}
-
-void front_free(Instance *I)
-{
-    if (let_go(&instances, I))
-        release(I);
-}
-
-int front_reset(Instance *I)
+int slave_reset(Instance *I)
 {
     begin(I);
     return OK;
@@ -666,30 +551,25 @@ static int is_like(Native *N, const Saved *given)
     return !memcmp(&own, given, sizeof own) && (given->has_state == 0 || given->has_state == 1);
 }
 
-/* Return whether it is a state that this FMU has given to the host; log it if not. */
+/* Return whether it is a state of this FMU, and not of another grid; log it if not. */
 static int is_own_state(Instance *I, const void *state)
 {
-    int own = is_held(&states, state) && is_like(I->slave, state);
+    int own = is_like(I->slave, state);
     if (!own)
-        front_log(I, ERROR, "this is no state of this FMU, or it was freed before");
+        front_log(I, ERROR, "expected a state of this FMU, got one of another FMU");
     return own;
 }
 
-int front_get_state(Instance *I, void **state)
+int slave_get_state(Instance *I, void **state)
 {
     Native *N = I->slave;
     if (*state && !is_own_state(I, *state))
         return ERROR;
-    char *at = *state;
+    char *at = *state = *state ? *state : malloc(saved_size(N));
     if (!at) {
-        at = malloc(saved_size(N));
-        if (!at || !hold(&states, at)) {
-            front_log(I, ERROR, "there is not enough memory for a state");
-            free(at);
-            return ERROR;
-        }
+        front_log(I, ERROR, "there is not enough memory for a state");
+        return ERROR;
     }
-    *state = at;
     *(Saved *)at = head_of(N);
     memcpy(at += sizeof(Saved), N->real, real_bytes(N));
     int64_t *integer = memset(at += real_bytes(N), 0, integer_bytes(N));
@@ -712,7 +592,7 @@ static void restore(Native *N, const char *at)
     }
 }
 
-int front_set_state(Instance *I, void *state)
+int slave_set_state(Instance *I, void *state)
 {
     Native *N = I->slave;
     if (!is_own_state(I, state))
@@ -732,14 +612,9 @@ int front_set_state(Instance *I, void *state)
     return status;
 }
 
-void front_free_state(void **state)
-{
-    if (let_go(&states, *state))
-        free(*state);
-    *state = NULL;
-}
+void slave_free_state(void *state) { free(state); }
 
-int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
+int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
 {
     size_t length = saved_size(I->slave);
     if (!is_own_state(I, state))
@@ -759,7 +634,7 @@ int front_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
     return OK;
 }
 
-int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
+int slave_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
 {
     Native *N = I->slave;
     Saved given;
@@ -774,13 +649,10 @@ int front_state_from_bytes(Instance *I, const char *bytes, size_t size, void **s
         front_log(I, ERROR, "these %zu bytes are no state of this FMU, which takes %zu, or they are damaged", size, length);
         return ERROR;
     }
-    front_free_state(state);
-    char *own = malloc(length);
-    if (!own || !hold(&states, own)) {
+    char *own = *state = malloc(length);
+    if (own)
+        memcpy(own, bytes, length);
+    else
         front_log(I, ERROR, "there is not enough memory for a state");
-        free(own);
-        return ERROR;
-    }
-    *state = memcpy(own, bytes, length);
-    return OK;
+    return own ? OK : ERROR;
 }
