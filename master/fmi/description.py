@@ -76,7 +76,7 @@ def model_description(slave, any_host, platforms=()):
         "CoSimulation",
         {
             "modelIdentifier": slave.name,
-            "needsExecutionTool": str(not any_host).lower(),
+            "needsExecutionTool": needs_tool(platforms),
             "canHandleVariableCommunicationStepSize": "true",
             "canNotUseMemoryManagementFunctions": "true",
             "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
@@ -90,7 +90,7 @@ def model_description(slave, any_host, platforms=()):
     common_parts(root, slave)
     _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host, platforms)
     _variables(SubElement(root, "ModelVariables"), slave)
-    _structure(SubElement(root, "ModelStructure"), slave.table)
+    _structure(SubElement(root, "ModelStructure"), slave, any_host)
     root.set("guid", content_guid(root))
     return root
 
@@ -111,6 +111,11 @@ def head(slave):
 
 
 NO_DEPENDENCIES = {"dependencies": ""}
+
+
+def needs_tool(platforms):
+    """Return the attribute needsExecutionTool: true for an FMU that needs Python."""
+    return str(not platforms).lower()
 
 
 def content_guid(root):
@@ -246,22 +251,38 @@ def type_attributes(v):
     return attributes
 
 
-def _structure(parent, table):
+def dependencies(slave, places):
+    """Return the attribute dependencies of each output by name: inputs of the derivatives.
+
+    `places` contains the index or value reference of each variable by name.
+    """
+    inputs = {"dependencies": " ".join(str(places[name]) for name in slave.derivative_inputs)}
+    outputs = [v.name for v in slave.table if v.causality == "output"]
+    return {n: inputs if n in slave.derivative_outputs else NO_DEPENDENCIES for n in outputs}
+
+
+def _structure(parent, slave, any_host):
     """Add outputs and initial unknowns.
 
-    Outputs depend on nothing, because none follows an input without a step. Initial unknowns
-    depend on everything that is set, which the standard expresses by leaving the dependencies
-    out. If the table has fields, they are declared empty, because some importers would draw
-    every pair of two fields for minutes.
+    Outputs depend on the inputs of the derivatives that the FMU offers. If these contain fields,
+    the attribute is left out, which means all inputs. A list for each cell would take 60 MB.
+    Initial unknowns depend on everything that is set. If the table has fields, they are declared
+    empty, because some importers would draw every pair of two fields for minutes.
     """
-    index = 1
-    outputs = []
-    for v in table:
-        if v.causality == "output":
-            outputs += range(index, index + v.size)
-        index += v.size
+    firsts = np.cumsum([1, *(v.size for v in slave.table)]).tolist()
+    shapes = {v.name: v.shape for v in slave.table}
+    first = dict(zip(shapes, firsts))
+    each = dependencies(slave, first)
+    if not any_host:
+        each = dict.fromkeys(each, NO_DEPENDENCIES)
+    elif any(shapes[name] for name in slave.derivative_inputs):
+        each = {name: {} if one["dependencies"] else one for name, one in each.items()}
+    start = NO_DEPENDENCIES if any(shapes.values()) else {}
     for section in ("Outputs", "InitialUnknowns"):
         node = SubElement(parent, section)
-        untold = section == "InitialUnknowns" and not any(v.shape for v in table)
-        for k in outputs:
-            SubElement(node, "Unknown", {"index": str(k)} | ({} if untold else NO_DEPENDENCIES))
+        for v in slave.table:
+            if v.name not in each:
+                continue
+            depends = each[v.name] if section == "Outputs" else start
+            for k in range(first[v.name], first[v.name] + v.size):
+                SubElement(node, "Unknown", {"index": str(k)} | depends)

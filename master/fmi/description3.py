@@ -3,13 +3,14 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from .description import (
-    NO_DEPENDENCIES,
     VENDOR,
     causality_attributes,
     common_parts,
     content_guid,
+    dependencies,
     head,
     needs,
+    needs_tool,
     type_attributes,
 )
 
@@ -31,7 +32,7 @@ def model_description_3(slave, platforms=()):
         "CoSimulation",
         {
             "modelIdentifier": slave.name,
-            "needsExecutionTool": "false",
+            "needsExecutionTool": needs_tool(platforms),
             "canHandleVariableCommunicationStepSize": "true",
             "canGetAndSetFMUState": "true",
             "canSerializeFMUState": "true",
@@ -41,11 +42,12 @@ def model_description_3(slave, platforms=()):
     common_parts(root, slave)
     _variables(SubElement(root, "ModelVariables"), slave.table)
     structure = SubElement(root, "ModelStructure")
-    outputs = [str(k) for k, v in enumerate(slave.table) if v.causality == "output"]
-    for k in outputs:  # none follows an input without a step
-        SubElement(structure, "Output", {"valueReference": k} | NO_DEPENDENCIES)
-    for k in outputs:  # they depend on everything that is set
-        SubElement(structure, "InitialUnknown", {"valueReference": k})
+    reference = {v.name: k for k, v in enumerate(slave.table)}
+    outputs = dependencies(slave, reference)
+    for name, depends in outputs.items():
+        SubElement(structure, "Output", {"valueReference": str(reference[name])} | depends)
+    for name in outputs:  # they depend on everything that is set
+        SubElement(structure, "InitialUnknown", {"valueReference": str(reference[name])})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
     SubElement(annotation, "Needs", needs(True, platforms))
     root.set("instantiationToken", content_guid(root))

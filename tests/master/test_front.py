@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
 from piston_cosim.master.fmi import builder_native
@@ -322,6 +323,21 @@ def test_wrong_references_tokens_and_calls_are_errors(toy, fmu):
     toy.description.guid = "{another}"
     with pytest.raises(BadInput, match="another.* is not the identifier of this FMU"):
         toy.start({}, 0.0, 1.0)
+
+
+def test_dependencies_are_those_of_the_derivatives(toy, fmu):
+    """An output depends on the input as declared, and the Python FMU alone needs a tool."""
+    started(toy)
+    toy.set("u", U / 2)
+    toy.step(0.0, 0.25)
+    change = toy.derivative({"u": np.ones(SHAPE)}, ["x", "total"])
+    description = read_model_description(fmu)
+    declared = {one.variable.name.partition("[")[0]: one for one in description.outputs}
+    assert set(declared) == {"x", "total", "count"}
+    for name, one in declared.items():
+        names = ["u"] if one.dependencies is None else [v.name for v in one.dependencies]
+        assert names == (["u"] if name in change and np.all(change[name]) else [])
+    assert description.coSimulation.needsExecutionTool == (not is_native(toy))
 
 
 def test_time_is_a_variable_of_fmi_3_and_reached_of_fmi_2(toy):
