@@ -370,7 +370,7 @@ def _binaries(slave, version):
     }
 
 
-def texts_of(slave, version, any_host, platforms=()):
+def texts_of(slave, version, any_host, platforms=(), sums=""):
     """Return description, token, icon and documentation of an FMU, path to bytes.
 
     Parameters
@@ -381,17 +381,19 @@ def texts_of(slave, version, any_host, platforms=()):
         Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
         Platforms of an FMU that needs no Python.
+    sums : str
+        `model_file.sums_of` its resources/slave.bin.
     """
     pages = documentation(slave, any_host, platforms)
     if version == "3.0":
-        description = model_description_3(slave, platforms)
+        description = model_description_3(slave, platforms, sums)
         return pages | {
             "modelDescription.xml": _xml(description),
             TOKEN: description.attrib["instantiationToken"].encode(),
             "terminalsAndIcons/terminalsAndIcons.xml": _xml(terminals(slave)),
             "terminalsAndIcons/icon.png": ICON.read_bytes(),
         }
-    description = model_description(slave, any_host, platforms)
+    description = model_description(slave, any_host, platforms, sums)
     return pages | {
         "modelDescription.xml": _xml(description),
         TOKEN: description.attrib["guid"].encode(),

@@ -31,7 +31,7 @@ from .cache import cache_folder, write_whole
 from .compiler import COMMON, HOME, PLATFORMS, compiler_of, linked, this_platform
 from .errors import BadInput, unknown
 from .jobs import jobs
-from .model_file import slave_file
+from .model_file import slave_file, sums_of
 from .native_parts import NativePart, symbol
 from .slave import FieldSlave
 from .tree import ROOT, code_digest, import_part, reached, slave_class
@@ -165,11 +165,12 @@ def pack_native_fmu(
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
     """Return the content of an FMU by path; `made` are libraries by platform."""
     slave = inside.slave
-    members = texts_of(slave, version, any_host=True, platforms=list(made))
+    model = slave_file(slave, inside.part, inside.given)
+    members = texts_of(slave, version, True, list(made), sums_of(model))
     for platform, library in made.items():
         ends = PLATFORMS[platform]
         members[f"binaries/{ends.folders[version]}/{slave.name}{ends.ending}"] = library
-    members["resources/slave.bin"] = slave_file(slave, inside.part, inside.given)
+    members["resources/slave.bin"] = model
     members["resources/build.json"] = json.dumps(slave.options, sort_keys=True).encode()
     return members
 

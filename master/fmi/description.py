@@ -55,7 +55,7 @@ BASE_UNITS = {
 unit have "1"."""
 
 
-def model_description(slave, any_host, platforms=()):
+def model_description(slave, any_host, platforms=(), sums=""):
     """Return the XML tree of an FMU's model description. The GUID is the hash of its content.
 
     Parameters
@@ -66,6 +66,8 @@ def model_description(slave, any_host, platforms=()):
         standard directional derivative. Otherwise pythonfmu's library runs in Python hosts only.
     platforms : sequence of str
         Platforms of an FMU that needs no Python.
+    sums : str
+        `model_file.sums_of` its resources/slave.bin.
     """
     root = Element(
         "fmiModelDescription",
@@ -91,7 +93,7 @@ def model_description(slave, any_host, platforms=()):
     _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host, platforms)
     _variables(SubElement(root, "ModelVariables"), slave)
     _structure(SubElement(root, "ModelStructure"), slave, any_host)
-    root.set("guid", content_guid(root))
+    root.set("guid", content_guid(root, sums))
     return root
 
 
@@ -118,9 +120,12 @@ def needs_tool(platforms):
     return str(not platforms).lower()
 
 
-def content_guid(root):
-    """Return the hash of a description, so that the same content has the same identifier."""
-    return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + "}"
+def content_guid(root, sums=""):
+    """Return the hash of a description, so that the same content has the same identifier.
+
+    It ends with the sums of the model file of a native FMU.
+    """
+    return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + sums + "}"
 
 
 def common_parts(root, slave):

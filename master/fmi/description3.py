@@ -17,11 +17,11 @@ from .description import (
 TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration": "Enumeration"}
 
 
-def model_description_3(slave, platforms=()):
+def model_description_3(slave, platforms=(), sums=""):
     """Return the XML tree of an FMU's model description for FMI 3.0.
 
-    The instantiation token is the hash of its content. `platforms` are those of an FMU that
-    needs no Python.
+    The instantiation token is the hash of its content. `platforms` and `sums` are those of an FMU
+    that needs no Python.
     """
     root = Element(
         "fmiModelDescription",
@@ -50,7 +50,7 @@ def model_description_3(slave, platforms=()):
         SubElement(structure, "InitialUnknown", {"valueReference": str(reference[name])})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
     SubElement(annotation, "Needs", needs(True, platforms))
-    root.set("instantiationToken", content_guid(root))
+    root.set("instantiationToken", content_guid(root, sums))
     return root
 
 

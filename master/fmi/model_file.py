@@ -8,7 +8,7 @@ from .native_parts import NativePart
 from .slave import CAUSALITIES, PRODUCT, SEED, FieldSlave, reserved
 from .variables import Variable
 
-MARK = b"PCNATIV2"
+MARK = b"PCNATIV3"
 """First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
 
 WORD = 8  # bytes that are summed at once
@@ -54,15 +54,17 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
         ]
     )
     content += bytes(-len(content) % WORD)
-    return MARK + _sums(content) + content
+    return MARK + content
 
 
-def _sums(content):
-    """Return the sum of all words and of their running sums, as `sums_of` in front/native.c."""
-    words = np.frombuffer(content, dtype="<u8")
+def sums_of(file: bytes) -> str:
+    """Return the sum of all words after the mark and that of their running sums, hexadecimal.
+
+    The identifier of the FMU ends with them, so that front/native.c rejects an altered file.
+    """
+    words = np.frombuffer(file, dtype="<u8")[1:]
     weights = np.arange(len(words), 0, -1, dtype=np.uint64)
-    sums = words.sum(dtype=np.uint64), (words * weights).sum(dtype=np.uint64)
-    return np.array(sums, dtype="<u8").tobytes()
+    return f"{words.sum(dtype=np.uint64):016x}{(words * weights).sum(dtype=np.uint64):016x}"
 
 
 def _row(slave, v: Variable, covered):

@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +19,7 @@ from piston_cosim.master.fmi import builder_native
 from piston_cosim.master.fmi.block import memory_of
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.compiler import FLAGS, HOME, compiler
-from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.fmi.errors import BadInput, Discard, ParticipantFault
 from piston_cosim.master.fmi.native_parts import NativePart
 from piston_cosim.master.fmi.noted import (
     ROOM,
@@ -391,6 +392,67 @@ def test_what_native_code_does_not_cover(toy):
     toy.set("u", np.full(SHAPE, -1234.0))
     with pytest.raises(Discard, match="there is not enough memory for a step"):
         toy.step(0.1, 0.1)
+
+
+def altered(data, rng):
+    """Return bytes with a few other words, or cut, or with words in another order."""
+    words = np.frombuffer(data[: len(data) // 8 * 8], dtype="<u8").copy()
+    at = rng.integers(1, len(words), rng.integers(1, 4))
+    kind = rng.integers(4)
+    if kind == 0:
+        words[at] = rng.choice(np.array([0, 1, 2, 2**31, 2**63, 2**64 - 1], dtype="<u8"), len(at))
+    elif kind == 1:
+        words[at] ^= np.uint64(1) << rng.integers(0, 64, len(at)).astype(np.uint64)
+    elif kind == 2:
+        words[at] = np.frombuffer(rng.normal(0.0, 1e3, len(at)).tobytes(), dtype="<u8")
+    else:
+        words = np.concatenate([words[: at[0]], words[at[0] :][::-1]])
+    return words.tobytes()
+
+
+COUNTS = [300, pytest.param(10_000, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("fmu", ["native"], indirect=True)
+@pytest.mark.parametrize("count", COUNTS)
+def test_altered_model_files_give_a_sentence(toy, count):
+    """The model description knows the sums of the file, so no altered one goes with it."""
+    path = toy.folder / "resources/slave.bin"
+    original, rng = path.read_bytes(), np.random.default_rng(1)
+    try:
+        for _ in range(count):
+            if (file := altered(original, rng)) == original:
+                continue
+            path.write_bytes(file)
+            with pytest.raises(BadInput, match="slave.bin is "):
+                toy.start({}, 0.0, 1.0)
+            toy.close()
+    finally:
+        path.write_bytes(original)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_altered_states_give_a_sentence(toy, count):
+    """A native FMU rejects each of them; that of Python rejects what is no state."""
+    started(toy)
+    toy.step(0.0, 0.25)
+    data, rng, rejected = toy.serialise(toy.save()), np.random.default_rng(2), 0
+    for _ in range(count):
+        state = altered(data, rng)
+        if state == data:
+            continue
+        toy.log.clear()
+        try:
+            saved = toy.deserialise(state)
+        except FMICallException:
+            rejected += 1
+            assert len(toy.log) == 1 and len(toy.log[0][1]) > 20
+            continue
+        with suppress(FMICallException, Discard, ParticipantFault):
+            toy.restore(saved)
+            toy.step(0.25, 0.25)
+        toy.free(saved)
+    assert rejected > (0.9 if is_native(toy) else 0.2) * count
 
 
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)

@@ -269,6 +269,7 @@ Instance *front_create(const char *name, const char *token, char *resources, Ins
     *I = settings;
     I->name = strcpy(own, name ? name : "instance");
     I->resources = resources;
+    I->token = token;
 #ifdef _WIN32
     if (resources[0] == '/' && resources[1] && resources[2] == ':')      /* file:///C:/.. */
         memmove(resources, resources + 1, strlen(resources));

@@ -20,6 +20,7 @@ typedef struct { int64_t type, offset, size, causality; } Entry;    /* a variabl
 typedef struct Instance {
     void *slave;                            /* owned: a PyObject, or the slave of native.c */
     char *name, *resources;
+    const char *token;                      /* the host's, during front_create */
     void *environment;                      /* the host's */
     int logging;                            /* warnings and errors are sent even without it */
     void (*send)(struct Instance *, int status, const char *category, const char *text);

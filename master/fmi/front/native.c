@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MARK[8] = "PCNATIV2";      /* the last digit is the version of the file */
+static const char MARK[8] = "PCNATIV3";      /* the last digit is the version of the file */
 
 enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
 
@@ -16,6 +16,8 @@ enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
 typedef struct { int64_t type, offset, size, causality, extent[3], choices, covered; } Row;
 typedef struct { double low, high, covered_low, covered_high; } Range;
 typedef struct { const char *name, *unit; const char **choice; } Words;
+
+typedef struct { uint64_t first, second; } Sums;
 
 typedef struct { int64_t reals, first_integer, integers, seeds, products, variables, given, faults, texts; } Head;
 
@@ -38,6 +40,7 @@ typedef struct {
     uint64_t remarked;                  /* logged warnings, one bit each */
     char refused[LONGEST];              /* why there is no state, empty if there is one */
     Pool *pool;
+    Sums sums;                          /* of the file */
 } Native;
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
@@ -76,12 +79,9 @@ static const char *take_text(const char **cursor, const char *end)
     return stop ? at : "";
 }
 
-typedef struct { uint64_t first, second; } Sums;
-
-/* Sum of words, and sum of the running sums, which detect truncated, changed and moved content. */
-static Sums sums_of(const char *words, size_t size)
+/* Continue the sum of words, and the sum of the running sums, which detect truncated, changed and moved content. */
+static Sums sums_of(const char *words, size_t size, Sums sums)
 {
-    Sums sums = {0, 0};
     for (uint64_t word; size >= sizeof word; words += sizeof word, size -= sizeof word) {
         memcpy(&word, words, sizeof word);
         sums.first += word;
@@ -90,20 +90,18 @@ static Sums sums_of(const char *words, size_t size)
     return sums;
 }
 
-/* Return whether the sums after the mark match the content. */
-static int is_whole(const char *file, size_t size)
+/* Return whether the host's token, which the model description contains, ends with the sums of the content. */
+static int is_whole(Sums sums, const char *token, size_t size)
 {
-    Sums told, found;
-    const size_t begin = sizeof MARK + sizeof told;
-    if (size < begin || size % sizeof(uint64_t))
-        return 0;
-    memcpy(&told, file + sizeof MARK, sizeof told);
-    found = sums_of(file + begin, size - begin);
-    return told.first == found.first && told.second == found.second;
+    char told[40];
+    size_t length = (size_t)snprintf(told, sizeof told, "%016llx%016llx}", (unsigned long long)sums.first,
+                                     (unsigned long long)sums.second);
+    return size % sizeof(uint64_t) == 0 && strlen(token) > length && !strcmp(token + strlen(token) - length, told);
 }
 
-/* Set the pointers into the file; return NULL or the fault. The numbers of an intact file are valid. */
-static const char *lay_out(Native *N, const char *path)
+/* Set the pointers into the file; return NULL or the fault. The numbers of the file that goes with the model description
+   are valid. */
+static const char *lay_out(Native *N, const char *path, const char *token)
 {
     const char *damaged = "is cut short or damaged", *scarce = "asks for more memory than there is";
     size_t size = 0;
@@ -113,9 +111,10 @@ static const char *lay_out(Native *N, const char *path)
     const char *cursor = N->file, *end = cursor + size;
     if (size < sizeof MARK || memcmp(N->file, MARK, sizeof MARK))
         return "is damaged, or of another version of piston-cosim";
-    if (!is_whole(N->file, size))
+    take(&cursor, end, 1, sizeof MARK);
+    N->sums = sums_of(cursor, size - sizeof MARK, (Sums){0, 0});
+    if (!is_whole(N->sums, token, size))
         return damaged;
-    take(&cursor, end, 3, sizeof(uint64_t));
     const Head *h = N->head = take(&cursor, end, 1, sizeof *h);
     if (!h || h->seeds < 0 || h->products < 0 || h->seeds + h->products > h->variables)
         return damaged;
@@ -459,7 +458,7 @@ static const char *make(Instance *I)
     snprintf(path, sizeof path, "%s/slave.bin", I->resources);
     if (!N)
         return "asks for more memory than there is";
-    const char *lacking = lay_out(N, path);
+    const char *lacking = lay_out(N, path, I->token);
     if (lacking)
         return lacking;
     const Head *h = N->head;
@@ -528,7 +527,8 @@ int slave_reset(Instance *I)
 /* ---- states ------------------------------------------------------------------------------------------------------- */
 
 /* A state in memory and as bytes: this head, variables, integers, the memory's state. Numbers are little endian as on
-   all supported systems, so states can be exchanged between them. The sums are those of the bytes after the head. */
+   all supported systems, so states can be exchanged between them. The sums continue those of the model's file by
+   the bytes after the head, so that a state goes with one model. */
 typedef struct { char mark[8]; int64_t reals, integers, states, has_state; Sums sums; } Saved;
 
 static size_t saved_size(Native *N)
@@ -628,7 +628,7 @@ int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
         return OK;
     }
     Saved head = *(Saved *)state;
-    head.sums = sums_of((char *)state + sizeof head, length - sizeof head);
+    head.sums = sums_of((char *)state + sizeof head, length - sizeof head, ((Native *)I->slave)->sums);
     memcpy(bytes, &head, sizeof head);
     memcpy(bytes + sizeof head, (char *)state + sizeof head, length - sizeof head);
     return OK;
@@ -642,7 +642,7 @@ int slave_state_from_bytes(Instance *I, const char *bytes, size_t size, void **s
     int fits = bytes && size == length;
     if (fits) {
         memcpy(&given, bytes, sizeof given);
-        Sums found = sums_of(bytes + sizeof given, length - sizeof given);
+        Sums found = sums_of(bytes + sizeof given, length - sizeof given, N->sums);
         fits = is_like(N, &given) && !memcmp(&found, &given.sums, sizeof found);
     }
     if (!fits) {
