@@ -3,6 +3,7 @@
 It has the model's bits, but for what goes through exp or log, by those of the C library.
 """
 
+import ctypes
 import importlib
 import os
 import shutil
@@ -29,7 +30,7 @@ from piston_cosim.fmu_ehd.variables import (
     variables,
 )
 from piston_cosim.master.api.fmus import build_fmu
-from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.builder_native import ENTRIES, build_native_fmu
 from piston_cosim.master.fmi.compiler import compiler_of
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
@@ -471,6 +472,14 @@ def test_machine_code_that_would_call_python_is_refused():
     assert "exp" in OPEN["functions"]
     with pytest.raises(RuntimeError, match="would call PyErr_Format"):
         translated(calling.format("PyErr_Format"), TARGETS["linux64"])
+
+
+def test_the_library_exports_the_standard_alone(native_fmu, unpack, tmp_path):
+    """The entries of the model are inner symbols, which no other library can replace."""
+    (path,) = (unpack(native_fmu, tmp_path / "a").folder / "binaries/linux64").iterdir()
+    library = ctypes.CDLL(str(path))
+    assert hasattr(library, "fmi2DoStep")
+    assert [name for name in ENTRIES if hasattr(library, f"fmu_ehd_{name}")] == []
 
 
 def test_a_host_with_an_empty_environment_and_a_read_only_folder(

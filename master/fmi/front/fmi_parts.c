@@ -8,7 +8,6 @@
 #include <stddef.h>
 #include <time.h>
 
-#define INTERNAL __attribute__((visibility("hidden")))
 #define EXPORT __attribute__((visibility("default")))
 
 enum { WARNING = 1 };                   /* fmi2Warning: what is worse ends the iteration */
@@ -95,7 +94,7 @@ INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, d
     return entry == ADVANCE ? advance(one, real, numbers[1], numbers[0]) : derive(one, real);
 }
 
-Entering master_coupling_methods_iterate;
+INTERNAL Entering master_coupling_methods_iterate;
 
 EXPORT void *iteration_make(void)
 {

@@ -9,14 +9,21 @@
 
 #include <stdint.h>
 
+/* Of a function that the library does not export, wherever it is defined. */
+#ifdef _WIN32
+#define INTERNAL
+#else
+#define INTERNAL __attribute__((visibility("hidden")))
+#endif
+
 typedef int32_t Entering(void **result, void **raised, double *real, int64_t *integer, double *memory, double *numbers,
                          const int64_t lengths[4]);
 
 /* The slave's entries, whatever their names in the object file (builder_native.link). */
-Entering native_size;       /* numbers: length of the memory; position and length of the state; position of the faults */
-Entering native_start;      /* state and outputs for the variables */
-Entering native_advance;    /* numbers[0], [1]: length of the step and its beginning [s] */
-Entering native_tangent;    /* of the last step, from the seeds among the variables to the products */
+INTERNAL Entering native_size;       /* numbers: length of the memory; position and length of the state; position of the faults */
+INTERNAL Entering native_start;      /* state and outputs for the variables */
+INTERNAL Entering native_advance;    /* numbers[0], [1]: length of the step and its beginning [s] */
+INTERNAL Entering native_tangent;    /* of the last step, from the seeds among the variables to the products */
 
 /* Blocks of memory of a call, which later calls reuse. Each instance has a pool, so that instances may run in parallel.
    Only `pool_run` calls entries. */

@@ -5,13 +5,7 @@
 
 #include <stddef.h>
 
-#ifdef _WIN32
-#define INTERNAL
-#else
-#define INTERNAL __attribute__((visibility("hidden")))
-#endif
-
-#define PART(package) Entering package##_size, package##_start, package##_advance, package##_tangent;
+#define PART(package) INTERNAL Entering package##_size, package##_start, package##_advance, package##_tangent;
 PARTS
 #undef PART
 
@@ -19,7 +13,7 @@ PARTS
 static Entering *const entries[][4] = {PARTS};
 #undef PART
 
-Entering master_coupling_methods_iterate;
+INTERNAL Entering master_coupling_methods_iterate;
 
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };

@@ -11,12 +11,6 @@
 #include <cpuid.h>
 #endif
 
-#ifdef _WIN32
-#define INTERNAL
-#else
-#define INTERNAL __attribute__((visibility("hidden")))
-#endif
-
 /* ---- memory ------------------------------------------------------------------------------------------------------- */
 
 /* Layout as in numba: code reads `count` and `data`. */
