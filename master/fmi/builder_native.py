@@ -13,6 +13,7 @@ import platform as machine
 import shutil
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
@@ -28,7 +29,15 @@ import numpy as np
 from . import native_code
 from .builder import PACKING, code_of, slave_of, texts_of, write_archive
 from .cache import cache_folder, write_whole
-from .compiler import COMMON, HOME, PLATFORMS, compiler_of, linked, this_platform
+from .compiler import (
+    COMMON,
+    HOME,
+    PLATFORMS,
+    compiler_of,
+    linked,
+    newer_symbols,
+    this_platform,
+)
 from .errors import BadInput, unknown
 from .jobs import jobs
 from .model_file import slave_file, sums_of
@@ -272,6 +281,12 @@ def slave_inside(
 
 # ---- the library
 
+NEEDS_NEW_GLIBC = (
+    "the library needs {}, so older Linux systems cannot load it; "
+    "with zig (pip install ziglang) it needs GLIBC_2.17"
+)
+"""Warning about a library of Linux, with the newest version that it needs."""
+
 
 def libraries(
     packages: Sequence[str],
@@ -291,12 +306,15 @@ def libraries(
     ahead = {name: AHEAD / library_name(packages, name, version) for name in platforms}
     missing = [name for name, path in ahead.items() if not path.exists()]
     codes = compiled_packages(packages, missing, progress) if missing else {}
-    return {
-        name: link(name, version, {one: files[name] for one, files in codes.items()})
-        if name in missing
-        else ahead[name].read_bytes()
-        for name in platforms
-    }
+    made = {}
+    for name in platforms:
+        if name not in missing:
+            made[name] = ahead[name].read_bytes()
+            continue
+        made[name] = link(name, version, {one: files[name] for one, files in codes.items()})
+        if newer := newer_symbols(made[name]):
+            warnings.warn(f"{name}: {NEEDS_NEW_GLIBC.format(newer[-1])}", stacklevel=2)
+    return made
 
 
 def library_name(packages: Sequence[str], platform: str, version: str) -> str:

@@ -70,6 +70,14 @@ def test_newer_symbols_are_named(versions, newer):
     assert newer_symbols(b"\x7fELF\0" + versions + b"\0") == newer
 
 
+def test_a_library_that_needs_a_new_glibc_is_a_warning(monkeypatch):
+    codes = {"fmu_ehd": {"linux64": b""}}
+    monkeypatch.setattr(builder_native, "compiled_packages", lambda *arguments: codes)
+    monkeypatch.setattr(builder_native, "link", lambda *arguments: b"GLIBC_2.2.5\0GLIBC_2.38\0")
+    with pytest.warns(UserWarning, match=r"linux64: the library needs GLIBC_2\.38, .*ziglang"):
+        builder_native.libraries(("fmu_ehd",), ("linux64",), "2.0")
+
+
 @pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
 def test_zig_links_where_it_is_installed(monkeypatch, platform):
     monkeypatch.setattr(compiler, "find_spec", lambda name: name)
