@@ -8,11 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body_options import MOST_MODES, Block, Piston
-from ..finite_elements.element import (
-    Sparse,
-    each_direction,
-    rigid_motions,
-)
+from ..finite_elements.element import Sparse, each_direction, rigid_motions
 from ..finite_elements.faces import face_load, surface_matrix
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
