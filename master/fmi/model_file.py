@@ -58,11 +58,14 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
 
 
 def sums_of(file: bytes) -> str:
-    """Return the sum of all words after the mark and that of their running sums, hexadecimal.
+    """Return the sum of all mixed words after the mark and of the running sums, hexadecimal.
 
     The identifier of the FMU ends with them, so that front/native.c rejects an altered file.
     """
     words = np.frombuffer(file, dtype="<u8")[1:]
+    for _ in range(2):
+        words = (words ^ words >> np.uint64(32)) * np.uint64(0x9E3779B97F4A7C15)
+        words ^= words >> np.uint64(29)
     weights = np.arange(len(words), 0, -1, dtype=np.uint64)
     return f"{words.sum(dtype=np.uint64):016x}{(words * weights).sum(dtype=np.uint64):016x}"
 

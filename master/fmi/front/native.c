@@ -79,12 +79,22 @@ static const char *take_text(const char **cursor, const char *end)
     return stop ? at : "";
 }
 
-/* Continue the sum of words, and the sum of the running sums, which detect truncated, changed and moved content. */
+/* Mix the bits of a word. Sums of unmixed words do not notice two flipped signs. */
+static uint64_t mixed(uint64_t word)
+{
+    for (int round = 0; round < 2; round++) {
+        word = (word ^ word >> 32) * 0x9e3779b97f4a7c15ull;
+        word ^= word >> 29;
+    }
+    return word;
+}
+
+/* Continue the sum of mixed words, and that of the running sums, which detect truncated, changed and moved content. */
 static Sums sums_of(const char *words, size_t size, Sums sums)
 {
     for (uint64_t word; size >= sizeof word; words += sizeof word, size -= sizeof word) {
         memcpy(&word, words, sizeof word);
-        sums.first += word;
+        sums.first += mixed(word);
         sums.second += sums.first;
     }
     return sums;
