@@ -153,6 +153,7 @@ def mount_places():
     return load(ReducedMonoblock, file).mount_place
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_with_the_same_bits(flexible, tmp_path):
     """kill -9 after the first checkpoint of five participants, resumed in a new process; `flexible`
     has built what it needs.
