@@ -49,7 +49,7 @@ def faults_ahead(case, folder):
         if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
             wire_of(table, declared, case.coupling, faults)
     for name, table in case.participants.items():
-        if not table.host and (fault := missing_file(table, folder)):
+        if fault := missing_file(table, folder):
             faults.append(f"participants.{name}.{fault}")
     faults += native_choice(case, folder, parameters)[1]
     if declared.keys() == case.participants.keys():

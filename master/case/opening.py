@@ -7,7 +7,6 @@ from ..fmi.quantities import duration
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import made
-from ..participants.remote import RemoteParticipant
 from ..participants.table import TableParticipant
 from .ahead import missing_file
 from .values import value_of
@@ -27,8 +26,6 @@ def open_participant(name, case, build, folder, progress, native):
     if sizes := _sizes(opened, table.parameters):
         opened = open_with(sizes)
     timeout = duration("timeout", table.timeout)
-    if table.host:
-        return RemoteParticipant(opened, timeout, table.host)
     if not table.isolated:
         return opened
     return IsolatedParticipant(opened, timeout)

@@ -120,10 +120,8 @@ class ParticipantTable(Table):
     """
     isolated: bool = False
     """Run the FMU in a separate process."""
-    host: str | None = Field(None, pattern="^tls://.+:[0-9]+$")
-    """Scheduler of a Dask cluster, tls://NAME:PORT. The FMU runs on one of its workers."""
     timeout: str = "120 s"
-    """Response timeout of an isolated or remote FMU."""
+    """Response timeout of an isolated FMU."""
 
     @field_validator("like", "body")
     @classmethod
@@ -136,11 +134,9 @@ class ParticipantTable(Table):
         if len(origins) != 1:
             got = " and ".join(origins) or "nothing"
             raise ValueError(f"expected one of {', '.join(ORIGINS)}, got {got}")
-        for key in ("isolated", "step", "host"):
+        for key in ("isolated", "step"):
             if (self.table or self.plugin) and getattr(self, key):
                 raise ValueError(f"{key}: expected an FMU for this key, got {origins[0]}")
-        if self.host and self.isolated:
-            raise ValueError("host: expected isolated = false with a host, got true")
         if self.interpolation and not self.table:
             raise ValueError(
                 f"interpolation: expected a table for this key, got {origins[0]}; "

@@ -24,10 +24,10 @@ import numpy as np
 
 from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder
-from ..fmi.description import BASE_UNITS, VENDOR
+from ..fmi.description import VENDOR
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import base_of
-from ..fmi.quantities import pint_unit
+from ..fmi.quantities import base_unit, is_known, pint_unit
 
 SPACE = {
     part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
@@ -190,19 +190,23 @@ def _annotations(parent, tree, system):
 
 def _units(parent, part, names):
     """Declare the units of these names."""
-    known = sorted(name for name in names if name in BASE_UNITS)
+    known = sorted(name for name in names if name and _is_declared(name))
     if not known:
         return
     units = SubElement(parent, _q(f"{part}:Units"))
     for name in known:
-        powers = {base: str(power) for base, power in BASE_UNITS[name].items()}
-        SubElement(SubElement(units, _q("ssc:Unit"), {"name": name}), _q("ssc:BaseUnit"), powers)
+        unit = SubElement(units, _q("ssc:Unit"), {"name": name})
+        SubElement(unit, _q("ssc:BaseUnit"), base_unit(name))
 
 
 def _unit(field):
-    """Return a field's unit if this tool can declare it."""
-    is_known = field.type == "Real" and field.unit in BASE_UNITS
-    return {"unit": field.unit} if is_known else {}
+    """Return a field's unit if it is declared."""
+    return {"unit": field.unit} if field.type == "Real" and _is_declared(field.unit) else {}
+
+
+def _is_declared(unit):
+    """Return whether a unit is a product of SI base units of mechanics and heat."""
+    return unit != "1" and is_known(unit) and base_unit(unit).keys() <= {*"kg m s rad K".split()}
 
 
 def _scalars(participant):

@@ -2,7 +2,7 @@
 
 import json
 import os
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from os.path import relpath
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,6 @@ from ..fmi.jobs import jobs as count_jobs
 from ..results.file import Results
 from ..runs.console import print_summary, watching
 from ..runs.kernels import compile_kernels
-from ..runs.live import Live, curves, serving
 from ..runs.pool import LocalPool
 from ..runs.run import run as run_system
 from ..runs.variants import Outcome, Variant, run_variants, start_processes
@@ -53,7 +52,6 @@ def command(
     plots: bool = True,
     lubrication: str | None = None,
     bodies: str | None = None,
-    live: bool = False,
     jobs: Workers | None = None,
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
@@ -83,8 +81,6 @@ def command(
         FILE.py:CLASS. In a case with several films write PARTICIPANT=MODEL.
     bodies
         Model of the bodies that replaces the model of the case; same form.
-    live
-        Serve a page on this machine that shows curves during the run and can stop it.
     jobs
         Number of processes that compile and run variants at the same time. 1 does one thing after
         the other. Default: the number of processors.
@@ -107,7 +103,7 @@ def command(
     files = {label: folder / f"{label}.h5" for label in cases}
     of_period = say if verbose else lambda line: None
     with LocalPool(count_jobs() - 1) as pool:
-        side_by_side = len(cases) > 1 and count_jobs() > 1 and not live
+        side_by_side = len(cases) > 1 and count_jobs() > 1
         if side_by_side:  # the processes start while bodies are reduced
             start_processes(pool, len(cases) - 1)
         systems = open_all(cases, path.parent)
@@ -118,9 +114,7 @@ def command(
             outcomes = run_variants(variants, pool, console, say, of_period)
         else:
             outcomes = {
-                label: _run(
-                    label, system, cases[label], trees[label], files[label], live, of_period
-                )
+                label: _run(label, system, cases[label], trees[label], files[label], of_period)
                 for label, system in systems.items()
             }
     summaries = {
@@ -162,26 +156,11 @@ def _say_ahead(cases, trees, plots, only):
         say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
 
 
-def _run(label, system, case, tree, file, live, log):
+def _run(label, system, case, tree, file, log):
     """Run a variant in this process."""
-    with (
-        watching(console, label) as watch,
-        _shown(live, case, system, watch) as (shown, observer),
-    ):
-        summary = run_system(system, shown, tree, file, observer, say=say, log=log)
+    with watching(console, label) as watch:
+        summary = run_system(system, case, tree, file, watch, say=say, log=log)
     return Outcome(summary | state_truncation(tree, Path(system.folder), file, say), watch.first)
-
-
-@contextmanager
-def _shown(live, case, system, watch):
-    """Yield the case and the observer of its steps; `live` also serves a page of curves."""
-    if not live:
-        yield case, watch
-        return
-    page = Live(case.title, watch)
-    with serving(page) as address:
-        tell(f"live     {address}")
-        yield case.model_copy(update={"monitor": curves(case, system)}), page
 
 
 def open_all(cases, folder):

@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 
 from .fields import VENDOR
+from .quantities import base_unit, is_known
 from .requirements import PACKAGES
 from .slave import PRODUCT, SEED, element_names, reserved
 
@@ -15,44 +16,6 @@ COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
 LICENCE = "BSD-3-Clause"
 DATE = "2026-11-22T00:00:00Z"
 """Fixed date of the version, so that the same content gives the same file."""
-
-BASE_UNITS = {
-    "m": {"m": 1},
-    "kg": {"kg": 1},
-    "s": {"s": 1},
-    "rad": {"rad": 1},
-    "K": {"K": 1},
-    "m2": {"m": 2},
-    "1/s": {"s": -1},
-    "m/s": {"m": 1, "s": -1},
-    "rad/s": {"rad": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "rad/s2": {"rad": 1, "s": -2},
-    "m3": {"m": 3},
-    "m3/s": {"m": 3, "s": -1},
-    "kg/m3": {"kg": 1, "m": -3},
-    "kg.m": {"kg": 1, "m": 1},
-    "kg.m2": {"kg": 1, "m": 2},
-    "Hz": {"s": -1},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "Pa": {"kg": 1, "m": -1, "s": -2},
-    "Pa.s": {"kg": 1, "m": -1, "s": -1},
-    "N.m": {"kg": 1, "m": 2, "s": -2},
-    "W": {"kg": 1, "m": 2, "s": -3},
-    "J": {"kg": 1, "m": 2, "s": -2},
-    "N/m": {"kg": 1, "s": -2},
-    "N.s/m": {"kg": 1, "s": -1},
-    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
-    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
-    "1/Pa": {"kg": -1, "m": 1, "s": 2},
-    "1/K": {"K": -1},
-    "m/K": {"m": 1, "K": -1},
-    "1/m2": {"m": -2},
-    "Pa/m": {"kg": 1, "m": -2, "s": -2},
-    "m/Pa": {"kg": -1, "m": 2, "s": 2},
-}
-"""Exponents of the SI base units, for every unit of the variable tables. Variables without a
-unit have "1"."""
 
 
 def model_description(slave, any_host, platforms=(), sums=""):
@@ -146,7 +109,8 @@ def common_parts(root, slave):
 def _units(parent, table):
     for unit in sorted({v.unit for v in table if v.type == "Real" and v.unit != "1"}):
         node = SubElement(parent, "Unit", {"name": unit})
-        SubElement(node, "BaseUnit", {base: str(power) for base, power in BASE_UNITS[unit].items()})
+        if is_known(unit):
+            SubElement(node, "BaseUnit", base_unit(unit))
 
 
 def _types(root, table):

@@ -142,6 +142,18 @@ def worth(unit: str, other: str) -> str:
     return f"{product.units:~P}"
 
 
+def powers_of(unit: Any) -> dict[str, int]:
+    """Return the exponents of the SI base units in a unit of pint."""
+    return {f"{registry().Unit(name):~}": int(power) for name, power in unit._units.items()}
+
+
+def base_unit(unit: str) -> dict[str, str]:
+    """Return the attributes of the element `BaseUnit` of FMI: factor and exponents."""
+    base = registry().Quantity(1.0, pint_unit(unit)).to_base_units()
+    powers = {name: str(power) for name, power in sorted(powers_of(base.units).items())}
+    return powers if base.magnitude == 1.0 else {"factor": repr(base.magnitude)} | powers
+
+
 def duration(name, text):
     """Return a positive time in seconds; raise `BadInput` with `name` if it is not."""
     try:

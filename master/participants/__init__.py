@@ -9,7 +9,6 @@ pointers      calls from compiled code
 local         a model class in this process, without FMI
 clocks        an FMI 3.0 FMU with clocks (P7, P8)
 isolated      in a separate process
-remote        on a worker of a Dask cluster
 interpolated  inputs that vary during a step
 substeps      several steps within a macro step
 table         a CSV file of signals

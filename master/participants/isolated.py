@@ -199,10 +199,6 @@ class IsolatedParticipant(StartedInHalves):
                 self._receive()
         queue, self._queue = [*self._queue, (method, arguments)], []
         self._awaited = method, arguments
-        self._post(queue)
-
-    def _post(self, queue):
-        """Send commands to the other process."""
         try:
             self._pipe.send(queue)
         except OSError:
@@ -211,25 +207,20 @@ class IsolatedParticipant(StartedInHalves):
     def _receive(self):
         """Return the result of the last command, or raise its exception."""
         try:
-            raised, answer = self._fetch()
-        finally:
-            self._awaited = None
-        if raised:
-            raise answer
-        return answer
-
-    def _fetch(self):
-        """Return whether the other process raised an exception, and its result or exception."""
-        try:
             if not self._pipe.poll(self.timeout):
                 self._process.kill()
                 raise ParticipantFault(
                     f"{self.name}: no answer to {self._awaited[0]} within {self.timeout:g} s; "
                     "its process has been ended"
                 )
-            return self._pipe.recv()
+            raised, answer = self._pipe.recv()
         except (EOFError, OSError):
             raise self._ended() from None
+        finally:
+            self._awaited = None
+        if raised:
+            raise answer
+        return answer
 
     def _ended(self):
         """Return the fault of a process that has ended."""

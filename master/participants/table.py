@@ -7,13 +7,12 @@ lift [mm]`. The first column is the time. Outputs are in SI.
 import csv
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import Field
-from ..fmi.quantities import is_known, pint_unit, registry
+from ..fmi.quantities import is_known, pint_unit, powers_of, registry
 from .interpolated import slope_of
 from .participant import StartedInHalves
 from .plain import pack, unpack
@@ -167,35 +166,27 @@ def read_table(path):
     table = _numbers(path, body, len(head), faults)
     if faults:
         raise BadInput(faults)
-    columns = [(unit.m_from(values), unit) for values, (_, unit) in zip(table.T, named)]
-    times, unit = columns[0]
-    if unit.si not in ("s", "1"):
-        faults.append(f"{path}: expected the time in the first column, got unit {unit.si}")
+    columns = [
+        registry().Quantity(values, pint_unit(unit)).to_base_units()
+        for values, (_, unit) in zip(table.T, named)
+    ]
+    times, *others = [column.magnitude for column in columns]
+    unit, *units = [_si(column.units) for column in columns]
+    if unit not in ("s", "1"):
+        faults.append(f"{path}: expected the time in the first column, got unit {unit}")
     if not (np.diff(times) > 0).all():
         faults.append(f"{path}: expected times that increase from row to row, got others")
-    if len(columns) < 2:
+    if not others:
         faults.append(f"{path}: expected a column after the time, got none")
     if faults:
         raise BadInput(faults)
-    others = columns[1:]
-    return names[1:], [u.si for _, u in others], times, [values for values, _ in others]
+    return names[1:], units, times, others
 
 
-class _Unit:
-    """Unit of a column: `si` as FMI writes it, and the conversion to it."""
-
-    def __init__(self, text):
-        if not is_known(text):
-            raise ValueError(f"expected a known unit, got {text!r}")
-        self.unit = registry().Unit(pint_unit(text))
-        self.base: Any = registry().Quantity(1.0, self.unit).to_base_units().units
-        units = self.base._units.items()
-        powers = {f"{registry().Unit(name):~}": int(power) for name, power in units}
-        self.si = ".".join(f"{n}{'' if p == 1 else p}" for n, p in sorted(powers.items())) or "1"
-
-    def m_from(self, values):
-        """Return the column in SI."""
-        return registry().Quantity(values, self.unit).to(self.base).magnitude
+def _si(unit):
+    """Return a unit of SI base units as FMI writes it."""
+    powers = sorted(powers_of(unit).items())
+    return ".".join(f"{name}{'' if power == 1 else power}" for name, power in powers) or "1"
 
 
 def _column(path, cell, faults):
@@ -203,12 +194,11 @@ def _column(path, cell, faults):
     found = HEAD.fullmatch(cell)
     if not found or not found["name"]:
         faults.append(f"{path}: expected NAME or NAME [unit], got {cell!r}")
-        return "", _Unit("1")
-    try:
-        return found["name"], _Unit(found["unit"] or "1")
-    except ValueError as error:
-        faults.append(f"{path}, column {found['name']}: {error}")
-        return found["name"], _Unit("1")
+        return "", "1"
+    unit = found["unit"] or "1"
+    if not is_known(unit):
+        faults.append(f"{path}, column {found['name']}: expected a known unit, got {unit!r}")
+    return found["name"], unit
 
 
 def _numbers(path, rows, width, faults):

@@ -69,7 +69,7 @@ def write_movie(
     if frames < 2:
         faults.append(f"--frames: expected at least 2, got {frames}")
     if path.suffix not in WRITERS:
-        endings = names_of([*WRITERS, ".glb", ".pvd"])
+        endings = names_of([*WRITERS, ".pvd"])
         faults.append(f"--output: expected a file that ends with {endings}, got {str(path)!r}")
     elif path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
         faults.append(

@@ -6,7 +6,6 @@ extrapolation  slow members of the state, extrapolated from period to period
 recorder       writing of the results file
 logs           tables of convergence
 console        progress and summary on the screen
-live           page with curves, to pause and to stop a run
 checkpoint     stop and resume with the same results
 sweep          runs over values of keys
 studies        runs over settings, compared with a reference

@@ -306,8 +306,6 @@ class ActiveRun:
                 return ended
             account.steps_done = k + 1
             heard.stepped = True
-            if hold := getattr(self.watch, "hold", None):
-                hold(heard)
             if heard.signal or self.is_due(k + 1):
                 self.write_checkpoint()
             if heard.signal and k + 1 < end:

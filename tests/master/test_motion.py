@@ -1,6 +1,5 @@
-"""Animated models and series: what a viewer computes of them is the recovered motion."""
+"""Series for ParaView: bodies and films are where the recovered motion puts them."""
 
-import json
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
@@ -8,14 +7,11 @@ import meshio
 import numpy as np
 import pytest
 
-from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import ExportedField, cylinder_cells, pin_cells
-from piston_cosim.master.results.gltf import RATE, write_gltf
 from piston_cosim.master.results.series import Film, write_series
 from piston_cosim.master.results.solids import Solid, Stand
 
 INSTANTS = np.array([0.1, 0.2, 0.3, 0.5])
-TIMES = 20.0
 
 
 def solids():
@@ -34,69 +30,6 @@ def solids():
         stress=random.uniform(size=(4, 7)),
     )
     return [piston, Solid("block", points, triangles, np.zeros((7, 3, 0)), np.zeros((4, 0)))]
-
-
-def read(path):
-    """The description of a binary glTF file, and its accessors' values."""
-    data = path.read_bytes()
-    assert data[:4] == b"glTF" and np.frombuffer(data[4:12], "<u4").tolist() == [2, len(data)]
-    size = int.from_bytes(data[12:16], "little")
-    tree, held = json.loads(data[20 : 20 + size]), data[20 + size + 8 :]
-    values = []
-    for one in tree["accessors"]:
-        view = tree["bufferViews"][one["bufferView"]]
-        kind = {5126: "<f4", 5125: "<u4"}[one["componentType"]]
-        part = held[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
-        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[one["type"]]
-        values.append(np.frombuffer(part, kind).reshape(one["count"], width).astype(float))
-    return tree, values
-
-
-def test_morphs_and_motion_of_a_model_are_those_of_the_run(tmp_path):
-    """As the format says: weighted targets, then the node's rotation, then its translation."""
-    bodies = solids()
-    tree, values = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
-    (surface,) = tree["meshes"][0]["primitives"]
-    animation = tree["animations"][0]
-    tracks = {
-        (one["target"]["node"], one["target"]["path"]): animation["samplers"][one["sampler"]]
-        for one in animation["channels"]
-    }
-    assert set(tracks) == {(0, "weights"), (0, "translation"), (0, "rotation")}
-    clock = values[tracks[0, "weights"]["input"]].ravel()
-    # steps of 0.1, 0.1, 0.2 s, whose mean is shown as a thirtieth
-    assert clock * RATE == pytest.approx([0, 0.75, 1.5, 3], abs=1e-6)
-    weights = values[tracks[0, "weights"]["output"]].reshape(4, 3)
-    base = values[surface["attributes"]["POSITION"]]
-    targets = [values[one["POSITION"]] for one in surface["targets"]]
-    piston = bodies[0]
-    for k in range(4):
-        shape = base + sum(w * target for w, target in zip(weights[k], targets))
-        x, y, z, w = values[tracks[0, "rotation"]["output"]][k]
-        assert (x, y) == (0, 0) and z * z + w * w == pytest.approx(1, abs=1e-6)
-        turn = 2 * np.arctan2(z, w)
-        c, s = np.cos(turn), np.sin(turn)
-        shown = shape @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
-        shown += values[tracks[0, "translation"]["output"]][k]
-        across, along, beta = piston.motion[k]
-        c, s = np.cos(TIMES * beta), np.sin(TIMES * beta)
-        whole = piston.points + TIMES * piston.modes @ piston.coordinates[k]
-        wanted = whole @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
-        wanted += [TIMES * across, along, 0]
-        # single precision of numbers of about 1
-        assert shown == pytest.approx(wanted, abs=1e-6 * 5)
-    assert values[surface["indices"]].ravel().tolist() == piston.triangles.ravel().tolist()
-    for one, held in zip(tree["accessors"], values):
-        if "min" in one:
-            assert one["min"] == pytest.approx(held.min(axis=0))
-            assert one["max"] == pytest.approx(held.max(axis=0))
-    assert "targets" not in tree["meshes"][1]["primitives"][0]  # a rigid body has none
-
-
-def test_a_model_needs_bodies_and_instants(tmp_path):
-    for bodies, instants in (([], INSTANTS), (solids(), INSTANTS[:1])):
-        with pytest.raises(BadInput, match="glb: expected a body and two instants, got"):
-            write_gltf(bodies, instants, 1.0, tmp_path / "run.glb")
 
 
 def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
@@ -144,21 +77,6 @@ def in_the_engine(points, stand):
     c, s = np.cos(stand.bank), np.sin(stand.bank)
     x, y, z = np.transpose(points)
     return np.column_stack([c * x - s * y, s * x + c * y, z + stand.along])
-
-
-def test_every_cylinder_of_a_model_stands_at_its_place(tmp_path):
-    bodies = in_line()
-    tree, _ = read(write_gltf(bodies, INSTANTS, TIMES, tmp_path / "run.glb"))
-    names = [node["name"] for node in tree["nodes"]]
-    assert names == ["front piston", "front block", "rear piston", "rear block", "front", "rear"]
-    roots = [tree["nodes"][k] for k in tree["scenes"][0]["nodes"]]
-    assert [root["children"] for root in roots] == [[0, 1], [2, 3]]
-    for root, stand in zip(roots, (bodies[0].stand, bodies[2].stand)):
-        x, y, z, w = root["rotation"]
-        assert (x, y) == (0, 0) and 2 * np.arctan2(z, w) == pytest.approx(stand.bank)
-        assert root["translation"] == [0, 0, stand.along]
-    moving = {one["target"]["node"] for one in tree["animations"][0]["channels"]}
-    assert moving == {0, 2}  # of each cylinder its piston, none of those they stand in
 
 
 def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from ...fmi.errors import BadInput
 from ...runs.working import working
 from ..common import OutputFile, body_skins, console, open_runs, say, tell
 
@@ -13,18 +12,17 @@ def command(
     *,
     field: list[str] = [],
     frames: int = 90,
-    times: float = 50.0,
     case: str | None = None,
     output: OutputFile | None = None,
 ):
     """Write an animation of a results file.
 
-    The suffix of --output selects the kind: .gif and .mp4 show fields, .glb shows moving bodies,
-    and .pvd is a series of bodies and films for ParaView.
+    The suffix of --output selects the kind: .gif and .mp4 show fields, and .pvd is a series of
+    bodies and films for ParaView.
 
     Example: piston-cosim results movie results/numerical_example/flexible.h5 --field ehd.pressure
 
-    Example: piston-cosim results movie results/numerical_example/flexible.h5 --output piston.glb
+    Example: piston-cosim results movie results/numerical_example/flexible.h5 --output piston.pvd
 
     Parameters
     ----------
@@ -34,9 +32,7 @@ def command(
         Recorded field, PARTICIPANT.VARIABLE; repeatable. Default: the fields of the case's first
         map.
     frames
-        Maximum number of instants, 2 or more. A .glb file shows all instants.
-    times
-        Magnification of deflection, lateral motion and tilt in a .glb file.
+        Maximum number of instants, 2 or more.
     case
         Case whose folder contains the meshes. Default: the case with the name of the results
         folder, then the shipped case with the title of the run.
@@ -49,25 +45,19 @@ def command(
     described, runs = open_runs((file,))
     ((label, results),) = runs.items()
     target = output or file.with_suffix(".gif")
-    if target.suffix in (".glb", ".pvd"):
+    if target.suffix == ".pvd":
         from ...engine.sections import special
         from ...engine.stands import side_by_side
         from ...engine.surfaces import films_of
-        from ...results.gltf import write_gltf
         from ...results.series import write_series
 
-        if not times > 0:
-            raise BadInput(f"--times: expected more than 0, got {times:g}")
         chosen = chosen_instants(results, frames)
         shown = special(described, runs, body_skins(runs, case)).solids.get(label, [])
         solids = [solid for solid in shown if not solid.schematic]
         if len({solid.stand for solid in solids}) < len({solid.owner for solid in solids}):
             say("positions of the cylinders unknown: they are drawn next to each other")
             solids = side_by_side(solids)
-        if target.suffix == ".glb":
-            write_gltf(solids, results.instants, times, target)
-        else:
-            write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
+        write_series(solids, films_of(results, solids, say), results.instants, chosen, target)
     else:
         with working(console, "drawing frames", frames, typical=0.1):
             write_movie(described, results, field, frames, target)
