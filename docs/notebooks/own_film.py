@@ -72,4 +72,4 @@ shipped_run.plot.lines(
 
 # %% [markdown]
 # On the command line, `piston-cosim run CASE --lubrication own.fmu` replaces the model.
-# `piston-cosim compare CASE --lubrication jfo --lubrication own.fmu` compares models.
+# `piston-cosim run CASE --lubrication jfo --lubrication own.fmu` compares models.

@@ -194,10 +194,10 @@ class Case:
         return html_table(f"Case {self.name}, {self.label}: {self.title}", rows)
 
 
-def _model(model: type | str | Path | None) -> str | None:
+def _model(model: type | str | Path | None) -> list[str]:
     """Return a model as the command line writes it; raise BadInput for a class without a file."""
     if not isinstance(model, type):
-        return None if model is None else str(model)
+        return [] if model is None else [str(model)]
     module = sys.modules[model.__module__]
     file = getattr(module, "__file__", None)
     if module.__name__ == "__main__" or file is None:
@@ -205,7 +205,7 @@ def _model(model: type | str | Path | None) -> str | None:
             f"{model.__name__}: expected a class in a file of its own, got one of the running "
             "script or notebook; move it to a file and import it"
         )
-    return f"{file}:{model.__name__}"
+    return [f"{file}:{model.__name__}"]
 
 
 def _telling(progress: Callable[[Progress], object], begin: float) -> Callable[..., None]:

@@ -4,7 +4,7 @@ The check covers names, units, shapes and capabilities.
 """
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ...models import MODELS
 from ..coupling.wiring import Wire, port_of
-from ..fmi.errors import BadInput, names_of, unknown
+from ..fmi.errors import BadInput, for_all, names_of, unknown
 from ..participants.open import open_fmu
 from .tables import reduced
 
@@ -29,19 +29,6 @@ Variables = dict[str, dict[str, str]]
 
 
 @dataclass(frozen=True)
-class Curve:
-    """One curve by which FMUs of a role are compared; see the head of the contract."""
-
-    fields: list[str]
-    cells: str
-    number: str
-    instants: str
-    unit: str
-    title: str = ""
-    factor: float = 1.0
-
-
-@dataclass(frozen=True)
 class Role:
     """Requirements of the contract for an FMU in one role; see the head of the contract."""
 
@@ -51,7 +38,6 @@ class Role:
     outputs: Variables
     reported: Variables
     model_parameter: str | None = None
-    curves: tuple[Curve, ...] = field(default=())
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
@@ -71,13 +57,7 @@ class Role:
 def contract() -> dict[str, Role]:
     """Return the contract's roles by name."""
     whole = tomllib.loads(CONTRACT.read_text())
-    return {
-        name: Role(
-            **{**terms, "curves": tuple(Curve(**entry) for entry in terms.get("curves", ()))}
-        )
-        for name, terms in whole.items()
-        if name != "version"
-    }
+    return {name: Role(**terms) for name, terms in whole.items() if name != "version"}
 
 
 def role_of(participant) -> str | None:
@@ -295,29 +275,65 @@ def _capabilities(participant):
 
 def swap_all(
     trees: dict[str, dict[str, Any]],
-    given: Mapping[str, str | None],
+    given: Mapping[str, Sequence[str]],
     say: Callable[[str], object],
 ) -> dict[str, dict[str, Any]]:
     """Return the trees of all variants with the models `given`: role -> "[PARTICIPANT=]MODEL".
 
-    A model is an FMU, or a model class FILE.py:CLASS. Calls `say` with the keys that the case
-    has and the model lacks.
+    A model is an FMU, a model class FILE.py:CLASS, or a value of the role's `model_parameter`.
+    With several models of a role, each variant becomes a tree for each model, with the name of the
+    model in its label. All trees have the pictures that every model can fill. Calls `say` with the
+    keys that the case has and a model lacks.
     """
-    for role, text in given.items():
-        if text is None:
-            continue
-        first = next(iter(trees.values()))
+    for role, texts in given.items():
+        if texts:
+            trees = _swapped(trees, role, texts, say)
+    return trees
+
+
+def _swapped(trees, role, texts, say):
+    """Return a tree for each variant and model."""
+    first = next(iter(trees.values()))
+    parameter = contract()[role].model_parameter
+
+    def model_of(text):
+        """Return participant, name of the model, and its FMU or None for a parameter."""
         name, model = replaced_participant(first, role, text)
+        if parameter and not model.endswith(".fmu") and ".py:" not in model:
+            return name, model, None
         fmu = fmu_of_model(role, model, first["participants"][name], say)
-        pairs = {label: swap(tree, name, fmu) for label, tree in trees.items()}
-        trees = {label: tree for label, (tree, _) in pairs.items()}
-        left_out = next(iter(pairs.values()))[1]
-        if left_out:
+        return name, model.rpartition(":")[2] if ".py:" in model else fmu.stem, fmu
+
+    found = {}
+    common = trees
+    for name, model, fmu in for_all(model_of, texts):
+        pairs = {
+            label: swap(tree, name, fmu) if fmu else (_set(tree, name, parameter, model), [])
+            for label, tree in trees.items()
+        }
+        if left_out := next(iter(pairs.values()))[1]:
             say(
-                f"{Path(model).name} lacks the variables of these keys, and the run omits them: "
+                f"{model} lacks the variables of these keys, and the run omits them: "
                 f"{', '.join(left_out)}"
             )
-    return trees
+        if fmu:
+            common = {label: swap(tree, name, fmu)[0] for label, tree in common.items()}
+        for label, (tree, _) in pairs.items():
+            parts = [label] * (len(trees) > 1 or len(texts) == 1) + [model] * (len(texts) > 1)
+            found["_".join(parts)] = label, tree
+    if len(found) < len(trees) * len(texts):
+        raise BadInput(f"--{role}: expected models of different names, got {', '.join(texts)}")
+    return {
+        label: tree | {"pictures": common[variant].get("pictures", [])}
+        for label, (variant, tree) in found.items()
+    }
+
+
+def _set(tree, name, parameter, value):
+    """Return the tree with another value of a participant's parameter."""
+    own = tree["participants"][name]
+    changed = own | {"parameters": own.get("parameters", {}) | {parameter: value}}
+    return tree | {"participants": tree["participants"] | {name: changed}}
 
 
 def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object]) -> Path:

@@ -33,7 +33,6 @@ COMMANDS = {
     "study": "Run a study of a case.",
     "reduce": "Reduce flexible bodies and list their modes.",
     "verify": "Compute the verification figures next to their references.",
-    "compare": "Compare lubrication models on a case.",
     "results plot": "Draw the pictures of results files.",
     "results report": "Write an HTML report about results files.",
     "results movie": "Write an animation of a results file.",

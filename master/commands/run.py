@@ -50,8 +50,8 @@ def command(
     only: str | None = None,
     summary_json: OutputFile | None = None,
     plots: bool = True,
-    lubrication: str | None = None,
-    bodies: str | None = None,
+    lubrication: list[str] = [],
+    bodies: list[str] = [],
     jobs: Workers | None = None,
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
@@ -61,6 +61,8 @@ def command(
     pictures of the case.
 
     Example: piston-cosim run numerical_example --set viscosity="20 mPa s"
+
+    Example: piston-cosim run data_sheet --lubrication jfo --lubrication film.fmu
 
     Parameters
     ----------
@@ -77,10 +79,11 @@ def command(
     plots
         Draw the pictures of the case.
     lubrication
-        Lubrication model that replaces the model of the case: an FMU, or a model class
-        FILE.py:CLASS. In a case with several films write PARTICIPANT=MODEL.
+        Lubrication model that replaces the model of the case: an FMU, a model class FILE.py:CLASS,
+        or a cavitation model. If repeated, each model has a run. In a case with several films write
+        PARTICIPANT=MODEL.
     bodies
-        Model of the bodies that replaces the model of the case; same form.
+        FMU or model class of the bodies that replaces the model of the case; repeatable.
     jobs
         Number of processes that compile and run variants at the same time. 1 does one thing after
         the other. Default: the number of processors.
@@ -89,11 +92,10 @@ def command(
     """
     path = find_case(case)
     changes = parse_changes(set_)
-    trees = swap_all(
-        variant_trees(path, changes, only, say), {"lubrication": lubrication, "bodies": bodies}, say
-    )
+    variants = variant_trees(path, changes, only, say)
+    trees = swap_all(variants, {"lubrication": lubrication, "bodies": bodies}, say)
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
-    _say_ahead(cases, trees, plots, only)
+    _say_ahead(cases, variants, plots, only)
     folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
@@ -110,8 +112,8 @@ def command(
         if count_jobs() > 1:
             compile_kernels(systems.values(), pool, console)
         if side_by_side:
-            variants = {x: Variant(trees[x], path.parent, files[x]) for x in cases}
-            outcomes = run_variants(variants, pool, console, say, of_period)
+            asked = {x: Variant(trees[x], path.parent, files[x]) for x in cases}
+            outcomes = run_variants(asked, pool, console, say, of_period)
         else:
             outcomes = {
                 label: _run(label, system, cases[label], trees[label], files[label], of_period)
@@ -143,7 +145,7 @@ def command(
             draw_pictures(next(iter(cases.values())), runs, folder)
 
 
-def _say_ahead(cases, trees, plots, only):
+def _say_ahead(cases, variants, plots, only):
     """Report what this run omits: pictures without recorded fields, and other variants."""
     first = next(iter(cases.values()))
     for picture in first.pictures if plots else ():
@@ -151,7 +153,7 @@ def _say_ahead(cases, trees, plots, only):
             say(
                 f"picture  {picture.file} will be omitted: record.fields lacks {', '.join(lacking)}"
             )
-    others = [label for label in first.variants if label not in trees]
+    others = [label for label in first.variants if label not in variants]
     if others and not only:
         say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
 

@@ -9,6 +9,5 @@ report          one HTML page
 charts          charts of the page, as data
 solids          bodies of the page, on their meshes
 packing         numbers of the page, as text
-rivals          comparison of models of one role
 fields_export   recorded fields as CSV, HDF5, VTU
 """

@@ -1,5 +1,5 @@
 """Several films on one body, each a lubrication FMU of its own: as one film with a groove, oil and
-work of every film to round-off, kill -9 and resume, checks and rivals by film.
+work of every film to round-off, kill -9 and resume, checks by film.
 """
 
 from functools import partial
