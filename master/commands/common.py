@@ -154,9 +154,7 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
     return {label: own for label, own in found.items() if own}
 
 
-def page_of(
-    case, runs, folder, *, source=None, notes=None, studies=(), measured=None, figures=True
-):
+def page_of(case, runs, folder, *, source=None, measured=None):
     """Write the report of runs with their main results, bodies and engine sections.
 
     Parameters
@@ -167,8 +165,6 @@ def page_of(
     folder : Path
     source : str, optional
         Case whose folder contains the meshes.
-    notes, studies, figures
-        Passed to `results.report.write_report`.
     measured : Agreement, optional
         Measured values.
     """
@@ -180,7 +176,7 @@ def page_of(
     answers = {label: answer(case, results) for label, results in runs.items()}
     own = special(case, runs, body_skins(runs, source))
     own = replace(own, overview=overview(case, runs), measured=measured)
-    return write_report(case, runs, folder, notes, studies, answers, own, figures)
+    return write_report(case, runs, folder, answers, own)
 
 
 def case_folder(results, case=None) -> Path:

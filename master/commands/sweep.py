@@ -154,7 +154,7 @@ def _page(path, points, rows, axes, wanted, table, reports):
         if reports and row["status"] == "done" and file.is_file() and not page.is_file():
             with Results(file) as results:
                 case, runs = check_case(results.case, file), {point.name: results}
-                page_of(case, runs, page.parent, source=str(path), figures=False)
+                page_of(case, runs, page.parent, source=str(path))
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]

@@ -1,10 +1,7 @@
-"""Report of one or several runs: one HTML page without external files, and its figures."""
+"""Report of one or several runs: one HTML page without external files."""
 
-import base64
-import csv
 import hashlib
 import json
-import mimetypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -12,7 +9,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from markdown_it import MarkdownIt
 from matplotlib import colormaps
 
 from .charts import (
@@ -20,10 +16,8 @@ from .charts import (
     Phase,
     Section,
     as_data,
-    draw_charts,
     field_data,
     health_section,
-    loop_chart,
     picture_section,
 )
 from .compare import Agreement
@@ -31,7 +25,6 @@ from .instants import crank_angle
 from .judgement import Window, loop_work, windows
 from .packing import Columns
 from .pages import write_page
-from .pictures import figures as drawn_figures
 from .pictures import handy_unit, name_of, scaled
 from .solids import Solid, solids_data
 
@@ -107,10 +100,8 @@ class Special:
 PLAIN = Special()
 
 
-def write_report(
-    case, runs, folder, notes=None, studies=(), answers=None, special=PLAIN, figures=True
-):
-    """Write `<folder>/report.html` and, if wanted, the figures as PNG and SVG.
+def write_report(case, runs, folder, answers=None, special=PLAIN):
+    """Write `<folder>/report.html`.
 
     Parameters
     ----------
@@ -119,16 +110,10 @@ def write_report(
     runs : dict of str to Results
         Label -> results.
     folder : Path
-    notes : Path, optional
-        Markdown file, for example the case's README. The page embeds its pictures.
-    studies : sequence of Path
-        Tables of studies (study.csv) of the accuracy of grid, step, modes and tolerance.
     answers : dict, optional
         Label -> main results `lines` (name, said) and checks `verdicts` (colour, what, said).
     special : Special
         Content that depends on the kind of machine.
-    figures : bool
-        Whether the figures are wanted.
 
     Returns
     -------
@@ -137,8 +122,6 @@ def write_report(
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    if figures:
-        _save_figures(case, runs, folder)
     judged = {label: one.verdicts for label, one in (answers or {}).items()}
     return write_page(
         folder / "report.html",
@@ -155,59 +138,9 @@ def write_report(
         films=[film.title for film in views(case, runs, special)],
         bodies=any(special.solids.values()),
         measured=special.measured,
-        notes=notes_html(notes) if notes else "",
-        studies=[study_table(path) for path in studies],
         tree=json.dumps(next(iter(runs.values())).case, indent=1),
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
-
-
-def notes_html(path: Path) -> str:
-    """Return a Markdown file as HTML with its pictures inside; HTML in it stays text."""
-    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
-    tokens = markdown.parse(path.read_text(encoding="utf-8"))
-    for token in (child for block in tokens for child in block.children or []):
-        picture = path.parent / str(token.attrGet("src") or "")
-        if token.type == "image" and picture.is_file():
-            kind = mimetypes.guess_type(picture)[0] or "image/png"
-            data = base64.b64encode(picture.read_bytes()).decode()
-            token.attrSet("src", f"data:{kind};base64,{data}")
-    return markdown.renderer.render(tokens, markdown.options, {})
-
-
-def _save_figures(case, runs, folder):
-    """Save the case's pictures except maps, its loops and the coupling's health."""
-    for picture, figure in drawn_figures(case, runs):
-        if picture.kind != "map":
-            _save(figure, folder / Path(picture.file).stem)
-    for name in case.report.loops:
-        _save(draw_charts([loop_chart(case, name, runs)], 4.0), folder / f"loop_{name}")
-    charts = [one for one in health_section(runs).drawn if isinstance(one, Chart)]
-    _save(draw_charts(charts), folder / "coupling")
-
-
-def study_table(path):
-    """Return the table of a study, named after its folder, with numbers of four digits."""
-    with open(path, newline="") as file:
-        header, *rows = csv.reader(file)
-    heads = [name.split(".")[-1].replace("_", " ") for name in header]
-    return StudyTable(path.parent.name, heads, [[_digits(value) for value in row] for row in rows])
-
-
-def _digits(text):
-    try:
-        return f"{float(text):.4g}"
-    except ValueError:
-        return text
-
-
-@dataclass(frozen=True)
-class StudyTable:
-    """Table of a study as text."""
-
-    name: str
-    heads: list[str]
-    rows: list[list[str]]
 
 
 class Check(NamedTuple):
@@ -276,12 +209,6 @@ def run_text(case, label, results) -> RunText:
 def digest(path):
     """Return the SHA-256 of a file."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-
-
-def _save(figure, stem):
-    """Save a figure as PNG and SVG, and close it."""
-    figure.savefig(stem.with_suffix(".png"), dpi=130)
-    figure.savefig(stem.with_suffix(".svg"))
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def seen(request, tmp_path_factory):
     run(system, case, tree, folder / "run.h5")
     results = Results(folder / "run.h5")
     runs = {"run": results}
-    page = page_of(check_case(results.case, path), runs, folder / "report", figures=False)
+    page = page_of(check_case(results.case, path), runs, folder / "report")
     with Browser(folder / "profile", 1400, 900) as browser:
         browser.open(page)
         yield SimpleNamespace(

@@ -110,7 +110,6 @@ def test_the_conda_recipe_needs_what_the_package_needs():
 
 
 HEAVY = (
-    "markdown_it",
     "numba",
     "numpy",
     "scipy",

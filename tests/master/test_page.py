@@ -138,11 +138,11 @@ def written(path, factor=1.0, grid=(AROUND, ALONG), instants=INSTANTS):
     return Results(path)
 
 
-def page_of_runs(case, runs, folder, notes=None, **changes):
+def page_of_runs(case, runs, folder, **changes):
     """Write the report of runs with the first screen and the checks."""
     answers = {label: answer(case, results) for label, results in runs.items()}
     own = replace(special(case, runs), overview=overview(case, runs), **changes)
-    return write_report(case, runs, folder, notes, answers=answers, special=own, figures=False)
+    return write_report(case, runs, folder, answers, own)
 
 
 def tube(name, radius, height, motion=None):
@@ -204,10 +204,8 @@ def browser():
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     runs = {"one": written(folder / "one.h5"), "two": written(folder / "two.h5", 2.0)}
-    notes = folder / "notes.md"
-    notes.write_text("*notes*")
     case = check_case(TREE, "case.toml")
-    yield page_of_runs(case, runs, folder / "report", notes, solids={"one": [PLATE]}), runs
+    yield page_of_runs(case, runs, folder / "report", solids={"one": [PLATE]}), runs
     for results in runs.values():
         results.close()
 
@@ -606,9 +604,7 @@ def test_measured_values_have_a_table_and_charts_with_bands(page, tmp_path):
     np.savetxt(file, table, delimiter=",", header=head, comments="")
     compared = agreement(runs, read_measured(file))
     case = check_case(TREE, "case.toml")
-    path = write_report(
-        case, runs, tmp_path / "report", special=Special(measured=compared), figures=False
-    )
+    path = write_report(case, runs, tmp_path / "report", special=Special(measured=compared))
     script = """const [chart] = data.measured.drawn, section = byId("measured");
       return { names: chart.curves.map(one => one.name),
         low: [...column(chart.corridor.low)], high: [...column(chart.corridor.high)],

@@ -259,8 +259,6 @@ COMMANDS = [
     "results report good.h5 --measured falling.csv",
     "results report good.h5 --measured no.csv",
     "results report good.h5 --measured words.csv",
-    "results report good.h5 --notes no.md",
-    "results report good.h5 --study no.csv",
     "results movie good.h5",
     "results movie good.h5 --output m.avi",
     "results movie good.h5 --frames 1",

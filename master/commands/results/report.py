@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from ...fmi.errors import BadInput
 from ...results.compare import agreement, read_measured
 from ...runs.working import working
 from ..common import OutputFolder, console, open_runs, page_of, tell
@@ -11,15 +10,12 @@ from ..common import OutputFolder, console, open_runs, page_of, tell
 def command(
     *files: Path,
     output: OutputFolder = Path("report"),
-    notes: Path | None = None,
-    study: list[Path] = [],
     measured: Path | None = None,
     case: str | None = None,
 ):
     """Write an HTML report about results files.
 
-    The page is one self-contained file. Its figures are also written as PNG and SVG. The case of
-    the first file describes what the page shows.
+    The page is one self-contained file. The case of the first file describes what it shows.
 
     Example: piston-cosim results report results/fired_motorcycle/flexible.h5
     results/fired_motorcycle/rigid.h5 --output report
@@ -29,11 +25,7 @@ def command(
     files
         Results files.
     output
-        Folder for report.html and the figures.
-    notes
-        Markdown file to show on the page, e.g. the README of the case.
-    study
-        Table of a study, results/study_CASE_NAME/study.csv; repeatable.
+        Folder for report.html.
     measured
         CSV file of a measurement. Its header is "participant.variable [unit]", abscissa first. The
         columns "participant.variable low [unit]" and "participant.variable high [unit]" are a band.
@@ -44,15 +36,6 @@ def command(
     """
     described, runs = open_runs(files)
     compared = agreement(runs, read_measured(measured)) if measured else None
-    missing = [
-        f"--study: expected a table, got no such file {str(path)!r}"
-        for path in study
-        if not path.is_file()
-    ]
-    if missing:
-        raise BadInput(missing)
     with working(console, "drawing the page"):
-        page = page_of(
-            described, runs, output, source=case, notes=notes, studies=study, measured=compared
-        )
+        page = page_of(described, runs, output, source=case, measured=compared)
     tell(f"report   {page}")
