@@ -37,15 +37,13 @@ COMMANDS = {
     "results report": "Write an HTML report about results files.",
     "results movie": "Write an animation of a results file.",
     "results scalars": "Write all scalar outputs as CSV.",
-    "results fields": "Write recorded fields as CSV or HDF5.",
+    "results fields": "Write recorded fields as CSV.",
     "results snapshot": "Write the state of a participant at one instant.",
     "results recover": "Write displacement and stress of the bodies as VTU.",
     "results noise": "Compute the sound power that the block radiates.",
     "results compare": "Score curves of results files.",
-    "fmu build": "Build the FMU of one participant of a case.",
-    "fmu export": "Export a case as one FMU.",
-    "fmu export ssp": "Export a case as an SSP.",
-    "fmu pack": "Build an FMU from a single-file model class.",
+    "fmu build": "Build the FMU of one participant of a case, or of a single-file model class.",
+    "fmu export": "Export a case as one FMU or as an SSP.",
     "fmu info": "Print the interface of an FMU.",
     "fmu check": "Compare an FMU with the contract of its role.",
 }
@@ -70,9 +68,8 @@ _PACKAGE = __name__.rpartition(".")[0]
 _apps = {"": app} | {name: App(name=name, help=text) for name, text in GROUPS.items()}
 for _order, _words in enumerate(COMMANDS):
     _group, _, _name = _words.rpartition(" ")
-    if _group in _apps:  # a command below a command is registered by the file of that command
-        _module = ".".join([_PACKAGE, *_words.split()])
-        _apps[_group].command(f"{_module}:command", name=_name, sort_key=_order)
+    _module = ".".join([_PACKAGE, *_words.split()])
+    _apps[_group].command(f"{_module}:command", name=_name, sort_key=_order)
 for _order, _name in enumerate(GROUPS):
     _apps[_name].sort_key = len(COMMANDS) + _order
     app.command(_apps[_name])

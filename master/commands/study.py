@@ -72,11 +72,7 @@ def command(
         names = list(dict.fromkeys(name for row in missed.values() for name in row))
         console.print(_shown(missed, "what the modes leave out of the deflection", names))
     tell(f"table    {studies.write_table(said, folder / 'study.csv')}")
-    drawn = [studies.draw_cost(chosen.title, said, folder / f"cost.{format}")]
-    if chosen.curves:
-        path = folder / f"study.{format}"
-        drawn.append(studies.draw_study(chosen, checked, said, runs, path))
-    for picture in (*drawn, *draw(checked, runs, folder, format)):
+    for picture in draw(checked, runs, folder, format):
         tell(f"picture  {picture}")
 
 

@@ -7,7 +7,6 @@ import csv
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import h5py
 import numpy as np
 
 from ..case.shown import NEUTRAL
@@ -142,23 +141,6 @@ def write_csv(blocks, path, positions=()):
                 *(block.values.ravel() for block in blocks),
             )
         )
-
-
-def write_hdf5(blocks, path, positions=()):
-    """Write `time`, `i`, `j`, positions, and a dataset (instants, i, j) for each quantity."""
-    with h5py.File(path, "w") as file:
-        for name, values, unit in (
-            ("time", blocks[0].times, "s"),
-            ("i", blocks[0].i, "1"),
-            ("j", blocks[0].j, "1"),
-            *(
-                (one.name.replace("/", "over"), one.positions.ravel(), one.unit)
-                for one in positions
-            ),
-            *((block.name, block.values, block.unit) for block in blocks),
-        ):
-            file[name] = values
-            file[name].attrs["unit"] = unit
 
 
 def cylinder_cells(shape, radius, ends):

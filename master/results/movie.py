@@ -1,6 +1,5 @@
 """Recorded fields of a run as a movie."""
 
-from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
@@ -43,7 +42,7 @@ def write_movie(
     frames : int
         Maximum number of instants.
     path : Path
-        With suffix .gif or .mp4.
+        With suffix .gif.
 
     Returns
     -------
@@ -53,8 +52,7 @@ def write_movie(
     Raises
     ------
     BadInput
-        For another suffix, mp4 without ffmpeg, fewer than 2 instants, and fields that were not
-        recorded.
+        For another suffix, fewer than 2 instants, and fields that were not recorded.
     """
     maps = [picture for picture in case.pictures if picture.kind == "map"]
     ports = ports or [port for picture in maps[:1] for port in picture.fields]
@@ -68,14 +66,8 @@ def write_movie(
         faults.append(f"--field: expected {names_of(known)}, got nothing")
     if frames < 2:
         faults.append(f"--frames: expected at least 2, got {frames}")
-    if path.suffix not in WRITERS:
-        endings = names_of([*WRITERS, ".pvd"])
-        faults.append(f"--output: expected a file that ends with {endings}, got {str(path)!r}")
-    elif path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
-        faults.append(
-            "--output: expected imageio-ffmpeg for .mp4, got none; "
-            "run pip install 'piston-cosim[movie]' or write .gif"
-        )
+    if path.suffix != ".gif":
+        faults.append(f"--output: expected a file *.gif or *.pvd, got {str(path)!r}")
     if faults:
         raise BadInput(faults)
     units = {port: unit for picture in maps for port, unit in picture.units.items()}
@@ -87,7 +79,8 @@ def write_movie(
         images = [masked(image, results.there(port)) for image in values]
         rows[port] = MapRow(labelled(name_of(port), unit), images, colour_norm(images))
     titles = [instant_text(results, float(time)) for time in results.instants[chosen]]
-    WRITERS[path.suffix](path, _frames(case, rows, titles))
+    first, *others = (with_palette(Image.fromarray(one)) for one in _frames(case, rows, titles))
+    first.save(path, append_images=others, save_all=True, duration=1000 // PER_SECOND, loop=0)
     return chosen
 
 
@@ -121,27 +114,6 @@ def _clear(panel):
     """Remove the values of a map; contours remove their labels."""
     for artist in [*panel.images, *panel.collections]:
         artist.remove()
-
-
-def _write_gif(path, frames):
-    first, *others = (with_palette(Image.fromarray(frame)) for frame in frames)
-    first.save(path, append_images=others, save_all=True, duration=1000 // PER_SECOND, loop=0)
-
-
-def _write_mp4(path, frames):
-    from imageio_ffmpeg import write_frames
-
-    first = next(frames)
-    height, width = (size // 2 * 2 for size in first.shape[:2])  # which the codec needs
-    writer = write_frames(str(path), (width, height), fps=PER_SECOND, macro_block_size=2)
-    writer.send(None)
-    for frame in chain([first], frames):
-        writer.send(np.ascontiguousarray(frame[:height, :width]))
-    writer.close()
-
-
-WRITERS = {".gif": _write_gif, ".mp4": _write_mp4}
-"""Writers of movies by suffix."""
 
 
 def chosen_instants(results: Results, frames: int) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 import csv
 from dataclasses import dataclass, field
-from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,9 +11,7 @@ from ..case.checked import check_case
 from ..case.reading import read_tree
 from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
-from ..results.figures import PALETTE, save, subplots
 from ..results.file import Results
-from ..results.pictures import entry_in_words, handy_unit, label_abscissa, labelled, name_of, scaled
 from .sweep import resolved
 
 
@@ -171,67 +168,3 @@ def write_table(rows, path):
         writer.writeheader()
         writer.writerows(records)
     return path
-
-
-def draw_study(study, case, rows, runs, path):
-    """Draw the curves of all runs, and their rms difference from the reference in percent."""
-    units = {port: unit for picture in case.pictures for port, unit in picture.units.items()}
-    distances = {row.run: row.distances for row in rows}
-    figure, panels = subplots(
-        len(study.curves),
-        2,
-        squeeze=False,
-        sharex="col",
-        figsize=(13, 1 + 2.6 * len(study.curves)),
-        width_ratios=(3, 1),
-    )
-    x_unit = ""
-    for (left, right), port in zip(panels, study.curves):
-        reference = runs[study.reference].series(port)
-        wanted = units.get(port) or handy_unit(reference.unit, np.abs(reference.values).max())
-        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            known = results.series(study.x)
-            value = results.series(port)
-            x, x_unit = scaled(known.values, known.unit, units.get(study.x))
-            y, unit = scaled(value.values, value.unit, wanted)
-            left.plot(x, y, color=colour, lw=1.1, label=label)
-            distance = 100 * distances[label][port]
-            right.plot([label], [distance or np.nan], "o", color=colour)
-            if distance:
-                right.annotate(f"  {distance:.2g}", (label, distance), fontsize="small")
-        left.set_ylabel(labelled(name_of(port), unit), fontsize="small")
-        right.set_yscale("log")
-        right.yaxis.set_major_formatter("{x:g}")
-        right.yaxis.set_minor_formatter("")
-        right.margins(0.2)
-        right.tick_params(axis="x", rotation=60, labelsize="small")
-        right.set_ylabel("rms difference [%]", fontsize="small")
-        for panel in (left, right):
-            panel.grid(alpha=0.3)
-        left.margins(x=0)
-    panels[0, 1].set_title(f"compared with {study.reference}", fontsize="medium")
-    label_abscissa(panels[-1, 0], study.x, x_unit)
-    panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
-    figure.suptitle(study.title)
-    return save(figure, path)
-
-
-def draw_cost(title, rows, path):
-    """Draw bars of the cost of each run, a panel for each counter, in the order of the study."""
-    costs = {row.run: row.cost for row in reversed(rows) if row.cost}
-    counted = [name for name in Cost._fields if any(getattr(c, name) for c in costs.values())]
-    figure, panels = subplots(
-        1,
-        len(counted),
-        sharey=True,
-        squeeze=False,
-        figsize=(14, 1.2 + 0.32 * len(costs)),
-    )
-    for panel, name in zip(panels[0], counted):
-        bars = panel.barh(list(costs), [getattr(c, name) for c in costs.values()], color=PALETTE[0])
-        panel.bar_label(bars, fmt="{:,.4g}", padding=3, fontsize="small")
-        panel.margins(x=0.28)
-        panel.set_title(entry_in_words(name), fontsize="medium")
-        panel.spines[["top", "right"]].set_visible(False)
-    figure.suptitle(title)
-    return save(figure, path)

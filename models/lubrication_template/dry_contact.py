@@ -2,7 +2,7 @@
 
 To compare it with a lubricated run:
 
-piston-cosim fmu pack models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
+piston-cosim fmu build models/lubrication_template/dry_contact.py:DryContact --output dry.fmu
 """
 
 from dataclasses import dataclass

@@ -12,7 +12,6 @@ from piston_cosim.master.results.fields_export import (
     cylinder_cells,
     read_block,
     write_csv,
-    write_hdf5,
 )
 from piston_cosim.master.results.file import Results
 
@@ -68,16 +67,6 @@ def test_a_line_outside_the_grid_is_bad_input(results):
     with pytest.raises(BadInput) as caught:
         chosen(read_block(results, "ehd.pressure"), i=6, j=0)
     assert len(caught.value.faults) == 2
-
-
-def test_hdf5_of_one_grid_point(results, tmp_path):
-    write_hdf5([chosen(read_block(results, "ehd.pressure"), i=5, j=4)], tmp_path / "p.h5")
-    with h5py.File(tmp_path / "p.h5") as file:
-        assert file["ehd.pressure"][:, 0, 0].tolist() == PRESSURE[:, 4, 3].tolist()
-        assert (
-            file["ehd.pressure"].attrs["unit"] == "Pa"
-            and file["time"][:].tolist() == TIMES.tolist()
-        )
 
 
 def test_each_cell_of_a_skirt_is_at_its_place():

@@ -9,7 +9,7 @@ from ..common import OutputFile, parse_grid, say, tell
 
 
 def command(
-    participant: str,
+    source: str,
     /,
     *,
     case: str = "numerical_example",
@@ -20,18 +20,20 @@ def command(
     native: Annotated[bool, Parameter(negative=())] = False,
     platform: str = "linux64",
 ):
-    """Build the FMU of one participant of a case.
+    """Build the FMU of one participant of a case, or of a single-file model class.
 
     Example: piston-cosim fmu build ehd --grid 60x30 --output film.fmu
 
+    Example: piston-cosim fmu build my_film.py:MyFilm --output film.fmu
+
     Parameters
     ----------
-    participant
-        Name of the participant in the case: ehd or bodies.
+    source
+        Name of the participant in the case, ehd or bodies, or model class FILE.py:CLASS.
     case
         Case whose build options the FMU uses.
     grid
-        Number of cells, CIRCUMFERENTIALxAXIAL. Default: the grid of the case.
+        Number of cells, CIRCUMFERENTIALxAXIAL. Default: the grid of the case, or 40x40.
     output
         File to write. Default: a file in the cache, whose path is printed.
     fmi
@@ -45,11 +47,17 @@ def command(
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
         aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
-    options = {"grid": parse_grid(grid)} if grid else {}
     fewer = {"no_fields": True} if no_fields else {}
-    name = {"mfbd": "bodies"}.get(participant, participant)
-    platforms = platform.split(",") if native else ()
-    fmu = build_fmu(
-        case, name, output=output, options=options | fewer, fmi=fmi, platforms=platforms, say=say
+    name = {"mfbd": "bodies"}.get(source, source)
+    sources = (case, name)
+    if ".py" in source:
+        sources, grid = (source,), grid or "40x40"
+    made = build_fmu(
+        *sources,
+        output=output,
+        options=({"grid": parse_grid(grid)} if grid else {}) | fewer,
+        fmi=fmi,
+        platforms=platform.split(",") if native else (),
+        say=say,
     )
-    tell(str(fmu))
+    tell(str(made))

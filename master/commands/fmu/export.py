@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
 from ...api.fmus import compile_code
 from ...case.checked import check_case
@@ -12,16 +12,11 @@ from ...case.reading import find_case, read_tree
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
+from ...fmi.errors import BadInput
 from ..common import Changes, OutputFile, parse_changes, say, tell
 
-command = App(
-    name="export",
-    usage="Usage: piston-cosim fmu export [ssp] --output PATH CASE\n",
-)
 
-
-@command.default
-def fmu(
+def command(
     case: str,
     /,
     *,
@@ -31,12 +26,14 @@ def fmu(
     native: Annotated[bool, Parameter(negative=())] = False,
     platform: str = "linux64",
 ):
-    """Export a case as one FMU.
+    """Export a case as one FMU or as an SSP.
 
     The FMU contains all participants and the coupling iteration. Use it in tools that cannot repeat
-    a step.
+    a step. An SSP contains the FMUs of the case, their parameters and their connections.
 
     Example: piston-cosim fmu export numerical_example --output engine.fmu
+
+    Example: piston-cosim fmu export numerical_example --output engine.ssp
 
     Parameters
     ----------
@@ -45,53 +42,32 @@ def fmu(
     set_
         Change of the case, KEY=VALUE; repeatable.
     output
-        File to write.
+        File to write. The suffix .ssp selects an SSP.
     fmi
-        Version of FMI.
+        Version of FMI. With 2.0 an SSP is of version 1.0 with one connector per scalar. With 3.0 it
+        is of version 2.0 with arrays.
     native
-        Write machine code that needs no Python. Reports each option that it does not support.
+        Write an FMU of machine code that needs no Python. Reports each option that it does not
+        support.
     platform
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
         aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
-    platforms = platform.split(",") if native else ()
-    path = find_case(case)
-    checked = check_case(read_tree(path, parse_changes(set_)), path)
-    made = export_fmu(checked, path.parent, say, fmi, platforms)
-    output.write_bytes(made.read_bytes())
-    if not native:
-        compile_code(made, say)
-    tell(str(output))
-
-
-@command.command
-def ssp(
-    case: str, /, *, set_: Changes = [], output: OutputFile, fmi: Literal["2.0", "3.0"] = "2.0"
-):
-    """Export a case as an SSP.
-
-    The SSP contains the FMUs of the case, their parameters and their connections.
-
-    Example: piston-cosim fmu export ssp numerical_example --output engine.ssp
-
-    Parameters
-    ----------
-    case
-        Name of a case, its folder or its file.
-    set_
-        Change of the case, KEY=VALUE; repeatable.
-    output
-        File to write.
-    fmi
-        Version of FMI. With 2.0 the file is SSP 1.0 with one connector per scalar. With 3.0 it is
-        SSP 2.0 with arrays.
-    """
     path = find_case(case)
     tree = read_tree(path, parse_changes(set_))
-    system = open_system(built(check_case(tree, path), path.parent, fmi), path.parent, say)
-    export_ssp(tree, system, output)
-    for participant in system.participants.values():
-        compile_code(participant.path, say)
+    checked = check_case(tree, path)
+    if output.suffix == ".ssp":
+        if native:
+            raise BadInput("--native: expected one FMU, got an SSP")
+        system = open_system(built(checked, path.parent, fmi), path.parent, say)
+        export_ssp(tree, system, output)
+        made = [participant.path for participant in system.participants.values()]
+    else:
+        platforms = platform.split(",") if native else ()
+        made = [export_fmu(checked, path.parent, say, fmi, platforms)]
+        output.write_bytes(made[0].read_bytes())
+    for one in () if native else made:
+        compile_code(one, say)
     tell(str(output))
 
 

@@ -18,7 +18,7 @@ def command(
     i: int | None = None,
     j: int | None = None,
 ):
-    """Write recorded fields as CSV or HDF5.
+    """Write recorded fields as CSV.
 
     Example: piston-cosim results fields results/numerical_example/flexible.h5 --field ehd.pressure
     --time "18 ms" --output p.csv
@@ -30,7 +30,7 @@ def command(
     field
         PARTICIPANT.FIELD, or a sum (+) or product of recorded fields; repeatable.
     output
-        File .csv or .h5. `results movie` writes fields for ParaView.
+        File .csv. `results movie` writes fields for ParaView.
     time
         Recorded instant nearest to a time, a crank angle or an extreme, e.g. "18 ms",
         "24 deg" or "max ehd.maximum_pressure". Default: all instants.
@@ -41,11 +41,10 @@ def command(
     """
     case, runs = open_runs((file,))
     (results,) = runs.values()
-    if output.suffix not in (".csv", ".h5"):
-        raise BadInput(f"--output: expected .csv or .h5, got {str(output)!r}")
+    if output.suffix != ".csv":
+        raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
-    write = exports.write_csv if output.suffix == ".csv" else exports.write_hdf5
     port = field[0].partition("+")[0].partition("*")[0].strip()
-    write(blocks, output, exports.grid_positions(case, results, port, blocks[0]))
+    exports.write_csv(blocks, output, exports.grid_positions(case, results, port, blocks[0]))
     tell(f"fields   {output}")

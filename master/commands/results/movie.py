@@ -17,8 +17,8 @@ def command(
 ):
     """Write an animation of a results file.
 
-    The suffix of --output selects the kind: .gif and .mp4 show fields, and .pvd is a series of
-    bodies and films for ParaView.
+    The suffix of --output selects the kind: .gif shows fields, and .pvd is a series of bodies and
+    films for ParaView.
 
     Example: piston-cosim results movie results/numerical_example/flexible.h5 --field ehd.pressure
 
@@ -37,8 +37,7 @@ def command(
         Case whose folder contains the meshes. Default: the case with the name of the results
         folder, then the shipped case with the title of the run.
     output
-        File to write. Default: the name of the results file with .gif. A .mp4 file needs the extra
-        `movie`.
+        File to write. Default: the name of the results file with .gif.
     """
     from ...results.movie import chosen_instants, write_movie
 
