@@ -43,7 +43,7 @@ from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
 from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
-from .laws.contact import has_narrow_steps
+from .laws.contact import has_narrow_steps, profile_steps
 from .laws.friction import ShearInputs
 from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TruePressure, raised, true_pressure
 from .solvers.sparse import LinearSolver
@@ -51,11 +51,12 @@ from .surroundings import Surroundings
 
 
 class Memory(NamedTuple):
-    """Memory of a film between steps."""
+    """Memory of a film between steps; steps : `contact.profile_steps` of the film at the start."""
 
     film: parts.PreviousFilm
     totals: parts.Totals
     layer: OilLayer
+    steps: Annotated[Flags, "2, n_c, n_a"]
 
     def __repr__(self) -> str:
         return (
@@ -104,10 +105,12 @@ class StepSolution(NamedTuple):
 class ForceInputs(NamedTuple):
     """Film as its forces need it.
 
-    Deflection [m], flow_film.FlowFilm, piezoviscosity.TruePressure, film fraction [-].
+    Deflection [m], steps of `Memory`, flow_film.FlowFilm, piezoviscosity.TruePressure, film
+    fraction [-].
     """
 
     deflection: Array
+    steps: Flags
     flow: FlowFilm
     under: TruePressure
     fraction: Array
@@ -266,6 +269,7 @@ def acting_of(
     film = parts.SolvedFilm(
         inputs.hard_film,
         seen.deflection,
+        seen.steps,
         inputs.velocity,
         inputs.turning,
         raised(seen.flow.quantities, seen.under.ratio),
@@ -376,7 +380,11 @@ def start(
     still = np.zeros(shape)
     flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
     under = true_pressure(inputs.around.pressure_law, pressure)
-    acting = acting_of(fixed, inputs, ForceInputs(still, flow, under, fraction), faults)
+    domain = fixed.domain
+    rms = fixed.surfaces.contact.roughness_rms
+    ring = domain.cells.ring
+    steps = profile_steps(inputs.hard_film, domain.open_cells, rms, ring)
+    acting = acting_of(fixed, inputs, ForceInputs(still, steps, flow, under, fraction), faults)
     film = flow.quantities
     content = fraction * film[STORED]
     no_flow = np.zeros((n_c, n_a + 1))
@@ -399,13 +407,11 @@ def start(
         layer = oil_layer.start(fixed.bore, inputs.velocity)
     oil = sum_of_products(content, fixed.surfaces.area)
     ledger = BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
-    domain = fixed.domain
-    rms = fixed.surfaces.contact.roughness_rms
-    if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells.ring):
+    if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, ring):
         remark(faults, NARROW_STEPS)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
     scalars = scalars_of(fixed, acting, ledger, layer)
-    return Memory(before, totals, layer), fields_of(acting, fraction), scalars
+    return Memory(before, totals, layer, steps), fields_of(acting, fraction), scalars
 
 
 # ---- a step
@@ -469,7 +475,9 @@ def solve(
     if surfaces.compliance > 0.0:
         law = inputs.around.pressure_law
         layer = Layer(surfaces.compliance, surfaces.contact, fixed.laws, law, fixed.share)
-        pressed = CoatedInputs(inputs.hard_film, before.deflection, before.unknown, sheared)
+        pressed = CoatedInputs(
+            inputs.hard_film, before.deflection, before.unknown, memory.steps, sheared
+        )
         found = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
         return StepSolution(found.deflection, found.flow, found.solution)
     flow = flow_film(inputs.hard_film, sheared, fixed.laws)
@@ -527,7 +535,7 @@ def end(
     domain = fixed.domain
     length = inputs.length
     under = true_pressure(inputs.around.pressure_law, found.pressure)
-    seen = ForceInputs(solved.deflection, flow, under, found.film_fraction)
+    seen = ForceInputs(solved.deflection, memory.steps, flow, under, found.film_fraction)
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
     law = inputs.around.pressure_law
@@ -583,7 +591,7 @@ def end(
         turning_of(fixed, inputs),
     )
     return StepResult(
-        Memory(after, account.totals, layer),
+        Memory(after, account.totals, layer, memory.steps),
         fields_of(acting, found.film_fraction),
         scalars_of(fixed, acting, ledger, layer),
         last,

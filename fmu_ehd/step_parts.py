@@ -150,6 +150,7 @@ class SolvedFilm(NamedTuple):
     """A solved film, as its forces see it; arrays of shape (n_c, n_a).
 
     hard_film, deflection : film thickness without the deflection of a coating, and that [m];
+    steps : ndarray of bool, shape (2, n_c, n_a), `contact.profile_steps`;
     velocity, turning : V and W, 0 on a skirt [m/s];
     quantities : ndarray, shape (6, n_c, n_a), of `films`, with the viscosity of shear under
     pressure;
@@ -159,6 +160,7 @@ class SolvedFilm(NamedTuple):
 
     hard_film: Array
     deflection: Array
+    steps: Flags
     velocity: Array
     turning: Array
     quantities: Array
@@ -226,7 +228,9 @@ def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
     velocity = film.velocity
     n_c, n_a = velocity.shape
     ring = domain.cells.ring
-    touching = contact(film.hard_film, film.deflection, domain.open_cells, surfaces.contact, ring)
+    touching = contact(
+        film.hard_film, film.deflection, film.steps, domain.open_cells, surfaces.contact, ring
+    )
     shear = shear_inputs(film, touching, surfaces, domain)
     viscous = friction.viscous_force(shear)
     boundary = friction.boundary_force(shear, film.turning)

@@ -20,7 +20,7 @@ from ..solvers.sparse import LinearSolver
 from . import film_step
 from .film_step import BalanceInputs, Domain, FilmSolution, film_slopes, lift_along
 from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
-from .grid import Array, Entrainment
+from .grid import Array, Entrainment, Flags
 from .reynolds import Filling
 from .tangent import BY_FILM
 
@@ -45,12 +45,14 @@ class CoatedInputs(NamedTuple):
 
     hard_film, deflection, unknown : ndarray, shape (n_c, n_a), film thickness without the
     deflection at the end of the step, deflection and signed unknown at its beginning;
+    steps : ndarray of bool, shape (2, n_c, n_a), `contact.profile_steps`;
     sheared : flow_film.ShearedOil, at its end.
     """
 
     hard_film: Array
     deflection: Array
     unknown: Array
+    steps: Flags
     sheared: ShearedOil
 
 
@@ -124,7 +126,12 @@ def softness(
         domain,
     )
     touching = contact(
-        pressed.hard_film, deflection, domain.open_cells, layer.contact, domain.cells.ring
+        pressed.hard_film,
+        deflection,
+        pressed.steps,
+        domain.open_cells,
+        layer.contact,
+        domain.cells.ring,
     )
     reduced = filling.pressure
     under = true_pressure(layer.pressure, reduced)
@@ -160,7 +167,7 @@ def solve(
     -------
     CoatedFilm
     """
-    hard_film, deflection, unknown, sheared = pressed
+    hard_film, deflection, unknown, steps, sheared = pressed
     full = _full_cells(unknown)
     guess = given.full
     lift = lift_along(given.lift, given.entrainment.axial, domain.model)
@@ -179,7 +186,7 @@ def solve(
             given.softness,
             given.lift,
         )
-        here = CoatedInputs(hard_film, deflection, unknown, sheared)
+        here = CoatedInputs(hard_film, deflection, unknown, steps, sheared)
         filling = Filling(reduced, 1.0 + deficit, lift)
         soft = softness(here, layer, bare, flow, filling, domain)
         now = BalanceInputs(

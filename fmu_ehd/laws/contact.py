@@ -17,6 +17,8 @@ Eq. (A12):  |J_i| > sigma/4,   J_{i-1}/J_i < 1/2,   J_{i+1}/J_i < 1/2,   J_i = h
 
 The jumps of a parabola are evenly spaced, so none of them is a step, and neither are those of a
 wave that is longer than 6 cells. The extrema of a smooth gap stay, because contact happens there.
+Steps belong to the profile, so they are located at the start of a run. Bodies that bend make no
+step. Contact would jump if the gap within a run decided, and a coupled step could have no solution.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """
@@ -127,6 +129,41 @@ def step_to(k, i, j, film_thickness, open_cells, least, ring):
 
 
 @compiled
+def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
+    """Return where the gap steps, Eq. (A12).
+
+    Parameters
+    ----------
+    film_thickness : ndarray, shape (n_c, n_a)
+        h at the start of a run, without the deflection of a coating [m].
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film.
+    roughness_rms : float
+        sigma [m].
+    ring : bool
+        Whether i is periodic.
+
+    Returns
+    -------
+    ndarray of bool, shape (2, n_c, n_a)
+        Steps from a cell to its neighbour before it along j, and along i.
+    """
+    n_c, n_a = film_thickness.shape
+    steps = np.zeros((2, n_c, n_a), np.bool_)
+    if roughness_rms <= 0.0:
+        return steps
+    least = LEAST_STEP * roughness_rms
+    for i in range(n_c):
+        for j in range(n_a):
+            if open_cells[i, j]:
+                continue
+            for row, k in enumerate((SOUTH, WEST)):
+                jump = step_to(k, i, j, film_thickness, open_cells, least, ring)
+                steps[row, i, j] = jump != 0.0
+    return steps
+
+
+@compiled
 def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
     """Return whether a land or groove is one cell wide.
 
@@ -152,6 +189,7 @@ def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: fl
 def contact(
     film_thickness: Array,
     deflection: Array,
+    steps: Flags,
     open_cells: Flags,
     constants: ContactConstants,
     ring: bool,
@@ -166,6 +204,8 @@ def contact(
         h without the deflection [m], any sign.
     deflection : ndarray, shape (n_c, n_a)
         Of a coating [m].
+    steps : ndarray of bool, shape (2, n_c, n_a)
+        Of `profile_steps`.
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
     constants : asperity.ContactConstants
@@ -186,7 +226,6 @@ def contact(
     if constants.roughness_rms <= 0.0:
         return Contact(pressure, area, stress, slope, stress_slope, energy)
     reach = TABLE_END * constants.roughness_rms
-    least = LEAST_STEP * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     there = np.zeros(5, np.bool_)
     share = np.zeros(5)
@@ -203,9 +242,10 @@ def contact(
                 lowest -= 0.5 * abs(higher[k])
             if not lowest < reach:
                 continue
-            for k in (SOUTH, NORTH, WEST, EAST):
-                if step_to(k, i, j, film_thickness, open_cells, least, ring) != 0.0:
-                    there[k] = False
+            there[SOUTH] = there[SOUTH] and not steps[0, i, j]
+            there[NORTH] = there[NORTH] and not steps[0, i, j + 1]
+            there[WEST] = there[WEST] and not steps[1, i, j]
+            there[EAST] = there[EAST] and not steps[1, (i + 1) % n_c, j]
             for x, weight_x in zip(POINTS, WEIGHTS):
                 share[WEST], share[EAST] = _shares(x, there[WEST], there[EAST])
                 across = share[WEST] * higher[WEST] + share[EAST] * higher[EAST]

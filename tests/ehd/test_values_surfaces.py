@@ -443,6 +443,35 @@ def test_a_step_is_steeper_than_twice_the_gap_beside_it():
         assert pressure[1] / pressure[0] == near(means, rel=1e-6)
 
 
+def test_a_gap_that_bends_makes_no_step():
+    """Bodies press a gap flat from the fourth cell on. There the jump of the gap passes a quarter
+    of the roughness, which would be a step of a profile; contact may follow the gap alone, to
+    dp/p of some 3 H dH for dH = 2e-4. Steps that are there at the start stay.
+    """
+
+    def pressure(start, then, around):
+        model = LubricationModel(Parameters((8, 4), bore_radius=RADIUS, roughness_rms=SIGMA))
+        state, _ = model.start(start * around, np.zeros((8, 4)))
+        for film in then:
+            state, o = model.advance(state, film * around, np.zeros((8, 4)), 1e-4)
+        return o["asperity_pressure"]
+
+    even = np.full((8, 4), SIGMA)
+    before, after = (
+        pressure(
+            20.0,
+            [np.array([25.5, 18.1, 10.5, 2.9, 2.9 + jump, 3.1, 10.5, 18.1])[:, None]],
+            even,
+        )[3, 1]
+        for jump in (0.2499, 0.2501)
+    )
+    assert after == near(before, rel=2e-3)
+
+    land = np.where(np.arange(8) % 8 < 4, 0.0, 10.0)[:, None]
+    flat = pressure(1.0, [1.0, 1.0], even)
+    assert pressure(land + 2.0, [land + 1.5, land + 1.0], even)[:4] == near(flat[:4], rel=1e-9)
+
+
 @pytest.mark.parametrize("cells, distance", [(40, 0.04), (42, 0.03), (82, 0.005)])
 @pytest.mark.parametrize("least", [0.5e-6, 1.5e-6])
 def test_contact_does_not_depend_on_the_grid(cells, distance, least):

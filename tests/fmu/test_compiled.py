@@ -19,7 +19,8 @@ from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table
 from piston_cosim.fmu_ehd.laws.contact import contact
 constants = ContactConstants(1e-6, 1e9, 0.1, 0.1, 0.0, contact_table())
 h = np.full((4, 3), 1.5e-6)
-value = contact(h, 0 * h, h < 0, constants, False).pressure.sum()
+nowhere = h < 0
+value = contact(h, 0 * h, np.array([nowhere] * 2), nowhere, constants, False).pressure.sum()
 """,
     "posture of the piston": """
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
