@@ -18,6 +18,7 @@ from piston_cosim.tests.verification.cases.monolithic import (
     conductance,
 )
 
+slow = pytest.mark.slow
 ENGINE = Engine(
     grid=(24, 16),
     bore_radius=40e-3,
@@ -153,8 +154,13 @@ def test_heights_of_asperities_agree_with_the_parabolic_cylinder_function():
     )
 
 
-def test_figures():
-    assert [str(check) for check in coupled.checks() if not check.passed] == []
+@pytest.mark.parametrize("span", [coupled.IMPACT, pytest.param(coupled.FIRST_TURN, marks=slow)])
+def test_figures_of_the_motored_engine(span):
+    assert [str(check) for check in coupled.motored(42, span) if not check.passed] == []
+
+
+def test_figures_of_the_fired_engine():
+    assert [str(check) for check in coupled.fired_checks() if not check.passed] == []
 
 
 def failed(change):

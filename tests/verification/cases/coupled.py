@@ -6,6 +6,7 @@ system of equations from three grids.
 """
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -132,6 +133,8 @@ FIRST_TURN = Span(0, 30, 360)
 SECOND_TURN = Span(0, 360, 720)
 """For elastic bodies: the start from rest rings their modes, which no step of 1 deg resolves and a
 compliance does not have; what that does to the oil is forgotten after a turn."""
+IMPACT = Span(180, 30, 120)
+"""From the middle of the first turn on."""
 FIRING = Span(0, 10, 60)
 CYCLE = Span(-360, 30, 480)
 """Until 120 deg after firing."""
@@ -140,37 +143,41 @@ FLEXED = Span(-360, 120, 420)
 QUICK_GRID = Grid(28, 2)
 GRIDS = Grid(28, 2), Grid(42, 3), Grid(56, 4)
 SCARCE_GRIDS = Grid(28, 2), Grid(42, 3), Grid(84, 6)
+FILMS = {"flooded": {}, "ring and splash": RING | {"initial_film_fraction": "0.1"}}
+"""Films of the fired engine on one grid: the second takes oil from the bore when nearly empty."""
 NO_CHANGE: Mapping[str, str] = MappingProxyType({})
 
 
-def motored(cells: int) -> Iterator[Check]:
-    """Rigid bodies in the first turn."""
+def motored(cells: int, span: Span = FIRST_TURN) -> Iterator[Check]:
+    """Rigid bodies in the first turn, or another span."""
     grid = Grid(cells, 1)
     yield from Comparison(
         f"Rigid bodies, {cells} x {cells} cells, first revolution",
-        through_fmus(MOTORED, grid, 0, FIRST_TURN),
-        in_one_system(MOTORED, grid, FIRST_TURN),
-        FIRST_TURN.begin,
+        through_fmus(MOTORED, grid, 0, span),
+        in_one_system(MOTORED, grid, span),
+        span.begin,
     ).distances(SMOOTH)
 
 
-def fired_checks(change: Mapping[str, str] = NO_CHANGE) -> Iterator[Check]:
-    """Flooded, and the oil that a nearly empty film takes from the bore, on one grid; `change` of
-    the film's parameters makes the system of equations wrong.
-    """
+@cache
+def fired_curves(name: str) -> Curves:
+    """Curves of the fired engine with one of `FILMS` through both FMUs."""
+    return through_fmus(fired(FILMS[name]), QUICK_GRID, 0, FIRING)
 
-    def compared(name: str, film: dict[str, str]) -> Comparison:
-        return Comparison(
+
+def fired_checks(change: Mapping[str, str] = NO_CHANGE) -> Iterator[Check]:
+    """All of `FILMS`; `change` of the film's parameters makes the system of equations wrong."""
+    flooded, taking = (
+        Comparison(
             f"Fired, rigid, {name}, 28 x 28 cells",
-            through_fmus(fired(film), QUICK_GRID, 0, FIRING),
+            fired_curves(name),
             in_one_system(fired(film | dict(change)), QUICK_GRID, FIRING),
             FIRING.begin,
         )
-
-    flooded = compared("flooded", {})
+        for name, film in FILMS.items()
+    )
     yield from flooded.distances(ROUGH)
     yield from flooded.scales()
-    taking = compared("ring and splash", RING | {"initial_film_fraction": "0.1"})
     yield from taking.scales(SCALED[1:])
 
 
