@@ -73,8 +73,7 @@ def watched(participant):
     return [participant.get(name) for name in WATCHED]
 
 
-def test_model_description_is_valid(coupled):
-    assert validate_fmu(str(coupled)) == []
+def test_inputs_are_those_without_a_wire(coupled):
     inputs = {
         v.name
         for v in fmpy.read_model_description(str(coupled)).modelVariables

@@ -35,6 +35,7 @@ from .runs import run_tree
 
 PATH = find_case("floating_pin")
 computed = partial(run_tree, PATH)
+BEFORE_FIRING = ("participants.bodies.parameters.start_crank_angle", "-60 deg")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
 
 
@@ -137,8 +138,8 @@ def test_a_standing_engine_squeezes_its_pin_as_a_short_bearing(tmp_path):
 
 @pytest.fixture(scope="module")
 def four(tmp_path_factory):
-    """720 deg take a minute; 400 hold the firing."""
-    return computed(small(stop="400 deg"), tmp_path_factory.mktemp("four") / "four.h5")
+    tree = small(BEFORE_FIRING, stop="120 deg")
+    return computed(tree, tmp_path_factory.mktemp("four") / "four.h5")
 
 
 def test_oil_and_work_of_four_films_to_round_off(four):
@@ -175,7 +176,7 @@ def test_what_the_films_take_the_bodies_give(four):
 
 def test_newton_needs_no_more_iterations_than_with_one_film(four, tmp_path):
     """Mean of the tied piston on the same grid, and a half: the pin's films are far thinner."""
-    tree = read_tree(find_case("data_sheet"), [("time.stop", "400 deg")])
+    tree = read_tree(find_case("data_sheet"), [("time.stop", "120 deg"), BEFORE_FIRING])
     for name in ("bodies", "ehd"):
         tree["participants"][name]["build"]["grid"] = [24, 12]
     tree |= {"record": {"every": 100}, "pictures": []}

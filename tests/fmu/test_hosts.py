@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from fmpy import fmi2
 
@@ -116,22 +115,6 @@ def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_pa
     assert code == 1
     assert "fmi2ExitInitializationMode answered 3" in errors
     assert "viscosity: expected " in errors
-
-
-def test_a_description_of_another_fmu_is_refused(host, film, bodies):
-    """The identifier that an importer read has to be the FMU's own."""
-    *mine, own = film
-    *_, other = bodies
-    code, _, errors = ask(host, [*mine, other])
-    assert code == 1
-    assert f"{other} is not the identifier of this FMU, {own}" in errors
-
-
-def test_bad_step_is_a_discard(host, fmu, unpack, tmp_path):
-    unpacked = unpack(fmu, tmp_path)
-    code, _, errors = ask(host, unpacked.arguments("film_thickness[2,5]", np.nan, *CELL))
-    assert code == 1
-    assert "film_thickness" in errors
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The body FMU that needs no Python beside the FMU in Python, a run with both native FMUs, foreign
+"""The body FMU that needs no Python beside the FMU in Python, and foreign
 hosts and machines. What is compiled is the slave's own kernels; products of a matrix with a vector
 and what goes through sin, tanh and hypot are those of other libraries.
 """
@@ -12,24 +12,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.native import OPTIONS
 from piston_cosim.master.api.fmus import build_fmu as build_of_case
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.contract import swap
-from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu
 from piston_cosim.master.fmi.compiler import compiler_of
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.participants.fmi3 import Fmu3Participant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from ..mfbd.conftest import write_bodies
-from .conftest import rigid_bodies
 from .runs import reached
 
 ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
@@ -167,21 +158,6 @@ def test_gas_is_of_table_or_input_and_both_are_told_once(flexible, rigid):
             one.close()
 
 
-def test_fmi_3_says_the_same(native_bodies, rigid):
-    path = native_bodies([12, 10], version="3.0")
-    shape, answers = (12, 10), []
-    for one in (FmuParticipant("bodies", rigid), Fmu3Participant("bodies", path)):
-        one.start(given(0, shape), 0.0, 1.0)
-        for k in range(3):
-            for name, value in given(k + 1, shape).items():
-                one.set(name, value)
-            one.step(k * 2.0**-14, 2.0**-14)
-        product = one.derivative({"nodal_pressure_force": np.ones(shape)}, PRODUCTS)
-        answers.append([one.get("film_thickness").copy(), *product.values()])
-        one.close()
-    assert all(np.array_equal(a, b) for a, b in zip(*answers))
-
-
 BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]
 """Unequal, a row between them without a film."""
 DIFFERENCED = 1e-8
@@ -254,51 +230,6 @@ def test_several_films_in_a_block_that_moves_are_those_of_the_slave(flexible, ri
         assert error <= allowed * largest[name], name
 
 
-# ---- in a run
-
-
-SMALL = [
-    ("participants.bodies.build.grid", [12, 10]),
-    ("participants.ehd.build.grid", [12, 10]),
-    ("time.stop", "40 deg"),
-    ("participants.bodies.build.piston.modes", 0),
-    ("participants.bodies.build.block.modes", 0),
-]
-
-
-def test_a_run_with_native_fmus_is_the_run_in_python(tmp_path, make_native, rigid):
-    """As `run --lubrication FILE --bodies FILE`: interface Newton over both, by their derivatives,
-    is the same motion in as many iterations and products; and so with one of them alone.
-    """
-    path = find_case("numerical_example")
-    options, _ = prepare(*rigid_bodies([12, 10]), lambda text: None)
-    film = make_native([12, 10], mask=options["skirt"])  # as the case's own film has it
-    found = []
-    for name, swapped in (
-        ("python", {}),
-        ("native", {"ehd": film, "bodies": rigid}),
-        ("mixed", {"bodies": rigid}),
-    ):
-        tree = read_tree(path, SMALL)
-        for participant, fmu in swapped.items():
-            tree, left_out = swap(tree, participant, fmu)
-            assert left_out == []
-        case = check_case(tree, path)
-        output = tmp_path / f"{name}.h5"
-        summary = run(open_system(case, path.parent, print), case, tree, output)
-        assert summary["unconverged_steps"] == 0 and summary["derivative_products"] > 0
-        found.append((summary, Results(output)))
-    ports = "bodies.lateral_displacement", "bodies.rocking_angle", "ehd.friction_power"
-    (told, python), *others = found
-    for summary, native_run in others:
-        for name in ("steps", "mean_iterations", "derivative_products"):
-            assert summary[name] == told[name]
-        for port in ports:
-            a, b = (one.series(port)[0] for one in (python, native_run))
-            # a Newton step ends at 1 nm in the film, and what is left of it grows with round-off
-            assert np.abs(a - b).max() <= 1e-9 * np.abs(a).max()
-
-
 # ---- what is covered
 
 
@@ -353,19 +284,6 @@ def test_a_refused_step_leaves_the_motion_as_it_was(rigid):
 
 
 # ---- other hosts and machines
-
-
-def test_a_host_that_is_not_python(host, rigid, unpack, tmp_path):
-    """An empty environment; a step taken again from a saved state is the same."""
-    place = unpack(rigid, tmp_path / "a place")
-    cell = ("film_thickness[3,4]", "nodal_pressure_force[3,4]")
-    arguments = place.arguments("nodal_pressure_force[3,4]", 2.0, *cell)
-    command = [str(host), "5e-5", "3", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd="/", env={}, timeout=60)
-    assert done.returncode == 0, done.stderr
-    thickness, product, _, same = map(float, done.stdout.split())
-    assert thickness > 0.0 and same == 1.0
-    assert product != 0.0
 
 
 @pytest.mark.slow

@@ -125,22 +125,6 @@ def test_every_output_is_that_of_the_fmu_in_python(both):
     assert max(off.values()) <= ROUND_OFF
 
 
-def test_a_step_that_does_not_converge_is_halved_as_in_python(exported):
-    """So few iterations that steps are taken in halves and quarters; the same evaluations."""
-    few = [("coupling.max_iterations", 3)]
-    paths = exported(few), exported(few, native=False)
-    _, off = side_by_side(paths, 12)
-    assert max(off.values()) <= ROUND_OFF
-    unhurried = started(exported())
-    halved = started(paths[0])
-    for k in range(1, 13):
-        step(unhurried, k)
-        step(halved, k)
-    assert halved.get("residual_evaluations") > unhurried.get("residual_evaluations")
-    apart = abs(halved.get("lateral_displacement") - unhurried.get("lateral_displacement"))
-    assert apart > 1e-4 * abs(unhurried.get("lateral_displacement"))  # other steps were taken
-
-
 FOUR_MODES = [(f"participants.bodies.build.{body}.modes", 4) for body in ("piston", "block")]
 TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 
@@ -158,40 +142,6 @@ def test_flexible_bodies_are_those_of_the_fmu_in_python(exported):
     tight = FOUR_MODES + TIGHT
     _, off = side_by_side([exported(tight), exported(tight, native=False)], 20)
     assert max(off.values()) <= 1e-9  # 1.4e-11 was seen
-
-
-def test_derivatives_are_those_of_the_fmu_in_python(both):
-    """The step taken again with nudged inputs; nothing stays behind."""
-    answers, after = [], []
-    names = ("lateral_displacement", "minimum_film_thickness", "side_force")
-    for path in both:
-        one, other = started(path), started(path)
-        for k in range(1, 5):
-            step(one, k)
-            step(other, k)
-        seeds = {"crank_speed": np.array(1.0), "gas_pressure": np.array(2e4)}
-        products = one.derivative(seeds, names)
-        answers.append([float(products[name]) for name in names])
-        assert one.derivative({"crank_speed": np.array(0.0)}, names) == dict.fromkeys(names, 0.0)
-        for k in (5, 6):
-            step(one, k)
-            step(other, k)
-        assert [one.get(name) for name in names] == [other.get(name) for name in names]
-        after.append([one.get(name) for name in names])
-    # a difference over a nudge of 1e-3: round-off counts a thousandfold, and what cancels besides
-    np.testing.assert_allclose(answers[0], answers[1], rtol=1e-6)
-    assert np.all(np.array(answers[0]) != 0.0)
-    np.testing.assert_allclose(after[0], after[1], rtol=ROUND_OFF)
-
-
-def test_longer_steps_are_cut_into_macro_steps_as_in_python(both):
-    found = []
-    for path in both:
-        one = started(path)
-        for k, steps in ((1, 3), (4, 2.5), (6.5, 1)):
-            step(one, k, steps)
-        found.append([float(one.get(name)) for name in outputs_of(one)])
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-300)
 
 
 # ---- other cases than one film on one body

@@ -167,6 +167,12 @@ def test_values_of_laws_with_functions_of_the_c_library_are_the_models(native_fm
     assert max(differing.values(), default=0.0) <= 1e-11
 
 
+def mask_of(changes):
+    """Build option of the open cells of a model."""
+    cells = changes.get("open_cells")
+    return {} if cells is None else {"mask": (~cells).astype(int).tolist()}
+
+
 def test_another_grid_has_the_same_library_and_the_models_bits(native_fmu, make_native):
     other = make_native([9, 16])
     name = "binaries/linux64/fmu_ehd.so"
@@ -188,18 +194,15 @@ def test_beside_cut_outs_the_values_are_the_bits_of_the_model(make_native, aroun
     open_cells = opening(GRID)
     open_cells[4, 0] = open_cells[9, 5] = open_cells[2, 9] = True
     open_cells[[3, 3, 2, 4], [3, 5, 4, 4]] = True
-    path = make_native([*GRID], mask=(~open_cells).astype(int).tolist())
     changes = dict(around, open_cells=open_cells, roughness_rms=3e-6)
-    differing = side_by_side(path, GRID, changes, 90)
-    assert differing == {}
+    assert side_by_side(make_native([*GRID], **mask_of(changes)), GRID, changes, 90) == {}
 
 
 @pytest.mark.parametrize("name", WITH_CUT_OUTS)
 def test_beside_cut_outs_every_choice_has_the_values_of_the_model(make_native, name):
     """All laws at once, too; surfaces that touch, oil that is scarce."""
     changes = physics(GRID)[name]
-    path = make_native([*GRID], mask=(~changes["open_cells"]).astype(int).tolist())
-    differing = side_by_side(path, GRID, changes, 60)
+    differing = side_by_side(make_native([*GRID], **mask_of(changes)), GRID, changes, 60)
     # exp and log of C libraries, as of oils; Newton's method on a coating ends at 1e-11 of it
     assert max(differing.values(), default=0.0) <= (1e-9 if name == "everything" else 0.0)
 
@@ -215,17 +218,12 @@ BEARINGS = {
 }
 
 
-@pytest.mark.parametrize("grid", [GRID, (9, 16)])
 @pytest.mark.parametrize("name", BEARINGS)
-def test_a_bearing_has_the_bits_of_the_model(make_native, name, grid):
+def test_a_bearing_has_the_bits_of_the_model(make_native, name):
     """Sliding both ways, the film filled in part; from the library of skirts."""
     changes = dict(BEARINGS[name], surface="bearing")
-    options = {}
-    if "open_cells" in changes:
-        changes["open_cells"] = opening(grid)
-        options["mask"] = (~opening(grid)).astype(int).tolist()
-    path = make_native([*grid], surface="bearing", **options)
-    differing = side_by_side(path, grid, changes, 60)
+    path = make_native([*GRID], surface="bearing", **mask_of(changes))
+    differing = side_by_side(path, GRID, changes, 60)
     # exp and log of C libraries
     assert max(differing.values(), default=0.0) <= (1e-11 if name == "any oil" else 0.0)
 
@@ -252,18 +250,11 @@ SUPPLIED = {
 }
 
 
-@pytest.mark.parametrize("grid", [GRID, (9, 16)])
 @pytest.mark.parametrize("name", SUPPLIED)
-def test_oil_on_the_bore_has_the_bits_of_the_model(make_native, name, grid):
+def test_oil_on_the_bore_has_the_bits_of_the_model(make_native, name):
     """Oil that is scarce, over two strokes and more; steps taken back take the layer back."""
-    changes = dict(SUPPLIED[name])
-    options = {}
-    if "open_cells" in changes:
-        changes["open_cells"] = opening(grid)
-        options["mask"] = (~opening(grid)).astype(int).tolist()
-    path = make_native([*grid], **options)
-    differing = side_by_side(path, grid, changes, 400 if grid == GRID else 100)
-    assert differing == {}
+    changes = SUPPLIED[name]
+    assert side_by_side(make_native([*GRID], **mask_of(changes)), GRID, changes, 400) == {}
 
 
 def test_a_cut_out_may_have_any_temperature(make_native):
@@ -397,13 +388,6 @@ def test_farther_than_the_stroke_is_refused_in_the_words_of_the_model(native_fmu
         for _ in range(20):
             step(one, film, velocity, 1e-4)
     one.close()
-
-
-def test_all_that_is_wrong_at_a_start_is_said_at_once(native_fmu):
-    wrong = dict(bore_radius=7.0, coating_thickness=1.0, stroke=9.0)
-    with pytest.raises(BadInput) as refusal:
-        started(native_fmu, *motored_film(GRID, 0.0), **wrong).close()
-    assert all(name in str(refusal.value) for name in wrong)
 
 
 def test_options_that_are_not_covered_are_refused_before_anything_is_compiled():

@@ -10,7 +10,6 @@ import zipfile
 import fmpy
 import numpy as np
 import pytest
-from fmpy import fmi2
 from fmpy.validation import validate_fmu
 
 from piston_cosim.master.fmi.builder import build_fmu
@@ -153,26 +152,6 @@ def test_every_fault_is_heard_and_the_next_instance_is_sound(fmu):
         started(fmu, viscosity=-1.0, roughness_rms=-1e-6)
     assert len(refusal.value.faults) == 2
     forces(started(fmu))
-
-
-def test_wrong_references_are_errors(fmu):
-    participant = started(fmu)
-    with pytest.raises(Exception) as failure:
-        participant._fmu.setReal([10**6], [0.0])
-    assert failure.value.status == fmi2.fmi2Error
-    assert "1000000" in participant.log[-1][1]
-
-
-def test_reset_is_a_fresh_instance(fmu):
-    participant = started(fmu, viscosity=0.05)
-    first = forces(participant)
-    participant._fmu.reset()
-    participant._fmu.setupExperiment(startTime=0.0)
-    participant.set("film_thickness", np.full(CELLS, 3e-5))
-    participant._fmu.enterInitializationMode()
-    participant._fmu.exitInitializationMode()
-    assert participant.get("viscosity") != 0.05
-    assert np.abs(forces(participant) - first).max() > 0
 
 
 def test_fmus_are_packed_the_same_every_time(fmu, tmp_path):

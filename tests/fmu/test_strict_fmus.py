@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.isolated import IsolatedParticipant
 from piston_cosim.master.results.file import Results
@@ -169,31 +168,3 @@ def test_an_fmu_that_cannot_be_terminated_is_heard_and_freed(folder, isolated):
     with pytest.raises(Exception, match="one: at its end: the cell will not end"):
         one.close()
     one.close()  # nothing is left to close
-
-
-@pytest.mark.parametrize("version", ["2.0", "3.0"])
-def test_outputs_of_our_fmus_follow_inputs_in_initialization_mode(version, fmu_of_spring):
-    """F = -100 u: 0.1 m at first, then what is set, then again."""
-    participant = fmu_of_spring(version)
-    participant.enter({}, 0.0, 1.0)
-    seen = [participant.get("force")]
-    for displacement in (0.3, -0.2):
-        participant.set("displacement", displacement)
-        seen.append(participant.get("force"))
-    participant.leave()
-    seen.append(participant.get("force"))
-    participant.set("displacement", 1.0)
-    seen.append(participant.get("force"))  # a new input acts by a step from now on
-    participant.close()
-    assert seen == pytest.approx([-10.0, -30.0, 20.0, 20.0, 20.0], rel=1e-15)
-
-
-@pytest.fixture
-def fmu_of_spring():
-    from piston_cosim.master.participants.open import open_fmu
-
-    def make(version):
-        place = f"{HERE}/mass_and_spring.py:Spring"
-        return open_fmu("spring", build_fmu_of_file(place, {}, version=version))
-
-    return make

@@ -317,6 +317,11 @@ def test_wrong_references_tokens_and_calls_are_errors(toy, fmu):
         assert len(fmi.getFloat64([u], 6)) == 6
         with pytest.raises(FMICallException):
             fmi.getFloat64([u], 5)
+        for count in (0, 5, 7):
+            with pytest.raises(FMICallException):
+                fmi.setFloat64([u], [0.0] * count)
+            words = f"fmi3SetFloat64: the variables have 6 elements, {count} values were given"
+            assert toy.log[-1][1] == words
     derive = fmi.getDirectionalDerivative
     assert derive([gain], [gain], [1.0]) == [0.0]  # nothing follows a parameter within a step
     with pytest.raises(FMICallException):
