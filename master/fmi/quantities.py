@@ -11,7 +11,6 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
-from .answers import cached_results
 from .cache import cache_folder
 from .errors import BadInput
 
@@ -69,8 +68,9 @@ def _without_pint(value, unit):
 def to_si(value: str | float, unit: str) -> float:
     """Convert a user's value to SI; see `_by_pint`."""
     plain = _without_pint(value, unit)
-    plain = _by_pint(value, unit) if plain is None else plain
-    if not isfinite(plain):
+    if plain is None and not isinstance(value, bool) and isinstance(value, (str, int, float)):
+        plain = _by_pint(value, unit)
+    if plain is None or not isfinite(plain):
         raise _not_a_quantity(value, unit)
     return plain
 
@@ -86,7 +86,7 @@ def _not_a_quantity(value, unit):
     return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
 
 
-@cached_results("pint")
+@cache
 def _by_pint(value, unit):
     """Convert a user's value to SI.
 
@@ -106,8 +106,6 @@ def _by_pint(value, unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
     ureg = registry()
     target = ureg.Unit(pint_unit(unit))
-    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise _not_a_quantity(value, unit)
     try:
         quantity = ureg.Quantity(value)
         compatible = quantity.is_compatible_with(target)
@@ -118,7 +116,7 @@ def _by_pint(value, unit):
     return float(quantity.to(target).magnitude)
 
 
-@cached_results("pint")
+@cache
 def from_si(value: float, si: str, unit: str) -> float:
     """Convert a value from the SI unit `si` to another unit, as pint writes it.
 
@@ -132,7 +130,7 @@ def from_si(value: float, si: str, unit: str) -> float:
         raise ValueError(f"expected a unit of {si}, got {unit!r}") from error
 
 
-@cached_results("pint")
+@cache
 def worth(unit: str, other: str) -> str:
     """Return the kind of the product of two FMI units: "energy", "power", or its unit."""
     product = registry()(pint_unit(unit)) * registry()(pint_unit(other))
@@ -170,7 +168,7 @@ def is_angle(text: str) -> bool:
     return _without_pint(text, "s") is None and _is_angle(text)
 
 
-@cached_results("pint")
+@cache
 def _is_angle(text: str) -> bool:
     try:
         units = registry().Quantity(text).units
@@ -179,7 +177,7 @@ def _is_angle(text: str) -> bool:
     return units.is_compatible_with("rad") and str(units) != "dimensionless"
 
 
-@cached_results("pint")
+@cache
 def is_known(unit: str) -> bool:
     """Return whether pint knows a unit; FMUs may use any name."""
     try:

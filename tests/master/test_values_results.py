@@ -14,7 +14,15 @@ from rich.console import Console
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.times import times
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.fmi.quantities import base_unit, pint_unit, registry, short, to_si
+from piston_cosim.master.fmi.quantities import (
+    base_unit,
+    from_si,
+    pint_unit,
+    registry,
+    short,
+    to_si,
+    worth,
+)
 from piston_cosim.master.results.compare import (
     Measured,
     against_first,
@@ -303,6 +311,15 @@ def test_a_page_of_figures_has_a_table_a_part(tmp_path, monkeypatch):
     assert "## ehd\n\n| case | quantity |" in text
     assert "| case a | x [-] | 1.01 | 1 | 0.01 | 0.1 relative | by hand |\n\n## mfbd" in text
     assert "| case b | y\\|z [m] | 2 |  | 2 | 1 at most | round-off |" in text
+
+
+def test_products_and_conversions_by_hand():
+    assert worth("Pa", "m3") == "energy" and worth("Pa.s", "m3/s2") == "power"
+    assert worth("N", "s") not in ("energy", "power")
+    assert from_si(0.0254, "m", "in") == pytest.approx(1.0, rel=1e-15)
+    with pytest.raises(ValueError, match="m"):
+        from_si(1.0, "m", "kg")
+    assert to_si("1 in", "m") == pytest.approx(0.0254, rel=1e-15)
 
 
 def test_definitions_of_units_are_kept_and_damage_heals(tmp_path, monkeypatch):
