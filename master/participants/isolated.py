@@ -1,7 +1,7 @@
 """FMU in a separate process: if it hangs or crashes, the run ends with a message.
 
-Both processes share the memory of the fields. Commands go through a pipe, as many as possible in
-one message. A response that exceeds the timeout ends the FMU's process.
+Commands and values go through a pipe, as many as possible in one message. A response that exceeds
+the timeout ends the FMU's process.
 """
 
 import traceback
@@ -9,10 +9,12 @@ from contextlib import suppress
 from itertools import count
 from typing import Any
 
+import numpy as np
+
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .open import open_fmu
 from .participant import StartedInHalves
-from .worker import Worker, shared_file, shared_numbers
+from .worker import Worker
 
 
 class IsolatedParticipant(StartedInHalves):
@@ -50,20 +52,17 @@ class IsolatedParticipant(StartedInHalves):
         self._process: Any = None
         self._queue: list[tuple[str, tuple]] = []
         self._awaited: Any = None
-        self._fresh: set[str] = set()
-        self._read_ahead: set[str] = set()
+        self._fresh: dict[str, Any] = {}  # values that were read since the last change
         self._numbers = count(1)
 
     def launch(self):
         """Start the process. Call it before `start`, because it takes time."""
-        memory = shared_file(2 * sum(field.size for field in self.fields.values()))
         described = self.described
         length = getattr(described, "length", None)
         how = described.elements, described.event_mode
         recipe = self.name, self.path, described.sizes, length, *how
-        self._process = Worker(_serve, memory, recipe, files=[memory])
+        self._process = Worker(_serve, recipe)
         self._pipe = self._process.pipe
-        self._values, self._changes = _views(shared_numbers(memory), self.fields)
 
     def another(self):
         """Return a second instance in a separate process, not started."""
@@ -78,7 +77,7 @@ class IsolatedParticipant(StartedInHalves):
 
     def leave(self):
         """Run the second half of `start`."""
-        self._fresh = set()
+        self._fresh = {}
         self._ask("leave")
 
     def warned(self):
@@ -87,16 +86,12 @@ class IsolatedParticipant(StartedInHalves):
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
-        self._fresh = set()  # an output may follow its input immediately
-        if self.fields[name].type == "Real" and not self.fields[name].clocked:
-            self._values[name][...] = value
-            self._queue.append(("write", (name,)))
-        else:
-            self._queue.append(("set", (name, value)))
+        self._fresh = {}  # an output may follow its input immediately
+        self._queue.append(("set", (name, _copied(value))))
 
     def set_course(self, name, course):
-        self._fresh = set()  # an output may follow its input immediately
-        self._queue.append(("set_course", (name, course)))
+        self._fresh = {}  # an output may follow its input immediately
+        self._queue.append(("set_course", (name, _copied(course))))
 
     def get(self, name):
         """Return the value of a field: array of its shape, or a Python scalar.
@@ -106,11 +101,8 @@ class IsolatedParticipant(StartedInHalves):
         if self.fields[name].type != "Real" or self.fields[name].clocked:
             return self._ask("get", name)
         if name not in self._fresh:
-            self._ask("read", name)
-            self._read_ahead.add(name)
-            self._fresh.add(name)
-        value = self._values[name]
-        return value.copy() if value.shape else value.item()
+            self._fresh[name] = self._ask("read", name)
+        return _copied(self._fresh[name])
 
     def get_many(self, names):
         """Return the values of several scalars by name."""
@@ -120,7 +112,7 @@ class IsolatedParticipant(StartedInHalves):
         self._ask("stop_at", clocks)
 
     def tick(self, time, step):
-        self._fresh = set()
+        self._fresh = {}
         self._ask("tick", time, step)
 
     def next_tick(self):
@@ -134,13 +126,12 @@ class IsolatedParticipant(StartedInHalves):
 
     def begin_step(self, time, step):
         """Begin a step, so that other participants may step until `end_step`."""
-        self._fresh = set()
+        self._fresh = {}
         self._send("step", time, step)
 
     def end_step(self):
         """Wait for the end of the step; raise what `step` raises."""
-        self.ended = self._receive()
-        self._fresh = set(self._read_ahead)
+        self.ended, self._fresh = self._receive()
 
     def save(self):
         """Return the number of the FMU's saved state; `free` it after use."""
@@ -148,7 +139,7 @@ class IsolatedParticipant(StartedInHalves):
 
     def restore(self, saved):
         """Restore a saved state, where the next step begins."""
-        self._fresh = set()
+        self._fresh = {}
         self._queue.append(("restore", (saved,)))
 
     def free(self, saved):
@@ -171,10 +162,7 @@ class IsolatedParticipant(StartedInHalves):
 
     def derivative(self, seeds, products):
         """Return the directional derivative of the last step; see `FmuParticipant.derivative`."""
-        for name, value in seeds.items():
-            self._changes[name][...] = value
-        answered = self._ask("derivative", list(seeds), list(products))
-        return {name: self._changes[name].copy() for name in answered}
+        return self._ask("derivative", dict(seeds), list(products))
 
     def close(self):
         """Terminate the FMU and its process."""
@@ -233,41 +221,26 @@ class IsolatedParticipant(StartedInHalves):
         )
 
 
-def _views(storage, fields):
-    """Return two views of each field in the shared memory: its value, and its change.
-
-    Changes are the seeds and products of derivatives.
-    """
-    offset, values, changes = 0, {}, {}
-    for name, field in fields.items():
-        for views in (values, changes):
-            views[name] = storage[offset : offset + field.size].reshape(field.shape)
-            offset += field.size
-    return values, changes
+def _copied(value):
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 class Server:
     """Other end of the pipe: runs commands on the real participant."""
 
-    def __init__(self, participant, memory):
+    def __init__(self, participant):
         self.participant, self.saved, self.read_ahead = participant, {}, set()
-        self.values, self.changes = _views(memory, participant.fields)
 
     def run(self, method, arguments):
         return (getattr(self, method, None) or getattr(self.participant, method))(*arguments)
 
-    def write(self, name):
-        self.participant.set(name, self.values[name])
-
     def read(self, name):
-        self.values[name][...] = self.participant.get(name)
         self.read_ahead.add(name)
+        return self.participant.get(name)
 
     def step(self, time, step):
         self.participant.step(time, step)
-        for name in self.read_ahead:
-            self.values[name][...] = self.participant.get(name)
-        return self.participant.ended
+        return self.participant.ended, {n: self.participant.get(n) for n in self.read_ahead}
 
     def save(self, number):
         self.saved[number] = self.participant.save()
@@ -284,17 +257,10 @@ class Server:
     def deserialise(self, number, data):
         self.saved[number] = self.participant.deserialise(data)
 
-    def derivative(self, seeds, products):
-        changes = {name: self.changes[name] for name in seeds}
-        derivatives = self.participant.derivative(changes, products)
-        for name, value in derivatives.items():
-            self.changes[name][...] = value
-        return list(derivatives)
 
-
-def _serve(pipe, memory, recipe):
+def _serve(pipe, recipe):
     """Run commands until `close`, or until the master has ended."""
-    server = Server(open_fmu(*recipe), shared_numbers(memory))
+    server = Server(open_fmu(*recipe))
     with suppress(EOFError, OSError):  # a master that was killed closes or resets the pipe
         while True:
             queue = pipe.recv()

@@ -4,22 +4,18 @@ The fresh processes of the standard library import the user's script again. A sc
 __name__ == "__main__":` would then start its runs again in each of them.
 """
 
-import mmap
 import os
 import select
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
-
-import numpy as np
 
 GRACE = 1.0
 """Time that a worker has to end after the other side has closed its pipe [s]."""
@@ -34,19 +30,15 @@ class Worker:
         Function of a module of this package.
     *arguments
         Plain data.
-    files : sequence of int
-        File descriptors that the process shares, under the same numbers.
     """
 
-    def __init__(
-        self, function: Callable[..., None], *arguments: Any, files: Sequence[int] = ()
-    ) -> None:
+    def __init__(self, function: Callable[..., None], *arguments: Any) -> None:
         here, there = socket.socketpair()
         text = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import spawn_main; "
         with there:
             self._process = subprocess.Popen(
                 [sys.executable, "-c", f"{text}spawn_main({there.fileno()})"],
-                pass_fds=(there.fileno(), *files),
+                pass_fds=(there.fileno(),),
             )
         self.pipe = Connection(here.detach())
         with suppress(OSError):  # the process has ended, which the next receiver notices
@@ -97,21 +89,3 @@ def _follow(descriptor):
     closed.poll()
     time.sleep(GRACE)
     os._exit(1)
-
-
-def shared_file(count: int) -> int:
-    """Return the descriptor of a memory file for `count` 64-bit numbers."""
-    if hasattr(os, "memfd_create"):
-        descriptor = os.memfd_create("fields")
-    else:
-        with tempfile.TemporaryFile() as file:
-            descriptor = os.dup(file.fileno())
-    os.ftruncate(descriptor, 8 * max(1, count))
-    return descriptor
-
-
-def shared_numbers(descriptor: int) -> np.ndarray:
-    """Return the numbers of a `shared_file`, and close its descriptor."""
-    memory = mmap.mmap(descriptor, 0)
-    os.close(descriptor)
-    return np.frombuffer(memory)
