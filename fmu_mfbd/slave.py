@@ -1,6 +1,5 @@
 """The body FMU: a table of variables and a step."""
 
-from dataclasses import replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -31,7 +30,6 @@ from .dynamics.parameters import (
     PinParameters,
     SpaceParameters,
 )
-from .dynamics.pin_model import PistonOnFloatingPin
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
@@ -97,8 +95,6 @@ class Mfbd(FieldSlave):
         """
         options = self.built
         self._gas_told = False
-        if options.gas and values["gas_source"] == "input":
-            options = replace(options, gas=None)
         parameters = _taken(Parameters, values)
         piston, block, bosses, eye = load_bodies(self.resources, options)
         pin = options.floating_pin
@@ -186,13 +182,12 @@ class Mfbd(FieldSlave):
         """Return the product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)
         rings = _rings(seeds)
-        if isinstance(self.model, PistonOnFloatingPin):
-            pins = self._pins(seeds)
-            return self.model.directional_derivative(pressure, friction, rings, pins)
         carried = NOT_CARRIED
         if self.built.mounted:
             carried = np.array([float(seeds[name]) for name in BLOCK])
-        change = self.model.directional_derivative(pressure, friction, rings, carried)
+        change = self.model.directional_derivative(
+            pressure, friction, rings, carried, pins=self._pins(seeds)
+        )
         if self.built.block.bore_from_outside:
             widened = self.model.widened(seeds[BORE])
             change |= {name: change[name] + opened for name, opened in widened.items()}
@@ -202,7 +197,7 @@ class Mfbd(FieldSlave):
         pressure, friction = (self._stacked(values, name) for name in FORCES)
         return Inputs(
             values["crank_speed"],
-            0.0 if values["gas_source"] == "table" else values["gas_pressure"],
+            values["gas_pressure"],
             pressure,
             friction,
             _rings(values),

@@ -16,6 +16,7 @@ impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
 account            what they took from the film over it
 state              what a step starts from
+step               a step and its derivatives, for both FMUs
 model              one step after the other
 pin_coordinates    those of a pin on films of its own
 floating_pin       their equations of motion (K, D)
@@ -26,7 +27,6 @@ pin_films          all films of pin and crank
 elimination        small systems of linear equations (N)
 pin_instant        all of it at one instant with a floating pin, compiled
 pin_response       its derivative
-pin_model          the model with them
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them
 bore_from_outside  a bore that deflects as another participant says (H)

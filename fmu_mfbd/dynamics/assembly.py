@@ -1,7 +1,6 @@
 """From reduced bodies and parameters to the model that runs."""
 
-from collections.abc import Mapping, Sequence
-from itertools import zip_longest
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,11 +8,20 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import none_yet, sentences_of
-from ..geometry.film import FilmSurface
+from ..geometry.arrays import Vector
 from ..geometry.grid import film_rows
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
-from ..geometry.pin_shapes import STRAIGHT, Beam, HollowPin, free_beam
-from ..geometry.surfaces import in_block, with_room
+from ..geometry.pin_shapes import AxisShapes, Beam, HollowPin, free_beam
+from ..geometry.surfaces import (
+    each_pin_of,
+    in_block,
+    pin_surface_at,
+    pins_in_block,
+    pins_of,
+    put_pin_surface,
+    row_at,
+    with_room,
+)
 from ..reduction.reduced_body import (
     ReducedBlock,
     ReducedBosses,
@@ -22,13 +30,13 @@ from ..reduction.reduced_body import (
     load,
 )
 from .bore_from_outside import outside_bore
-from .build_options import BuildOptions, CrankBearing, FloatingPin
-from .clearance import surfaces
+from .build_options import BuildOptions, FloatingPin
+from .clearance import machined, surfaces
 from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
-from .gas_on_bore import bore_wall
+from .gas_on_bore import BoreWall, bore_wall
 from .modal_damping import ModalSprings, modal_springs
-from .model import Crank, PistonInBore
+from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
 from .parameters import (
     AxisParameters,
@@ -36,30 +44,32 @@ from .parameters import (
     MainBearingParameters,
     Parameters,
     PinParameters,
+    Settings,
     SpaceParameters,
+    settings_of,
 )
-from .pin_coordinates import RIGID_CRANK, Crankshaft
+from .pin_coordinates import Crankshaft, PinBodies
+from .pin_films import PinSystem
 from .pin_friction import PinFriction
-from .pin_model import PistonOnFloatingPin
+from .pin_inertia import inertia, inertia_with_rod
+from .pin_shells import EYE
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
+from .step import BodyModel
 from .system import BodySystem
+from .tables import GasCurve, GasTable
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
 short of the skirt's two radii.
 """
 
+NO_GAS = GasTable(np.zeros(0), np.zeros(0), 0.0)
+"""Table of gas pressure without points."""
+
 CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
 """Film surface of the crank -> its own parameters."""
-
-
-class PistonParts(NamedTuple):
-    """The piston with the modes that move, and those that follow statically."""
-
-    moving: FlexibleBody
-    static: StaticModes
 
 
 class ReducedBodies(NamedTuple):
@@ -82,6 +92,177 @@ def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
     )
 
 
+class BodySetup(NamedTuple):
+    """Bodies and films before any parameter is known.
+
+    Parameters
+    ----------
+    fit : Fit
+    gas, gas_area, mounted
+        As of `BodyModel`.
+    piston : FlexibleBody
+        All modes, with springs of no meaning.
+    gas_force, wall
+        As of `BodySystem`, the rings unset.
+    piston_omega, block_omega, eye_omega : ndarray
+        Angular frequencies of all modes [rad/s].
+    surfaces, pin_surfaces : ndarray
+        Films of the skirt before `clearance.machined`, and of pin and crank before `pin_films`.
+    """
+
+    fit: Fit
+    gas: GasCurve
+    gas_area: float
+    mounted: bool
+    piston: FlexibleBody
+    gas_force: Vector
+    wall: BoreWall
+    piston_omega: Vector
+    block_omega: Vector
+    eye_omega: Vector
+    surfaces: Vector
+    pin_surfaces: Vector
+
+
+def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:
+    """Return what no parameter changes.
+
+    `needs` are parameters that decide what exists: gas on the wall if there is a top ring, and a
+    table for the widening of the bore if it grows.
+    """
+    piston, block, bosses, eye = bodies
+    films = surfaces(piston, block, options)
+    if needs.bore_growth_lower or needs.bore_growth_upper or options.block.bore_from_outside:
+        films = with_room(films, len(block.heights))
+    contiguous = np.ascontiguousarray
+    return BodySetup(
+        fit=fit_of(piston, block, options, bosses, eye.eye_radius if eye else 0.0),
+        gas=GasCurve(*vars(options.gas or NO_GAS).values()),
+        gas_area=np.pi * block.radius**2,
+        mounted=options.mounted,
+        piston=FlexibleBody(
+            mass=piston.mass,
+            S=piston.S,
+            I0=piston.I0,
+            T=contiguous(piston.T),
+            b=contiguous(piston.b),
+            B=contiguous(piston.B),
+            g=contiguous(piston.g),
+            G=contiguous(piston.G),
+            stiffness=piston.omega,
+            damping=piston.omega,
+        ),
+        gas_force=contiguous(piston.gas_force),
+        wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
+        piston_omega=piston.omega,
+        block_omega=block.omega,
+        eye_omega=eye.eye_omega if eye else np.zeros(0),
+        surfaces=in_block(films),
+        pin_surfaces=pins_in_block(pin_surfaces(options, bosses, eye)),
+    )
+
+
+@compilable
+def assembled(setup: BodySetup, p: Settings) -> BodyModel:
+    """Return the model for these parameters, without the inertia of a floating pin."""
+    fit, body, wall = setup.fit, setup.piston, setup.wall
+    springs = modal_springs(setup.piston_omega, p)
+    k = moving_modes(setup.piston_omega, p)
+    on_block = modal_springs(setup.block_omega, p)
+    m = moving_modes(setup.block_omega, p)
+    system = BodySystem(
+        FlexibleBody(
+            body.mass,
+            body.S,
+            body.I0,
+            body.T[:, :k].copy(),
+            body.b[:k].copy(),
+            body.B[:k, :k].copy(),
+            body.g[:k].copy(),
+            body.G[:k, :k].copy(),
+            springs.stiffness[:k],
+            springs.damping[:k],
+        ),
+        StaticModes(
+            springs.stiffness[k:], body.T[:, k:].copy(), body.b[k:].copy(), body.g[k:].copy()
+        ),
+        ModalSprings(on_block.stiffness[:m], on_block.damping[:m]),
+        standing(on_block.stiffness[m:]),
+        mechanism(fit.piston_radius, fit.pin_offset, p),
+        machined(setup.surfaces, fit, p),
+        fit.pin_offset,
+        setup.gas_force,
+        BoreWall(
+            wall.lowest,
+            wall.spacing,
+            wall.above,
+            wall.at,
+            p.top_ring_height,
+            p.second_ring_height,
+            p.land_pressure_share,
+        ),
+    )
+    none = np.zeros(0)
+    radius = pin_radius(fit.piston_radius, p)
+    bodies = PinBodies(
+        system.piston,
+        system.mechanism,
+        pin_spin_inertia(p.pin_mass, radius, p.pin_inertia),
+        AxisShapes(none, none, none, none, none),
+        modal_springs(setup.eye_omega, p),
+        Crankshaft(
+            fit.has_big_end,
+            fit.has_main_bearing,
+            p.crank_mass,
+            p.crank_unbalance if fit.has_main_bearing else 0.0,
+        ),
+    )
+    no_inertia = np.zeros((0, 0))
+    parts = PinSystem(system, bodies, pin_films(setup, p), no_inertia, no_inertia)
+    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.mounted)
+
+
+@compilable
+def moving_modes(omega: np.ndarray, p: Settings) -> int:
+    """Return the number of modes that have inertia."""
+    count = 0
+    for one in omega:
+        count += one <= 2 * np.pi * p.quasi_static_frequency
+    return count
+
+
+@compilable
+def pin_films(setup: BodySetup, p: Settings) -> np.ndarray:
+    """Return the films of pin and crank with their radii and clearances."""
+    out = setup.pin_surfaces.copy()
+    for k in range(pins_of(out)):
+        radius = pin_radius(setup.fit.piston_radius, p)
+        clearance = p.boss_clearance if k < EYE else p.small_end_clearance
+        if k == EYE + 1 and setup.fit.has_big_end:
+            radius = p.big_end_radius
+            clearance = p.big_end_clearance
+        elif k > EYE:
+            radius = p.main_bearing_radius
+            clearance = p.main_bearing_clearance
+        one = pin_surface_at(out, k)
+        for j in range(len(one.clearance)):
+            one.clearance[j] = clearance
+        turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
+        put_pin_surface(row_at(out, k), turned)
+    return out
+
+
+@compilable
+def with_inertia(model: BodyModel) -> BodyModel:
+    """Return the same model with the inertia of its bodies, which a floating pin needs."""
+    parts = model.parts
+    bodies = parts.bodies
+    parts = PinSystem(
+        parts.system, bodies, parts.surfaces, inertia(bodies), inertia_with_rod(bodies)
+    )
+    return BodyModel(parts, model.settings, model.gas, model.gas_area, model.mounted)
+
+
 def assemble(
     piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
 ) -> PistonInBore:
@@ -98,62 +279,21 @@ def assemble(
     -------
     PistonInBore
     """
-    films = surfaces(piston, block, options, parameters)
-    if options.block.bore_from_outside:
-        films = with_room(films, len(block.heights))
-    system = assemble_system(piston, block, options, parameters, films)
-    crank = Crank(
-        free=bool(parameters.crank_free),
-        inertia=parameters.crank_inertia,
-        load_torque=parameters.load_torque,
-        table=options.speed,
-    )
-    gas_area = np.pi * block.radius**2
+    setup = setup_of(ReducedBodies(piston, block, None, None), options, parameters)
+    model = assembled(setup, settings_of(parameters))
+    tied = model.parts._replace(surfaces=pins_in_block(()))
+    return _in_bore(model._replace(parts=tied), block, options)
+
+
+def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> PistonInBore:
+    """Return the model with its options in Python."""
     grid = options.block.bore_from_outside
+    if not grid:
+        return PistonInBore(model, options)
     around, _ = options.grid
-    return PistonInBore(
-        system,
-        crank,
-        gas_area,
-        parameters.spectral_radius,
-        options.gas,
-        options.film_grids(),
-        parameters.crank_unbalance if options.mounted else None,
-        outside=outside_bore(grid, around, block.heights, block.radius, system.wall)
-        if grid
-        else None,
-    )
-
-
-def assemble_system(
-    piston: ReducedPiston,
-    block: ReducedBlock,
-    options: BuildOptions,
-    parameters: Parameters,
-    films: Sequence[FilmSurface],
-) -> BodySystem:
-    """Return both bodies, the mechanism and the films of a skirt."""
-    parts = parted_piston(piston, options, parameters)
-    springs = modal_springs(block.omega, parameters)
-    k = _moving(block, parameters)
-    return BodySystem(
-        piston=parts.moving,
-        piston_static=parts.static,
-        block=ModalSprings(springs.stiffness[:k], springs.damping[:k]),
-        block_static=standing(springs.stiffness[k:]),
-        mechanism=mechanism(piston.radius, options.piston.pin_offset, parameters),
-        surfaces=in_block(films),
-        pin_offset=options.piston.pin_offset,
-        gas_force=np.ascontiguousarray(piston.gas_force),
-        wall=bore_wall(
-            block.heights,
-            block.radial,
-            block.radius,
-            parameters.top_ring_height,
-            parameters.second_ring_height,
-            parameters.land_pressure_share,
-        ),
-    )
+    wall = model.parts.system.wall
+    outside = outside_bore(grid, around, block.heights, block.radius, wall)
+    return PistonInBore(model, options, outside)
 
 
 def assemble_floating(
@@ -167,7 +307,7 @@ def assemble_floating(
     crank: CrankParameters | None = None,
     *,
     small_end: ReducedSmallEnd | None = None,
-) -> PistonOnFloatingPin:
+) -> PistonInBore:
     """Return the model of a piston whose pin floats.
 
     `pin` holds its own parameters, `bosses` those of a flexible piston, `axis` those of a pin with
@@ -175,49 +315,37 @@ def assemble_floating(
     others are as in `assemble`.
     """
     assert options.floating_pin
-    radius = pin_radius(piston.radius, parameters)
+    setup = setup_of(ReducedBodies(piston, block, bosses, small_end), options, parameters)
     crank = crank or {}
-    eye_omega = small_end.eye_omega if small_end else np.zeros(0)
-    eye = modal_springs(eye_omega, parameters)
-    spin = pin_spin_inertia(parameters.pin_mass, radius, pin.pin_inertia)
-    shapes = STRAIGHT
-    films = pin_surfaces(options, radius, pin, crank, bosses, small_end)
+    model = assembled(setup, settings_of(parameters, pin, *crank.values()))
     if axis:
+        parts = model.parts
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
-        spin = pin.pin_inertia or beam.pin.spin_inertia()
-        shapes = beam.shapes(modal_springs(beam.omega, parameters).damping)
-        films = with_shapes(films, options.floating_pin, bosses, beam, axis)
-    return PistonOnFloatingPin(
-        assemble(piston, block, options, parameters),
-        films,
-        options.pin_grids(),
-        spin,
-        shapes,
-        eye,
-        crankshaft(options, parameters, crank),
-        absent=options.absent_parts(),
-    )
+        rigid = each_pin_of(parts.surfaces)
+        films = with_shapes(rigid, options.floating_pin, bosses, beam, axis)
+        shaped = parts.bodies._replace(
+            spin_inertia=pin.pin_inertia or beam.pin.spin_inertia(),
+            shapes=beam.shapes(modal_springs(beam.omega, parameters).damping),
+        )
+        model = model._replace(parts=parts._replace(bodies=shaped, surfaces=pins_in_block(films)))
+    return _in_bore(with_inertia(model), block, options)
 
 
 def pin_surfaces(
-    options: BuildOptions,
-    radius: float,
-    pin: PinParameters,
-    crank: CrankParameters,
-    bosses: ReducedBosses | None,
-    small_end: ReducedSmallEnd | None,
+    options: BuildOptions, bosses: ReducedBosses | None, small_end: ReducedSmallEnd | None
 ) -> tuple[PinSurface, ...]:
-    """Return the films of a pin that stays parallel to its shells, and those of the crank."""
-    clearances = (pin.boss_clearance, pin.boss_clearance, pin.small_end_clearance)
-    shells: list[ShellModes | None] = [None, None]
+    """Return the films of a pin that stays parallel to its shells, and of the crank.
+
+    They have no radius and clearance yet. A tied pin has none.
+    """
+    shells: list[ShellModes | None] = [None] * len(options.pin_grids())
     if bosses:
-        shells = [shell_modes(*pair) for pair in zip(bosses.boss_outward, bosses.boss_onward)]
+        shells[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
     if small_end:
-        shells.append(shell_modes(small_end.eye_outward, small_end.eye_onward))
-    grids = options.pin_grids()
-    films = zip_longest(clearances, grids[: len(clearances)], shells)
-    of_pin = (pin_surface(radius, one, grid.shape, shell) for one, grid, shell in films)
-    return (*of_pin, *(journal_surface(one, crank) for one in options.crank_bearings))
+        shells[EYE] = shell_modes(small_end.eye_outward, small_end.eye_onward)
+    return tuple(
+        pin_surface(0.0, 0.0, grid.shape, shell) for grid, shell in zip(options.pin_grids(), shells)
+    )
 
 
 def with_shapes(
@@ -241,22 +369,6 @@ def with_shapes(
 def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
     """Return the inertia of a pin about its axis [kg m2]; default: solid cylinder."""
     return given if given > 0.0 else mass * radius**2 / 2
-
-
-def crankshaft(options: BuildOptions, parameters: Parameters, crank: CrankParameters) -> Crankshaft:
-    """Return the crank with the films of the build table."""
-    big_end = "big_end" in options.crank_surfaces()
-    main = crank.get("main_bearing")
-    if not isinstance(main, MainBearingParameters):
-        return RIGID_CRANK._replace(big_end=big_end)
-    return Crankshaft(big_end, True, main.crank_mass, parameters.crank_unbalance)
-
-
-def journal_surface(bearing: CrankBearing, crank: CrankParameters) -> PinSurface:
-    """Return the film surface of the crank."""
-    own = crank[bearing.name]
-    radius, clearance = (getattr(own, f"{bearing.name}_{size}") for size in ("radius", "clearance"))
-    return pin_surface(radius, clearance, bearing.grid)
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
@@ -355,23 +467,12 @@ def faults(
     if noted[1] == ROD_TOO_SHORT and out:
         return out
     pin = options.floating_pin
-    limits = [
-        (options.speed, "a table build.speed"),
-        (pin, "a floating pin"),
-        (options.in_space, "motion in space"),
-    ]
+    limits = [(options.speed, "a table build.speed"), (options.in_space, "motion in space")]
     for given, what in limits:
         if given and parameters.crank_free:
             out.append(f"crank_free: expected 0 with {what}, got 1")
-    if pin:
-        fastest = piston.omega.max(initial=0.0) / (2 * np.pi)
-        if fastest > parameters.quasi_static_frequency:
-            out.append(
-                f"quasi_static_frequency: expected more than all modes with a floating pin, "
-                f"{fastest:.4g} Hz, got {parameters.quasi_static_frequency:g} Hz"
-            )
-        if axis:
-            out += axis_faults(piston, pin, parameters, bosses, axis)
+    if pin and axis:
+        out += axis_faults(piston, pin, parameters, bosses, axis)
     modes = len(block.omega) + len(piston.omega)
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
@@ -396,6 +497,7 @@ def fit_of(
         float(block.heights[-1]),
         bosses.boss_radius if bosses else 0.0,
         eye_radius,
+        piston.omega.max(initial=0.0) / (2 * np.pi),
         options.floating_pin is not None,
         "big_end" in films,
         "main_bearing" in films,
@@ -445,41 +547,8 @@ def axis_faults(
     return out
 
 
-def parted_piston(
-    piston: ReducedPiston, options: BuildOptions, parameters: Parameters
-) -> PistonParts:
-    """Return the piston with the modes up to the quasi-static frequency, and the faster ones."""
-    k = _moving(piston, parameters)
-    springs = modal_springs(piston.omega, parameters)
-    contiguous = np.ascontiguousarray
-    moving = FlexibleBody(
-        mass=piston.mass,
-        S=piston.S,
-        I0=piston.I0,
-        T=contiguous(piston.T[:, :k]),
-        b=contiguous(piston.b[:k]),
-        B=contiguous(piston.B[:k, :k]),
-        g=contiguous(piston.g[:k]),
-        G=contiguous(piston.G[:k, :k]),
-        stiffness=springs.stiffness[:k],
-        damping=springs.damping[:k],
-    )
-    static = StaticModes(
-        stiffness=springs.stiffness[k:],
-        T=contiguous(piston.T[:, k:]),
-        b=contiguous(piston.b[k:]),
-        g=contiguous(piston.g[k:]),
-    )
-    return PistonParts(moving, static)
-
-
-def _moving(body: ReducedPiston | ReducedBlock, parameters: Parameters) -> int:
-    """Return the number of modes that have inertia."""
-    return int(np.count_nonzero(body.omega <= 2 * np.pi * parameters.quasi_static_frequency))
-
-
 @compilable
-def mechanism(skirt_radius: float, pin_offset: float, parameters: Parameters) -> Mechanism:
+def mechanism(skirt_radius: float, pin_offset: float, parameters: Settings) -> Mechanism:
     """Return crank, rod and pin."""
     friction = PinFriction(
         lever=parameters.pin_friction_coefficient * pin_radius(skirt_radius, parameters),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.film import BoreSplines, FilmSurface, Skirt, bore_splines
+from ..geometry.film import FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.profile import (
@@ -17,22 +17,30 @@ from ..geometry.profile import (
     table_shape,
     tilt_about_x,
 )
+from ..geometry.surfaces import count_of, surface_at
 from ..reduction.reduced_body import ReducedBlock, ReducedPiston, mode_classes
 from .build_options import BlockOptions, BuildOptions, PistonOptions
-from .parameters import Parameters
+from .contradictions import Fit
+from .parameters import Parameters, Settings
 
 
 def surfaces(
-    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions
 ) -> tuple[FilmSurface, ...]:
-    """Return all film surfaces from below: bands of one skirt in one bore."""
+    """Return all film surfaces from below: bands of one skirt in one bore, before `machined`."""
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
-    gap = skirt_gap(piston, angle, height, options.piston, parameters)
+    gap = measured(options.piston.profiles, angle, height) + np.zeros(options.grid)
     classes = mode_classes(piston)
     grid = (len(angle), len(height), len(piston.omega))
     radial = piston.radial.reshape(grid)
     axial = piston.axial.reshape(grid)
-    one_bore = bore(block, angle, options.block, parameters)
+    one_bore = bore_splines(
+        block.heights,
+        block.radial,
+        block.axial,
+        mode_classes(block),
+        measured_bore(block.heights, angle, options.block) + np.zeros(len(block.heights)),
+    )
     bands = [slice(one.first, one.last) for one in options.film_surfaces()]
     return tuple(
         FilmSurface(
@@ -49,6 +57,33 @@ def surfaces(
         )
         for rows in bands
     )
+
+
+@compilable
+def machined(surfaces: np.ndarray, fit: Fit, p: Settings) -> np.ndarray:
+    """Return all film surfaces with profile, tilt and growth of skirt and bore.
+
+    A bore without a table for its widening stays a cylinder.
+    """
+    out = surfaces.copy()
+    for k in range(count_of(out)):
+        skirt = surface_at(out, k).skirt
+        c, a = skirt.gap.shape
+        for i in range(c):
+            for j in range(a):
+                skirt.gap[i, j] += machined_gap(
+                    skirt.angle[i], skirt.height[j], fit.skirt_lower, fit.skirt_upper, p
+                )
+    bore = surface_at(out, 0).bore  # all surfaces share one
+    knots, c = bore.shape.shape
+    for k in range(knots):
+        height = bore.lowest + k * bore.spacing
+        wider = linear_growth(
+            height, fit.bore_lower, fit.bore_upper, p.bore_growth_lower, p.bore_growth_upper
+        )
+        for i in range(c):
+            bore.shape[k, i] += wider  # splines have the values of a line as coefficients
+    return out
 
 
 def skirt_gap(
@@ -87,19 +122,6 @@ def measured(
     return sum(table_shape(table, angle, height) for table in profiles)
 
 
-def bore(
-    block: ReducedBlock, angle: np.ndarray, options: BlockOptions, parameters: Parameters
-) -> BoreSplines:
-    """Return the bore side of the film at the grid's angles (c,) [rad]."""
-    return bore_splines(
-        block.heights,
-        block.radial,
-        block.axial,
-        mode_classes(block),
-        bore_shape(block.heights, angle, options, parameters),
-    )
-
-
 def bore_shape(
     heights: np.ndarray, angle: np.ndarray, options: BlockOptions, parameters: Parameters
 ) -> np.ndarray:
@@ -107,8 +129,13 @@ def bore_shape(
 
     It is the sum of Fourier orders, heat and measured shapes.
     """
-    orders = fourier_bore(options.orders, angle)[:, None]
     heat = linear_growth(
         heights, heights[0], heights[-1], parameters.bore_growth_lower, parameters.bore_growth_upper
     )
-    return orders + heat + measured(options.profiles, angle, heights)
+    return measured_bore(heights, angle, options) + heat
+
+
+def measured_bore(heights: np.ndarray, angle: np.ndarray, options: BlockOptions) -> np.ndarray:
+    """Return the part of `bore_shape` without heat, (c, s) or (c, 1) [m]."""
+    orders = fourier_bore(options.orders, angle)[:, None]
+    return orders + measured(options.profiles, angle, heights)

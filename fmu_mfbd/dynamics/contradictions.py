@@ -43,6 +43,8 @@ FAULTS = (
     OTHER_FRICTION.format(name="pin_friction_coefficient"),
     OTHER_FRICTION.format(name="pin_friction_speed"),
     OTHER_FRICTION.format(name="pin_friction_damping"),
+    "crank_free: expected 0 with a floating pin, got 1",
+    "quasi_static_frequency: expected more than all modes with a floating pin, {b} Hz, got {a} Hz",
     *(NO_ROD.format(name="rod_mass", unit="kg", films=films) for films in FILMS),
     *(NO_ROD.format(name="rod_inertia", unit="kg.m2", films=films) for films in FILMS),
 )
@@ -62,6 +64,8 @@ FAULTS = (
     FRICTION_OF_PIN,
     FRICTION_SPEED,
     FRICTION_DAMPING,
+    FREE_ON_FILMS,
+    STATIC_ON_FILMS,
     NO_ROD_MASS,
     _,
     _,
@@ -77,7 +81,10 @@ USUAL_DAMPING = float(USUAL.pin_friction_damping)
 
 
 class Fit(NamedTuple):
-    """Data that parameters have to fit; the radii of rigid bodies are 0 [m]."""
+    """Data that parameters have to fit; the radii of rigid bodies are 0 [m].
+
+    fastest : highest frequency of the piston's modes [Hz].
+    """
 
     piston_radius: float
     skirt_lower: float
@@ -87,6 +94,7 @@ class Fit(NamedTuple):
     bore_upper: float
     boss_radius: float
     eye_radius: float
+    fastest: float
     floats: bool
     has_big_end: bool
     has_main_bearing: bool
@@ -138,6 +146,10 @@ def check_pin(fit: Fit, p: Parameters, faults: np.ndarray) -> None:
         refuse(faults, FRICTION_SPEED, 0.0, 0.0, p.pin_friction_speed, 0.0, 0.0)
     if p.pin_friction_damping != 0.0 and p.pin_friction_damping != USUAL_DAMPING:
         refuse(faults, FRICTION_DAMPING, 0.0, 0.0, p.pin_friction_damping, 0.0, 0.0)
+    if p.crank_free != 0.0:
+        refuse(faults, FREE_ON_FILMS, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if fit.fastest > p.quasi_static_frequency:
+        refuse(faults, STATIC_ON_FILMS, 0.0, 0.0, p.quasi_static_frequency, fit.fastest, 0.0)
     if fit.eye_radius > 0.0 and lies_beside(radius, fit.eye_radius):
         refuse(faults, NOT_OF_EYE, 0.0, 0.0, 1e3 * radius, 1e3 * fit.eye_radius, 0.0)
     if fit.has_big_end or fit.has_main_bearing:

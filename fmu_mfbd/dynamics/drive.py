@@ -9,6 +9,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import count_of, surface_at
+from .account import EnergyAccount
 from .carrier import Carrier
 from .floating_frame import FlexibleBody
 from .gas_on_bore import WallPressures
@@ -97,14 +98,6 @@ class Scalars(NamedTuple):
     ]
 
 
-class End(NamedTuple):
-    """The end of a step: the crank there, the time [s], and how many steps there are up to it."""
-
-    crank: CrankMotion
-    time: float
-    steps: int
-
-
 @compilable
 def others_of(
     gas_area: float, pressure: float, rings: RingForce, land_pressure: float, carrier: Carrier
@@ -159,11 +152,12 @@ def skirt_edges(surfaces: np.ndarray) -> tuple[float, float]:
 def scalars_of(
     now: Instant,
     crank: CrankMotion,
-    crank_inertia: float,
+    torque: float,
+    energy: EnergyAccount,
     piston: FlexibleBody,
     surfaces: np.ndarray,
 ) -> Scalars:
-    """Return the scalar outputs at an instant, `energy_gain` and `energy_size` before `account`."""
+    """Return the scalar outputs at an instant, with the torque of the drive [N m]."""
     lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
     lower, upper = skirt_edges(surfaces)
     return Scalars(
@@ -176,7 +170,7 @@ def scalars_of(
         lateral_velocity=lateral,
         rocking_velocity=rocking,
         side_force=now.side_force,
-        crank_torque=now.torque + crank_inertia * crank.acceleration,
+        crank_torque=torque,
         pin_force_x=now.pin_x,
         pin_force_y=now.pin_y,
         pin_friction_moment=now.pin_moment,
@@ -188,6 +182,6 @@ def scalars_of(
         elastic_energy=now.ledger.elastic,
         film_work=now.ledger.film_work,
         energy_error=now.ledger.error,
-        energy_gain=now.ledger.axial_work,
-        energy_size=now.ledger.accounted,
+        energy_gain=energy.gain,
+        energy_size=energy.size,
     )

@@ -2,30 +2,42 @@
 
 from copy import copy
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
 from math import prod
+from typing import Any
 
 import numpy as np
 
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
-from ..geometry.surfaces import each_of
-from .account import account
-from .block_force import by_carrier, carried_force, force_at, force_change
+from ..geometry.surfaces import each_of, each_pin_of
+from .block_force import force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
-from .build_options import FilmGrid
+from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
-from .drive import End, demand_of, others_of, scalars_of
-from .elimination import LUFactors, no_factors
-from .generalised_alpha import Coefficients, Motion, coefficients
-from .instant import Instant, end_of_step
-from .piston_motion import LATERAL, RIGID, ROCKING, imbalance
-from .response import Response, linearise, response, step_end
-from .slider_crank import CrankMotion, driven
-from .speed_table import SpeedTable, crank_motion
-from .state import PistonState, crank_of, motion_of, state_at, step_coefficients
-from .system import NO_RINGS, BodySystem, RingForce, StepProblem
-from .tables import GasTable, gas_pressure
+from .generalised_alpha import Coefficients, coefficients
+from .pin_coordinates import layout, of_eye
+from .pin_instant import PinInstant
+from .piston_motion import LATERAL, RIGID, ROCKING
+from .slider_crank import CrankMotion
+from .speed_table import crank_motion
+from .state import PistonState, motion_of, step_coefficients
+from .step import (
+    START_PASSES,
+    BodyModel,
+    Linearisation,
+    StepInputs,
+    StepResult,
+    at_rest,
+    crank_after,
+    has_pins,
+    instant_of,
+    is_started,
+    linearised,
+    others_at,
+    response_to,
+    result_of,
+)
+from .system import NO_RINGS, RingForce, StepProblem
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
 """Scalar outputs whose derivatives are known beside those of the films' fields."""
@@ -41,9 +53,6 @@ ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
-
-START_PASSES = 40
-"""Most passes to the start of a free crank; each gains a digit or more."""
 
 
 class MotionNotSolved(RuntimeError):
@@ -85,107 +94,39 @@ class Inputs:
     bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
-@dataclass(frozen=True)
-class Crank:
-    """Motion of the crank.
-
-    Parameters
-    ----------
-    free : bool
-        Driven by the forces alone, instead of at given speed.
-    inertia : float
-        Of crank, flywheel and what they drive [kg m2], > 0 for a free crank.
-    load_torque : float
-        That a free crank works against [N m].
-    table : SpeedTable, optional
-        Speed over time or angle, for a crank that is not free.
-    """
-
-    free: bool
-    inertia: float
-    load_torque: float
-    table: SpeedTable | None = None
-
-    def begin(self, angle: float, speed: float) -> CrankMotion:
-        """Return the motion of the crank at time 0, from angle [rad] and input speed [rad/s]."""
-        if self.table:
-            return crank_motion(self.table, angle, 0.0, 0.0)
-        return CrankMotion(angle, speed, 0.0)
-
-    def turn(self, state: PistonState, step: float, speed: float) -> CrankMotion:
-        """Return the motion of the crank a step [s] after a state.
-
-        `speed` is the input at the end of the step [rad/s].
-
-        Eq. (K8):  free, order 2 in the step:  phi + h w + h^2 w'/2 + h^3 w''/6
-                   w + h w' + h^2 w''/2,  w' + h w''
-        """
-        if self.table:
-            return crank_motion(self.table, state.crank_angle, state.time, step)
-        if self.free:
-            # Eq. (K8)
-            before = state.crank_acceleration
-            after = before + step * state.crank_jerk
-            speed = state.crank_speed + step * (before + after) / 2
-            mean_speed = state.crank_speed + step * (2 * before + after) / 6
-            return CrankMotion(state.crank_angle + step * mean_speed, speed, after)
-        return driven(crank_of(state), step, speed)
-
-
-def on_skirt(pressure: np.ndarray, friction: np.ndarray) -> NodalForces:
-    """Return the forces of all films of the skirt, stacked."""
-    return NodalForces(np.ravel(pressure), np.ravel(friction))
-
-
 class PistonInBore:
-    """Flexible piston, rigid rod and crank, flexible block, and any number of films between them.
+    """Flexible piston, rod and crank, flexible block, and all films between them.
+
+    The pin floats if it has films.
 
     Parameters
     ----------
-    system : BodySystem
-    crank : Crank
-    gas_area : float
-        Area of the bore [m2].
-    spectral_radius : float
-        Of the time integrator at infinite frequency [-], 0 to 1.
-    gas_table : GasTable, optional
-        Gas pressure over crank angle, added to the input.
-    films : tuple of FilmGrid
-        Names and shapes of the surfaces' fields, in the order of `system.surfaces`.
-    crank_unbalance : float, optional
-        Of a mounted block's crank [kg m]; None: the block does not move.
+    model : BodyModel
+    options : BuildOptions
+        Names and shapes of the films' fields, absent outputs, and a table of crank speed.
     outside : OutsideBore, optional
         How a bore is read whose deflection comes from outside.
     """
 
-    def __init__(
-        self,
-        system: BodySystem,
-        crank: Crank,
-        gas_area: float,
-        spectral_radius: float,
-        gas_table: GasTable | None,
-        films: tuple[FilmGrid, ...],
-        crank_unbalance: float | None = None,
-        *,
-        outside: OutsideBore | None = None,
-    ):
-        self.system = system
-        self.crank = crank
-        self.gas_area = gas_area
-        self.spectral_radius = spectral_radius
-        self.gas_table = gas_table
-        self.films = films
-        ends = accumulate((prod(film.shape) for film in films), initial=0)
-        self.cells = [slice(*pair) for pair in pairwise(ends)]
-        self.film_surfaces = each_of(system.surfaces)
-        self.crank_unbalance = crank_unbalance
+    def __init__(self, model: BodyModel, options: BuildOptions, outside: OutsideBore | None = None):
+        self.model = model
+        self.speed = options.speed
+        self.films = options.film_grids()
+        self.grids = options.pin_grids() if has_pins(model) else ()
+        self.absent = options.absent_parts()
         self.outside = outside
+        self.system = system = model.parts.system
+        self.film_surfaces = each_of(system.surfaces)
+        self.pins = each_pin_of(model.parts.surfaces)
+        self.bodies = model.parts.bodies
+        self.inertia = model.parts.inertia
+        self.layout = layout(self.bodies)
+        self.modes = len(system.gas_force) + len(system.block.stiffness)
+        self.modes += len(system.block_static.stiffness)
         self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
-        self.modes = (
-            len(system.gas_force) + len(system.block.stiffness) + len(system.block_static.stiffness)
-        )
         self.coordinates = RIGID + self.modes
+        if has_pins(model):
+            self.coordinates = self.moving = self.layout.size
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
 
@@ -230,15 +171,15 @@ class PistonInBore:
         PistonState, dict
             And its outputs.
         """
-        crank = self.crank.begin(crank_angle, inputs.crank_speed)
-        at_rest = np.zeros_like(position)
-        start = Motion(position, velocity, at_rest)
-        now = coefficients(0.0, self.spectral_radius)
+        settings = self.model.settings
+        crank = CrankMotion(crank_angle, inputs.crank_speed, 0.0)
+        if self.speed:
+            crank = crank_motion(self.speed, crank_angle, 0.0, 0.0)
+        now = coefficients(0.0, settings.spectral_radius)
         for _ in range(START_PASSES):
-            state, outputs = self._solve(now, start, at_rest, End(crank, 0.0, 0), inputs)
-            # Eq. (K9) holds the piston's accelerations, which change with the crank's
-            change = state.crank_acceleration - crank.acceleration
-            if not self.crank.free or abs(change) <= 1e-12 * abs(state.crank_acceleration):
+            before = at_rest(crank, position, velocity)
+            state, outputs = self._solve(now, before, crank, 0.0, inputs)
+            if is_started(settings, crank, state):
                 break
             crank = crank._replace(acceleration=state.crank_acceleration)
         if self.outside:
@@ -252,9 +193,10 @@ class PistonInBore:
             modes._replace(stiffness=np.full_like(modes.stiffness, np.inf))
             for modes in (system.piston_static, system.block_static)
         ]
-        model = copy(self)
         piston, block = held
-        model.system = system._replace(piston_static=piston, block_static=block)
+        stiff = system._replace(piston_static=piston, block_static=block)
+        model = copy(self)
+        model.model = self.model._replace(parts=self.model.parts._replace(system=stiff))
         return model
 
     def advance(self, state: PistonState, inputs: Inputs, step: float) -> tuple[PistonState, dict]:
@@ -282,48 +224,36 @@ class PistonInBore:
         ------
         MotionNotSolved
         """
-        crank = self.crank.turn(state, step, inputs.crank_speed)
+        settings = self.model.settings
+        if self.speed:
+            crank = crank_motion(self.speed, state.crank_angle, state.time, step)
+        else:
+            crank = crank_after(settings, state, step, inputs.crank_speed)
         if not np.isfinite(crank.angle):
             raise MotionNotSolved(f"crank angle = {crank.angle:g} rad: must be finite")
-        end, outputs = self._solve(
-            step_coefficients(state, step, self.spectral_radius),
-            motion_of(state),
-            state.auxiliary,
-            End(crank, state.time + step, state.steps + 1),
-            inputs,
-        )
-        found = account(
-            (state.kinetic, end.kinetic),
-            end.position - state.position,
-            (state.other_forces, end.other_forces),
-            outputs["energy_gain"],
-        )
-        outputs |= {"energy_gain": found.gain, "energy_size": found.size}
+        c = step_coefficients(state, step, settings.spectral_radius)
+        end, outputs = self._solve(c, state, crank, state.time + step, inputs)
         if self.outside:
             taken = self._taken_by_bore(self.outside, state, inputs)
             outputs["energy_gain"] += taken
             outputs["film_work"] += taken
             end = end._replace(bore_deflection=inputs.bore_deflection)
-        if self.crank.free:
-            jerk = (end.crank_acceleration - state.crank_acceleration) / step
-            end = end._replace(crank_jerk=jerk)
         return end, outputs
 
     def _solve(
-        self, c: Coefficients, before: Motion, auxiliary: np.ndarray, at: End, inputs: Inputs
+        self,
+        c: Coefficients,
+        before: PistonState,
+        crank: CrankMotion,
+        time: float,
+        inputs: Inputs,
     ) -> tuple[PistonState, dict]:
-        """Return state and outputs that solve the equations of motion a step after `before`.
-
-        `auxiliary` is the auxiliary acceleration of that motion.
-        """
-        crank = at.crank
-        pressure = inputs.gas_pressure
-        if self.gas_table:
-            pressure = pressure + gas_pressure(self.gas_table, crank.angle)
-        others = others_of(
-            self.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier
-        )
-        now, factors = self._instant(StepProblem(c, before, auxiliary, crank, others), inputs)
+        """Return state and outputs that solve the equations of motion a step after `before`."""
+        given = _stacked(inputs)
+        others = others_at(self.model, given, crank)
+        step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
+        instant = self._instant(step, given, inputs)
+        now = instant.now
         if not now.evaluations:
             raise MotionNotSolved(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
@@ -331,34 +261,25 @@ class PistonInBore:
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        state = state_at(now, crank, at.time, at.steps)
-        self._last = step_end(c, now, crank, self.moving, factors)
-        self._linear = self._columns = None
-        outputs = self._outputs(now, crank) | {
-            "cylinder_pressure": pressure,
-            "side_force_demand": demand_of(self.system, others, crank),
-        }
-        if self.crank_unbalance is not None:
-            outputs |= self._on_block()
+        result = result_of(self.model, before, step, time, instant)
+        self._last = result.last
+        self._common: Linearisation | None = None
+        outputs = self._outputs(result)
         if self.outside:
             on_bore = self._film_on_bore(self.outside, inputs.pressure_force)
             outputs |= {
                 "force_on_bore": on_bore + gas_on_wall(self.outside, now.guided, others.wall),
                 "force_on_deck": others.gas,
             }
-        if self.crank.free:
-            freed = self._release(crank, outputs["crank_torque"])
-            outputs["crank_torque"] = -self.crank.load_torque
-            state = state._replace(crank_acceleration=freed)
-        return state, outputs
+        return result.state, outputs
 
-    def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
+    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
         """Return everything at the end of a step."""
-        forces = on_skirt(inputs.pressure_force, inputs.friction_force)
-        system = self.system
+        model = self.model
         if self.outside:
-            system = deflected(system, self.outside, inputs.bore_deflection)
-        return end_of_step(system, step, forces), no_factors()
+            wider = deflected(self.system, self.outside, inputs.bore_deflection)
+            model = model._replace(parts=model.parts._replace(system=wider))
+        return instant_of(model, step, given)
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Return the forces of all films on the bore's grid at the end of the last step [N]."""
@@ -374,63 +295,37 @@ class PistonInBore:
         force = self._film_on_bore(outside, inputs.pressure_force)
         return float(np.sum(force * way))  # Eq. (D50)
 
-    def _release(self, crank, torque):
-        """Return the acceleration at which the torques on a free crank balance [rad/s2].
-
-        Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
-        """
-        inertia = self._torque(crank._replace(acceleration=crank.acceleration + 1.0))
-        inertia = inertia - self._torque(crank) + self.crank.inertia
-        return crank.acceleration - (torque + self.crank.load_torque) / inertia  # Eq. (K9)
-
-    def _torque(self, crank):
-        """Return the torque of the drive for a motion of the crank after the last step [N m]."""
-        last, system = self._last, self.system
-        return imbalance(system.piston, system.mechanism, last.load, last.now, crank).torque
-
-    def _outputs(self, now: Instant, crank: CrankMotion) -> dict:
+    def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return all outputs by name; `variables.py` has their units."""
+        instant = result.instant
+        now, at = instant.now, self.layout
+        first, last = RIGID, self.coordinates
+        if self.pins:
+            first, last = at.modes, at.shapes
+        errors = zip((*self.films, *self.grids), (*now.films.work_error, *instant.work_error))
         outputs = {
-            **self._by_film("film_thickness", now.films.film_thickness),
-            **self._by_film("sliding_velocity", now.films.sliding_velocity),
-            **{
-                f"{film.prefix}interface_work_error": error
-                for film, error in zip(self.films, now.films.work_error)
-            },
-            **scalars_of(
-                now, crank, self.crank.inertia, self.system.piston, self.system.surfaces
-            )._asdict(),
+            **by_film(self.films, "film_thickness", now.films.film_thickness),
+            **by_film(self.films, "sliding_velocity", now.films.sliding_velocity),
+            **by_film(self.grids, "film_thickness", instant.film_thickness),
+            **by_film(self.grids, "circumferential_velocity", instant.circumferential_velocity),
+            **{f"{one.prefix}sliding_velocity": np.zeros(one.shape) for one in self.grids},
+            **{f"{one.prefix}interface_work_error": float(error) for one, error in errors},
+            **result.scalars._asdict(),
+            "cylinder_pressure": result.others.wall.chamber,
+            "side_force_demand": result.side_force_demand,
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
         if self.modes:
-            outputs["modal_coordinate"] = now.end.position[RIGID:].copy()
-            outputs["modal_velocity"] = now.kept.velocity[RIGID:].copy()
-        return outputs
-
-    def _on_block(self):
-        """Return the forces on a mounted block, by output."""
-        return force_at(self.system, self.crank_unbalance or 0.0, self._last)._asdict()
-
-    def _carried_force(self, carried: np.ndarray) -> np.ndarray:
-        """Return the change of the forces on the piston with the block's motion."""
-        if self._columns is None:
-            self._columns = by_carrier(self.system, self._last)
-        return carried_force(self._columns, carried)
-
-    def _block_force_change(self, change: Response, carried: np.ndarray) -> dict[str, float]:
-        """Return the change of the forces on the block, by output."""
-        names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
-        unbalance = self.crank_unbalance or 0.0
-        found = force_change(self.system, unbalance, self._last, change, carried)
-        return dict(zip(names, found))
-
-    def _by_film(self, name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
-        """Return a stacked field of all surfaces as one field for each, by name."""
-        return {
-            f"{film.prefix}{name}": stacked[cells].reshape(film.shape)
-            for film, cells in zip(self.films, self.cells)
-        }
+            outputs["modal_coordinate"] = now.end.position[first:last].copy()
+            outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
+        if self.model.mounted:
+            outputs |= result.on_block._asdict()
+        if at.crank > at.eye:
+            outputs["small_end_modal_coordinate"] = of_eye(at, now.end.position).copy()
+            outputs["small_end_modal_velocity"] = of_eye(at, now.kept.velocity).copy()
+        of_pin = instant.scalars._asdict() if self.pins else {}
+        return outputs | {k: v for k, v in of_pin.items() if not k.startswith(self.absent)}
 
     def directional_derivative(
         self,
@@ -438,10 +333,12 @@ class PistonInBore:
         friction_force: np.ndarray,
         rings: RingForce = NO_RINGS,
         carried: np.ndarray = NOT_CARRIED,
+        *,
+        pins: tuple[PinForces, ...] = (),
     ) -> dict[str, np.ndarray | float]:
-        """Return the change of outputs with the forces at the end of the last step (Eq. (D7)).
+        """Return the change of outputs with the forces at the end of the last step.
 
-        These are film, motion and the forces on a mounted block.
+        These are films, motion and the forces on a mounted block (Eqs. (D7), (D23)).
 
         Parameters
         ----------
@@ -451,37 +348,37 @@ class PistonInBore:
             Direction.
         carried : ndarray, shape (4,)
             Direction of a mounted block's motion, as `Carrier` has it.
+        pins : tuple of PinForces
+            Directions, of all films of the pin [N].
 
         Returns
         -------
         dict of str to ndarray or float
             By output.
         """
-        last = self._last
-        mounted = self.crank_unbalance is not None
-        if self._linear is None:
-            self._linear = linearise(self.system, last)
+        model, last = self.model, self._last
+        if self._common is None and not self.pins:
+            self._common = linearised(model, last)
             self.jacobian_evaluations += 1
-        change = response(
-            self.system,
-            last.guided,
-            self._linear,
-            on_skirt(pressure_force, friction_force),
-            rings,
-            self._carried_force(carried) if mounted else np.zeros(self.moving),
-        )
-        on_block: dict[str, np.ndarray | float] = {}
-        if mounted:
-            on_block |= self._block_force_change(change, carried)
-        if self.outside:
-            on_block["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
-            on_block["force_on_deck"] = 0.0
-        return {
-            **on_block,
-            **self._by_film("film_thickness", change.film_thickness),
-            **self._by_film("sliding_velocity", change.sliding_velocity),
+        seeds = _stacked(Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins))
+        found = response_to(model, last, self._common, seeds, carried)
+        change = found.change
+        products = {
+            **by_film(self.films, "film_thickness", change.film_thickness),
+            **by_film(self.films, "sliding_velocity", change.sliding_velocity),
             **{name: getattr(change, name) for name in MOTION},
+            **by_film(self.grids, "film_thickness", found.film_thickness),
+            **by_film(self.grids, "circumferential_velocity", found.circumferential_velocity),
         }
+        if model.mounted:
+            names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
+            unbalance = model.settings.crank_unbalance
+            on_block = force_change(self.system, unbalance, last, change, carried)
+            products |= dict(zip(names, on_block))
+        if self.outside:
+            products["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
+            products["force_on_deck"] = 0.0
+        return products
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
         """Return the change of film thickness with a bore's deflection from outside, by output.
@@ -490,6 +387,31 @@ class PistonInBore:
         """
         assert self.outside
         surfaces, guided = self.film_surfaces, self._last.guided
-        return self._by_film(
-            "film_thickness", seen(self.outside, surfaces, guided, bore_deflection)
-        )
+        wider = seen(self.outside, surfaces, guided, bore_deflection)
+        return by_film(self.films, "film_thickness", wider)
+
+
+def by_film(grids: tuple[FilmGrid, ...], name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:
+    """Return a stacked field of all films as one field for each, by name."""
+    fields = {}
+    first = 0
+    for grid in grids:
+        last = first + prod(grid.shape)
+        fields[f"{grid.prefix}{name}"] = stacked[first:last].reshape(grid.shape)
+        first = last
+    return fields
+
+
+def _stacked(inputs: Inputs) -> StepInputs:
+    """Return inputs for kernels, their films one after another."""
+    none = [np.zeros(0)] * len(PinForces._fields)
+    fields = ([np.ravel(one) for one in field] for field in zip(*inputs.pins))
+    return StepInputs(
+        inputs.crank_speed,
+        inputs.gas_pressure,
+        inputs.land_pressure,
+        NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
+        PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
+        inputs.rings,
+        inputs.carrier,
+    )

@@ -1,6 +1,7 @@
 """The parameters of the body FMU: what a user may set."""
 
-from dataclasses import dataclass, field
+from collections import namedtuple
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 
@@ -282,6 +283,18 @@ class MainBearingParameters:
 
 CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingParameters}
 """Surface of the crank -> its parameters."""
+
+DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values())
+Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
+Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
+"""`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""
+
+
+def settings_of(*chosen: Any) -> Settings:
+    """Return all parameters of the given classes as numbers, those of other classes as 0."""
+    values = {name: value for one in chosen for name, value in vars(one).items()}
+    values["gas_source"] = 1 + GAS_SOURCES.index(values["gas_source"])
+    return Settings(*(float(values.get(name, 0.0)) for name in Settings._fields))
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from ..geometry.arrays import Matrix, Vector
 from ..geometry.pin import (
     ModeMotion,
     PinForces,
@@ -45,24 +46,24 @@ from .system import BodySystem
 
 
 class PinSystem(NamedTuple):
-    """Bodies and films of a piston on a floating pin.
+    """Bodies and films of a piston; without films of the pin, the pin is tied.
 
     Parameters
     ----------
     system : BodySystem
-        The same with the pin tied, no mode of it static, the block rigid.
+        The same with the pin tied. If the pin floats, no mode is static, and the block is rigid.
     bodies : PinBodies
     surfaces : ndarray
         Films of pin and crank, a block of `geometry.pin_surfaces`.
     inertia, with_rod : ndarray, shape (n, n)
-        `floating_pin.inertia` and `inertia_with_rod`.
+        `pin_inertia.inertia` and `inertia_with_rod`; (0, 0) if the pin is tied.
     """
 
     system: BodySystem
     bodies: PinBodies
-    surfaces: np.ndarray
-    inertia: np.ndarray
-    with_rod: np.ndarray
+    surfaces: Vector
+    inertia: Matrix
+    with_rod: Matrix
 
 
 @compilable

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compilable, compiled
 from ..geometry.arrays import Matrix, Vector
 
 
@@ -48,6 +48,7 @@ STILL = FrameAcceleration(0.0, 0.0, 0.0, 0.0)
 """A frame that does not move."""
 
 
+@compilable
 def standing(stiffness: np.ndarray) -> StaticModes:
     """Return static modes of a body whose frame does not move."""
     nothing = np.zeros(len(stiffness))

@@ -9,13 +9,13 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ..geometry.film import NodalForces, film_now, opening, sliding
+from ..geometry.pin import PinForces
 from ..geometry.space import Levers, levers, slope_around
-from .elimination import LUFactors, no_factors
 from .energy import EnergyLedger
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
 from .instant import Instant, load_of
-from .model import NOT_CARRIED, Inputs, PistonInBore, on_skirt
+from .model import NOT_CARRIED, Inputs, PistonInBore, by_film
 from .motion_in_space import (
     COORDINATES,
     IN_SPACE,
@@ -32,6 +32,7 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
+from .pin_instant import PinInstant
 from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
 from .skirt_films import (
     AxialMotion,
@@ -44,6 +45,7 @@ from .skirt_films import (
     work_error,
 )
 from .slider_crank import CrankMotion, height, motion
+from .step import StepInputs, StepResult, tied
 from .system import NO_RINGS, RingForce, StepProblem
 
 PASSES = 60
@@ -118,13 +120,13 @@ class PistonInSpace(PistonInBore):
         self.inertia = inertia(bodies)
         self.with_rod = inertia_with_rod(bodies)
 
-    def _instant(self, step: StepProblem, inputs: Inputs) -> tuple[Instant, LUFactors]:
+    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
         c, before, auxiliary, crank, others = step
         system = self.system
         upright = height(system.mechanism, 0.0, crank.angle)
         guided = AxialMotion(upright.height, upright.lever * crank.speed)
-        forces = on_skirt(inputs.pressure_force, inputs.friction_force)
+        forces = given.skirt
         nodal = self._nodal(forces)
         sides = self._levers(guided.height)
         each = [side.forces(one) for side, one in zip(sides, nodal)]
@@ -135,6 +137,7 @@ class PistonInSpace(PistonInBore):
         load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.guided, across)
         solved = self._solved(c, before, auxiliary, load, crank)
         self._space = LastInSpace(c, solved, crank, guided.height, sides)
+        self._inverse: np.ndarray | None = None
         end = solved.end
         carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
         kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
@@ -168,7 +171,7 @@ class PistonInSpace(PistonInBore):
             tangents=solved.evaluations,
             change=solved.change,
         )
-        return instant, no_factors()
+        return tied(instant)
 
     def _films(
         self,
@@ -308,13 +311,14 @@ class PistonInSpace(PistonInBore):
             accounted=last / 2,
         )
 
-    def _outputs(self, now: Instant, crank: CrankMotion) -> dict[str, Any]:
+    def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return the outputs of a piston in its plane, and those across it."""
+        now = result.instant.now
         shift, roll, yaw = now.end.position[IN_SPACE]
         solved = self._space.solved
         motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
         scalars = SpaceScalars._make([*motion, -solved.load.across[0], *solved.lack.held])
-        return super()._outputs(now, crank) | scalars._asdict()
+        return super()._outputs(result) | scalars._asdict()
 
     def directional_derivative(
         self,
@@ -322,6 +326,8 @@ class PistonInSpace(PistonInBore):
         friction_force: np.ndarray,
         rings: RingForce = NO_RINGS,
         carried: np.ndarray = NOT_CARRIED,
+        *,
+        pins: tuple[PinForces, ...] = (),
     ) -> dict[str, np.ndarray | float]:
         """Return the change of outputs with the forces at the end of the last step.
 
@@ -331,13 +337,13 @@ class PistonInSpace(PistonInBore):
         ----------
         pressure_force, friction_force, rings
             As of a piston in its plane.
-        carried : ndarray
-            Of no effect: the block stands still.
+        carried, pins
+            Of no effect: the block does not move, and the pin is tied.
         """
         c, solved, crank, guided, sides = self._space
         load, end = solved.load, solved.end
         system = self.system
-        forces = on_skirt(pressure_force, friction_force)
+        forces = NodalForces(np.ravel(pressure_force), np.ravel(friction_force))
         skirt = together(forces_by_film(system, guided, forces))
         nodal = self._nodal(forces)
         change = SpaceLoad(
@@ -347,12 +353,12 @@ class PistonInSpace(PistonInBore):
             guided=-rings.axial,
             across=np.sum([side.forces(one) for side, one in zip(sides, nodal)], axis=0),
         )
-        if self._linear is None:
-            self._linear = np.linalg.inv(
+        if self._inverse is None:
+            self._inverse = np.linalg.inv(
                 tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
             )
             self.jacobian_evaluations += 1
-        acceleration = -self._linear @ pushed(self.bodies, load, end, crank, change)
+        acceleration = -self._inverse @ pushed(self.bodies, load, end, crank, change)
         # Eq. (D29)
         place = c.to_position * acceleration
         speed = c.to_velocity * acceleration
@@ -368,8 +374,8 @@ class PistonInSpace(PistonInBore):
             gaps.append((gap + side.opening(place[IN_SPACE])).ravel())
             velocities.append((slid + side.sliding * speed[ROLL]).ravel())
         return {
-            **self._by_film("film_thickness", np.concatenate(gaps)),
-            **self._by_film("sliding_velocity", np.concatenate(velocities)),
+            **by_film(self.films, "film_thickness", np.concatenate(gaps)),
+            **by_film(self.films, "sliding_velocity", np.concatenate(velocities)),
             "lateral_velocity": speed[LATERAL],
             "rocking_velocity": speed[ROCKING],
             "piston_velocity": rising,

@@ -53,7 +53,7 @@ class PistonState(NamedTuple):
 
 
 @compilable
-def state_at(now: Instant, crank: CrankMotion, time: float, steps: int) -> PistonState:
+def state_at(now: Instant, crank: CrankMotion, jerk: float, time: float, steps: int) -> PistonState:
     """Return the state at an instant; the first steps remember no auxiliary acceleration."""
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
     return PistonState(
@@ -61,7 +61,7 @@ def state_at(now: Instant, crank: CrankMotion, time: float, steps: int) -> Pisto
         crank.angle,
         crank.speed,
         crank.acceleration,
-        0.0,
+        jerk,
         now.end.position,
         now.kept.velocity,
         now.kept.acceleration,

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.errors import file_fault
+from ..geometry.arrays import Vector
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
@@ -51,6 +52,14 @@ class GasTable:
 
     angle: np.ndarray
     pressure: np.ndarray
+    cycle: float
+
+
+class GasCurve(NamedTuple):
+    """`GasTable` for kernels, empty if there is none."""
+
+    angle: Vector
+    pressure: Vector
     cycle: float
 
 
@@ -214,7 +223,7 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
 
 
 @compilable
-def gas_pressure(table: GasTable, crank_angle: float) -> float:
+def gas_pressure(table: GasTable | GasCurve, crank_angle: float) -> float:
     """Return the gas pressure at a crank angle [rad], linear between the points [Pa]."""
     first = table.angle[0]
     within = (crank_angle - first) % table.cycle + first

@@ -15,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
+from .arrays import Vector
+
 DEGREE = 30
 """Degree of the polynomials for deflection and rotation of the sections."""
 
@@ -86,11 +88,11 @@ class AxisShapes(NamedTuple):
         Displacement of the middle from the mean of both ends per s [-].
     """
 
-    mass: np.ndarray
-    stiffness: np.ndarray
-    damping: np.ndarray
-    slope: np.ndarray
-    sag: np.ndarray
+    mass: Vector
+    stiffness: Vector
+    damping: Vector
+    slope: Vector
+    sag: Vector
 
 
 STRAIGHT = AxisShapes(*[np.zeros(0)] * 5)

@@ -62,6 +62,11 @@ def each_of(block: np.ndarray) -> tuple[FilmSurface, ...]:
     return tuple(surface_at(block, k) for k in range(count_of(block)))
 
 
+def each_pin_of(block: np.ndarray) -> tuple[PinSurface, ...]:
+    """Return all films of pin and crank; their arrays are views of the block."""
+    return tuple(pin_surface_at(block, k) for k in range(pins_of(block)))
+
+
 # ---- in kernels and in Python
 
 

@@ -18,10 +18,11 @@ from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
 from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
-from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs, on_skirt
+from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
+from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -128,7 +129,7 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
         )
         np.testing.assert_allclose(state.position[: 2 + k], begun.position[: 2 + k], rtol=1e-12)
         guided = own._last.guided
-        parts = forces_by_film(own.system, guided, on_skirt(push, drag))
+        parts = forces_by_film(own.system, guided, NodalForces(push.ravel(), drag.ravel()))
         of_film = together(parts).block
         of_gas = wall_forces(own.system.wall, guided, WallPressures(5e5, 0.0))
         by_grid = np.einsum("csk,cs->k", block.radial, told["force_on_bore"])

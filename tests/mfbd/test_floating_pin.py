@@ -386,7 +386,7 @@ def products_by_differences(model, state, base):
         )
         ends.append(model.advance(state, moved, STEP)[1])
     model.advance(state, base, STEP)
-    products = model.directional_derivative(to_push, to_drag, rings, tuple(to_pins))
+    products = model.directional_derivative(to_push, to_drag, rings, pins=tuple(to_pins))
     for name, product in products.items():
         difference = (ends[0][name] - ends[1][name]) / 2
         assert np.abs(product - difference).max() <= 1e-6 * np.abs(difference).max(), name

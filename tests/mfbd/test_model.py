@@ -145,7 +145,7 @@ def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
     right = skirt_films.generalised
     state, _ = run(model, 5)
     monkeypatch.setattr(
-        "piston_cosim.fmu_mfbd.dynamics.model.end_of_step", instant.end_of_step.py_func
+        "piston_cosim.fmu_mfbd.dynamics.step.end_of_step", instant.end_of_step.py_func
     )
     monkeypatch.setattr(instant, "forces_by_film", skirt_films.forces_by_film.py_func)
     assert model.advance(state, inputs(model, 9), STEP)[1]["interface_work_error"] <= 1e-13

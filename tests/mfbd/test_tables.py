@@ -12,6 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
+from piston_cosim.fmu_mfbd.dynamics.step import GAS
 from piston_cosim.fmu_mfbd.dynamics.tables import (
     TableFault,
     gas_pressure,
@@ -294,7 +295,8 @@ def test_gas_table_acts_like_the_input(shaped, monkeypatch):
         shaped.start(angle, 0.0, 0.0, Inputs(314.0, 0.0, nothing, nothing))[0]
         for angle in (0.5, 3.0)
     ]
-    monkeypatch.setattr(shaped, "gas_table", None)
+    by_input = shaped.model.settings._replace(gas_source=GAS.input)
+    monkeypatch.setattr(shaped, "model", shaped.model._replace(settings=by_input))
     for state, angle in zip(tabled, (0.5, 3.0)):
         given = shaped.start(angle, 0.0, 0.0, Inputs(314.0, curve(angle), nothing, nothing))[0]
         np.testing.assert_allclose(

@@ -1,0 +1,310 @@
+"""A step of the bodies and its derivatives, as both FMUs take it."""
+
+from collections import namedtuple
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.arrays import Matrix
+from ..geometry.film import NodalForces
+from ..geometry.pin import PinForces
+from ..geometry.surfaces import pins_of
+from .account import EnergyAccount, account
+from .block_force import BlockForce, by_carrier, carried_force, force_at
+from .carrier import FIXED, Carrier
+from .drive import Scalars, demand_of, others_of, scalars_of
+from .elimination import no_factors
+from .instant import Instant, end_of_step
+from .parameters import GAS_SOURCES, Settings
+from .pin_films import PinSystem
+from .pin_instant import PinInstant, PinScalars, end_of_pin_step
+from .pin_response import PinResponse, respond_pin
+from .piston_motion import RIGID, imbalance
+from .response import LinearisedMotion, StepEnd, linearise, response, step_end
+from .slider_crank import CrankMotion, driven
+from .state import PistonState, crank_of, state_at
+from .system import OtherForces, RingForce, StepProblem
+from .tables import GasCurve, gas_pressure
+
+GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
+"""Numbers of the choices in `GAS_SOURCES`."""
+
+NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
+"""Scalars of a pin that is tied."""
+
+START_PASSES = 40
+"""Most passes to the start of a free crank; each gains a digit or more."""
+
+
+class BodyModel(NamedTuple):
+    """Bodies, films and parameters of a run.
+
+    Parameters
+    ----------
+    parts : PinSystem
+    settings : Settings
+    gas : GasCurve
+        Empty if there is no table.
+    gas_area : float
+        Area of the bore [m2].
+    mounted : bool
+        Whether the block moves.
+    """
+
+    parts: PinSystem
+    settings: Settings
+    gas: GasCurve
+    gas_area: float
+    mounted: bool
+
+
+class StepInputs(NamedTuple):
+    """Inputs at the end of a step, or seeds of a derivative.
+
+    Parameters
+    ----------
+    crank_speed, gas_pressure, land_pressure : float
+        [rad/s], and gauge pressures on the crown and between the rings [Pa].
+    skirt, pins : NodalForces, PinForces
+        Of all films, stacked [N].
+    rings : RingForce
+    carrier : Carrier
+        Motion of a mounted block.
+    """
+
+    crank_speed: float
+    gas_pressure: float
+    land_pressure: float
+    skirt: NodalForces
+    pins: PinForces
+    rings: RingForce
+    carrier: Carrier
+
+
+class StepResult(NamedTuple):
+    """End of a step: motion and films, outputs, and what the next step and derivatives need."""
+
+    instant: PinInstant
+    scalars: Scalars
+    others: OtherForces
+    side_force_demand: float
+    on_block: BlockForce
+    state: PistonState
+    last: StepEnd
+
+
+NO_BLOCK_FORCE = BlockForce(*[0.0] * len(BlockForce._fields))
+"""Forces on a block that does not move, which are no outputs."""
+
+
+@compilable
+def has_pins(model: BodyModel) -> bool:
+    """Return whether the pin floats."""
+    return pins_of(model.parts.surfaces) > 0
+
+
+# ---- a step
+
+
+@compilable
+def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> PistonState:
+    """Return the state before a start: a motion without accelerations."""
+    none = np.zeros(len(position))
+    return PistonState(
+        0.0,
+        crank.angle,
+        crank.speed,
+        crank.acceleration,
+        0.0,
+        position,
+        velocity,
+        none,
+        none,
+        0.0,
+        none,
+        0,
+        np.zeros((0, 0)),
+    )
+
+
+@compilable
+def is_started(settings: Settings, crank: CrankMotion, state: PistonState) -> bool:
+    """Return whether the start of a free crank needs no further pass.
+
+    Eq. (K9) holds the accelerations of the piston, which change with that of the crank.
+    """
+    change = state.crank_acceleration - crank.acceleration
+    free = settings.crank_free != 0.0
+    return not free or abs(change) <= 1e-12 * abs(state.crank_acceleration)
+
+
+@compilable
+def crank_after(settings: Settings, state: PistonState, step: float, speed: float) -> CrankMotion:
+    """Return the motion of the crank a step [s] after a state.
+
+    `speed` is the input at the end of the step [rad/s].
+
+    Eq. (K8):  free, order 2 in the step:  phi + h w + h^2 w'/2 + h^3 w''/6
+               w + h w' + h^2 w''/2,  w' + h w''
+    """
+    if settings.crank_free == 0.0:
+        return driven(crank_of(state), step, speed)
+    # Eq. (K8)
+    before = state.crank_acceleration
+    after = before + step * state.crank_jerk
+    end_speed = state.crank_speed + step * (before + after) / 2
+    mean_speed = state.crank_speed + step * (2 * before + after) / 6
+    return CrankMotion(state.crank_angle + step * mean_speed, end_speed, after)
+
+
+@compilable
+def is_gas_twice(model: BodyModel, inputs: StepInputs) -> bool:
+    """Return whether input and table both give the gas pressure, although none was chosen."""
+    both = len(model.gas.angle) > 0 and inputs.gas_pressure != 0.0
+    return both and model.settings.gas_source == GAS.either
+
+
+@compilable
+def others_at(model: BodyModel, inputs: StepInputs, crank: CrankMotion) -> OtherForces:
+    """Return the forces other than those of films, with the gas of input and table."""
+    source = model.settings.gas_source
+    pressure = 0.0 if source == GAS.table else inputs.gas_pressure
+    if len(model.gas.angle) > 0 and source != GAS.input:
+        pressure += gas_pressure(model.gas, crank.angle)
+    return others_of(model.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier)
+
+
+@compilable
+def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinInstant:
+    """Return everything at the end of a step; its evaluations are 0 if it is not solved."""
+    if has_pins(model):
+        return end_of_pin_step(model.parts, step, inputs.skirt, inputs.pins)
+    return tied(end_of_step(model.parts.system, step, inputs.skirt))
+
+
+@compilable
+def tied(now: Instant) -> PinInstant:
+    """Return an instant of a piston whose pin is tied."""
+    none = np.zeros(0)
+    return PinInstant(now, none, none, none, NO_PIN, no_factors())
+
+
+@compilable
+def result_of(
+    model: BodyModel,
+    before: PistonState,
+    step: StepProblem,
+    time: float,
+    instant: PinInstant,
+) -> StepResult:
+    """Return state and outputs at the end of a step.
+
+    Parameters
+    ----------
+    model : BodyModel
+    before : PistonState
+        At the beginning of the step, for a start `at_rest`.
+    step : StepProblem
+    time : float
+        At the end of the step [s].
+    instant : PinInstant
+    """
+    now = instant.now
+    system = model.parts.system
+    settings = model.settings
+    crank = step.crank
+    moving = RIGID + len(system.piston.stiffness)  # derivatives of a tied pin need the piston alone
+    if has_pins(model):
+        moving = len(now.end.position)
+    last = step_end(step.coefficients, now, crank, moving, instant.factors)
+    torque = now.torque + settings.crank_inertia * crank.acceleration
+    jerk = 0.0
+    if settings.crank_free != 0.0:
+        freed = released(model, last, crank, torque)
+        if step.coefficients.step > 0.0:
+            jerk = (freed - before.crank_acceleration) / step.coefficients.step
+        crank = CrankMotion(crank.angle, crank.speed, freed)
+        torque = -settings.load_torque
+    steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
+    state = state_at(now, crank, jerk, time, steps)
+    energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted)
+    if steps > 0:
+        energy = account(
+            (before.kinetic, state.kinetic),
+            state.position - before.position,
+            (before.other_forces, state.other_forces),
+            now.ledger.axial_work,
+        )
+    on_block = NO_BLOCK_FORCE
+    if model.mounted:
+        on_block = force_at(system, settings.crank_unbalance, last)
+    return StepResult(
+        instant,
+        scalars_of(now, step.crank, torque, energy, system.piston, system.surfaces),
+        step.others,
+        demand_of(system, step.others, step.crank),
+        on_block,
+        state,
+        last,
+    )
+
+
+@compilable
+def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float) -> float:
+    """Return the acceleration at which the torques on a free crank balance [rad/s2].
+
+    Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
+    """
+    piston, mechanism = model.parts.system.piston, model.parts.system.mechanism
+    faster = CrankMotion(crank.angle, crank.speed, crank.acceleration + 1.0)
+    there = imbalance(piston, mechanism, last.load, last.now, faster).torque
+    here = imbalance(piston, mechanism, last.load, last.now, crank).torque
+    inertia = there - here + model.settings.crank_inertia
+    return crank.acceleration - (torque + model.settings.load_torque) / inertia  # Eq. (K9)
+
+
+# ---- derivatives at its end
+
+
+class Linearisation(NamedTuple):
+    """Data that all directions of a derivative of a tied pin share.
+
+    by_carrier : of a mounted block, `block_force.by_carrier`.
+    """
+
+    linear: LinearisedMotion
+    by_carrier: Matrix
+
+
+@compilable
+def linearised(model: BodyModel, last: StepEnd) -> Linearisation:
+    """Return what the derivatives of a tied pin share."""
+    system = model.parts.system
+    columns = np.zeros((len(FIXED), 0))
+    if model.mounted:
+        columns = by_carrier(system, last)
+    return Linearisation(linearise(system, last), columns)
+
+
+@compilable
+def response_to(
+    model: BodyModel,
+    last: StepEnd,
+    common: Linearisation,
+    seeds: StepInputs,
+    carried: np.ndarray,
+) -> PinResponse:
+    """Return the change of films and motion with forces and the block's motion (4,).
+
+    See Eqs. (D7) and (D23). A floating pin needs nothing of `common`.
+    """
+    system = model.parts.system
+    if has_pins(model):
+        return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins)
+    on_piston = np.zeros(RIGID + len(system.piston.stiffness))
+    if model.mounted:
+        on_piston = carried_force(common.by_carrier, carried)
+    none = np.zeros(0)
+    found = response(system, last.guided, common.linear, seeds.skirt, seeds.rings, on_piston)
+    return PinResponse(found, none, none)
