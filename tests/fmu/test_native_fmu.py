@@ -531,14 +531,14 @@ def test_a_film_of_many_cells_gives_its_first_outputs_at_once(host, make_native,
 
 
 def place_size():
-    """Bytes of a state: head with two sums, variables, integers, 20 fields, faces, 11 numbers, room
-    for oil on the bore and at two edges; 30 lengths of these arrays; time and phase.
+    """Bytes of a state: head with two sums, variables, integers, 22 fields, faces, 11 numbers, room
+    for oil on the bore and at two edges; 33 lengths of these arrays; time and phase.
     """
     n_c, n_a = GRID
     table = variables(GRID)
     reals = sum(v.size for v in table if v.type == "Real")
     integers = sum(v.size for v in table if v.type in ("Integer", "Enumeration"))
-    states = (20 + ROOM_ON_BORE) * n_c * n_a + 2 * n_c * (n_a + 1) + 11 + 2 * n_c + 30
+    states = (22 + ROOM_ON_BORE) * n_c * n_a + 2 * n_c * (n_a + 1) + 11 + 2 * n_c + 33
     return 8 + 6 * 8 + 8 * (reals + integers + states) + 2 * 8
 
 
