@@ -18,7 +18,8 @@ Eq. (A12):  |J_i| > sigma/4,   J_{i-1}/J_i < 1/2,   J_{i+1}/J_i < 1/2,   J_i = h
 The jumps of a parabola are evenly spaced, so none of them is a step, and neither are those of a
 wave that is longer than 6 cells. The extrema of a smooth gap stay, because contact happens there.
 Steps belong to the profile, so they are located at the start of a run. Bodies that bend make no
-step. Contact would jump if the gap within a run decided, and a coupled step could have no solution.
+step. If the gap of each iteration decided instead, the contact pressure would jump between two
+iterations, and they might never agree.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """
