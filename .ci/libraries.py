@@ -1,24 +1,15 @@
 """Build the libraries of native FMUs for all platforms in the package folder of this checkout."""
 
-from piston_cosim.master.fmi.builder_native import (
-    AHEAD,
-    FRONTS,
-    ITERATING,
-    ITERATION,
-    libraries,
-    library_name,
-)
+from piston_cosim.master.fmi.builder_native import AHEAD, FRONTS, libraries, library_name
 from piston_cosim.master.fmi.compiler import PLATFORMS, newer_symbols
 
 # all packages are compiled side by side for the first entry, and cached for the others
-MODELS = (("master.coupling", ITERATING, "fmu_ehd", "fmu_mfbd"), ("fmu_ehd",), ("fmu_mfbd",))
-POSIX = [name for name in PLATFORMS if name != "win64"]  # `run` iterates on POSIX systems only
-BUILDS = [(packages, version, list(PLATFORMS)) for packages in MODELS for version in FRONTS]
-BUILDS.append(((ITERATING,), ITERATION, POSIX))
+MODELS = (("master.coupling", "fmu_ehd", "fmu_mfbd"), ("fmu_ehd",), ("fmu_mfbd",))
+BUILDS = [(packages, version) for packages in MODELS for version in FRONTS]
 
 AHEAD.mkdir(exist_ok=True)
-for packages, version, platforms in BUILDS:
-    for platform, library in libraries(packages, platforms, version, print).items():
+for packages, version in BUILDS:
+    for platform, library in libraries(packages, list(PLATFORMS), version, print).items():
         name = library_name(packages, platform, version)
         if newer := newer_symbols(library):
             raise SystemExit(f"{name}: expected symbols up to GLIBC_2.17, got {', '.join(newer)}")

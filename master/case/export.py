@@ -18,7 +18,7 @@ from ..coupling.native_given import (
     without_derivative,
 )
 from ..fmi.builder import code_of, code_with, pack_fmu, slave_of
-from ..fmi.builder_native import ITERATING, cannot_build, pack_native_fmu, part_of, slave_inside
+from ..fmi.builder_native import cannot_build, pack_native_fmu, part_of, slave_inside
 from ..fmi.errors import BadInput
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
@@ -153,7 +153,7 @@ def _uncovered_ahead(case, platforms):
                     f"participants.{name}.parameters.{parameter}: expected {words} in a native "
                     f"FMU, got {value}"
                 )
-    return [*cannot_build(platforms, (MASTER, ITERATING, *sorted(packages))), *faults]
+    return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 
 
 def _pack_native(options, prepared, system, usual, progress, made_for):
@@ -207,7 +207,7 @@ def _pack_native(options, prepared, system, usual, progress, made_for):
         version,
         platforms=platforms,
         package=MASTER,
-        participants=[ITERATING, *codes],
+        participants=codes,
     )
 
 

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..fmi.errors import Discard, Ticked
-from .interface import Interface, largest
+from .interface import Interface
 from .methods import Explicit, MacroStep, Method, NotConverged, Solution
+from .vector import largest
 from .wiring import Port, System, Wire, port_of
 
 UPSTREAM = ""

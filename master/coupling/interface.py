@@ -9,8 +9,8 @@ import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE
-from ..participants.participant import Participant, read_each, write_each
-from .vector import Evaluation
+from ..participants.participant import Participant, derive_each, read_each, write_each
+from .vector import Evaluation, largest
 from .wiring import Wire, is_unknown, layout_of, rms
 
 SMALL = 16
@@ -55,6 +55,7 @@ class Ends:
     ):
         self.write = getattr(participant, "write", None) or partial(write_each, participant)
         self.read = getattr(participant, "read", None) or partial(read_each, participant)
+        self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
         self.fields = [participant.fields[name] for name in self.inputs]
@@ -74,8 +75,15 @@ class Ends:
     def collect(self, y: np.ndarray) -> None:
         """Write the outputs into their part of `y`."""
         if self.outputs:
-            values = self.read(self.outputs)
-            y[self.out] = values if self.said is None else values[self.said]
+            self._place(self.read(self.outputs), y)
+
+    def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
+        """Write the change of the outputs for a change of the inputs."""
+        self._place(self.derive(self.inputs, seen[self.into], self.outputs), result)
+
+    def _place(self, values: np.ndarray, y: np.ndarray) -> None:
+        """Write the values of the distinct outputs into their part of `y`."""
+        y[self.out] = values if self.said is None else values[self.said]
 
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs; later participants use those of wires along the order."""
@@ -304,18 +312,12 @@ class Interface:
         seen[self.unknowns] = change[self.unknowns]
         result = np.zeros(self.size)
         for name, participant in self.participants.items():
-            if not (self.inputs[name] and self.outputs[name]):
-                continue  # nothing depends on it, or it depends on nothing
             ends = self.ends[name]
+            if not (ends.inputs and ends.outputs):
+                continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
             if participant.has_derivatives or name in self.apart or self._last is None:
-                seeds = {
-                    end.variable: seen[end.part].reshape(end.shape) for end in self.inputs[name]
-                }
-                variables = [end.variable for end in self.outputs[name]]
-                products = participant.derivative(seeds, variables)
-                for variable, part, _ in self.outputs[name]:
-                    result[part] = np.ravel(products[variable])
+                ends.differentiate(seen, result)
             else:
                 result[ends.out] = self._difference(name, self._last, seen[ends.into])
             self.spent[name] += perf_counter() - begun
@@ -418,17 +420,6 @@ def _element(port: tuple[str, str], element: int, shape: tuple[int, ...]) -> str
         return ".".join(port)
     index = ",".join(str(i + 1) for i in np.unravel_index(element, shape))
     return f"{'.'.join(port)}[{index}]"
-
-
-def largest(measures: Sequence[float]) -> float:
-    """Return the largest of some numbers not below 0, NaN if one is NaN."""
-    found = 0.0
-    for measure in measures:
-        if not measure <= found:
-            found = measure
-            if found != found:
-                break
-    return found
 
 
 def _slices(sizes: Sequence[int]) -> list[slice]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import CALL, Entry, NativePart, size
+from ..fmi.native_parts import Entry, NativePart, size
 from ..fmi.noted import refuse
 from .native_block import (
     FAULT,
@@ -24,11 +24,10 @@ from .native_block import (
     parts_of,
     put_last,
     put_state,
-    put_trail,
     rules_of,
     state_of,
 )
-from .native_stepping import ITERATE, accept, forget_products, reach
+from .native_stepping import accept, forget_products, reach
 from .native_system import (
     START,
     System,
@@ -163,10 +162,9 @@ def clear(memory: np.ndarray):
     """Initialise the parts of the memory that change."""
     parts = parts_of(memory)
     parts.last[0] = 0.0
-    state, trail = nothing_yet(given_of(memory))
+    state = nothing_yet(given_of(memory))
     put_state(parts.state, state)
     put_state(parts.before, state)
-    put_trail(parts.trail, trail)
 
 
 @compiled
@@ -270,5 +268,4 @@ PART = NativePart(
     covered={},
     faults=tuple(SENTENCES.values()),
     refusal="",
-    asks=frozenset({CALL, ITERATE}),
 )

@@ -40,9 +40,9 @@ ON_WIRE = namedtuple("OnWire", WIRE_SENTENCES)(*map(float, range(len(WIRE_SENTEN
 
 
 class ParticipantRow(NamedTuple):
-    """Participant; front/parts.c and front/fmi_parts.c read the first seven numbers.
+    """Participant; front/parts.c reads the first seven numbers.
 
-    code : number of its code, or address of its `Instance`;
+    code : number of its code;
     real, reals, integer, integers, memory, memories : positions and lengths of its variables and
     its memory in the part `inside`;
     first_state, states, first_fault : positions in its memory, and length of the state;
@@ -112,8 +112,7 @@ class ExposedRow(NamedTuple):
 class Rules(NamedTuple):
     """Options of `Coupled`, `Stepper` and `Newton`.
 
-    predicted : largest number of vectors of the predictor; trail : number of evaluations whose
-    measures are kept.
+    predicted : largest number of vectors of the predictor.
     """
 
     step: float
@@ -125,7 +124,6 @@ class Rules(NamedTuple):
     largest_krylov_space: int
     accuracy: float
     forcing: float
-    trail: int
 
 
 class ExposedVariables(NamedTuple):
@@ -211,7 +209,6 @@ def lay_out(
         state=state,
         before=state,
         last=room(LastMacroStep, reals=reals),
-        trail=room(Trail, trail=rules.trail, wires=len(wires)),
         failures=ROOM,
         faults=ROOM,
     )
@@ -252,18 +249,10 @@ class LastMacroStep(NamedTuple):
     real: Annotated[Array, "reals"]
 
 
-class Trail(NamedTuple):
-    """Effort of a macro step, and the measures of every wire by evaluation, if there is room."""
-
-    evaluations: Number
-    products: Number
-    measures: Annotated[Array, "trail, wires"]
-
-
 class Parts(NamedTuple):
     """Parts of the memory.
 
-    They are rows of `CoupledSetup`, `CoupledState`, `LastMacroStep` and `Trail`, and others.
+    They are rows of `CoupledSetup`, `CoupledState` and `LastMacroStep`, and others.
     inside : variables and memories of the participants; before : state at the begin of the step.
     """
 
@@ -272,7 +261,6 @@ class Parts(NamedTuple):
     state: Vector
     before: Vector
     last: Vector
-    trail: Vector
     failures: Vector
     faults: Vector
 
@@ -284,23 +272,20 @@ _, exposed_from = flatten(ExposedRow)
 given_from = reader(CoupledSetup)
 put_state, state_from = flatten(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
-put_trail, trail_from = flatten(Trail)
 
 
 @compilable
 def nothing_yet(given: CoupledSetup):
-    """Return `CoupledState` and `Trail` before a start."""
+    """Return `CoupledState` before a start."""
     n = given.pairs
     of_vectors = np.zeros((2, n, len(given.layout.unknowns)))
-    state = CoupledState(
+    return CoupledState(
         np.zeros(given.standing),
         np.zeros(1),
         np.zeros(given.rules.predicted),
         np.zeros((given.rules.predicted, len(given.layout.nominal))),
         Pairs(of_vectors[0], of_vectors[1], np.zeros((n, n)), np.zeros(1)),
     )
-    measures = np.zeros((given.rules.trail, len(given.wires)))
-    return state, Trail(np.zeros(1), np.zeros(1), measures)
 
 
 @compiled

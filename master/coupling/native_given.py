@@ -90,7 +90,6 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
         largest_krylov_space=coupling.largest_krylov_space,
         accuracy=newton.accuracy,
         forcing=newton.forcing,
-        trail=1,
     )
     causalities = ("parameter", "input", "output")
     layout = layout_of(options.wires, options.order, coupling.parallel)

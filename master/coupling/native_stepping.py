@@ -1,13 +1,12 @@
 """Macro steps of a coupled FMU without Python, as `stepping` and `coupled`."""
 
 import numpy as np
-from numba import types
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
-from .native_block import FAULT, CoupledState, faults_of, parts_of, rules_of, state_of
-from .native_system import restore, save, system_of
+from .native_block import FAULT, CoupledState, faults_of, rules_of, state_of
+from .native_system import find, restore, save, system_of
 from .vector import extrapolate, moved
 
 MOST_STEPS = 1e6
@@ -45,37 +44,6 @@ def forget_past(state: CoupledState):
     state.known[0] = 1.0
 
 
-ITERATE = "native_iterate"
-"""Function that iterates a macro step inside a coupled FMU, front/parts.c."""
-
-native_iterate = types.ExternalFunction(
-    ITERATE,
-    types.int32(
-        types.CPointer(types.float64),
-        types.CPointer(types.float64),
-        types.CPointer(types.float64),
-        types.CPointer(types.int64),
-    ),
-)
-"""Function of the library that runs `methods.native.iterate` (front/parts.c)."""
-
-
-@compiled
-def is_iterated(memory: np.ndarray, x: np.ndarray, time: float, length: float):
-    """Replace a guess by the fixed point of a macro step; return False and note why if none."""
-    numbers = np.zeros(4)
-    numbers[0] = length
-    numbers[1] = time
-    lengths = np.zeros(4, np.int64)
-    lengths[0] = len(x)
-    lengths[-2] = len(memory)
-    lengths[-1] = len(numbers)
-    status = native_iterate(x.ctypes, memory.ctypes, numbers.ctypes, lengths.ctypes)
-    if status != 0:
-        refuse(parts_of(memory).failures, FAULT.no_memory, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return status == 0 and numbers[-1] == 1.0
-
-
 @compiled
 def macro_step(memory: np.ndarray, time: float, step: float):
     """Take a macro step or halves of it, as `Stepper._step`; return False and note why if none."""
@@ -91,7 +59,7 @@ def macro_step(memory: np.ndarray, time: float, step: float):
         last = state.past[known - 1]
         x = extrapolate(state.times[:known], state.past[:known], begin + length)
         x = moved(system.layout, last, x - last)
-        if is_iterated(memory, x, begin, length):
+        if find(memory, x, begin, length):
             accept(state, begin + length, x)
             done += 1
             while depth > 0 and done % 2 == 0:

@@ -7,30 +7,27 @@ from numba import types
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import CALL
 from ..fmi.noted import refuse, take_over
 from .methods.iteration import NONE, Answer, converge
 from .native_block import (
     FAULT,
     NOWHERE,
     ON_WIRE,
-    Trail,
     WireRow,
     given_of,
     participant_from,
     parts_of,
     rules_of,
     state_of,
-    trail_from,
     wire_from,
 )
-from .vector import Evaluation, Layout
+from .vector import Evaluation, Layout, largest
 
 START, ADVANCE, TANGENT = map(float, range(1, 4))
 """Entries by their number; 0 is size."""
 
 native_part = types.ExternalFunction(
-    CALL,
+    "native_part",
     types.int32(
         types.int64,
         types.CPointer(types.float64),
@@ -50,7 +47,6 @@ class System(NamedTuple):
     order: np.ndarray
     inside: np.ndarray
     standing: np.ndarray
-    trail: Trail
     failures: np.ndarray
     faults: np.ndarray
 
@@ -67,7 +63,6 @@ def system_of(memory: np.ndarray):
         given.order,
         parts.inside,
         state_of(memory).standing,
-        trail_from(parts.trail),
         parts.failures,
         parts.faults,
     )
@@ -261,15 +256,15 @@ def evaluate(step: Step, x: np.ndarray):
     is_answered = step_all(step, used, outputs)
     # an element that is fed back was used as in x, another one as in the outputs
     at = Evaluation(used, outputs, outputs - x)
-    measure = measured(step.system, at.residual) if is_answered else -1.0
-    return Answer(at, measure, step.system.layout.tolerance)
+    tolerance = step.system.layout.tolerance
+    measure = largest(np.abs(at.residual) / tolerance) if is_answered else -1.0
+    return Answer(at, measure, tolerance)
 
 
 @compiled
 def derivative(step: Step, change: np.ndarray, result: np.ndarray):
     """Linearise an evaluation, as `Interface.derivative`; return whether all of them answered."""
     system = step.system
-    system.trail.products[0] += 1.0
     seen = np.zeros(len(change))
     keep(result, seen)
     for w in range(len(system.wires)):
@@ -305,26 +300,6 @@ def derivative(step: Step, change: np.ndarray, result: np.ndarray):
 
 
 @compiled
-def measured(system: System, residual: np.ndarray):
-    """Return the largest residual as a share of its tolerance, NaN if one is not finite.
-
-    The largest share of every wire goes to the trail, in the last row if that is full.
-    """
-    trail = system.trail
-    row = min(int(trail.evaluations[0]), len(trail.measures) - 1)
-    trail.evaluations[0] += 1.0
-    shares = np.abs(residual) / system.layout.tolerance
-    result = 0.0
-    for w in range(len(system.wires)):
-        largest = np.max(of_wire(wire_of(system, w), shares))
-        if np.isnan(largest):
-            return largest
-        trail.measures[row, w] = largest
-        result = max(result, largest)
-    return result
-
-
-@compiled
 def note_worst(system: System, residual: np.ndarray):
     """Note the fault of the wire with the largest residual."""
     shares = np.abs(residual) / system.layout.tolerance
@@ -342,8 +317,6 @@ def find(memory: np.ndarray, x: np.ndarray, time: float, length: float):
     """Replace a guess by the fixed point of a macro step; return False and note why if none."""
     system = system_of(memory)
     system.failures[0] = 0.0
-    system.trail.evaluations[0] = 0.0
-    system.trail.products[0] = 0.0
     step = Step(system, time, length)
     pairs = state_of(memory).pairs
     rules = rules_of(memory)

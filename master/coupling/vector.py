@@ -51,6 +51,18 @@ def put(to: Array, positions: Positions, what: Array):
 
 
 @compilable
+def largest(measures: Sequence[float]):
+    """Return the largest of some numbers not below 0, NaN if one is NaN."""
+    found = 0.0
+    for measure in measures:
+        if not measure <= found:
+            found = measure
+            if found != found:
+                break
+    return found
+
+
+@compilable
 def step_length(layout: Layout, x: Array, change: Array):
     """Return the largest share <= 1 of `change` that respects `largest_decrease` of every wire.
 

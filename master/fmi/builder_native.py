@@ -61,11 +61,6 @@ ENTRIES = ("size", "start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 NEW_PASSES = (0, 44)
 """First version of llvmlite with `create_pass_builder`, which native_code uses."""
-ITERATION = "run"
-"""Version of the library that iterates in `run` (`iteration_library`)."""
-ITERATING = "master.coupling.methods"
-"""Package with the iteration, which is also part of each coupled FMU."""
-OF_ITERATION = ("runtime.c", "fmi_parts.c")
 
 
 def is_made_ahead(package: str) -> bool:
@@ -331,46 +326,13 @@ def library_name(packages: Sequence[str], platform: str, version: str) -> str:
 
 def _sources_in_c(version, is_coupled):
     """Return the files in `HOME` of which a library is made."""
-    if version == ITERATION:
-        return OF_ITERATION
     return (*SOURCES, FRONTS[version], *([OF_COUPLED] if is_coupled else ()))
 
 
-def iteration_library() -> Path | None:
-    """Return the library that iterates in `run` on FMUs of this process (front/fmi_parts.c).
-
-    It is the prebuilt one, or it is linked in a second from the cached object file of the
-    iteration. Returns None if that file is not cached or there is no C compiler.
-
-    Raises
-    ------
-    RuntimeError
-        With the message of the compiler.
-    """
-    platform = this_platform()
-    if platform is None:
-        return None
-    name = library_name([ITERATING], platform, ITERATION)
-    kept = cache_folder("native") / name
-    for path in (AHEAD / name, kept):
-        if path.exists():
-            return path
-    code = _object_file(ITERATING, platform)
-    if not code.exists() or compiler_of(platform) is None:
-        return None
-    write_whole(kept, link(platform, ITERATION, {ITERATING: code.read_bytes()}))
-    return kept
-
-
 def compile_ahead(packages: Sequence[str], progress: Callable[[str], object]) -> None:
-    """Compile the packages and the `iteration_library` in parallel, if this machine can.
-
-    Packages with a prebuilt library are skipped.
-    """
+    """Compile the packages without a prebuilt library in parallel, if this machine can."""
     platform = this_platform()
     needed = [one for one in dict.fromkeys(packages) if not is_made_ahead(one)]
-    if platform and iteration_library() is None:
-        needed.append(ITERATING)
     if platform and needed and not cannot_build([platform], needed):
         compiled_packages(needed, [platform], progress)
 
@@ -471,8 +433,7 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
     They also connect the entries of a coupled FMU to those of its participants.
     """
     own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
-    models = (one for one in participants if one != ITERATING)
-    inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in models)
+    inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
     return [*own, f"-DPARTS={inside}"] if inside else own
 
 

@@ -52,12 +52,13 @@ OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
     "products": {"native_dot", "native_times"},
+    "participants": {"native_part"},
     "functions": {
         *("ceil", "erf", "exp", "expm1", "floor", "hypot", "log10", "log1p", "pow", "sqrt", "tanh")
     },
 }
-"""All symbols that machine code may use, by purpose: front/runtime.c, libc and libm. All others
-would need Python."""
+"""All symbols that machine code may use, by purpose: front/runtime.c, front/parts.c, libc and libm.
+All others would need Python."""
 
 PRODUCTS = {
     "declare i32 @numba_xxdot(i8, i8, i64, ptr, ptr, ptr)": """
@@ -281,8 +282,8 @@ def _renamed(name: str, one: str) -> str:
     return f'{name[:-1]}.{one}"' if name.endswith('"') else f"{name}.{one}"
 
 
-def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) -> bytes:
-    """Return the object file of a module, which may use `asks` and the symbols of `OPEN`."""
+def translated(text: str, target: Target) -> bytes:
+    """Return the object file of a module, which may use the symbols of `OPEN`."""
     from llvmlite import binding
 
     machine = _machine(target)
@@ -298,8 +299,7 @@ def translated(text: str, target: Target, asks: frozenset[str] = frozenset()) ->
         for name in COUNTERS:
             module.get_function(name).linkage = "internal"
     _optimise(module, machine, OPTIMISATION)
-    known = asks.union(*OPEN.values())
-    strangers = sorted(open_symbols(module) - known)
+    strangers = sorted(open_symbols(module).difference(*OPEN.values()))
     if strangers:
         raise RuntimeError(f"machine code would call {', '.join(strangers)}, which are not there")
     return machine.emit_object(module)
@@ -369,7 +369,7 @@ def main(package: str, kept: str, folder: str, *platforms: str) -> None:
         write_whole(Path(kept), gzip.compress(text.encode(), 1))
     for name in platforms:
         phase[0] = f"optimising {package} for {name}"
-        Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name], part.asks))
+        Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))
 
 
 def _follow() -> None:

@@ -8,9 +8,6 @@ import numpy as np
 from .compiled import compiled
 from .variables import Variable
 
-CALL = "native_part"
-"""Function that runs an entry of a participant inside a coupled FMU, front/parts.c."""
-
 
 class Entry(NamedTuple):
     """Kernel of four arrays without result, (real, integer, memory, numbers).
@@ -61,8 +58,6 @@ class NativePart(NamedTuple):
         As `uncovered`, for build options as in a case.
     uncovered_values : callable
         As `uncovered`, for all parameters in SI, choices by number.
-    asks : frozenset of str
-        Functions that the entries call in addition to those of `native_code.OPEN`.
     """
 
     entries: tuple[Entry, ...]
@@ -73,7 +68,6 @@ class NativePart(NamedTuple):
     refusal: str
     uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
     uncovered_values: Callable[[Mapping[str, Any]], Iterable[str]] = lambda values: ()
-    asks: frozenset[str] = frozenset()
 
 
 def uncovered_values(

@@ -5,7 +5,6 @@ open          an FMU of either version
 fmi2, fmi3    FMI 2.0 and 3.0 by FMPy
 description   content of an FMU's model description, cached
 transfer      values of an FMU's fields, set and read
-pointers      calls from compiled code
 local         a model class in this process, without FMI
 clocks        an FMI 3.0 FMU with clocks (P7, P8)
 isolated      in a separate process

@@ -117,6 +117,7 @@ class Differenced(Wrapper):
     """Participant with derivatives by differences of its steps, even if it offers others."""
 
     has_derivatives = False
+    derive = None
 
     def __init__(self, participant: Participant):
         super().__init__(participant)

@@ -103,11 +103,6 @@ class DescribedFmu:
         return self._standard_derivative or bool(self._reserved)
 
     @property
-    def has_standard_derivative(self):
-        """True if the FMU has the directional derivative of the standard."""
-        return self._standard_derivative
-
-    @property
     def can_redo(self):
         """True if the FMU can save and restore its state."""
         return bool(self.description.coSimulation.canGetAndSetFMUstate)

@@ -13,7 +13,7 @@ from ..fmi.archive import unpack
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .derivatives import difference
 from .exits import guard_exit
-from .participant import StartedInHalves
+from .participant import StartedInHalves, derive_each
 from .printf import Logger, printed
 from .transfer import FmuFields, Functions, block_of
 
@@ -264,62 +264,27 @@ class FmuParticipant(StartedInHalves, FmuFields):
                 if self._derivative
                 else self._difference(seeds, products)
             )
-        known, unknown = self._pair(tuple(seeds), "seeds"), self._pair(tuple(products))
-        for name, value in seeds.items():
-            known.values[known.parts[name]] = np.ravel(value)
+        changes = np.concatenate([np.ravel(value) for value in seeds.values()])
+        self.derive(tuple(seeds), changes, tuple(products))
+        return self._cut(self._pair(tuple(products)))
+
+    def derive(self, inputs, changes, outputs):
+        """Return `derivative` of concatenated fields; the next call overwrites the array."""
+        if not self._standard_derivative:
+            return derive_each(self, inputs, changes, outputs)
+        known, unknown = self._pair(inputs, "seeds"), self._pair(outputs)
+        known.values[:] = changes
         self.log.clear()
         try:
             self._derive(known, unknown)
         except FMICallException as failure:
             raise ParticipantFault(f"{self.name}: {self._message(failure)}") from None
-        return self._cut(unknown)
+        return unknown.values
 
     def _derive(self, known, unknown):
         """Compute the standard directional derivative in `unknown` for the seeds in `known`."""
-        self._fmu.fmi2GetDirectionalDerivative(
-            self._fmu.component,
-            unknown.references,
-            unknown.count,
-            known.references,
-            known.count,
-            known.pointer,
-            unknown.pointer,
-        )
-
-    @property
-    def component(self):
-        """Address of the instance."""
-        return self._fmu.component
-
-    def addresses(self, functions):
-        """Return the addresses of functions of the FMU's library."""
-        found = [ctypes.cast(getattr(self._fmu.dll, name), ctypes.c_void_p) for name in functions]
-        return [one.value for one in found]
-
-    def references(self, names):
-        """Return address and number of the concatenated references of several real fields."""
-        block = self._pair(tuple(names))
-        return ctypes.addressof(block.references), block.count
-
-    def stepped(self, saved, time, step):
-        """Update the state after compiled code has taken this step [s] from a saved state."""
-        self._forget_inputs()
-        self._begin = saved
-        self.ended = ""
-        self._last_step = (time, step)
-
-    def fault(self, function, status):
-        """Return the exception for an error of a function that compiled code called.
-
-        Returns None if the status is no error. Then Python must repeat the call.
-        """
-        if status not in FAILED:
-            return None
-        failure = FMICallException(function, status)
-        if function not in ("fmi2DoStep", "fmi2GetDirectionalDerivative"):
-            return failure
-        self._broken |= function == "fmi2DoStep"
-        return ParticipantFault(f"{self.name}: {self._message(failure)}")
+        wanted, count, values = unknown.arguments
+        self._call("fmi2GetDirectionalDerivative", wanted, count, *known.arguments, values)
 
     def _reserved_derivative(self, seeds):
         """Return the derivative through reserved references instead of the standard call."""

@@ -33,8 +33,9 @@ class Participant(Protocol):
     """One model under the master.
 
     A saved state is the result of `save`, which the master does not inspect. A participant may
-    also define `write(names, values)` and `read(names)`, which transfer several concatenated
-    real fields in one call. For others the master transfers each field separately.
+    also define `write(names, values)`, `read(names)` and `derive(inputs, changes, outputs)`, which
+    transfer several concatenated real fields in one call. For others the master transfers each
+    field separately.
     """
 
     @property
@@ -92,7 +93,7 @@ class Wrapper(StartedInHalves):
 
 
 class FieldByField:
-    """`write` and `read` by `set` and `get`, for participants that change these."""
+    """`write`, `read` and `derive` field by field, for participants that change these."""
 
     def write(self, names: Sequence[str], values: np.ndarray) -> None:
         """Set several real fields from their concatenated values."""
@@ -102,17 +103,37 @@ class FieldByField:
         """Return several real fields, concatenated."""
         return read_each(self, names)
 
+    def derive(
+        self, inputs: Sequence[str], changes: np.ndarray, outputs: Sequence[str]
+    ) -> np.ndarray:
+        """Return the directional derivative of several fields, concatenated."""
+        return derive_each(self, inputs, changes, outputs)
+
+
+def split(participant: Any, names: Iterable[str], values: np.ndarray) -> dict[str, np.ndarray]:
+    """Return several real fields by name from their concatenated values."""
+    fields, begin = {}, 0
+    for name in names:
+        shape = participant.fields[name].shape
+        fields[name] = values[begin : begin + prod(shape)].reshape(shape)
+        begin += prod(shape)
+    return fields
+
 
 def write_each(participant: Any, names: Iterable[str], values: np.ndarray) -> None:
     """Set each of several real fields from their concatenated values."""
-    begin = 0
-    for name in names:
-        shape = participant.fields[name].shape
-        size = prod(shape)
-        participant.set(name, values[begin : begin + size].reshape(shape))
-        begin += size
+    for name, value in split(participant, names, values).items():
+        participant.set(name, value)
 
 
 def read_each(participant: Any, names: Iterable[str]) -> np.ndarray:
     """Return several real fields, read separately and concatenated."""
     return np.concatenate([np.ravel(participant.get(name)) for name in names])
+
+
+def derive_each(
+    participant: Any, inputs: Iterable[str], changes: np.ndarray, outputs: Sequence[str]
+) -> np.ndarray:
+    """Return the directional derivative of several outputs for changes of several inputs."""
+    products = participant.derivative(split(participant, inputs, changes), outputs)
+    return np.concatenate([np.ravel(products[name]) for name in outputs])

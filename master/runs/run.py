@@ -17,7 +17,6 @@ from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
 from ..coupling.methods import method_of
-from ..coupling.methods.compiled_newton import compiled_where_it_can
 from ..coupling.negotiation import (
     by_differences,
     objections,
@@ -186,11 +185,7 @@ class ActiveRun:
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
             system,
-            by_components(
-                compiled_where_it_can(method_of(case.coupling), system),
-                system,
-                case.coupling.halvings,
-            ),
+            by_components(method_of(case.coupling), system, case.coupling.halvings),
             case.coupling.halvings,
             self,
             case.coupling.predictor,

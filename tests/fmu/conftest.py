@@ -1,7 +1,6 @@
 """FMUs built once for all tests here, and a small body mesh."""
 
 import json
-import os
 import subprocess
 import sys
 import textwrap
@@ -13,10 +12,7 @@ import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import (
-    ITERATING,
     build_native_fmu,
-    iteration_library,
-    object_files,
     too_old,
 )
 from piston_cosim.master.fmi.compiler import compiler
@@ -90,23 +86,6 @@ def native_engine():
         return export_fmu(check_case(tree, path), path.parent, print, version, platforms)
 
     return make
-
-
-@pytest.fixture(scope="session", autouse=True)
-def settled():
-    """The library by which `run` iterates, None where none can be made. It is there before any run:
-    one without it has other last digits. The first time it is compiled, half a minute.
-    """
-    is_interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") != "0"
-    if not (is_interpreted or iteration_library() or too_old()) and compiler():
-        object_files(ITERATING, ["linux64"])
-    return iteration_library()
-
-
-@pytest.fixture(scope="session")
-def iteration(settled):
-    """The library by which `run` iterates."""
-    return settled or pytest.skip("no C compiler, or not Linux on x86-64, or numba is too old")
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,6 @@ import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +29,6 @@ from piston_cosim.master.fmi.noted import (
     take_over,
 )
 from piston_cosim.master.participants.open import open_fmu
-from piston_cosim.master.participants.pointers import FUNCTIONS, Instance, PointerParticipant
 
 from .front_toy import SHAPE, Toy
 
@@ -378,7 +375,9 @@ def test_texts_and_courses(toy):
     for name, order in (("u", 0), ("u", 4), ("x", 1)):
         reference = number(toy.fields[name].references[0])
         with pytest.raises(FMICallException):
-            derivatives(toy.component, reference, 1, (ctypes.c_int * 1)(order), ctypes.c_double())
+            derivatives(
+                toy._fmu.component, reference, 1, (ctypes.c_int * 1)(order), ctypes.c_double()
+            )
 
 
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)
@@ -493,7 +492,7 @@ def test_addresses_of_other_instances_are_rejected(toy):
     assert "expected a state of this FMU, got an unknown or freed address" in toy.log[-1][1]
 
 
-# ---- runtime.c, fmi_parts.c
+# ---- runtime.c
 
 
 @pytest.fixture(scope="module")
@@ -575,92 +574,6 @@ def test_blocks_of_memory_are_aligned_apart_and_used_again(runtime):
     one = np.array([64], dtype=np.int64)
     runtime.toy_allocate(ctypes.c_int64(1), pointer(one), pointer(at), ctypes.c_double(128.0))
     assert at[0] == 0.0  # no such alignment
-
-
-TOY_ITERATION = """
-#include "native.h"
-int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers);
-int32_t master_coupling_methods_iterate(void **result, void **raised, double *real,
-                                        int64_t *integer, double *memory, double *numbers,
-                                        const int64_t lengths[4])
-{
-    (void)result, (void)raised, (void)integer, (void)lengths;
-    return native_part((int64_t)numbers[2], memory, real, numbers);
-}
-"""
-
-
-def test_compiled_iteration_calls_instances_by_pointers(tmp_path):
-    """The calls of a step and of a derivative, and the first that fails ends them."""
-    (tmp_path / "iterate.c").write_text(TOY_ITERATION)
-    files = [HOME / "runtime.c", HOME / "fmi_parts.c", tmp_path / "iterate.c"]
-    library = ctypes.CDLL(str(link(tmp_path / "it.so", *files)))
-    library.iteration_make.restype = ctypes.c_void_p
-    pool = ctypes.c_void_p(library.iteration_make())
-    calls, answer = [], {}
-
-    def function(name, *kinds):
-        def call(*given):
-            calls.append((name, *given))
-            if name == "get":
-                given[3][0] = 5.0
-            if name == "derive":
-                given[6][0] = 2.0 * given[5][1]
-            return answer.get(name, 0)
-
-        return ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(call)
-
-    at, count = ctypes.c_void_p, ctypes.c_size_t
-    real = ctypes.POINTER(ctypes.c_double)
-    functions = [
-        function("restore", at, at),
-        function("set", at, at, count, real),
-        function("step", at, ctypes.c_double, ctypes.c_double, ctypes.c_int),
-        function("get", at, at, count, real),
-        function("derive", at, at, count, at, count, real, real),
-    ]
-    assert len(functions) == len(FUNCTIONS)
-    participant: Any = SimpleNamespace(
-        component=11,
-        references=lambda names: (13, 2) if names == ["u"] else (14, 1),
-        addresses=lambda names: [ctypes.cast(f, at).value for f in functions],
-        fault=lambda function, status: (function, status),
-    )
-    pointed = PointerParticipant(participant, ["u"], ["y"])
-    pointed.begin(12)
-    one = pointed.instance
-    memory = np.array([1.0, 2.0, 0.0, 3.0, 4.0, 0.0])  # inputs, outputs, seeds, products
-    row = np.array([float(ctypes.addressof(one)), 0.0])
-    lengths = (ctypes.c_int64 * 4)(6, 0, 2, 4)
-
-    def run(entry):
-        numbers = np.array([0.1, 0.7, entry, 0.0])
-        calls.clear()
-        given = pointer(memory), pointer(row), pointer(numbers), lengths
-        return library.iteration_run(pool, *given), [name for name, *_ in calls]
-
-    assert run(2) == (0, ["restore", "set", "step", "get"])
-    assert calls[0][1:] == (11, 12) and calls[1][1:4] == (11, 13, 2)
-    assert calls[2][1:] == (11, 0.7, 0.1, 1) and calls[3][1:4] == (11, 14, 1)
-    assert memory[2] == 5.0 and (one.calls, one.failed, one.is_called) == (1, 0, 0)
-    assert 0.0 < one.spent < 10.0 and 0.0 < one.carried < 10.0
-    assert run(3) == (0, ["derive"])
-    assert calls[0][1:6] == (11, 14, 1, 13, 2) and memory[5] == 8.0 and one.calls == 2
-    for number, (name, last) in enumerate(
-        (("restore", 1), ("set", 2), ("step", 3), ("get", 4), ("derive", 1)), 1
-    ):
-        answer[name] = 1  # a warning does not end it
-        assert run(3 if name == "derive" else 2)[0] == 0
-        answer[name] = 2
-        status, called = run(3 if name == "derive" else 2)
-        assert (status, len(called)) == (1, last)
-        assert pointed.fault() == (FUNCTIONS[number - 1], 2) and not one.is_called
-        answer.clear()
-    asked = []
-    other = Instance(ask=type(one.ask)(lambda entry: asked.append(entry) or 7))
-    row[0] = float(ctypes.addressof(other))
-    assert run(3)[0] == 7 and asked == [3]
-    library.iteration_free(pool)
 
 
 def test_noted_faults_and_warnings():

@@ -24,7 +24,7 @@ def remembered(rng, kept, n, filled):
     for _ in range(filled):
         direction, product = rng.standard_normal((2, 1, n))
         known = of_products(rng, product, pairs.images)
-        krylov.learn(pairs, Space(direction, product, *known), 1)
+        krylov.learn(pairs, Space(direction, product, product, *known), 1)
     return pairs
 
 
@@ -116,6 +116,22 @@ def test_least_squares():
     np.testing.assert_allclose(found, [*expected, 0.0], rtol=1e-12)
 
 
+def test_the_factor_in_kernels_is_that_of_python():
+    matrix = np.cov(np.random.default_rng(8).standard_normal((6, 20)))
+    factor = krylov.inverse_factor(matrix)
+    np.testing.assert_allclose(factor.T @ factor, np.linalg.inv(matrix), rtol=1e-12)
+    np.testing.assert_allclose(krylov.inverse_factor.kernel.py_func(matrix), factor, rtol=1e-12)
+
+
+def test_products_that_are_not_finite_are_not_used():
+    """Nor are older ones, because the newest come first."""
+    pairs = remembered(np.random.default_rng(9), 5, 8, 3)
+    nan = np.full((1, 8), np.nan)
+    known = np.full((1, 2), np.nan), np.full((2, 5), np.nan)
+    krylov.learn(pairs, Space(nan, nan, nan, *known), 1)
+    assert krylov.pairs_in_use(pairs).shape == (0, 5)
+
+
 @pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
 def test_what_is_kept(filled, count):
     """Fewer pairs than fit, as many as make it begin again, more than fit at once; one of them is
@@ -135,7 +151,7 @@ def test_what_is_kept(filled, count):
         expected[1][place % kept] = (directions[k] - products[k]) / size
         place += 1
     known = of_products(rng, products, pairs.images)
-    krylov.learn(pairs, Space(directions, products, *known), count)
+    krylov.learn(pairs, Space(directions, products, products, *known), count)
     for found, rows in zip(pairs[:2], expected):
         np.testing.assert_allclose(found, rows, rtol=1e-13, atol=1e-15)
     np.testing.assert_allclose(pairs.gram, pairs.images @ pairs.images.T, atol=1e-14)

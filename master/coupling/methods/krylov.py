@@ -8,7 +8,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...fmi.block import keep
-from ...fmi.compiled import compilable
+from ...fmi.compiled import compilable, standing_for
+from ..vector import put
 
 KEPT = 80
 """Pairs kept from one solve to the next. The numerical example with 60 modes a body, 200 steps from
@@ -56,16 +57,17 @@ class Pairs(NamedTuple):
 
 
 class Space(NamedTuple):
-    """Directions of a solve by rows, their products, and coefficients of the products.
+    """Directions of a solve by rows, their products, and an orthonormal basis of the products.
 
     Eq. (Q10):  product_k = sum over i <= k + 1 of  H_ki basis_i
 
-    hessenberg : ndarray, shape (>= count, >= count + 1), H, the basis orthonormal;
+    hessenberg : ndarray, shape (>= count, >= count + 1), H;
     projected : ndarray, shape (>= count + 1, pairs), Z' basis_i.
     """
 
     directions: Array
     products: Array
+    basis: Array
     hessenberg: Array
     projected: Array
 
@@ -116,7 +118,7 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
     limit = length(goal.elements)
     inverse = pairs_in_use(pairs)
     space = space_of(most, n, len(pairs.gram))
-    basis = np.empty((most + 1, n))
+    basis = space.basis
     null = np.zeros(most + 1)
     keep(basis[0], right / size)
     null[0] = 1.0
@@ -150,9 +152,11 @@ def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int)
 @compilable
 def space_of(most: int, n: int, pairs: int):
     """Return an empty space for `most` products of vectors of n elements."""
+    whole = np.empty((3, most + 1, n))  # in one piece, which malloc reuses
     return Space(
-        np.empty((most, n)),
-        np.empty((most, n)),
+        whole[0],
+        whole[1],
+        whole[-1],
         np.zeros((most, most + 1)),
         np.zeros((most + 1, pairs)),
     )
@@ -171,6 +175,24 @@ def is_within(vector: Array, limits: Array):
 
 
 @compilable
+def _inverse_factor(matrix: Array):
+    inverse = np.zeros(matrix.shape)
+    for i in range(len(matrix)):
+        # Cholesky's factor row by row, and its inverse with it
+        share = inverse[:i] @ matrix[i]
+        pivot = np.sqrt(matrix[i, i] - share @ share)
+        keep(inverse[i], (share @ inverse[:i]) / -pivot)
+        inverse[i, i] = 1.0 / pivot
+    return inverse
+
+
+@standing_for(_inverse_factor)
+def inverse_factor(matrix: Array):
+    """Return F, a lower triangle, of the inverse F' F of a positive definite matrix."""
+    return np.linalg.inv(np.linalg.cholesky(matrix))
+
+
+@compilable
 def pairs_in_use(pairs: Pairs):
     """Return F of (Z' Z + n I)^-1 = F' F, a row for each pair in use, the newest first.
 
@@ -178,28 +200,22 @@ def pairs_in_use(pairs: Pairs):
     """
     gram = pairs.gram
     kept = len(gram)
-    oldest = int(pairs.oldest[0])
-    inverse = np.zeros((kept, kept))
-    directions = 0.0
+    rows = (int(pairs.oldest[0]) - 1 - np.arange(kept)) % kept
     known = 0
-    for i in range(kept):
-        row = (oldest - 1 - i) % kept
-        if gram[row, row] == 0.0:
-            break
-        # Cholesky's factor row by row, and its inverse with it
-        share = inverse[:i] @ gram[row]
-        pivot = np.sqrt(gram[row, row] + NOISE - share @ share)
-        keep(inverse[i], (share @ inverse[:i]) / -pivot)
-        inverse[i, row] = 1.0 / pivot
-        directions += 1.0 - NOISE * (inverse[i] @ inverse[i])
+    while known < kept and gram[rows[known], rows[known]] > 0.0:  # not if NaN
         known += 1
+    rows = rows[:known]
+    factor = inverse_factor(gram[rows][:, rows] + NOISE * np.eye(known))
+    directions = known - NOISE * (factor * factor).sum()
     used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
+    inverse = np.zeros((used, kept))
+    for i in range(used):
+        put(inverse[i], rows, factor[i])
     nothing = np.zeros(kept)
-    for i in range(used, known):
-        row = (oldest - 1 - i) % kept
+    for row in rows[used:]:
         keep(gram[row], nothing)
         keep(gram[:, row], nothing)
-    return inverse[:used]
+    return inverse
 
 
 @compilable

@@ -13,8 +13,6 @@ PARTS
 static Entering *const entries[][4] = {PARTS};
 #undef PART
 
-INTERNAL Entering master_coupling_methods_iterate;
-
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
 
@@ -26,12 +24,4 @@ INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, d
     return entries[(size_t)row[CODE]][entry](&result, &raised, memory + (size_t)row[REAL],
                                              (int64_t *)(memory + (size_t)row[INTEGER]), memory + (size_t)row[MEMORY],
                                              numbers, lengths);
-}
-
-/* The iteration of a macro step; 0, or an exception was raised. Called within `pool_run`. */
-INTERNAL int32_t native_iterate(double *x, double *memory, double *numbers, const int64_t lengths[4])
-{
-    void *result = NULL, *raised = NULL;
-    int64_t none = 0;
-    return master_coupling_methods_iterate(&result, &raised, x, &none, memory, numbers, lengths);
 }

@@ -1,10 +1,8 @@
-"""What a macro step of `run` costs with its iteration as machine code, beside that in Python, and
-with participants of machine code as well: the whole, inside the participants, and the ratio of
-both. Run: python tests/bench/slow/iteration.py
+"""What a macro step of `run` costs with participants in Python, and with those of machine code: the
+whole, inside the participants, and the ratio of both. Run: python tests/bench/slow/iteration.py
 
 The numerical example, 40 x 40 cells, 180 deg from rest, fields left out of the results; a run of
-one kind after a run of the others in one process, the best of several. What is not compiled yet is
-before, for minutes.
+one kind after a run of the other in one process, the best of several.
 """
 
 import os
@@ -17,10 +15,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.fmi.builder_native import ITERATING, iteration_library, object_files
 from piston_cosim.master.runs import run as running
 
-STOP, CELLS, MODES, PASSES = "180 deg", 40, (0, 60, 200), 3
+STOP, CELLS, MODES, PASSES = "180 deg", 40, (0, 60), 3
 COUNTS = ("residual_evaluations", "derivative_products")
 
 
@@ -35,9 +32,8 @@ def case_of(modes, native):
     return check_case(tree, path), tree, path
 
 
-def summary_of(modes, native, choose):
-    """Of a run whose participants and whose method are of a kind, with the time inside [s]."""
-    running.compiled_where_it_can = choose
+def summary_of(modes, native):
+    """Of a run whose participants are of a kind, with the time inside [s]."""
     case, tree, path = case_of(modes, native)
     with tempfile.TemporaryDirectory() as folder:
         system = open_system(case, path.parent, lambda text: None)
@@ -57,19 +53,12 @@ def line(name, summaries):
 
 
 def main():
-    if not iteration_library():
-        object_files(ITERATING, ["linux64"], print)
-    compiled = running.compiled_where_it_can
-    kinds = {
-        "all in Python": (False, lambda method, system: method),
-        "iteration as machine code": (False, compiled),
-        "iteration and participants": (True, compiled),
-    }
+    kinds = {"participants in Python": False, "participants of machine code": True}
     for modes in MODES:
         found = {name: [] for name in kinds}
         for _ in range(PASSES):
-            for name, (native, choose) in kinds.items():
-                found[name].append(summary_of(modes, native, choose))
+            for name, native in kinds.items():
+                found[name].append(summary_of(modes, native))
         print(f"{modes} modes a body")
         for name, summaries in found.items():
             print(line(name, summaries))
