@@ -206,7 +206,8 @@ def pairs_in_use(pairs: Pairs):
         known += 1
     rows = rows[:known]
     factor = inverse_factor(gram[rows][:, rows] + NOISE * np.eye(known))
-    directions = known - NOISE * (factor * factor).sum()
+    flat = factor.reshape(factor.size)
+    directions = known - NOISE * (flat @ flat)
     used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
     inverse = np.zeros((used, kept))
     for i in range(used):
