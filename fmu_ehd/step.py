@@ -22,7 +22,7 @@ from .balance.film_step import (
     FilmSolution,
     solved_filling,
 )
-from .balance.films import STORED, FilmSlopes, Quantities
+from .balance.films import CARRIERS, STORED, FilmSlopes, Quantities
 from .balance.flow_film import FlowFilm, ShearedOil, flow_film
 from .balance.grid import (
     LOWER,
@@ -396,8 +396,8 @@ def start(
         still,
         still,
         still,
-        film,
-        film,
+        film[:CARRIERS],
+        film[:CARRIERS],
         no_flow,
         no_flow,
         0.0,
@@ -567,7 +567,7 @@ def end(
         went.growth,
         before.growth,
         solved.deflection,
-        flow.quantities,
+        flow.quantities[:CARRIERS],
         before.film,
         went.passed,
         went.travel,

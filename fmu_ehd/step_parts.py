@@ -10,7 +10,7 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
-from .balance.films import Quantities
+from .balance.films import Carriers
 from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import StepRatios, TransportHistory
@@ -32,7 +32,7 @@ class PreviousFilm(NamedTuple):
     step, above cavitation pressure [Pa]; content, growth, growth_before :
     film fraction times stored film [m], and its growth over the last step and the one before
     [m/s], `storage.ContentHistory`; deflection : of the coating [m];
-    film, film_before : quantities of `films` at the end of the last two steps;
+    film, film_before : carriers of `films` at the end of the last two steps;
     passed, travel : volume that passed the axial faces [m3], and travel of the entrainment there
     [m], in the last step, `transport`; step : length of the last step [s], 0 at the start.
     """
@@ -44,8 +44,8 @@ class PreviousFilm(NamedTuple):
     growth: Field
     growth_before: Field
     deflection: Field
-    film: Quantities
-    film_before: Quantities
+    film: Carriers
+    film_before: Carriers
     passed: AxialFaces
     travel: AxialFaces
     step: float

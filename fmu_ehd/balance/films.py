@@ -39,10 +39,12 @@ from ..laws.roughness import (
 from .grid import Array
 
 # first axis of the quantities of a film:
-# s, t [m];  g across i and j [m3/(Pa s)];  c [Pa s/m];  b [m]
-STORED, TRANSPORT, CONDUCTIVITY_C, CONDUCTIVITY_A, COUETTE, POISEUILLE = range(6)
+# s, t [m];  g across j and i [m3/(Pa s)];  c [Pa s/m];  b [m]
+STORED, TRANSPORT, CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, POISEUILLE = range(6)
 QUANTITIES = 6
+CARRIERS = 3  # the first ones, which `transport` needs of the past
 Quantities = Annotated[Array, f"{QUANTITIES}, n_c, n_a"]
+Carriers = Annotated[Array, f"{CARRIERS}, n_c, n_a"]
 
 
 class FilmSlopes(NamedTuple):

@@ -81,8 +81,8 @@ FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 class TransportHistory(NamedTuple):
     """Results of the last step for the transport of the next one.
 
-    film, film_before : ndarray, shape (7, n_c, n_a)
-        Quantities of `films` at its end and at its beginning.
+    film, film_before : ndarray, shape (3, n_c, n_a)
+        Carriers of `films` at its end and at its beginning.
     content : ndarray, shape (n_c, n_a)
         c_n at its end [m].
     full, resting : ndarray of bool, shape (n_c, n_a)

@@ -6,6 +6,7 @@ y = sin(pi t/2), a cycle of 4 s in steps of 1 s.
 
 import os
 import signal
+import zlib
 from functools import partial
 
 import numpy as np
@@ -168,14 +169,19 @@ def test_slow_members_of_bytes():
     assert list(slow_members(data)) == ["a"]
     moved = with_members(data + b"front", {"a": np.full(3, 7.0)})
     head, arrays = split(moved)
-    assert moved.endswith(b"front") and len(moved) == len(data) + 5
+    assert moved.endswith(b"front")
     assert head == {"slow": ["a"]}
     assert arrays["a"].tolist() == [7.0] * 3
     assert arrays["b"].tolist() == [[1.0, 1.0], [1.0, 1.0]]
 
 
 @pytest.mark.parametrize(
-    "data", [b"", b"something else", b"\x02" + 7 * b"\0" + b"[]", b"\x02" + 7 * b"\0" + b"{}"]
+    "data",
+    [
+        b"",
+        b"something else",
+        *(zlib.compress(b"\x02" + 7 * b"\0" + text) for text in (b"[]", b"{}")),
+    ],
 )
 def test_other_states_have_no_slow_members(data):
     assert slow_members(data) == {}

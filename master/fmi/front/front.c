@@ -409,10 +409,6 @@ int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
     PyObject *result = ask(I, "_fmu_state_to_bytes", py.Py_BuildValue("(O)", state), &status);
     if (status == OK && py.PyBytes_AsStringAndSize(result, &data, &length))
         status = ERROR;
-    if (status == OK && bytes && *size < (size_t)length) {
-        front_log(I, ERROR, "the state takes %td bytes, %zu were given", length, *size);
-        status = ERROR;
-    }
     if (status == OK && bytes)
         memcpy(bytes, data, (size_t)length);
     if (status == OK && !bytes)

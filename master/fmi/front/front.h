@@ -85,7 +85,7 @@ int slave_get_texts(Instance *, const Reference *, size_t count, const char **te
 int slave_get_state(Instance *, void **state);                  /* overwrites a state that is not NULL */
 int slave_set_state(Instance *, void *state);
 void slave_free_state(void *state);
-int slave_state_to_bytes(Instance *, void *state, char *bytes, size_t *size);
+int slave_state_to_bytes(Instance *, void *state, char *bytes, size_t *size);      /* bytes NULL, or with enough room */
 int slave_state_from_bytes(Instance *, const char *bytes, size_t size, void **state);
 
 #endif

@@ -536,9 +536,9 @@ int slave_reset(Instance *I)
 
 /* ---- states ------------------------------------------------------------------------------------------------------- */
 
-/* A state in memory and as bytes: this head, variables, integers, the memory's state. Numbers are little endian as on
-   all supported systems, so states can be exchanged between them. The sums continue those of the model's file by
-   the bytes after the head, so that a state goes with one model. */
+/* A state in memory: this head, variables, integers, the memory's state. As bytes, all after the head is packed. Numbers
+   are little endian as on all supported systems, so states can be exchanged between them. The sums continue those of the
+   model's file by the unpacked words after the head, so that a state goes with one model. */
 typedef struct { char mark[8]; int64_t reals, integers, states, has_state; Sums sums; } Saved;
 
 static size_t saved_size(Native *N)
@@ -570,16 +570,20 @@ static int is_own_state(Instance *I, const void *state)
     return own;
 }
 
+static int no_memory(Instance *I)
+{
+    front_log(I, ERROR, "there is not enough memory for a state");
+    return ERROR;
+}
+
 int slave_get_state(Instance *I, void **state)
 {
     Native *N = I->slave;
     if (*state && !is_own_state(I, *state))
         return ERROR;
     char *at = *state = *state ? *state : malloc(saved_size(N));
-    if (!at) {
-        front_log(I, ERROR, "there is not enough memory for a state");
-        return ERROR;
-    }
+    if (!at)
+        return no_memory(I);
     *(Saved *)at = head_of(N);
     memcpy(at += sizeof(Saved), N->real, real_bytes(N));
     int64_t *integer = memset(at += real_bytes(N), 0, integer_bytes(N));
@@ -624,45 +628,113 @@ int slave_set_state(Instance *I, void *state)
 
 void slave_free_state(void *state) { free(state); }
 
+/* ---- states as bytes ---------------------------------------------------------------------------------------------- */
+
+/* A state repeats many words: zeros, and fields that are equal. Packed, it is a sequence of literal words, each part
+   after a control word: how many they are, how many words to copy after them, and from how far back. */
+enum { LITERALS = 20, LENGTH = 20, DISTANCE = 24, SHORTEST = 3, SLOTS = 16 };
+
+/* Return the number of packed words, which are written if `out` is not NULL. `last` has 2^SLOTS places, all 0. */
+static size_t pack(const uint64_t *word, size_t count, uint64_t *out, uint32_t *last)
+{
+    size_t written = 0, first = 0, at = 0;
+    for (;;) {
+        size_t length = 0, from = at;
+        if (at < count) {
+            uint32_t *slot = last + (mixed(word[at]) >> (64 - SLOTS));
+            from = *slot;
+            *slot = (uint32_t)at;
+            if (from < at && at - from < 1u << DISTANCE)
+                while (at + length < count && length + 1 < 1u << LENGTH && word[from + length] == word[at + length])
+                    length++;
+        }
+        if (length < SHORTEST)
+            length = 0;
+        if (length || at == count || at - first + 1 == 1u << LITERALS) {
+            if (out) {
+                out[written] = (uint64_t)(at - first) | (uint64_t)length << LITERALS
+                               | (uint64_t)(at - from) << (LITERALS + LENGTH);
+                memcpy(out + written + 1, word + first, (at - first) * sizeof *word);
+            }
+            written += 1 + at - first;
+            if (at == count)
+                return written;
+            first = at += length;
+            if (length)
+                continue;
+        }
+        at++;
+    }
+}
+
+/* Return whether the packed words give exactly `count` words. */
+static int unpack(const char *packed, size_t words, uint64_t *out, size_t count)
+{
+    size_t at = 0, read = 0;
+    while (read < words) {
+        uint64_t control;
+        memcpy(&control, packed + read++ * sizeof control, sizeof control);
+        size_t literals = control & ((1u << LITERALS) - 1), length = control >> LITERALS & ((1u << LENGTH) - 1);
+        size_t distance = (size_t)(control >> (LITERALS + LENGTH));
+        if (literals > words - read || literals > count - at)
+            return 0;
+        memcpy(out + at, packed + read * sizeof control, literals * sizeof control);
+        at += literals, read += literals;
+        if (length && (!distance || distance > at || length > count - at))
+            return 0;
+        for (; length; length--, at++)
+            out[at] = out[at - distance];
+    }
+    return at == count;
+}
+
 int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
 {
-    size_t length = saved_size(I->slave);
-    if (!is_own_state(I, state))
-        return ERROR;
-    if (bytes && *size < length) {
-        front_log(I, ERROR, "the state takes %zu bytes, %zu were given", length, *size);
-        return ERROR;
+    Saved head;
+    const char *body = (char *)state + sizeof head;
+    size_t length = saved_size(I->slave) - sizeof head;
+    uint32_t *last = calloc((size_t)1 << SLOTS, sizeof *last);
+    uint64_t *packed = bytes && last ? malloc(2 * length) : NULL;
+    int status = !is_own_state(I, state) ? ERROR : !last || (bytes && !packed) ? no_memory(I) : OK;
+    if (status == OK) {
+        size_t total = sizeof head + pack((const uint64_t *)body, length / sizeof *packed, packed, last) * sizeof *packed;
+        if (bytes) {
+            head = *(Saved *)state;
+            head.sums = sums_of(body, length, ((Native *)I->slave)->sums);
+            memcpy(bytes, &head, sizeof head);
+            memcpy(bytes + sizeof head, packed, total - sizeof head);
+        }
+        *size = total;
     }
-    if (!bytes) {
-        *size = length;
-        return OK;
-    }
-    Saved head = *(Saved *)state;
-    head.sums = sums_of((char *)state + sizeof head, length - sizeof head, ((Native *)I->slave)->sums);
-    memcpy(bytes, &head, sizeof head);
-    memcpy(bytes + sizeof head, (char *)state + sizeof head, length - sizeof head);
-    return OK;
+    free(last);
+    free(packed);
+    return status;
 }
 
 int slave_state_from_bytes(Instance *I, const char *bytes, size_t size, void **state)
 {
     Native *N = I->slave;
     Saved given;
-    size_t length = saved_size(N);
-    int fits = bytes && size == length;
+    size_t length = saved_size(N), packed = size - sizeof given;
+    char *own = malloc(length);
+    if (!own)
+        return no_memory(I);
+    int fits = bytes && size >= sizeof given && packed % sizeof(uint64_t) == 0;
     if (fits) {
         memcpy(&given, bytes, sizeof given);
-        Sums found = sums_of(bytes + sizeof given, length - sizeof given, N->sums);
-        fits = is_like(N, &given) && !memcmp(&found, &given.sums, sizeof found);
+        fits = is_like(N, &given) && unpack(bytes + sizeof given, packed / sizeof(uint64_t), (uint64_t *)(own + sizeof given),
+                                            (length - sizeof given) / sizeof(uint64_t));
+    }
+    if (fits) {
+        Sums found = sums_of(own + sizeof given, length - sizeof given, N->sums);
+        fits = !memcmp(&found, &given.sums, sizeof found);
     }
     if (!fits) {
-        front_log(I, ERROR, "these %zu bytes are no state of this FMU, which takes %zu, or they are damaged", size, length);
+        front_log(I, ERROR, "expected the bytes of a state of this FMU, got %zu other or damaged bytes", size);
+        free(own);
         return ERROR;
     }
-    char *own = *state = malloc(length);
-    if (own)
-        memcpy(own, bytes, length);
-    else
-        front_log(I, ERROR, "there is not enough memory for a state");
-    return own ? OK : ERROR;
+    memcpy(own, &given, sizeof given);
+    *state = own;
+    return OK;
 }
