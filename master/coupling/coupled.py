@@ -196,7 +196,7 @@ class Coupled(FieldSlave):
     def advance(self, state, values, time, step):
         """Take macro steps up to time + step; if one fails, discard all and keep the state."""
         if state is not self.standing:
-            self._restore(state)
+            thaw(self.stepper, state.data.tobytes())
         self.standing = None
         for exposed, (owner, name) in self.inside.input.items():
             self.system.participants[owner].set(name, values[exposed])
@@ -274,5 +274,12 @@ class Coupled(FieldSlave):
         """Return everything that a further step depends on."""
         return CoupledState(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
 
-    def _restore(self, state):
-        thaw(self.stepper, state.data.tobytes())
+    def _restored(self, members):
+        """Return the state with these members, which everything inside has taken over."""
+        try:
+            state = CoupledState(**members)
+            thaw(self.stepper, state.data.tobytes())
+        except (AttributeError, TypeError, ValueError) as error:
+            return self._refuse(f"expected a state of this FMU, got another: {error}")
+        self.standing = state
+        return state

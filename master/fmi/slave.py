@@ -32,7 +32,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from .errors import BadInput, Discard
-from .state_bytes import join, split
+from .state_bytes import is_sound, join, split
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: derivatives of an input over a step, seed and product of a
@@ -473,10 +473,20 @@ class FieldSlave(Fmi2Slave):
             self.views[v.name][...] = number
         self.fault = None
         self.real[: self.real_count] = real
-        if state is not None and self._parameters() != self.started_with:
-            self._checked_start()
+        if state is not None and (self.state is None or self._parameters() != self.started_with):
+            self.state = self._checked_start()
             self.real[: self.real_count] = real
-        self.state = _assembled(self.state_type, state) if isinstance(state, dict) else state
+        if isinstance(state, dict):
+            state = self._restored(state)
+        self.state = state
+
+    def _restored(self, members):
+        """Return the state with these members; log and return None if they do not fit the model."""
+        own = {} if self.state is None else _members(self.state)
+        if _layout(members) != _layout(own):
+            return self._refuse("expected a state of this FMU, got one of another grid")
+        numbers = {name: a if a.shape else a.item() for name, a in members.items()}
+        return _assembled(self.state_type, numbers)
 
     @classmethod
     def _fmu_state_to_bytes(cls, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
@@ -485,12 +495,32 @@ class FieldSlave(Fmi2Slave):
         head = {"settings": settings, "started": state is not None}
         return join(head | ({"slow": cls.slow_state} if cls.slow_state else {}), arrays)
 
-    @staticmethod
-    def _fmu_state_from_bytes(data):  # pyright: ignore[reportIncompatibleMethodOverride]
-        head, arrays = split(bytes(data))
-        real = arrays.pop("")
-        members = {name: a if a.shape else a.item() for name, a in arrays.items()}
-        return real, tuple(head["settings"]), members if head["started"] else None
+    def _fmu_state_from_bytes(self, data):  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Return the saved state in bytes; raise `BadInput` for other or damaged bytes."""
+        try:
+            head, arrays = split(bytes(data))
+            real, settings = arrays.pop(""), tuple(head["settings"])
+            state = arrays if head["started"] else None
+        except (ValueError, TypeError, KeyError, AttributeError):
+            real, settings, arrays, state = np.zeros(0), (), {}, None
+        fits = _layout({"": real}) == _layout({"": self.real[: self.real_count]})
+        if not (fits and self._may_be_settings(settings) and all(map(is_sound, arrays.values()))):
+            raise BadInput(
+                f"expected the bytes of a state of this FMU, got {len(data)} other or damaged bytes"
+            )
+        return real, settings, state
+
+    def _may_be_settings(self, settings):
+        """Return whether these may be the `_settings` of another instance."""
+        numbers = settings[len(self.string) :]
+        return list(map(type, settings)) == list(map(type, self._settings())) and all(
+            1 <= number <= len(v.choices) for v, number in zip(self.enumerations, numbers)
+        )
+
+
+def _layout(members):
+    """Return type and shape of each array by name."""
+    return {name: (array.dtype, array.shape) for name, array in members.items()}
 
 
 def _members(state, path=""):

@@ -61,6 +61,13 @@ def _taken_apart(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray], by
     return head, arrays, packed.unused_data
 
 
+def is_sound(array: np.ndarray) -> bool:
+    """Return whether an array has finite numbers, and flags that are 0 or 1."""
+    if array.dtype == bool:
+        return bool((array.view(np.uint8) <= 1).all())
+    return array.dtype.kind in "iu" or array.dtype == float and bool(np.isfinite(array).all())
+
+
 def slow_members(data: bytes) -> dict[str, np.ndarray]:
     """Return the slow members of a serialised state; empty for FMUs of other projects."""
     try:

@@ -84,6 +84,8 @@ class LocalParticipant(StartedInHalves):
 
     def restore(self, saved):
         self.slave._set_fmu_state(saved)
+        if self.slave.fault:
+            raise BadInput(f"participants.{self.name}: {self.slave.fault}")
 
     def free(self, saved):
         """Do nothing, because a saved state is a Python object."""

@@ -264,7 +264,8 @@ def test_a_refused_step_says_why_and_leaves_everything_as_it_was(both):
 
 def test_a_step_of_more_macro_steps_than_can_be_meant_is_refused(native):
     """Counted in numbers that have an end."""
-    one = started(native)
+    one = FmuParticipant("coupled", native)
+    one.start(HARD, 0.0, np.inf)
     with pytest.raises(Discard, match=r"step size = 1e\+300 s: more than 1e\+06 macro steps"):
         one.step(0.0, 1e300)
     step(one, 1)

@@ -165,6 +165,7 @@ int front_set_up(Instance *I, const char *where, double start, int stops, double
         return ERROR;
     }
     I->reached = start;
+    I->stop = stops ? stop : INFINITY;
     return OK;
 }
 
@@ -187,10 +188,11 @@ int front_leave(Instance *I, const char *where)
 
 int front_show(Instance *I) { return I->phase == INITIALIZING ? slave_show(I) : OK; }
 
-/* A step begins where the last one ended, except for rounding of the host's times. */
+/* A step begins where the last one ended, except for rounding of the host's times. It ends by the stop time; that of a
+   host whose clock counts whole nanoseconds is off by less than a hundredth of a step. */
 int front_step(Instance *I, const char *where, double time, double step)
 {
-    const double share = 1e-6, rounding = 4.0 * DBL_EPSILON;
+    const double share = 1e-6, rounding = 4.0 * DBL_EPSILON, lenience = 1e-2;
     if (!is_in(I, where, STEPPING))
         return ERROR;
     if (!isfinite(time) || isnan(step)) {
@@ -199,6 +201,10 @@ int front_step(Instance *I, const char *where, double time, double step)
     }
     if (!(fabs(time - I->reached) <= share * fabs(step) + rounding * fabs(time))) {
         front_log(I, ERROR, "%s: expected a step at %.15g s, got one at %.15g s; restore a state to return", where, I->reached, time);
+        return ERROR;
+    }
+    if (isfinite(step) && time + step - I->stop > lenience * fabs(step) + rounding * fabs(time)) {
+        front_log(I, ERROR, "%s: expected a step to at most %.15g s, the stop time, got one to %.15g s", where, I->stop, time + step);
         return ERROR;
     }
     int status = slave_step(I, time, step);
@@ -267,6 +273,7 @@ Instance *front_create(const char *name, const char *token, char *resources, Ins
         return NULL;
     }
     *I = settings;
+    I->stop = INFINITY;
     I->name = strcpy(own, name ? name : "instance");
     I->resources = resources;
     I->token = token;
@@ -290,14 +297,23 @@ int front_reset(Instance *I)
 {
     I->phase = INSTANTIATED;
     I->reached = 0.0;
+    I->stop = INFINITY;
     return slave_reset(I);
 }
 
 /* ---- states ------------------------------------------------------------------------------------------------------- */
 
 /* A state of an instance: that of its slave, and where the instance is. As bytes, `Progress` follows the slave's bytes. */
-typedef struct { double reached; int64_t phase; } Progress;
+typedef struct { double reached; int64_t phase; uint64_t check; } Progress;
 typedef struct { void *slaves; Progress progress; } State;
+
+static Progress progress_at(double reached, int64_t phase)
+{
+    Progress progress = {reached, phase, 0};
+    memcpy(&progress.check, &reached, sizeof reached);
+    progress.check = ~(progress.check * 0x9e3779b97f4a7c15ull) ^ (uint64_t)phase;
+    return progress;
+}
 
 /* Return whether this library gave the state to the host, which has not freed it; log it if not. */
 static int is_own_state(Instance *I, const char *where, const void *state)
@@ -325,7 +341,7 @@ static int give(Instance *I, const char *where, void *slaves, Progress progress,
 
 int front_get_state(Instance *I, const char *where, void **state)
 {
-    Progress progress = {I->reached, I->phase};
+    Progress progress = progress_at(I->reached, I->phase);
     State *old = *state;
     if (old) {
         if (!is_own_state(I, where, old))
@@ -384,10 +400,11 @@ int front_state_to_bytes(Instance *I, const char *where, void *state, char *byte
 
 int front_state_from_bytes(Instance *I, const char *where, const char *bytes, size_t size, void **state)
 {
-    Progress progress = {NAN, PHASES};
+    Progress progress = {0};
     if (bytes && size >= sizeof progress)
         memcpy(&progress, bytes + size - sizeof progress, sizeof progress);
-    if (!isfinite(progress.reached) || progress.phase < 0 || progress.phase >= PHASES) {
+    Progress sound = progress_at(progress.reached, progress.phase);
+    if (memcmp(&sound, &progress, sizeof sound) || progress.phase < 0 || progress.phase >= PHASES) {
         front_log(I, ERROR, "%s: expected the bytes of a state of this FMU, got %zu other or damaged bytes", where, size);
         return ERROR;
     }

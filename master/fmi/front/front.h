@@ -26,7 +26,7 @@ typedef struct Instance {
     void (*send)(struct Instance *, int status, const char *category, const char *text);
     void (*logger)(void);                   /* the host's, with the type of its standard */
     void *text;                             /* PyObject that keeps the last returned strings alive */
-    double reached;                         /* end of the last step taken */
+    double reached, stop;                   /* end of the last step taken; stop time, infinite if there is none */
     int phase;                              /* one of `Phase` */
     double *real;
     int64_t *integer;

@@ -538,7 +538,7 @@ int slave_reset(Instance *I)
 
 /* A state in memory: this head, variables, integers, the memory's state. As bytes, all after the head is packed. Numbers
    are little endian as on all supported systems, so states can be exchanged between them. The sums continue those of the
-   model's file by the unpacked words after the head, so that a state goes with one model. */
+   model's file by all other words, so that a state goes with one model. */
 typedef struct { char mark[8]; int64_t reals, integers, states, has_state; Sums sums; } Saved;
 
 static size_t saved_size(Native *N)
@@ -688,6 +688,11 @@ static int unpack(const char *packed, size_t words, uint64_t *out, size_t count)
     return at == count;
 }
 
+static Sums sums_of_state(Native *N, const Saved *head, const char *packed, size_t size)
+{
+    return sums_of(packed, size, sums_of((const char *)head, offsetof(Saved, sums), N->sums));
+}
+
 int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
 {
     Saved head;
@@ -700,7 +705,7 @@ int slave_state_to_bytes(Instance *I, void *state, char *bytes, size_t *size)
         size_t total = sizeof head + pack((const uint64_t *)body, length / sizeof *packed, packed, last) * sizeof *packed;
         if (bytes) {
             head = *(Saved *)state;
-            head.sums = sums_of(body, length, ((Native *)I->slave)->sums);
+            head.sums = sums_of_state(I->slave, &head, (char *)packed, total - sizeof head);
             memcpy(bytes, &head, sizeof head);
             memcpy(bytes + sizeof head, packed, total - sizeof head);
         }
@@ -722,12 +727,10 @@ int slave_state_from_bytes(Instance *I, const char *bytes, size_t size, void **s
     int fits = bytes && size >= sizeof given && packed % sizeof(uint64_t) == 0;
     if (fits) {
         memcpy(&given, bytes, sizeof given);
-        fits = is_like(N, &given) && unpack(bytes + sizeof given, packed / sizeof(uint64_t), (uint64_t *)(own + sizeof given),
-                                            (length - sizeof given) / sizeof(uint64_t));
-    }
-    if (fits) {
-        Sums found = sums_of(own + sizeof given, length - sizeof given, N->sums);
-        fits = !memcmp(&found, &given.sums, sizeof found);
+        Sums found = sums_of_state(N, &given, bytes + sizeof given, packed);
+        fits = is_like(N, &given) && !memcmp(&found, &given.sums, sizeof found)
+               && unpack(bytes + sizeof given, packed / sizeof(uint64_t), (uint64_t *)(own + sizeof given),
+                         (length - sizeof given) / sizeof(uint64_t));
     }
     if (!fits) {
         front_log(I, ERROR, "expected the bytes of a state of this FMU, got %zu other or damaged bytes", size);
