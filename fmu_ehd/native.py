@@ -324,7 +324,6 @@ PART = NativePart(
     entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given=given,
     uncovered=uncovered,
-    covered={},
     faults=FAULTS,
     refusal="lubrication step to t = {a} s: ",
     uncovered_ahead=uncovered,

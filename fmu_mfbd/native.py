@@ -321,7 +321,6 @@ PART = NativePart(
     entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given=given,
     uncovered=uncovered,
-    covered={},
     faults=FAULTS,
     refusal="",
     uncovered_ahead=uncovered,

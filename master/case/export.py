@@ -145,14 +145,6 @@ def _uncovered_ahead(case, platforms):
         packages.add(table.package)
         ahead = part.uncovered_ahead(table.build)
         faults += [f"participants.{name}.build.{fault}" for fault in ahead]
-        for parameter, value in table.parameters.items():
-            known = part.covered.get(parameter)
-            if isinstance(known, tuple) and value not in known:
-                words = ", ".join(known)
-                faults.append(
-                    f"participants.{name}.parameters.{parameter}: expected {words} in a native "
-                    f"FMU, got {value}"
-                )
     return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 
 

@@ -50,7 +50,6 @@ def _uncovered(table, folder, given):
     """Return why a participant cannot be machine code, as ends of "participants.NAME"."""
     from ..fmi.builder_native import cannot_build, part_of
     from ..fmi.compiler import this_platform
-    from ..fmi.native_parts import uncovered_values
 
     platform = this_platform()
     if platform is None:
@@ -63,6 +62,6 @@ def _uncovered(table, folder, given):
     faults += [f".build.{fault}" for fault in part.uncovered_ahead(table.build)]
     variables = declared_variables(table, folder)
     if variables and not faults:
-        found = uncovered_values(part, variables, given)
-        faults += [f".parameters.{fault}" for fault in found]
+        values = {v.name: v.number(v.start) for v in variables} | dict(given)
+        faults += [f".parameters.{fault}" for fault in part.uncovered_values(values)]
     return faults

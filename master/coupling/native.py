@@ -265,7 +265,6 @@ PART = NativePart(
     entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given=np.asarray,  # native_given.coupled_inside has laid it out
     uncovered=lambda options: (),  # see native_given
-    covered={},
     faults=tuple(SENTENCES.values()),
     refusal="",
 )

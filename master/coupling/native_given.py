@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..fmi.builder_native import Inside
-from ..fmi.native_parts import uncovered_values
 from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
@@ -54,7 +53,8 @@ def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> 
 def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) -> Iterator[str]:
     """Yield the faults of valid parameters that machine code does not support."""
     for name, inside in insides.items():
-        for fault in uncovered_values(inside.part, inside.slave.table, given[name]):
+        values = {v.name: v.number(v.start) for v in inside.slave.table} | dict(given[name])
+        for fault in inside.part.uncovered_values(values):
             yield f"participants.{name}.parameters.{fault}"
 
 
@@ -107,9 +107,7 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
         starting=[names.index(name) for name in options.participants],
         contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
-    part = native.PART._replace(
-        faults=_sentences(options.wires, insides), covered=_covered(slave, insides)
-    )
+    part = native.PART._replace(faults=_sentences(options.wires, insides))
     return Inside(slave, part, head)
 
 
@@ -214,12 +212,3 @@ def _sentences(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> tuple[st
         ]
     own = [f"{name}: {text}" for name, inside in insides.items() for text in inside.part.faults]
     return (*SENTENCES.values(), *of_wires, *own)
-
-
-def _covered(slave: Coupled, insides: Mapping[str, Inside]) -> dict[str, Any]:
-    """Return covered choices and numbers by their names outside."""
-    return {
-        exposed: insides[owner].part.covered[name]
-        for exposed, (owner, name) in slave.inside.parameter.items()
-        if name in insides[owner].part.covered
-    }

@@ -8,7 +8,7 @@ from .native_parts import NativePart
 from .slave import CAUSALITIES, PRODUCT, SEED, FieldSlave, reserved
 from .variables import Variable
 
-MARK = b"PCNATIV3"
+MARK = b"PCNATIV4"
 """First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
 
 WORD = 8  # bytes that are summed at once
@@ -18,8 +18,8 @@ TYPES = ("Real", "Integer", "String", "Enumeration")
 def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
     """Return the content of resources/slave.bin, which front/native.c reads.
 
-    It contains positions, ranges and start values of the variables, the choices that are
-    covered, the first part of the model's memory, and sentences.
+    It contains positions, ranges and start values of the variables, the first part of the model's
+    memory, and sentences.
     """
     given = np.asarray(given, dtype="<f8")
     blocks = [
@@ -40,9 +40,9 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
         len(part.faults),
         len(texts),
     ]
-    rows = [_row(slave, v, part.covered) for v in table]
+    rows = [_row(slave, v) for v in table]
     integers = [*head, *np.ravel(blocks), *np.ravel(rows)]
-    numbers = [x for v in table for x in _ranges(v, part.covered)]
+    numbers = [x for v in table for x in _range(v)]
     content = b"".join(
         [
             struct.pack(f"<{len(integers)}q", *map(int, integers)),
@@ -70,11 +70,9 @@ def sums_of(file: bytes) -> str:
     return f"{words.sum(dtype=np.uint64):016x}{(words * weights).sum(dtype=np.uint64):016x}"
 
 
-def _row(slave, v: Variable, covered):
-    """Return type, position, size, causality, extents, number of choices, covered choices."""
+def _row(slave, v: Variable):
+    """Return type, position, size, causality, extents, number of choices."""
     extents = (*v.shape, 0, 0, 0)[:3]
-    known = covered.get(v.name, v.choices)
-    mask = sum(1 << k for k, name in enumerate(v.choices) if name in known)
     return (
         TYPES.index(v.type),
         slave.references[v.name],
@@ -82,13 +80,9 @@ def _row(slave, v: Variable, covered):
         CAUSALITIES.index(v.causality),
         *extents,
         len(v.choices),
-        mask,
     )
 
 
-def _ranges(v: Variable, covered):
-    """Return the allowed range and the covered range."""
-    low = -np.inf if v.minimum is None else v.minimum
-    high = np.inf if v.maximum is None else v.maximum
-    only = None if v.choices else covered.get(v.name)
-    return (low, high, -np.inf, np.inf) if only is None else (low, high, only, only)
+def _range(v: Variable):
+    """Return the allowed range."""
+    return -np.inf if v.minimum is None else v.minimum, np.inf if v.maximum is None else v.maximum

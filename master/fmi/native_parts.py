@@ -1,12 +1,11 @@
 """Native part of a participant package: the value `PART` of its module `native`."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .compiled import compiled
-from .variables import Variable
 
 
 class Entry(NamedTuple):
@@ -48,8 +47,6 @@ class NativePart(NamedTuple):
         Returns the first part of an FMU's memory, ndarray of float64.
     uncovered : callable
         Yields faults of checked build options that the library does not cover.
-    covered : mapping
-        Covered choices, or the only covered value, by name of the parameter.
     faults : tuple of str
         Sentences by number.
     refusal : str
@@ -63,36 +60,7 @@ class NativePart(NamedTuple):
     entries: tuple[Entry, ...]
     given: Callable[[Any], Any]
     uncovered: Callable[[dict[str, Any]], Iterable[str]]
-    covered: Mapping[str, tuple[str, ...] | float]
     faults: tuple[str, ...]
     refusal: str
     uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
     uncovered_values: Callable[[Mapping[str, Any]], Iterable[str]] = lambda values: ()
-
-
-def uncovered_values(
-    part: NativePart, variables: Sequence[Variable], given: Mapping[str, Any]
-) -> Iterator[str]:
-    """Yield a sentence for each valid parameter value that the machine code does not cover.
-
-    Parameters
-    ----------
-    part : NativePart
-    variables : sequence of Variable
-    given : mapping
-        Values in SI, choices by number. Default: start values.
-    """
-    values = {v.name: v.number(v.start) for v in variables} | dict(given)
-    for v in variables:
-        known = part.covered.get(v.name)
-        value = given.get(v.name)
-        if known is None or value is None:
-            continue
-        if isinstance(known, tuple):
-            said, is_covered = v.choices[int(value) - 1], v.choices[int(value) - 1] in known
-            words = ", ".join(known)
-        else:
-            said, is_covered, words = f"{value:g}", value == known, f"{known:g}"
-        if not is_covered:
-            yield f"{v.name}: expected {words} in a native FMU, got {said}"
-    yield from part.uncovered_values(values)

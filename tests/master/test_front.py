@@ -39,7 +39,6 @@ PART = NativePart(
     entries=(),
     given=lambda slave: memory_of({}, {"gain": 1, "state": U.size + 1, "faults": ROOM}),
     uncovered=lambda options: (),
-    covered={"law": ("linear", "square"), "bias": 0.0},
     faults=(
         "x0: expected at most 100 %d, got {a}",
         "starts below 0",
@@ -382,14 +381,7 @@ def test_texts_and_courses(toy):
 
 
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)
-def test_what_native_code_does_not_cover(toy):
-    with pytest.raises(BadInput) as refusal:
-        started(toy, law=3, bias=0.5)
-    assert refusal.value.faults == [
-        "participants.toy, bias: expected 0 to 0 1/s, got 0.5 1/s; a native FMU covers no other",
-        "participants.toy, law: expected 1 linear, 2 square, got 3 cubic; "
-        "a native FMU covers no other",
-    ]
+def test_a_warning_of_native_code_and_scarce_memory(toy):
     started(toy, x0=-1.0)
     assert toy.warned() == ["starts below 0"]
     toy.step(0.0, 0.1)

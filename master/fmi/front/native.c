@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MARK[8] = "PCNATIV3";      /* the last digit is the version of the file */
+static const char MARK[8] = "PCNATIV4";      /* the last digit is the version of the file */
 
 enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
 
 /* Description of a variable in the file: numbers, then ranges; texts are separate. */
-typedef struct { int64_t type, offset, size, causality, extent[3], choices, covered; } Row;
-typedef struct { double low, high, covered_low, covered_high; } Range;
+typedef struct { int64_t type, offset, size, causality, extent[3], choices; } Row;
+typedef struct { double low, high; } Range;
 typedef struct { const char *name, *unit; const char **choice; } Words;
 
 typedef struct { uint64_t first, second; } Sums;
@@ -235,34 +235,27 @@ static void append_element(Native *N, char *text, int64_t variable, int64_t elem
     append(text, index);
 }
 
-/* Append a sentence if a choice has an invalid number, or one that the machine code does not cover. */
+/* Append a sentence if a choice has an invalid number. */
 static int choice_fault(Native *N, int64_t variable, char *text)
 {
     const Row *v = N->row + variable;
     const Words *w = N->words + variable;
     int64_t number = N->integer[v->offset];
-    int known = number >= 1 && number <= v->choices;
-    if (known && v->covered >> (number - 1) & 1)
+    if (number >= 1 && number <= v->choices)
         return 0;
     char written[32];
     append(text, *text ? "\n" : "");
     append(text, w->name);
     append(text, ": expected ");
     const char *between = "";
-    for (int64_t c = 0; c < v->choices; c++)
-        if (!known || v->covered >> c & 1) {
-            snprintf(written, sizeof written, "%s%lld ", between, (long long)(c + 1));
-            append(text, written);
-            append(text, w->choice[c]);
-            between = ", ";
-        }
+    for (int64_t c = 0; c < v->choices; c++) {
+        snprintf(written, sizeof written, "%s%lld ", between, (long long)(c + 1));
+        append(text, written);
+        append(text, w->choice[c]);
+        between = ", ";
+    }
     snprintf(written, sizeof written, ", got %lld", (long long)number);
     append(text, written);
-    if (known) {
-        append(text, " ");
-        append(text, w->choice[number - 1]);
-        append(text, "; a native FMU covers no other");
-    }
     return 1;
 }
 
@@ -274,7 +267,7 @@ static int number_fault(Native *N, int64_t variable, char *text)
     const char *unit = N->words[variable].unit;
     for (int64_t k = 0; k < v->size; k++) {
         double x = v->type == REAL ? N->real[v->offset + k] : (double)N->integer[v->offset + k];
-        if (x >= r->low && x <= r->high && isfinite(x) && x >= r->covered_low && x <= r->covered_high)
+        if (x >= r->low && x <= r->high && isfinite(x))
             continue;
         append(text, *text ? "\n" : "");
         if (!isfinite(x)) {
@@ -283,16 +276,13 @@ static int number_fault(Native *N, int64_t variable, char *text)
             append_value(text, x, unit);
             return 1;
         }
-        int allowed = x >= r->low && x <= r->high;
         append(text, N->words[variable].name);
         append(text, ": expected ");
-        append_number(text, allowed ? r->covered_low : r->low);
+        append_number(text, r->low);
         append(text, " to ");
-        append_value(text, allowed ? r->covered_high : r->high, unit);
+        append_value(text, r->high, unit);
         append(text, ", got ");
         append_value(text, x, unit);
-        if (allowed)
-            append(text, "; a native FMU covers no other");
         return 1;
     }
     return 0;

@@ -82,7 +82,6 @@ PART = NativePart(
     tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given,
     lambda options: (),
-    {},
     ("step of {a} s is too long",),
     "",
 )
