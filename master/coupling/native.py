@@ -15,10 +15,8 @@ from .native_block import (
     SENTENCES,
     LastMacroStep,
     exposed_from,
-    exposed_of,
-    faults_of,
     given_of,
-    last_of,
+    last_from,
     nothing_yet,
     participant_from,
     parts_of,
@@ -146,7 +144,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)
-    carry(real, integer, system, exposed_of(memory).inputs, INWARD)
+    carry(real, integer, system, given_of(memory).exposed.inputs, INWARD)
     if reach(memory, time, step):
         save(system)
         return True
@@ -170,21 +168,21 @@ def clear(memory: np.ndarray):
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Compute state and outputs at the start; `numbers` is unused."""
-    faults_of(memory)[0] = 0.0
+    parts_of(memory).faults[0] = 0.0
     clear(memory)
     if begin(real, integer, memory):
-        carry(real, integer, system_of(memory), exposed_of(memory).outputs, OUTWARD)
+        carry(real, integer, system_of(memory), given_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, 0.0, 0.0)
 
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Take a communication step; numbers : its length and its begin [s]."""
-    faults_of(memory)[0] = 0.0
+    parts_of(memory).faults[0] = 0.0
     step = numbers[0]
     time = numbers[1]
     if go_on(real, integer, memory, time, step):
-        carry(real, integer, system_of(memory), exposed_of(memory).outputs, OUTWARD)
+        carry(real, integer, system_of(memory), given_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, time, step)
 
 
@@ -247,8 +245,8 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     This repeats the step. `numbers` is unused.
     """
     parts = parts_of(memory)
-    last = last_of(memory)
-    exposed = exposed_of(memory)
+    last = last_from(parts.last)
+    exposed = given_of(memory).exposed
     parts.faults[0] = 0.0
     if not last.is_there:
         refuse(parts.faults, FAULT.no_step, 0.0, 0.0, 0.0, 0.0, 0.0)

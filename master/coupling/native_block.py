@@ -1,18 +1,15 @@
 """Memory of a coupled FMU without Python: rows of named tuples, see `master.fmi.block`."""
 
 from collections import namedtuple
-from collections.abc import Sequence
-from itertools import accumulate
 from math import inf
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..fmi.block import flatten, memory_of, parts, reader, room, row_of
+from ..fmi.block import flatten, parts, reader
 from ..fmi.compiled import compilable, compiled
-from ..fmi.noted import ROOM
 from .methods import iteration
-from .methods.krylov import KEPT, Pairs
+from .methods.krylov import Pairs
 from .vector import Layout
 
 Array = np.ndarray
@@ -154,72 +151,6 @@ class CoupledSetup(NamedTuple):
     contents: Vector
 
 
-def lay_out(
-    rules: Rules,
-    layout: Layout,
-    participants: Sequence[ParticipantRow],
-    wires: Sequence[WireRow],
-    order: Sequence[int],
-    *,
-    reals: int = 0,
-    exposed: Sequence[Sequence[ExposedRow]] = ((), (), ()),
-    starting: Sequence[int] = (),
-    contents: np.ndarray | None = None,
-) -> np.ndarray:
-    """Return the first part of a memory.
-
-    Parameters
-    ----------
-    participants, wires
-        Their positions are set here.
-    reals
-        Number of real variables of the coupled FMU.
-    exposed
-        Parameters, inputs and outputs of the coupled FMU.
-    """
-    participants, wires = list(participants), list(wires)
-    inside = filled = standing = 0
-    for k, one in enumerate(participants):
-        ends = (one.reals, one.integers, one.memories)
-        real, integer, memory, inside = accumulate(ends, initial=inside)
-        participants[k] = one._replace(
-            real=real, integer=integer, memory=memory, contents=filled, standing=standing
-        )
-        filled += one.given + one.reals + one.integers
-        standing += one.variables + one.states
-    for k, wire in enumerate(wires):
-        wires[k] = wire._replace(sentence=len(SENTENCES) + k * len(WIRE_SENTENCES))
-    size, unknowns = len(layout.nominal), len(layout.unknowns)
-    pairs = min(KEPT, unknowns)
-    given = CoupledSetup(
-        rules,
-        layout,
-        *(standing, pairs),
-        np.array(order, float),
-        np.array(starting, float),
-        _matrix(participants),
-        _matrix(wires),
-        ExposedVariables(*map(_matrix, exposed)),
-        np.zeros(0) if contents is None else contents,
-    )
-    n = dict(standing=standing, predicted=rules.predicted, size=size, unknowns=unknowns)
-    state = room(CoupledState, pairs=pairs, **n)
-    lengths = dict(
-        inside=inside,
-        state=state,
-        before=state,
-        last=room(LastMacroStep, reals=reals),
-        failures=ROOM,
-        faults=ROOM,
-    )
-    return memory_of({"given": row_of(given)}, lengths)
-
-
-def _matrix(rows):
-    """Return rows of numbers as one array."""
-    return np.array([np.array(row, float) for row in rows]).reshape(len(rows), -1 if rows else 0)
-
-
 # ---- what changes
 
 
@@ -301,24 +232,6 @@ def rules_of(memory: np.ndarray):
 
 
 @compiled
-def exposed_of(memory: np.ndarray):
-    """Return `ExposedVariables`."""
-    return given_of(memory).exposed
-
-
-@compiled
-def faults_of(memory: np.ndarray):
-    """Return the faults."""
-    return parts_of(memory).faults
-
-
-@compiled
 def state_of(memory: np.ndarray):
     """Return `CoupledState`."""
     return state_from(parts_of(memory).state)
-
-
-@compiled
-def last_of(memory: np.ndarray):
-    """Return `LastMacroStep`."""
-    return last_from(parts_of(memory).last)

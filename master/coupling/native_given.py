@@ -1,26 +1,33 @@
 """First part of the memory of a coupled FMU without Python, and unsupported features."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import accumulate
 from math import inf, prod
 from typing import Any
 
 import numpy as np
 
+from ..fmi.block import memory_of, room, row_of
 from ..fmi.builder_native import Inside
+from ..fmi.noted import ROOM
 from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
 from .coupled import LENIENCE, NUDGE, Coupled
+from .methods.krylov import KEPT
 from .methods.newton import Newton
 from .native_block import (
     NOWHERE,
     SENTENCES,
     WIRE_SENTENCES,
+    CoupledSetup,
+    CoupledState,
     ExposedRow,
+    ExposedVariables,
+    LastMacroStep,
     ParticipantRow,
     Rules,
     WireRow,
-    lay_out,
 )
 from .wiring import Wire, layout_of
 
@@ -78,53 +85,71 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
     -------
     Inside
     """
-    options = slave.inside
-    coupling, newton, names = options.coupling, Newton(), list(insides)
-    rules = Rules(
-        step=options.step,
-        lenience=LENIENCE,
-        nudge=NUDGE,
-        predicted=coupling.predictor + 1,
-        halvings=coupling.halvings,
-        max_iterations=coupling.max_iterations,
-        largest_krylov_space=coupling.largest_krylov_space,
-        accuracy=newton.accuracy,
-        forcing=newton.forcing,
-    )
-    causalities = ("parameter", "input", "output")
+    options, names = slave.inside, list(insides)
+    coupling = options.coupling
     layout = layout_of(options.wires, options.order, coupling.parallel)
-    head = lay_out(
-        rules,
+    size, unknowns = len(layout.nominal), len(layout.unknowns)
+    known: dict[str, Any] = (
+        vars(Newton()) | vars(coupling) | dict(step=options.step, lenience=LENIENCE)
+    )
+    known |= dict(nudge=NUDGE, predicted=coupling.predictor + 1)
+    rows = _participants(insides, codes, len(options.wires))
+    wires = [
+        _wire(k, wire, insides, end - prod(wire.shape), end - 1 in layout.unknowns)
+        for k, (wire, end) in enumerate(zip(options.wires, layout.ends))
+    ]
+    causalities = ("parameter", "input", "output")
+    given = CoupledSetup(
+        Rules(*(known[name] for name in Rules._fields)),
         layout,
-        _participants(insides, codes, len(options.wires)),
-        [
-            _wire(wire, insides, end - prod(wire.shape), end - 1 in layout.unknowns)
-            for wire, end in zip(options.wires, layout.ends)
-        ],
-        [names.index(name) for name in options.order],
-        reals=len(slave.real),
-        exposed=[_exposed(slave, insides, causality) for causality in causalities],
-        starting=[names.index(name) for name in options.participants],
+        standing=sum(row.variables + row.states for row in rows),
+        pairs=min(KEPT, unknowns),
+        order=np.array([names.index(name) for name in options.order], float),
+        starting=np.array([names.index(name) for name in options.participants], float),
+        participants=_matrix(rows),
+        wires=_matrix(wires),
+        exposed=ExposedVariables(*(_matrix(_exposed(slave, insides, one)) for one in causalities)),
         contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
+    n = dict(standing=given.standing, pairs=given.pairs, size=size, unknowns=unknowns)
+    state = room(CoupledState, predicted=given.rules.predicted, **n)
+    lengths = dict(
+        inside=rows[-1].memory + rows[-1].memories,
+        state=state,
+        before=state,
+        last=room(LastMacroStep, reals=len(slave.real)),
+        failures=ROOM,
+        faults=ROOM,
+    )
     part = native.PART._replace(faults=_sentences(options.wires, insides))
-    return Inside(slave, part, head)
+    return Inside(slave, part, memory_of({"given": row_of(given)}, lengths))
+
+
+def _matrix(rows):
+    """Return rows of numbers as one array."""
+    return np.array([np.array(row, float) for row in rows]).reshape(len(rows), -1 if rows else 0)
 
 
 def _participants(insides, codes, wires):
     """Return the row of every participant."""
     rows = []
+    end = filled = standing = 0
     sentence = len(SENTENCES) + len(WIRE_SENTENCES) * wires
     for name, inside in insides.items():
         numbers = np.zeros(4)  # what the participant's entry `size` tells
         tell = inside.part.entries[0].kernel
         tell(inside.slave.real, inside.slave.integer, inside.given, numbers)
         memories, first_state, states, first_fault = numbers.astype(int).tolist()
+        reals, integers = len(inside.slave.real), len(inside.slave.integer)
+        real, integer, memory, end = accumulate((reals, integers, memories), initial=end)
         rows.append(
             ParticipantRow(
                 codes[name],
-                reals=len(inside.slave.real),
-                integers=len(inside.slave.integer),
+                real=real,
+                reals=reals,
+                integer=integer,
+                integers=integers,
+                memory=memory,
                 memories=memories,
                 first_state=first_state,
                 states=states,
@@ -132,8 +157,12 @@ def _participants(insides, codes, wires):
                 sentence=sentence,
                 variables=inside.slave.real_count,
                 given=len(inside.given),
+                contents=filled,
+                standing=standing,
             )
         )
+        filled += len(inside.given) + reals + integers
+        standing += inside.slave.real_count + states
         sentence += len(inside.part.faults)
     return rows
 
@@ -144,8 +173,10 @@ def _contents(inside: Inside) -> np.ndarray:
     return np.concatenate([inside.given, slave.real, slave.integer.view(float)])
 
 
-def _wire(wire: Wire, insides: Mapping[str, Inside], first: int, is_unknown: bool) -> WireRow:
-    """Return the row of a wire."""
+def _wire(
+    k: int, wire: Wire, insides: Mapping[str, Inside], first: int, is_unknown: bool
+) -> WireRow:
+    """Return the row of the k-th wire."""
     names = list(insides)
     (source, said), (target, heard) = wire.source, wire.target
     places = {name: inside.slave.references for name, inside in insides.items()}
@@ -163,6 +194,7 @@ def _wire(wire: Wire, insides: Mapping[str, Inside], first: int, is_unknown: boo
         low=-inf if v.minimum is None else v.minimum,
         high=inf if v.maximum is None else v.maximum,
         columns=v.shape[1] if len(v.shape) > 1 else 1,
+        sentence=len(SENTENCES) + k * len(WIRE_SENTENCES),
     )
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
-from .native_block import FAULT, CoupledState, faults_of, rules_of, state_of
+from .native_block import FAULT, CoupledState, parts_of, rules_of, state_of
 from .native_system import find, restore, save, system_of
 from .vector import extrapolate, moved
 
@@ -87,7 +87,9 @@ def reach(memory: np.ndarray, time: float, step: float):
     rules = rules_of(memory)
     asked = np.ceil(step / rules.step / (1.0 + rules.lenience))
     if not asked <= MOST_STEPS:
-        refuse(faults_of(memory), FAULT.too_long, 0.0, 0.0, step, float(MOST_STEPS), rules.step)
+        refuse(
+            parts_of(memory).faults, FAULT.too_long, 0.0, 0.0, step, float(MOST_STEPS), rules.step
+        )
         return False
     steps = int(asked)
     for k in range(steps):

@@ -7,7 +7,7 @@ accepted. Memories are plain data, which a checkpoint holds; see `coupling.freez
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -55,6 +55,26 @@ class Decomposed(NamedTuple):
     changes: np.ndarray
 
 
+@dataclass
+class PairMemory:
+    """Memory of pairs by macro step; now, past : of the running and of accepted macro steps."""
+
+    way: Any
+    now: list[Pair] = field(default_factory=list)
+    past: list[Any] = field(default_factory=list)
+
+    @property
+    def empty(self) -> bool:
+        return not (self.now or self.past)
+
+    def begin(self) -> None:
+        """Begin an attempt at a macro step."""
+        self.now = []
+
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        self.now.insert(0, Pair(residual_change, change))
+
+
 @dataclass(frozen=True)
 class LeastSquares:
     """IQN-ILS: all pairs in one least-squares problem, dependent ones dropped by a filter.
@@ -85,28 +105,15 @@ class LeastSquares:
 
 
 @dataclass
-class LeastSquaresMemory:
-    """Memory of `LeastSquares`.
+class LeastSquaresMemory(PairMemory):
+    """Memory of `LeastSquares`; past : lists of pairs; shares : residuals seen by wire."""
 
-    now, past : pairs of the running and of accepted macro steps; shares : residuals seen by wire.
-    """
-
-    way: LeastSquares
-    now: list[Pair] = field(default_factory=list)
-    past: list[list[Pair]] = field(default_factory=list)
     shares: np.ndarray | None = None
-
-    @property
-    def empty(self) -> bool:
-        return not (self.now or self.past)
 
     def begin(self) -> None:
         """Begin an attempt at a macro step."""
-        self.now = []
+        super().begin()
         self.shares = None
-
-    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
-        self.now.insert(0, Pair(residual_change, change))
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Return the answer to the residual r and the unexplained rest: (X c, r + V c)."""
@@ -166,23 +173,8 @@ class MultiVector:
 
 
 @dataclass
-class MultiVectorMemory:
-    """Memory of `MultiVector`; now, past : pairs of the running and of accepted steps."""
-
-    way: MultiVector
-    now: list[Pair] = field(default_factory=list)
-    past: list[Decomposed] = field(default_factory=list)
-
-    @property
-    def empty(self) -> bool:
-        return not (self.now or self.past)
-
-    def begin(self) -> None:
-        """Begin an attempt at a macro step."""
-        self.now = []
-
-    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
-        self.now.insert(0, Pair(residual_change, change))
+class MultiVectorMemory(PairMemory):
+    """Memory of `MultiVector`; past : `Decomposed`."""
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Return the answer to the residual r and the unexplained rest."""
