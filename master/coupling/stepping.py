@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -73,8 +73,8 @@ class Predictor:
         return extrapolate(*zip(*self.past), time)
 
 
-class Observer(Protocol):
-    """Observer of a stepper."""
+class Observer:
+    """Observer of a stepper, which does nothing unless a method is replaced."""
 
     def attempted(
         self, time: float, step: float, trail: list[list[float]], failure: object | None
@@ -87,18 +87,6 @@ class Observer(Protocol):
 
     def accepted(self, time: float, solution: Solution) -> None:
         """Observe an accepted step or half step that ends at `time` [s]."""
-
-
-class Nobody:
-    """Observer that does nothing."""
-
-    def attempted(
-        self, time: float, step: float, trail: list[list[float]], failure: object | None
-    ) -> None:
-        pass
-
-    def accepted(self, time: float, solution: Solution) -> None:
-        pass
 
 
 class Stepper:
@@ -149,7 +137,7 @@ class Stepper:
         self.events = Events(self.interface.participants, held, clocks)
         self.method = method if self.interface.size else Explicit()
         self.halvings = halvings
-        self.observer = observer or Nobody()
+        self.observer = observer or Observer()
         self.judge = judge or (lambda time, solution: None)
         self.control = control
         self.counters = Counters()

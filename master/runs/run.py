@@ -26,7 +26,7 @@ from ..coupling.negotiation import (
 )
 from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
-from ..coupling.stepping import StepFailed, Stepper
+from ..coupling.stepping import Observer, StepFailed, Stepper
 from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput, Finished
@@ -167,7 +167,7 @@ class Callbacks(NamedTuple):
     log: Callable[[str], object]
 
 
-class ActiveRun:
+class ActiveRun(Observer):
     """Run in progress; see `run` for the arguments.
 
     `account` contains its counters and sums, and `objected` why derivatives are not the

@@ -20,11 +20,11 @@ from piston_cosim.master.coupling.methods import (
     QuasiNewton,
     Relaxation,
     krylov,
-    step_length,
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
 from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
+from piston_cosim.master.coupling.vector import step_length
 from piston_cosim.master.coupling.wiring import is_unknown
 
 A = ((-1.0, 0.0), (0.0, 0.0))
@@ -387,7 +387,7 @@ def test_largest_decrease_by_hand(affine, smallest, change, share):
     wires = (replace(system.wires[0], largest_decrease=0.5), *system.wires[1:])
     stepper = Stepper(replace(system, wires=wires), Newton(), 0)
     x, whole = np.array([smallest, 2.0, 0.0, 0.0]), np.array([*change, -9.0, -9.0])
-    assert step_length(stepper.interface, x, whole) == pytest.approx(share, rel=1e-12)
+    assert step_length(stepper.interface.layout, x, whole) == pytest.approx(share, rel=1e-12)
 
 
 def test_a_failure_names_the_worst_element_and_every_measure(affine):

@@ -7,7 +7,7 @@ method carries from one macro step to the next (None if nothing); the stepper dr
 failure.
 """
 
-from typing import Protocol
+from typing import Any
 
 from ...participants.plugins import made
 from .explicit import Explicit
@@ -15,7 +15,7 @@ from .newton import Newton
 from .quasi_newton import QuasiNewton
 from .relaxation import Relaxation
 from .secants import Ageing, LeastSquares, MultiVector
-from .solution import MacroStep, Method, NotConverged, Solution, step_length
+from .solution import MacroStep, Method, NotConverged, Solution
 
 __all__ = [
     "METHODS",
@@ -31,7 +31,6 @@ __all__ = [
     "Relaxation",
     "Solution",
     "method_of",
-    "step_length",
 ]
 
 
@@ -39,29 +38,8 @@ METHODS = ("newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", 
 """Names of those that come with the master; further ones come from other packages."""
 
 
-class CouplingOptions(Protocol):
-    """Options that choose a method; the case's coupling table has them."""
-
-    @property
-    def method(self) -> str: ...
-    @property
-    def max_iterations(self) -> int: ...
-    @property
-    def largest_krylov_space(self) -> int: ...
-    @property
-    def differences(self) -> bool: ...
-    @property
-    def relaxation(self) -> float: ...
-    @property
-    def probing(self) -> bool: ...
-    @property
-    def windows(self) -> int: ...
-    @property
-    def filter_limit(self) -> float: ...
-
-
-def method_of(coupling: CouplingOptions) -> Method:
-    """Return the method of a case's coupling table."""
+def method_of(coupling: Any) -> Method:
+    """Return the method of a case's coupling table, as `coupled.Coupling` or `schema.Coupling`."""
     if coupling.method not in METHODS:
         return made("methods", coupling.method, coupling)
     if coupling.method == "newton":

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..interface import Interface
+from ..vector import moved
 from .krylov import RecycledGmres
 from .newton import Newton
 from .probing import ProbedStep
 from .secants import LeastSquares, SecantMemory, Secants
-from .solution import NotConverged, Solution, Tried, check_finite, step_length
+from .solution import NotConverged, Solution, Tried, check_finite
 
 
 @dataclass(frozen=True)
@@ -84,23 +85,23 @@ class QuasiNewton:
                 raise NotConverged(
                     f"no convergence in {self.max_iterations} iterations", interface, at, history
                 )
-            x = at.used + self._step(interface, at.used, secants, r)
+            x = self._moved(interface, at.used, secants, r)
 
     def _is_astray(self, r: np.ndarray, least: float, iterations: int) -> bool:
         """Return whether the secants have failed."""
         grown = np.linalg.norm(r) > self.astray * least
         return bool(grown) or 2 * (iterations - 1) > self.max_iterations
 
-    def _step(
+    def _moved(
         self, interface: Interface, used: np.ndarray, secants: SecantMemory, r: np.ndarray
     ) -> np.ndarray:
-        """Return x_{k+1} - x_k."""
+        """Return x_{k+1}."""
         change = np.zeros(interface.size)
         factor = self.relaxation if secants.empty else 1.0
         known, rest = secants.update(r, interface.feedback_wires)
         change[interface.feedback] = known + factor * rest  # Eq. (Q8)
         change *= interface.nominal
-        return step_length(interface, used, change) * change
+        return moved(interface.layout, used, change)
 
     def _probe(
         self, macro_step: Tried, guess: np.ndarray, memory: "Memory", history: tuple[float, ...]

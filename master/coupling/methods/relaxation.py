@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .solution import NotConverged, Solution, Tried, check_finite, step_length
+from ..vector import moved
+from .solution import NotConverged, Solution, Tried, check_finite
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,6 @@ class Relaxation:
                 factor *= -(previous @ difference) / (difference @ difference)  # Eq. (Q3)
             previous = r
             change = np.where(feedback, factor * apart, 0.0)  # Eq. (Q2)
-            at = macro_step.evaluate(at.used + step_length(interface, at.used, change) * change)
+            at = macro_step.evaluate(moved(interface.layout, at.used, change))
             history.append(interface.measure(at.residual, at.outputs))
         return Solution(at.used, tuple(history))

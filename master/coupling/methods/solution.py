@@ -1,4 +1,4 @@
-"""Macro step to solve, its solution, its failure, and the limit on an update."""
+"""Macro step to solve, its solution, and its failure."""
 
 from collections.abc import Callable, Sequence
 from math import isfinite
@@ -6,7 +6,6 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .. import vector
 from ..interface import Evaluation, Interface
 
 
@@ -128,8 +127,3 @@ def check_finite(interface: Interface, evaluation: Evaluation, history: Sequence
         failure = NotConverged(interface.not_finite(evaluation), interface, evaluation, history)
         failure.is_not_finite = len(history) == 1
         raise failure
-
-
-def step_length(interface: Interface, x: np.ndarray, change: np.ndarray) -> float:
-    """Return the largest share <= 1 of `change` that the wires allow, see `vector.step_length`."""
-    return vector.step_length(interface.layout, x, change)
