@@ -113,6 +113,22 @@ def scales(
     }
 
 
+class RepeatedStep:
+    """Derivative by repeating the last step, for participants that know where it began."""
+
+    _begin: Any
+    _last_step: tuple[float, float]
+
+    def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
+        """Return the directional derivative of the last step by a difference."""
+        begin = self._begin
+        try:
+            whole: Any = self  # attributes of a wrapper can be those of the inner participant
+            return difference(whole, begin, self._last_step, seeds, products)
+        finally:
+            self._begin = begin
+
+
 class Differenced(Wrapper):
     """Participant with derivatives by differences of its steps, even if it offers others."""
 

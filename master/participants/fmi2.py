@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import unpack
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
-from .derivatives import difference
+from .derivatives import RepeatedStep
 from .exits import guard_exit
 from .participant import StartedInHalves, derive_each
 from .printf import Logger, printed
@@ -24,7 +24,7 @@ WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 
 
-class FmuParticipant(StartedInHalves, FmuFields):
+class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     """FMI 2.0 co-simulation FMU.
 
     Parameters
@@ -262,7 +262,7 @@ class FmuParticipant(StartedInHalves, FmuFields):
             return (
                 self._reserved_derivative(seeds)
                 if self._derivative
-                else self._difference(seeds, products)
+                else super().derivative(seeds, products)
             )
         changes = np.concatenate([np.ravel(value) for value in seeds.values()])
         self.derive(tuple(seeds), changes, tuple(products))
@@ -295,14 +295,6 @@ class FmuParticipant(StartedInHalves, FmuFields):
         self._write(write)
         self._read(read)
         return self._cut(read)
-
-    def _difference(self, seeds, products):
-        """Return the derivative by repeating the last step."""
-        begin = self._begin
-        try:
-            return difference(self, begin, self._last_step, seeds, products)
-        finally:
-            self._begin = begin
 
     def close(self):
         """Terminate and free the instance, as far as the standard allows.

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.fields import Field
-from .derivatives import difference
+from .derivatives import RepeatedStep
 from .participant import FieldByField, Wrapper
 from .plain import pack, unpack
 
@@ -53,7 +53,7 @@ def hermite(begin, end, begin_slope, end_slope, step):
     )  # Eq. (P3)
 
 
-class InterpolatedParticipant(FieldByField, Wrapper):
+class InterpolatedParticipant(RepeatedStep, FieldByField, Wrapper):
     """Participant with inputs that vary from their old to their new value during a macro step.
 
     Setting such an input sets its value at the end of the step. An input of the kind "mean" is
@@ -178,15 +178,6 @@ class InterpolatedParticipant(FieldByField, Wrapper):
         """Return a handle of the state in bytes of `serialise`."""
         inner, now = unpack(data)
         return self.participant.deserialise(inner), now
-
-    def derivative(self, seeds, products):
-        """Return the directional derivative with respect to inputs at the end, by differences."""
-        begin = self._begin
-        try:
-            whole: Any = self  # undefined attributes are those of the inner participant
-            return difference(whole, begin, self._last_step, seeds, products)
-        finally:
-            self._begin = begin
 
 
 def _slope(field):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, Finished
-from .derivatives import difference
+from .derivatives import RepeatedStep
 from .participant import FieldByField, Wrapper
 
 EXACT = 1e-9
@@ -29,7 +29,7 @@ def shifted(course, by):
     return found
 
 
-class Substeps(FieldByField, Wrapper):
+class Substeps(RepeatedStep, FieldByField, Wrapper):
     """Participant that takes equal steps of limited length inside a macro step.
 
     Interpolated inputs vary from step to step. If the participant can interpolate, it receives
@@ -101,12 +101,3 @@ class Substeps(FieldByField, Wrapper):
         """Restore a saved state, where the next macro step begins."""
         self._begin = saved
         self.participant.restore(saved)
-
-    def derivative(self, seeds, products):
-        """Return the directional derivative of the last macro step, by differences."""
-        begin = self._begin
-        try:
-            whole: Any = self  # undefined attributes are those of the inner participant
-            return difference(whole, begin, self._last_step, seeds, products)
-        finally:
-            self._begin = begin
