@@ -69,7 +69,7 @@ class VariablePositions(NamedTuple):
 class FilmSetup(NamedTuple):
     """Constant part of a memory; members from `beside` on are made at the start.
 
-    follows : 1 for each of `NUMBERS` that is an input; tables : of both contact laws; share, sine :
+    follows : 1 for each of `NUMBERS` that may change; tables : of both contact laws; share, sine :
     of `summary.Halves`; mask : 1 where there is a film, 0 in cut-outs; faces : of
     `oil_layer.Bore`; beside : of `openings.nearest`; numbers, chosen : `NUMBERS` and `CHOSEN`;
     temperature, viscosity [K], [Pa s]; factors : of `roughness.fill_factor_table`; law : row of

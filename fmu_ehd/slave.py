@@ -12,7 +12,7 @@ from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .oil import Oil
 from .options import BuildOptions
-from .parameters import Parameters, faults
+from .parameters import CONDITION_NAMES, Parameters, faults
 from .step import Memory
 from .variables import (
     CONDITION_VARIABLES,
@@ -112,8 +112,10 @@ class Ehd(FieldSlave):
             self.log(text, Fmi2Status.warning)
 
     def _conditions(self, values):
-        """Return the inputs that replace parameters."""
-        return {name: values[name] for name in self.built.inputs}
+        """Return inputs that replace parameters, and parameters that differ from the start."""
+        started = self.model.parameters
+        changed = (n for n in CONDITION_NAMES if values[n] != getattr(started, n))
+        return {name: values[name] for name in {*self.built.inputs, *changed}}
 
     def directional_derivative(self, seeds: Mapping[str, Any]) -> dict[str, Any]:
         """Change of both force fields for changed film and velocity at the end of the last step."""

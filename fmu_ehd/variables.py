@@ -18,6 +18,10 @@ OIL_VARIABLES = variables_of(Oil)
 FILM_VARIABLES = variables_of(Parameters)
 CONDITION_VARIABLES = variables_of(Parameters, condition=True)  # may be inputs
 
+KELVIN = next(
+    (v.minimum, v.maximum) for v in CONDITION_VARIABLES if v.name == "oil_temperature_lower_edge"
+)
+
 # outputs that an FMU may be built without
 DIAGNOSTIC_FIELDS = ("pressure", "asperity_pressure", "film_fraction")
 
@@ -44,8 +48,8 @@ def variables(
     fields : bool
         False leaves the three diagnostic fields out.
     inputs : collection of str
-        Names in `CONDITION_VARIABLES` that are inputs instead of parameters; "oil_temperature" adds
-        a field input that replaces the two edge temperatures.
+        Names in `CONDITION_VARIABLES` that are inputs instead of tunable parameters;
+        "oil_temperature" adds a field input that replaces the two edge temperatures.
     starts : mapping, optional
         Start values of parameters, in place of the defaults (an oil of the library).
     surface : str
@@ -56,11 +60,14 @@ def variables(
     list of master.fmi.variables.Variable
     """
     conditions = [
-        replace(v, causality="input") if v.name in inputs else v for v in CONDITION_VARIABLES
+        replace(v, causality="input") if v.name in inputs else replace(v, tunable=True)
+        for v in CONDITION_VARIABLES
     ]
     if "oil_temperature" in inputs:
         conditions.append(
-            input_variable("oil_temperature", "K", "Oil temperature", 373.15, 373.15, shape)
+            input_variable(
+                "oil_temperature", "K", "Oil temperature", 373.15, 373.15, shape, limits=KELVIN
+            )
         )
     parameters = [
         replace(v, start=starts[v.name]) if starts and v.name in starts else v

@@ -188,7 +188,11 @@ def _variables(parent, slave):
 def causality_attributes(v):
     """Return description, causality, variability and initial."""
     kind = {
-        "parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+        "parameter": {
+            "causality": "parameter",
+            "variability": "tunable" if v.tunable else "fixed",
+            "initial": "exact",
+        },
         "input": {
             "causality": "input",
             "variability": "continuous" if v.type == "Real" else "discrete",
@@ -235,8 +239,7 @@ def _structure(parent, slave, any_host):
 
     Outputs depend on the inputs of the derivatives that the FMU offers. If these contain fields,
     the attribute is left out, which means all inputs. A list for each cell would take 60 MB.
-    Initial unknowns depend on everything that is set. If the table has fields, they are declared
-    empty, because some importers would draw every pair of two fields for minutes.
+    Initial unknowns depend on everything that is set, so they have no such attribute.
     """
     firsts = np.cumsum([1, *(v.size for v in slave.table)]).tolist()
     shapes = {v.name: v.shape for v in slave.table}
@@ -246,12 +249,11 @@ def _structure(parent, slave, any_host):
         each = dict.fromkeys(each, NO_DEPENDENCIES)
     elif any(shapes[name] for name in slave.derivative_inputs):
         each = {name: {} if one["dependencies"] else one for name, one in each.items()}
-    start = NO_DEPENDENCIES if any(shapes.values()) else {}
     for section in ("Outputs", "InitialUnknowns"):
         node = SubElement(parent, section)
         for v in slave.table:
             if v.name not in each:
                 continue
-            depends = each[v.name] if section == "Outputs" else start
+            depends = each[v.name] if section == "Outputs" else {}
             for k in range(first[v.name], first[v.name] + v.size):
                 SubElement(node, "Unknown", {"index": str(k)} | depends)

@@ -5,8 +5,8 @@ import struct
 import numpy as np
 
 from .native_parts import NativePart
-from .slave import CAUSALITIES, PRODUCT, SEED, FieldSlave, reserved
-from .variables import Variable
+from .slave import PRODUCT, SEED, FieldSlave, reserved
+from .variables import KINDS, Variable
 
 MARK = b"PCNATIV4"
 """First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
@@ -77,7 +77,7 @@ def _row(slave, v: Variable):
         TYPES.index(v.type),
         slave.references[v.name],
         v.size,
-        CAUSALITIES.index(v.causality),
+        KINDS.index(v.kind),
         *extents,
         len(v.choices),
     )

@@ -33,14 +33,11 @@ from pythonfmu.enums import Fmi2Status
 
 from .errors import BadInput, Discard
 from .state_bytes import is_sound, join, split
+from .variables import KINDS
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: derivatives of an input over a step, seed and product of a
 directional derivative."""
-
-
-CAUSALITIES = ("parameter", "input", "constant", "output")
-"""Causalities in the order of the front (front.h)."""
 
 LARGEST = sys.float_info.max
 
@@ -104,6 +101,7 @@ class FieldSlave(Fmi2Slave):
         self.shown: Any = None
         self.status = Fmi2Status.ok
         self.inputs = [v for v in self.table if v.causality == "input" and v.type != "String"]
+        self.given_to_steps = [*self.inputs, *(v for v in self.table if v.tunable)]
         self._lay_out()
 
     # methods of the participant
@@ -183,7 +181,7 @@ class FieldSlave(Fmi2Slave):
             [
                 k
                 for v in real
-                if v.causality == "parameter"
+                if v.kind == "parameter"
                 for k in range(self.references[v.name], self.references[v.name] + v.size)
             ],
             dtype=int,
@@ -248,7 +246,7 @@ class FieldSlave(Fmi2Slave):
                 kinds.index(v.type),
                 self.references[v.name],
                 v.size,
-                CAUSALITIES.index(v.causality),
+                KINDS.index(v.kind),
             )
             for v in self.table
         ]
@@ -415,7 +413,7 @@ class FieldSlave(Fmi2Slave):
             raise Discard(f"not initialised: {self.fault}")
         if not 0 < step_size < np.inf:
             raise Discard(f"step size = {step_size:g} s: must be positive and finite")
-        for v in self.inputs:
+        for v in self.given_to_steps:
             if faults := self._choice_faults(v) if v.choices else self._number_faults(v):
                 raise Discard(faults[0])
 

@@ -9,6 +9,9 @@ from typing import Any
 
 from .errors import unknown
 
+KINDS = ("parameter", "input", "constant", "output", "tunable parameter")
+"""Causalities, and parameters that may change, in the order of the front (front.h)."""
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -25,8 +28,8 @@ class Variable:
         SI unit as FMI writes it: "m", "m/s", "Pa", "Pa.s", "N", "N.m", "rad", "rad/s", "kg", "1"
         for none.
     causality : {"parameter", "input", "output", "constant"}
-        Parameters are read once, when initialisation ends. A constant is a property of the built
-        FMU (grid sizes).
+        Parameters that are not tunable are read once, when initialisation ends. A constant is a
+        property of the built FMU (grid sizes).
     description : str
         One sentence.
     start : float, int or str
@@ -42,6 +45,8 @@ class Variable:
         Name of the variable whose time derivative this one is.
     choices : tuple of str
         Allowed texts. Importers see their numbers, which begin at 1.
+    tunable : bool
+        Whether a parameter may change between two steps.
     """
 
     name: str
@@ -55,6 +60,12 @@ class Variable:
     shape: tuple[int, ...] = ()
     derivative_of: str | None = None
     choices: tuple[str, ...] = ()
+    tunable: bool = False
+
+    @property
+    def kind(self) -> str:
+        """One of `KINDS`."""
+        return KINDS[-1] if self.tunable else self.causality
 
     @property
     def size(self) -> int:
@@ -121,9 +132,11 @@ def input_variable(
     start: float | int = 0.0,
     nominal: float | None = None,
     shape: tuple[int, ...] = (),
+    *,
+    limits: tuple[float | None, float | None] = (None, None),
 ) -> Variable:
-    """Return an input; with a shape, `start` and `nominal` hold for every element."""
-    return Variable(name, unit, "input", description, start, nominal=nominal, shape=shape)
+    """Return an input with its allowed range; with a shape, all hold for every element."""
+    return Variable(name, unit, "input", description, start, nominal, *limits, shape=shape)
 
 
 def output_variable(

@@ -8,6 +8,8 @@ from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput
 
+from ..forged import outcomes
+
 
 @pytest.fixture
 def slave(tmp_path):
@@ -53,6 +55,16 @@ def test_restored_state_repeats_the_bytes(slave, supply):
         slave.views["film_thickness"][...] = 1.1 * film
         assert slave.do_step(5e-5, 1e-4)
         assert slave._fmu_state_to_bytes(slave._get_fmu_state()) == first
+
+
+@pytest.mark.parametrize("count", [300, pytest.param(5000, marks=pytest.mark.slow)])
+def test_forged_states_give_a_sentence(slave, count):
+    choose(slave, "oil_supply", "bore_and_ring")
+    slave.exit_initialization_mode()
+    slave.views["sliding_velocity"][...] = 3.0
+    assert slave.do_step(0.0, 5e-5)
+    seen = outcomes(slave, count, 5e-5, 5e-5)
+    assert min(seen[name] for name in ("not read", "rejected", "taken")) > 0.05 * count, seen
 
 
 @pytest.mark.parametrize("cells, warns", [(1, True), (2, False)])

@@ -208,6 +208,11 @@ def test_a_choice_is_an_enumeration(fmu, film_3):
         assert items == {"jfo": 1, "reynolds": 2, "gumbel": 3, "full_film": 4}
 
 
+def test_initial_unknowns_of_fields_depend_on_everything(fmu):
+    model = fmpy.read_model_description(str(fmu))
+    assert {unknown.dependencies for unknown in model.initialUnknowns} == {None}
+
+
 def test_outputs_follow_inputs_in_initialization_mode(engine, film_3, outside):
     """The row before the first step is that of the inputs set by then, in a loop of set and get:
     rotation speed is the crank's; the thinnest film is the film. Initial unknowns say so.

@@ -324,6 +324,32 @@ def test_fmi_3_has_the_same_bits(native_fmu):
     assert all(np.array_equal(a, b) for a, b in zip(*answers))
 
 
+@pytest.mark.parametrize("inputs", [[], ["oil_temperature_lower_edge", "pressure_upper_edge"]])
+def test_conditions_change_between_steps(make_native, inputs):
+    """Temperature and pressure of an edge as tunable parameters, and as inputs; in Python, too."""
+    shape = (6, 5)
+    options = dict(grid=[*shape], inputs=inputs)
+    paths = make_native([*shape], inputs=inputs), builder.build_fmu("fmu_ehd", options, Path("."))
+    film, velocity = motored_film(shape, 0.0)
+    both = [started(path, film, velocity, viscosity_law="vogel_1921") for path in paths]
+    model = LubricationModel(Parameters(shape, Oil("vogel_1921")))
+    state, _ = model.start(film, velocity)
+    for k in range(1, 6):
+        around = dict(oil_temperature_lower_edge=373.15 + 5.0 * k, pressure_upper_edge=1e4 * k)
+        film, velocity = motored_film(shape, k * DEGREE)
+        state, outputs = model.advance(state, film, velocity, DEGREE, **around)
+        force = outputs["nodal_friction_force"]
+        for one in both:
+            for name, value in around.items():
+                one.set(name, value)
+            step(one, film, velocity)
+            # exp of another library
+            off = np.abs(one.get("nodal_friction_force") - force).max()
+            assert off <= 1e-11 * np.abs(force).max()
+    for one in both:
+        one.close()
+
+
 def test_inputs_in_place_of_parameters(make_native):
     """Pressure of an edge and a field of temperatures that change from step to step."""
     path = make_native([6, 5], inputs=["pressure_upper_edge", "oil_temperature"])

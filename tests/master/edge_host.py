@@ -34,7 +34,7 @@ def made():
     if second:
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = ctypes.cast(logger, fmi2.fmi2CallbackLoggerTYPE)
-        one.instantiate(callbacks=callbacks)
+        one.instantiate(callbacks=callbacks, loggingOn=True)
         return one, callbacks
     one.instantiate(logMessage=logger)
     return one, logger

@@ -1,5 +1,5 @@
 /* Native entries of front_toy.py, and the functions of runtime.c for a test. Positions as the variables are declared:
-   real gain, bias, x0, u, x, total, then seeds u and products x, total; integer cells, law, rounds, count. */
+   real gain, bias, x0, extra, u, x, total, then seeds u and products x, total; integer cells, law, rounds, count. */
 
 #include "native.h"
 
@@ -12,7 +12,7 @@
                   const int64_t lengths[4]
 #define UNUSED (void)result, (void)raised, (void)real, (void)integer, (void)memory, (void)numbers, (void)lengths
 
-enum { CELLS = 6, GAIN = 0, BIAS, START, U, X = U + CELLS, TOTAL = X + CELLS, SEED, PRODUCT = SEED + CELLS };
+enum { CELLS = 6, GAIN = 0, BIAS, START, EXTRA, U, X = U + CELLS, TOTAL = X + CELLS, SEED, PRODUCT = SEED + CELLS };
 enum { LAW = 1, ROUNDS, COUNT };
 
 void *NRT_MemInfo_alloc_aligned(size_t size, uint32_t alignment);
@@ -68,7 +68,7 @@ int32_t toy_advance(ARGUMENTS)
     if (real[START] < 0.0)
         f[1] = -1.0 - 1.0;
     for (int k = 0; k < CELLS; k++) {
-        double rate = (double)integer[ROUNDS] * (*gain(memory) * power_of(integer, real[U + k], 0) + real[BIAS]);
+        double rate = (double)integer[ROUNDS] * (*gain(memory) * power_of(integer, real[U + k], 0) + real[BIAS]) + real[EXTRA];
         if (fabs(rate) > 9.0 && f[0] < 2.0) {
             double *one = f + 1 + 6 * (size_t)f[0]++;
             one[0] = 2.0, one[1] = k / 3 + 1, one[2] = k % 3 + 1, one[3] = rate, one[4] = numbers[1], one[5] = numbers[0];

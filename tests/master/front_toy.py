@@ -1,5 +1,6 @@
 """Model class of the tests of the C front: six integrators. Their native entries: front_toy.c."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ class State(NamedTuple):
 
 
 class Toy(FieldSlave):
-    """x' = rounds (gain u^law + bias), x = x0 at the start; `count` counts steps."""
+    """x' = rounds (gain u^law + bias) + extra, x = x0 at the start; `count` counts steps."""
 
     name = "front_toy"
     description = "Six integrators"
@@ -53,6 +54,7 @@ class Toy(FieldSlave):
             parameter("gain", "1/s", "Factor of the input.", 2.0, 0.0, 10.0),
             parameter("bias", "1/s", "Constant rate.", 0.0),
             parameter("x0", "1", "Start value.", 0.0),
+            replace(parameter("extra", "1/s", "Added rate.", 0.0, -1.0, 1.0), tunable=True),
             Variable("law", "1", "parameter", "Power of the input.", "linear", choices=LAWS),
             parameter("rounds", "1", "Factor of the rate.", 1, 1, 3),
             input_variable("u", "m", "Input.", 0.0, 1.0, SHAPE),
@@ -75,7 +77,7 @@ class Toy(FieldSlave):
         u = values["u"]
         if self.courses:  # the mean over the step
             u = sum(c * step**k / (1, 2, 6, 24)[k] for k, c in enumerate(self.course("u")))
-        rate = values["rounds"] * (values["gain"] * u**power + values["bias"])
+        rate = values["rounds"] * (values["gain"] * u**power + values["bias"]) + values["extra"]
         if np.abs(rate).max() > LARGEST_RATE:
             raise Discard("too fast")
         self.views["count"] += 1

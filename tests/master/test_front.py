@@ -107,6 +107,7 @@ STARTED = "in Step Mode; reset the instance to start again"
 ENDED = "after termination; reset the instance to start again"
 READY = [("enter", 0.0, 2.0), ("leave",)]
 AT_STEP = "expected a step at {} s, got one at {} s; restore a state to return"
+CHANGING = "expected an input or a tunable parameter in Step Mode"
 NO_TIMES = "expected finite times, got a step of {} s at {} s"
 NO_START = "expected a finite start before the stop, got start {} s and stop {} s"
 CALLS = [
@@ -130,9 +131,18 @@ CALLS = [
         f"expected a call before Initialization Mode, got one {STARTED}",
     ),
     ([*READY, ("leave",)], f"expected a call in Initialization Mode, got one {STARTED}"),
-    ([*READY, ("set", "gain")], "expected an input in Step Mode, got the parameter"),
-    ([*READY, ("set", "law")], "expected an input in Step Mode, got the parameter"),
-    ([*READY, ("set", "total")], "expected an input in Step Mode, got the output"),
+    (
+        [*READY, ("set", "gain")],
+        f"{CHANGING}, got the parameter",
+    ),
+    (
+        [*READY, ("set", "law")],
+        f"{CHANGING}, got the parameter",
+    ),
+    (
+        [*READY, ("set", "total")],
+        f"{CHANGING}, got the output",
+    ),
     ([*READY, ("step", 0.0, 1.0), ("step", 99.0, 1.0)], AT_STEP.format(1, 99)),
     ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 2e-6, 1.0)], AT_STEP.format(1, "1.000002")),
     ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 5e-7, 1.0)], ""),
@@ -162,6 +172,19 @@ def test_misuse_gives_one_sentence(fmu):
         assert statuses == [0] * (len(calls) - 1) + [3 if sentence else 0], name
         assert len(words) == bool(sentence) and sentence in "".join(words), name
         assert not words or re.match(r"fmi[23]\w+: expected .{20,200}$", words[0]), name
+
+
+def test_misuse_without_a_c_compiler_gives_one_sentence(monkeypatch):
+    """pythonfmu's library returns no status but that of a step."""
+    monkeypatch.setenv("CC", "no-such-compiler")
+    stock = build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", {"texts": True})
+    asked = [one for one in CALLS if one[0][-1][0] not in ("derive", "null", "log")]
+    answers = edge_host(stock, [calls for calls, _ in asked])
+    for (calls, sentence), (statuses, words) in zip(asked, answers, strict=True):
+        discarded = [2] if sentence and calls[-1][0] == "step" else [0]
+        assert statuses == [0] * (len(calls) - 1) + discarded, (calls, words)
+        assert len(words) == bool(sentence) or calls[-1][0] == "enter"  # which is two calls
+        assert sentence in "".join(words[:1]), (calls, words)
 
 
 def test_resources_of_another_place(fmu):
@@ -234,6 +257,20 @@ def test_a_state_of_other_parameters_is_started_again(toy, law):
     for damaged in (data[:-8], b"", *([changed] if is_native(toy) else ())):
         with pytest.raises(FMICallException):
             toy.deserialise(damaged)
+
+
+def test_a_tunable_parameter_acts_from_the_next_step_on(toy):
+    started(toy, gain=0.0, extra=1.0)
+    toy.step(0.0, 0.5)
+    saved = toy.save()
+    toy.set("extra", -0.5)
+    toy.step(0.5, 0.5)
+    np.testing.assert_array_equal(toy.get("x"), np.full(SHAPE, 0.25))
+    toy.restore(saved)
+    assert toy.get("extra") == 1.0
+    toy.set("extra", 1.5)
+    with pytest.raises(Discard, match="extra: expected -1 to 1 1/s, got 1.5"):
+        toy.step(0.5, 0.5)
 
 
 def test_a_failed_step_changes_nothing_and_says_why(toy):

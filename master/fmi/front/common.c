@@ -114,10 +114,11 @@ static int let_go(Held *held, const void *address)
 /* What the standards allow in each phase: its name, what a host should do next, and which variables it may set. */
 static const struct { const char *name, *hint, *settable; unsigned causalities; } phase[PHASES] = {
     [INSTANTIATED] = {"before Initialization Mode", "enter Initialization Mode first", "a parameter or an input",
-                      1 << PARAMETER | 1 << INPUT},
+                      1 << PARAMETER | 1 << TUNABLE | 1 << INPUT},
     [INITIALIZING] = {"in Initialization Mode", "leave Initialization Mode first", "a parameter or an input",
-                      1 << PARAMETER | 1 << INPUT},
-    [STEPPING] = {"in Step Mode", "reset the instance to start again", "an input", 1 << INPUT},
+                      1 << PARAMETER | 1 << TUNABLE | 1 << INPUT},
+    [STEPPING] = {"in Step Mode", "reset the instance to start again", "an input or a tunable parameter",
+                  1 << TUNABLE | 1 << INPUT},
     [TERMINATED] = {"after termination", "reset the instance to start again", "no variable", 0},
 };
 
@@ -132,7 +133,7 @@ static int is_in(Instance *I, const char *where, int expected)
 
 int front_may_set(Instance *I, const char *where, Reference reference, int64_t causality)
 {
-    const char *const names[] = {"parameter", "input", "constant", "output"};
+    const char *const names[] = {"parameter", "input", "constant", "output", "tunable parameter"};
     int may = phase[I->phase].causalities >> causality & 1;
     if (!may)
         front_log(I, ERROR, "%s: expected %s %s, got the %s of value reference %u", where, phase[I->phase].settable,

@@ -41,7 +41,7 @@ typedef struct Instance {
 enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* numbers of statuses in both standards */
 enum Phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, PHASES };
 enum Type { REAL, INTEGER, TEXT, CHOICE };
-enum Causality { PARAMETER, INPUT, CONSTANT, OUTPUT };
+enum Causality { PARAMETER, INPUT, CONSTANT, OUTPUT, TUNABLE };   /* as `KINDS` in variables.py */
 
 /* ---- in common.c: the rules of the standards, equal for all slaves. `where` is the function that the host called. */
 

@@ -288,13 +288,15 @@ static int number_fault(Native *N, int64_t variable, char *text)
     return 0;
 }
 
-/* Append a sentence for every variable of these causalities that is out of range; return their number. */
-static int range_faults(Native *N, int inputs_alone, char *text)
+/* Append a sentence for every variable, or every one that may change between steps, that is out of range; return their
+   number. */
+static int range_faults(Native *N, int only_changing, char *text)
 {
     int count = 0;
     for (int64_t k = 0; k < N->head->variables; k++) {
         const Row *v = N->row + k;
-        if (v->causality == OUTPUT || v->type == TEXT || (inputs_alone && v->causality != INPUT))
+        int changes = v->causality == INPUT || v->causality == TUNABLE;
+        if (v->causality == OUTPUT || v->type == TEXT || (only_changing && !changes))
             continue;
         count += v->type == CHOICE ? choice_fault(N, k, text) : number_fault(N, k, text);
     }
