@@ -157,6 +157,7 @@ def inputs_of(real, places):
     """Return `StepInputs`."""
     return StepInputs(
         real[places.crank_speed],
+        real[places.load_torque],
         real[places.gas_pressure],
         real[places.land_pressure],
         forces_at(real, places.skirt),
@@ -170,6 +171,7 @@ def inputs_of(real, places):
 def seeds_of(real, places):
     """Return the seeds as `StepInputs`; the block's motion is not among them."""
     return StepInputs(
+        0.0,
         0.0,
         0.0,
         0.0,
@@ -233,7 +235,7 @@ def solve(real, integer, memory, c, before, crank, time):
     if now.evaluations == 0:
         refuse(faults, NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
-    result = result_of(model, before, step, time, instant)
+    result = result_of(model, before, step, time, instant, inputs.load_torque)
     publish(real, integer, given, model, result)
     put_last(part(memory, PART_OF.last), result.last)
     put_state(part(memory, PART_OF.state), result.state)

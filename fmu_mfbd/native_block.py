@@ -67,6 +67,7 @@ class VariablePlaces(NamedTuple):
     gas_pressure: int
     land_pressure: int
     crank_speed: int
+    load_torque: int
     rings: Vector
     rings_seed: Vector
     carrier: Vector

@@ -112,6 +112,7 @@ def _places(slave) -> VariablePlaces:
         gas_pressure=place("gas_pressure"),
         land_pressure=place("land_pressure"),
         crank_speed=place("crank_speed"),
+        load_torque=place("load_torque"),
         rings=each(RINGS),
         rings_seed=each(RINGS, SEED),
         carrier=each(BLOCK),

@@ -205,6 +205,7 @@ class Mfbd(FieldSlave):
             self._pins(values),
             Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
             _deflection(values),
+            float(values["load_torque"]),
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:

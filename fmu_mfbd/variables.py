@@ -79,31 +79,68 @@ PIN_INPUTS: Rows = (
         0.1,
     ),
 )
-OTHER_INPUTS: Rows = (
-    (
+GAUGE = (-2e5, 1e8)
+FORCE = (-1e9, 1e9)
+FAST = (-1e6, 1e6)
+"""Ranges of gauge pressures [Pa], forces of the rings [N] and accelerations of a block."""
+OTHER_INPUTS = (
+    input_variable(
         "gas_pressure",
         "Pa",
         "Gauge pressure on the piston crown and on the bore above the top ring; gas_source "
         "combines it with the built-in table",
         0.0,
         1e6,
+        limits=GAUGE,
     ),
-    ("land_pressure", "Pa", "Gauge pressure on the bore between the rings", 0.0, 1e5),
-    ("ring_side_force", "N", "Force of the rings on the piston towards the thrust side", 0.0, 1e2),
-    (
+    input_variable(
+        "land_pressure",
+        "Pa",
+        "Gauge pressure on the bore between the rings",
+        0.0,
+        1e5,
+        limits=GAUGE,
+    ),
+    input_variable(
+        "ring_side_force",
+        "N",
+        "Force of the rings on the piston towards the thrust side",
+        0.0,
+        1e2,
+        limits=FORCE,
+    ),
+    input_variable(
         "ring_axial_force",
         "N",
         "Force of the rings on the piston towards the head, along the bore axis",
         0.0,
         1e2,
+        limits=FORCE,
     ),
-    (
+    input_variable(
         "ring_moment",
         "N.m",
         "Moment of the rings on the piston about +z at pin point A, in addition to that of their "
         "axial force",
         0.0,
         1.0,
+        limits=(-1e5, 1e5),
+    ),
+    input_variable(
+        "load_torque",
+        "N.m",
+        "Load torque on a free crank against its direction of rotation, at the end of the step",
+        0.0,
+        10.0,
+        limits=(-1e7, 1e7),
+    ),
+    input_variable(
+        "crank_speed",
+        "rad/s",
+        "Speed of the crank at the end of the step; for a free crank, at the start",
+        100 * pi,
+        300.0,
+        limits=(0.0, 3000.0),
     ),
 )
 SKIRT_OUTPUTS: Rows = (
@@ -181,17 +218,7 @@ def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list
     return [
         *(one for film in films for one in on_grid(input_variable, film, SKIRT_INPUTS)),
         *(one for pin in pins for one in on_grid(input_variable, pin, PIN_INPUTS)),
-        *(input_variable(*row) for row in OTHER_INPUTS),
-        Variable(
-            "crank_speed",
-            "rad/s",
-            "input",
-            "Speed of the crank at the end of the step; for a free crank, at the start",
-            start=100 * pi,
-            nominal=300.0,
-            minimum=0.0,
-            maximum=3000.0,
-        ),
+        *OTHER_INPUTS,
     ]
 
 
@@ -245,16 +272,21 @@ def declared(kind: type, absent: tuple[str, ...] = ()) -> list[Variable]:
 
 def block_inputs() -> list[Variable]:
     """Return the motion of a mounted block in the plane of the cylinder."""
-    acceleration = "Acceleration of the block at the crank axis along the cylinder's"
+    text = "Acceleration of the block at the crank axis along the cylinder's"
     return [
-        input_variable("block_acceleration_x", "m/s2", f"{acceleration} x", 0.0, 1.0),
-        input_variable("block_acceleration_y", "m/s2", f"{acceleration} y", 0.0, 1.0),
+        *(
+            input_variable(
+                f"block_acceleration_{axis}", "m/s2", f"{text} {axis}", 0.0, 1.0, limits=FAST
+            )
+            for axis in "xy"
+        ),
         input_variable(
             "block_angular_acceleration",
             "rad/s2",
             "Angular acceleration of the block about the crank axis",
             0.0,
             10.0,
+            limits=FAST,
         ),
         input_variable(
             "block_angular_velocity",
@@ -262,6 +294,7 @@ def block_inputs() -> list[Variable]:
             "Angular velocity of the block about the crank axis",
             0.0,
             0.1,
+            limits=(-1e4, 1e4),
         ),
     ]
 

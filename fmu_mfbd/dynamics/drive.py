@@ -15,7 +15,7 @@ from .floating_frame import FlexibleBody
 from .gas_on_bore import WallPressures
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
-from .slider_crank import CrankMotion, PistonLoad, side_force_demand
+from .slider_crank import CrankMotion, LateralMotion, PistonLoad, motion, side_force_demand
 from .system import BodySystem, OtherForces, RingForce
 
 
@@ -47,6 +47,12 @@ class Scalars(NamedTuple):
     ]
     crank_torque: Annotated[
         float, "N.m", "Torque of the drive on the crank in its direction of rotation", 10.0
+    ]
+    effective_inertia: Annotated[
+        float,
+        "kg.m2",
+        "Moment of inertia of crank and of all that it moves about its axis, with a rigid piston",
+        0.01,
     ]
     pin_force_x: Annotated[float, "N", "Force of the pin on the piston along x", 1e3]
     pin_force_y: Annotated[float, "N", "Force of the pin on the piston along y", 1e3]
@@ -115,6 +121,20 @@ def demand_of(system: BodySystem, others: OtherForces, crank: CrankMotion) -> fl
 
 
 @compilable
+def moved_inertia(system: BodySystem, crank_angle: float) -> float:
+    """Return the moment of inertia that pin, piston and rod add to the crank [kg m2].
+
+    Torque of the drive per angular acceleration, for a rigid piston in the middle of the bore.
+
+    Eq. (K28):  J = m Y_phi^2 + M(w = 0, w' = 1)    Y of Eq. (K1), M of Eq. (K5), m piston and pin
+    """
+    turning = CrankMotion(crank_angle, 0.0, 1.0)
+    link = motion(system.mechanism, LateralMotion(0.0, 0.0, 0.0), turning)
+    mass = system.piston.mass + system.mechanism.pin_mass
+    return mass * link.axial_acceleration**2 + link.rod_moment  # Eq. (K28)
+
+
+@compilable
 def piston_kinetic_energy(piston: FlexibleBody, velocity: float, rocking_velocity: float) -> float:
     """Return the kinetic energy of the piston alone in lateral translation and rocking [J].
 
@@ -152,14 +172,17 @@ def skirt_edges(surfaces: np.ndarray) -> tuple[float, float]:
 def scalars_of(
     now: Instant,
     crank: CrankMotion,
-    torque: float,
+    drive: tuple[float, float],
     energy: EnergyAccount,
-    piston: FlexibleBody,
-    surfaces: np.ndarray,
+    system: BodySystem,
 ) -> Scalars:
-    """Return the scalar outputs at an instant, with the torque of the drive [N m]."""
+    """Return the scalar outputs at an instant.
+
+    `drive` contains torque [N m] and effective inertia [kg m2].
+    """
+    torque, inertia = drive
     lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
-    lower, upper = skirt_edges(surfaces)
+    lower, upper = skirt_edges(system.surfaces)
     return Scalars(
         crank_angle=crank.angle,
         rotation_speed=crank.speed,
@@ -171,12 +194,13 @@ def scalars_of(
         rocking_velocity=rocking,
         side_force=now.side_force,
         crank_torque=torque,
+        effective_inertia=inertia,
         pin_force_x=now.pin_x,
         pin_force_y=now.pin_y,
         pin_friction_moment=now.pin_moment,
         pin_friction_power=now.pin_friction_power,
         kinetic_energy=now.ledger.kinetic,
-        piston_kinetic_energy=piston_kinetic_energy(piston, lateral, rocking),
+        piston_kinetic_energy=piston_kinetic_energy(system.piston, lateral, rocking),
         lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
         upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,

@@ -70,6 +70,8 @@ class Inputs:
         tabled one never.
     gas_pressure : float
         On the crown, gauge [Pa].
+    load_torque : float
+        On a free crank [N m].
     pressure_force, friction_force : ndarray, shape (c, a), or of several surfaces (cells,)
         On the film grid, of several surfaces stacked [N].
     rings : RingForce
@@ -92,6 +94,7 @@ class Inputs:
     pins: tuple[PinForces, ...] = ()
     carrier: Carrier = FIXED
     bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    load_torque: float = 0.0
 
 
 class PistonInBore:
@@ -261,7 +264,7 @@ class PistonInBore:
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        result = result_of(self.model, before, step, time, instant)
+        result = result_of(self.model, before, step, time, instant, given.load_torque)
         self._last = result.last
         self._common: Linearisation | None = None
         outputs = self._outputs(result)
@@ -408,6 +411,7 @@ def _stacked(inputs: Inputs) -> StepInputs:
     fields = ([np.ravel(one) for one in field] for field in zip(*inputs.pins))
     return StepInputs(
         inputs.crank_speed,
+        inputs.load_torque,
         inputs.gas_pressure,
         inputs.land_pressure,
         NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),

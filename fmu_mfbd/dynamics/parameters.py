@@ -169,7 +169,6 @@ class Parameters:
     crank_inertia: float = _declared(
         "kg.m2", "Moment of inertia of crank, flywheel and driven parts", 0.01, 1e-6, 1e4
     )
-    load_torque: float = _declared("N.m", "Load torque on a free crank", 0.0, -1e5, 1e5)
     pin_tilt: float = _declared(
         "rad",
         "Constant rotation of pin and piston about +x, for a pin that is not square "

@@ -13,7 +13,7 @@ from ..geometry.surfaces import pins_of
 from .account import EnergyAccount, account
 from .block_force import BlockForce, by_carrier, carried_force, force_at
 from .carrier import FIXED, Carrier
-from .drive import Scalars, demand_of, others_of, scalars_of
+from .drive import Scalars, demand_of, moved_inertia, others_of, scalars_of
 from .elimination import no_factors
 from .instant import Instant, end_of_step
 from .parameters import GAS_SOURCES, Settings
@@ -64,8 +64,10 @@ class StepInputs(NamedTuple):
 
     Parameters
     ----------
-    crank_speed, gas_pressure, land_pressure : float
-        [rad/s], and gauge pressures on the crown and between the rings [Pa].
+    crank_speed, load_torque : float
+        [rad/s], [N m].
+    gas_pressure, land_pressure : float
+        Gauge pressures on the crown and between the rings [Pa].
     skirt, pins : NodalForces, PinForces
         Of all films, stacked [N].
     rings : RingForce
@@ -74,6 +76,7 @@ class StepInputs(NamedTuple):
     """
 
     crank_speed: float
+    load_torque: float
     gas_pressure: float
     land_pressure: float
     skirt: NodalForces
@@ -197,6 +200,7 @@ def result_of(
     step: StepProblem,
     time: float,
     instant: PinInstant,
+    load_torque: float,
 ) -> StepResult:
     """Return state and outputs at the end of a step.
 
@@ -209,6 +213,8 @@ def result_of(
     time : float
         At the end of the step [s].
     instant : PinInstant
+    load_torque : float
+        On a free crank [N m].
     """
     now = instant.now
     system = model.parts.system
@@ -221,11 +227,11 @@ def result_of(
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
-        freed = released(model, last, crank, torque)
+        freed = released(model, last, crank, torque + load_torque)
         if step.coefficients.step > 0.0:
             jerk = (freed - before.crank_acceleration) / step.coefficients.step
         crank = CrankMotion(crank.angle, crank.speed, freed)
-        torque = -settings.load_torque
+        torque = -load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
     state = state_at(now, crank, jerk, time, steps)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted)
@@ -236,12 +242,13 @@ def result_of(
             (before.other_forces, state.other_forces),
             now.ledger.axial_work,
         )
+    inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
     on_block = NO_BLOCK_FORCE
     if model.mounted:
         on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(
         instant,
-        scalars_of(now, step.crank, torque, energy, system.piston, system.surfaces),
+        scalars_of(now, step.crank, (torque, inertia), energy, system),
         step.others,
         demand_of(system, step.others, step.crank),
         on_block,
@@ -255,13 +262,15 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
     """Return the acceleration at which the torques on a free crank balance [rad/s2].
 
     Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
+
+    `torque` is the left side at the acceleration of `crank` [N m].
     """
     piston, mechanism = model.parts.system.piston, model.parts.system.mechanism
     faster = CrankMotion(crank.angle, crank.speed, crank.acceleration + 1.0)
     there = imbalance(piston, mechanism, last.load, last.now, faster).torque
     here = imbalance(piston, mechanism, last.load, last.now, crank).torque
     inertia = there - here + model.settings.crank_inertia
-    return crank.acceleration - (torque + model.settings.load_torque) / inertia  # Eq. (K9)
+    return crank.acceleration - torque / inertia  # Eq. (K9)
 
 
 # ---- derivatives at its end

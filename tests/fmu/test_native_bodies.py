@@ -72,6 +72,7 @@ def given(k, shape, film=""):
         "ring_axial_force": -20.0,
         "ring_moment": 0.05 * np.cos(k),
         "crank_speed": 300.0 + k,
+        "load_torque": 20.0 + 10.0 * np.sin(k),
     }
 
 
@@ -114,9 +115,11 @@ def side_by_side(python, native, parameters, steps=40):
     return {n: e / largest.get(n, 1.0) for n, e in off.items() if e}
 
 
-def test_rigid_bodies_have_the_bits_of_the_slave(bodies_fmu, rigid):
+@pytest.mark.parametrize("free", [0, 1])
+def test_rigid_bodies_have_the_bits_of_the_slave(bodies_fmu, rigid, free):
     """No products of matrices: C's sin and hypot are those that Python calls here."""
     table = dict(crank_offset=1e-3, pin_friction_coefficient=0.1, start_crank_angle=0.3)
+    table |= dict(crank_free=free, crank_inertia=5e-3)
     assert max(side_by_side(bodies_fmu, rigid, table).values(), default=0.0) <= ROUND_OFF
 
 
@@ -156,6 +159,24 @@ def test_gas_is_of_table_or_input_and_both_are_told_once(flexible, rigid):
             assert one.get("cylinder_pressure") == pytest.approx(pressure, rel=1e-12), source
             assert len(told) == (source == "either"), (path, source, told)
             one.close()
+
+
+def test_a_load_brakes_a_free_crank(rigid):
+    """Impulse of the load over effective inertia, at rest and near top dead centre."""
+    one = FmuParticipant("bodies", rigid)
+    one.start(dict(crank_free=1, crank_inertia=0.5, crank_speed=0.0, load_torque=0.0), 0.0, 1.0)
+    inertia = one.get("effective_inertia")
+    one.set("load_torque", -3.0)
+    for k in range(100):
+        one.step(1e-5 * k, 1e-5)
+    assert one.get("crank_torque") == 3.0
+    # a piston that starts from dead centre moves by less than 1 um; first order at the first step
+    assert one.get("rotation_speed") == pytest.approx(3.0 * 99.5e-5 / inertia, rel=1e-3)
+    assert one.get("crank_angle") > 0.0
+    with pytest.raises(Discard, match=r"gas_pressure: expected -200000 to 1e\+08 Pa, got 1e\+09"):
+        one.set("gas_pressure", 1e9)
+        one.step(1e-3, 1e-5)
+    one.close()
 
 
 BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]
@@ -266,7 +287,7 @@ def test_what_cannot_start_is_said_by_name(rigid, values, words):
 def test_a_refused_step_leaves_the_motion_as_it_was(rigid):
     one = FmuParticipant("bodies", rigid)
     shape = (12, 10)
-    one.start(given(0, shape), 0.0, 1.0)
+    one.start(given(0, shape), 0.0, np.inf)
     one.step(reached(one), 3e-5)
     before = one.get("film_thickness").copy()
     with pytest.raises(Discard, match="crank angle = inf rad: must be finite"):
