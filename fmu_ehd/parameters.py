@@ -61,10 +61,17 @@ class Parameters:
         "m", 5e-8, 1e-9, 1e-5, "Lower limit of the film thickness in the flow equations"
     )
 
-    # roughness and contact: gamma and Y of `roughness`; eta beta sigma, sigma/beta, E*, mu_b, tau_0
-    # of `asperity`
+    # roughness and contact: gamma and Y of `roughness`; z_s, eta beta sigma, sigma/beta, E*, mu_b,
+    # tau_0 of `asperity`
     roughness_rms: float = declared(
         "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0: smooth, without contact"
+    )
+    summit_height: float = declared(
+        "m",
+        0.0,
+        0.0,
+        1e-4,
+        "Height of the mean plane of the summits above that of the surface, sum of both bodies",
     )
     peklenik_number_skirt: float = declared(
         "1",

@@ -3,9 +3,14 @@
 Eq. (A1):  F_n(H) = (2 pi)^-1/2 int_H^inf (s - H)^n exp(-s^2/2) ds
                   = Gamma(n+1) (2 pi)^-1/2 exp(-H^2/4) D_{-n-1}(H)
 Eq. (A2):  dF_n/dH = -n F_{n-1}
-Eq. (A3):  p = (16 sqrt(2) pi / 15) (eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2(h/sigma),
+Eq. (A3):  p = (16 sqrt(2) pi / 15) (eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2(H),
            1/E* = sum (1 - nu^2)/E
-Eq. (A4):  A_c/A = pi^2 (eta beta sigma)^2 F_2(h/sigma)
+Eq. (A4):  A_c/A = pi^2 (eta beta sigma)^2 F_2(H)
+
+The separation is that of the mean planes of the summits, which are z_s above the mean planes of the
+surfaces, summed over both bodies:
+
+Eq. (A13):  H = (h - z_s)/sigma
 
 The usual power fit, 4 to 74 % low for H = 0 to 3:
 
@@ -13,7 +18,7 @@ Eq. (A5):  F_5/2(H) = 4.4086e-5 (4 - H)^6.804, H < 4
 
 Elastic energy by area, what the asperities give back as the gap opens:
 
-Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(h/sigma),   p = p_0 F_5/2
+Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(H),   p = p_0 F_5/2
 
 Boundary shear, Coulomb's and that of the boundary layer:
 
@@ -28,6 +33,8 @@ References
 ----------
 [Greenwood1970] J. A. Greenwood, J. H. Tripp, The contact of two nominally flat rough surfaces,
 Proc. Instn Mech. Engrs 185 (1970) 625-633.
+[Whitehouse1970] D. J. Whitehouse, J. F. Archard, The properties of random surfaces of significance
+in their contact, Proc. R. Soc. Lond. A 316 (1970) 97-121.
 """
 
 from functools import cache
@@ -61,6 +68,7 @@ class ContactConstants(NamedTuple):
     area_scale : pi^2 (eta beta sigma)^2 [-];
     friction_coefficient : mu_b [-];
     shear_strength : tau_0 [Pa];
+    summit_height : z_s [m];
     table : ndarray from `contact_table`.
     """
 
@@ -69,6 +77,7 @@ class ContactConstants(NamedTuple):
     area_scale: float
     friction_coefficient: float
     shear_strength: float
+    summit_height: float
     table: Array
 
 
@@ -95,7 +104,7 @@ def gaussian_integral(order: float, separation: Any) -> Any:
     order : float
         n [-], > -1.
     separation : float or ndarray
-        H = h / sigma [-], any sign.
+        H [-], any sign.
 
     Returns
     -------
@@ -179,6 +188,7 @@ def contact_constants(x: Any, table: Array) -> ContactConstants:
         np.pi**2 * x.asperity_product**2,
         x.boundary_friction_coefficient,
         x.boundary_shear_strength,
+        x.summit_height,
         table,
     )
 
@@ -208,7 +218,7 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
 
 @compiled(inline="always")
 def point_contact(film_thickness, constants):
-    """Contact at a point, Eqs. (A3), (A4), (A6), (A9); `constants`: ContactConstants.
+    """Contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13); `constants`: ContactConstants.
 
     Parameters
     ----------
@@ -219,8 +229,8 @@ def point_contact(film_thickness, constants):
     -------
     PointContact
     """
-    rms, scale, area_scale, friction_coefficient, shear_strength, table = constants
-    separation = film_thickness / rms
+    rms, scale, area_scale, friction_coefficient, shear_strength, summit_height, table = constants
+    separation = (film_thickness - summit_height) / rms  # Eq. (A13)
     value, dvalue = _integral(table, PRESSURE_COLUMN, separation)
     covered, dcovered = _integral(table, AREA_COLUMN, separation)
     pressure = scale * value  # Eq. (A3)

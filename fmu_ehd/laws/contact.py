@@ -226,7 +226,7 @@ def contact(
     stress_slope = np.zeros((5, n_c, n_a))
     if constants.roughness_rms <= 0.0:
         return Contact(pressure, area, stress, slope, stress_slope, energy)
-    reach = TABLE_END * constants.roughness_rms
+    reach = constants.summit_height + TABLE_END * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     there = np.zeros(5, np.bool_)
     share = np.zeros(5)

@@ -24,16 +24,20 @@ def test_integral_is_its_definition(order, separation):
 
 def contact(film, roughness_rms=1.0, **changes):
     """Contact at points with all scales 1 and a friction coefficient of 0.1, but for `changes`."""
-    unit = asperity.ContactConstants(roughness_rms, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
+    unit = asperity.ContactConstants(
+        roughness_rms, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table()
+    )
     points = [asperity.point_contact(gap, unit._replace(**changes)) for gap in film]
     return asperity.PointContact(*np.array(points).T)
 
 
-def test_slope_is_the_derivative_across_table_cells_and_overlap():
+@pytest.mark.parametrize("height", [0.0, 0.7])
+def test_slope_is_the_derivative_across_table_cells_and_overlap(height):
     film = np.linspace(-2.0, 9.0, 1001)
     size = 1e-6
-    slope = contact(film).pressure_slope
-    difference = (contact(film + size).pressure - contact(film - size).pressure) / (2.0 * size)
+    slope = contact(film, summit_height=height).pressure_slope
+    above, below = (contact(film + by, summit_height=height).pressure for by in (size, -size))
+    difference = (above - below) / (2.0 * size)
     assert (
         np.abs(slope - difference).max() <= 1e-8
     )  # the second derivative jumps at the table's points
@@ -43,7 +47,7 @@ def test_slope_is_the_derivative_across_table_cells_and_overlap():
 @pytest.mark.parametrize("separation", [-1.5, -0.2, 0.0, 0.7, 2.3, 3.5])
 def test_energy_is_the_work_of_closing_the_gap(law, separation):
     """Eq. (A9) against quadrature of the pressure from far away to the gap; sigma 2, p_0 3."""
-    constants = asperity.ContactConstants(2.0, 3.0, 1.0, 0.1, 0.0, asperity.contact_table(law))
+    constants = asperity.ContactConstants(2.0, 3.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table(law))
     gap = 2.0 * separation
     # pieces of the table's cells; the fit ends at H = 4
     edges = np.concatenate([[gap], np.linspace(max(gap, 0.0), 16.0, 101)[int(gap >= 0.0) :]])
@@ -54,6 +58,24 @@ def test_energy_is_the_work_of_closing_the_gap(law, separation):
     energy = asperity.point_contact(gap, constants).energy
     # the table's cubics: 1e-10 of F at 0, over a length of some H
     assert energy == pytest.approx(work, rel=1e-6, abs=1e-8)
+
+
+def test_higher_summits_touch_as_a_thinner_film_does():
+    """Eq. (A13): the contact of a film that is thicker by z_s, over curved cells and a step."""
+    film = 1e-6 * (2.0 + np.linspace(-3.0, 4.0, 96).reshape(12, 8) ** 2)
+    film[:, :3] += 4e-6
+    found = []
+    for height in (0.0, 2e-6):
+        rough = Parameters(film.shape, roughness_rms=1e-6, summit_height=height)
+        model = LubricationModel(rough)
+        state, _ = model.start(film + height, np.ones(film.shape))
+        _, outputs = model.advance(state, film + height, np.ones(film.shape), 1e-3)
+        found.append(outputs)
+    low, high = found
+    assert low["asperity_pressure"].max() > 1e4
+    for name in ("asperity_pressure", "contact_area_fraction", "stored_energy"):
+        # round-off of the film thickness, times the slope of the contact over its value
+        np.testing.assert_allclose(high[name], low[name], rtol=1e-12)
 
 
 def test_smooth_surfaces_do_not_touch():

@@ -33,7 +33,7 @@ PHYSICS = {
     "reynolds": dict(cavitation_model="reynolds"),
     "gumbel": dict(cavitation_model="gumbel"),
     "full film": dict(cavitation_model="full_film", cavity_shear="full_film"),
-    "contact": dict(roughness_rms=6e-6),
+    "contact": dict(roughness_rms=6e-6, summit_height=3e-6),
     "fed": dict(open_cells=cut(SHAPE), opening_supply="own", pressure_openings=3e5),
     "barus": dict(oil=Oil(pressure_viscosity_law="barus_1893"), pressure_upper_edge=1e5),
     "cross": dict(oil=Oil(shear_thinning_law="cross_1965")),

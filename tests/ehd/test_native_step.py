@@ -145,7 +145,15 @@ def compared(changes, mask, surface, folder):
     "changes, mask",
     [
         (dict(roughness_rms=3e-6), None),
-        (dict(roughness_rms=2e-6, cavity_shear="full_film", contact_law="power_fit"), None),
+        (
+            dict(
+                roughness_rms=2e-6,
+                summit_height=1e-6,
+                cavity_shear="full_film",
+                contact_law="power_fit",
+            ),
+            None,
+        ),
         (
             dict(film_fraction_upper_edge=0.6, cavitation_pressure=-5e4, pressure_upper_edge=-5e4),
             None,
@@ -184,7 +192,16 @@ def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
     [
         (dict(film_fraction_lower_edge=0.6, initial_film_fraction=0.7), None),
         (dict(FED, roughness_rms=4e-6, cavitation_pressure=-5e4), WINDOWS),
-        (dict(FED, roughness_rms=4e-6, sector_angle=2.5, cavitation_model="gumbel"), None),
+        (
+            dict(
+                FED,
+                roughness_rms=4e-6,
+                summit_height=3e-6,
+                sector_angle=2.5,
+                cavitation_model="gumbel",
+            ),
+            None,
+        ),
         (dict(COATED | ROELANDS, shear_thinning_law="cross_1965"), WINDOWS),
     ],
 )

@@ -179,7 +179,7 @@ def test_contact_at_no_distance_follows_the_film():
     """
     # 0.0 is a point of the table, where values and slopes are those of the integrals
     force = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.0, 1.5, 2.5)}
-    at = point_contact(0.0, ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, contact_table()))
+    at = point_contact(0.0, ContactConstants(2.0, 3.0, 0.1, 0.2, 7.0, 0.0, contact_table()))
     slope = -3.0 * 2.5 * force[1.5] / 2.0
     assert at.pressure == near(3.0 * force[2.5])
     assert at.pressure_slope == near(slope)

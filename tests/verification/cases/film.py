@@ -838,7 +838,7 @@ def contact_checks() -> Checks:
             reason="two printed digits",
         )
     offset = separations + 1.0 / 3.0  # between the table's points
-    constants = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, asperity.contact_table())
+    constants = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table())
     pressure = np.array([asperity.point_contact(gap, constants).pressure for gap in offset])
     error = np.abs(pressure / asperity.gaussian_integral(2.5, offset) - 1.0).max()
     yield at_most(
