@@ -128,8 +128,7 @@ def _relative_imports(source):
 @_cached
 def code_digest(source):
     """Return the digest of a source's code, without comments, docstrings and empty lines."""
-    text = source.decode()
-    lines = text.split("\n")
+    lines = source.decode().split("\n")
     for token in tokenize.tokenize(io.BytesIO(source).readline):
         if token.type == tokenize.COMMENT:
             row, column = token.start
@@ -139,7 +138,9 @@ def code_digest(source):
         first = next(iter(getattr(node, "body", ())), None)
         if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
             begin, end = first.lineno - 1, first.end_lineno
-            if "\n".join(lines[begin:end]).strip() == ast.get_source_segment(text, first):
+            before = lines[begin].encode()[: first.col_offset]
+            after = lines[end - 1].encode()[first.end_col_offset :]
+            if not (before.strip() or after.strip()):
                 lines[begin:end] = [""] * (end - begin)
     code = "\n".join(line.rstrip() for line in lines if line.strip())
     return sha256(code.encode()).hexdigest()
