@@ -16,6 +16,7 @@ step_parts  begin, forces and sums of a step; step_tangent: its derivatives
 summary     scalars of a film in one pass over its cells
 faults      why a step is rejected; contradictions: between parameters
 
-In Python: parameters, surroundings, model (`advance` and `tangent`), alone (`piston_cosim.Film`).
+In Python: parameters, surroundings, model (`advance` and `tangent`), journal (under a load), alone
+(`piston_cosim.Film`).
 The FMU: variables, slave, build, preview. Without Python: native_step (memory), native (entries).
 """

@@ -12,7 +12,9 @@ from ..master.fmi.errors import BadInput, Discard, unknown
 from ..master.fmi.notebook import html_table
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
+from . import journal
 from .balance.grid import Array, Flags
+from .contradictions import FULL_TURN
 from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .oil import Oil
@@ -238,9 +240,7 @@ class Film:
         >>> bool(outputs["pressure"].max() > 1e5)
         True
         """
-        supply = self.model.parameters.oil_supply
-        if supply != "edges":
-            raise BadInput(f"oil_supply: expected edges for a steady film, got {supply}")
+        self._check_steady()
         before = self.state
         velocities: dict[str, Any] = dict(
             sliding_velocity=sliding_velocity, circumferential_velocity=circumferential_velocity
@@ -256,14 +256,100 @@ class Film:
             self.state = before
             raise
 
+    def equilibrium(
+        self,
+        load: tuple[float, float] | Array,
+        clearance: Array | float,
+        *,
+        circumferential_velocity: Array | float,
+        tolerance: float = 1e-9,
+        **conditions: Any,
+    ) -> dict[str, Any]:
+        """Return the steady outputs of a bearing whose journal carries a load.
+
+        Eq. (E16) gives the position of the journal, which is parallel to its shell. The torque that
+        drives the journal is `friction_power` over the angular speed.
+
+        Parameters
+        ----------
+        load : (float, float)
+            Force on the journal along x, to the cell i = 0, and y, a quarter of a revolution
+            further [N].
+        clearance : float or ndarray, shape `grid`
+            Film thickness of a centred journal [m].
+        circumferential_velocity, **conditions
+            As for `start`.
+        tolerance : float
+            Largest force out of balance over the load, and of the film as for `steady`.
+
+        Returns
+        -------
+        dict
+            Outputs as those of `steady`, `position` of the journal [m], its `stiffness`, shape
+            (2, 2) [N/m], and `film_thickness` [m].
+
+        Raises
+        ------
+        BadInput
+            As `steady`, for a skirt, a partial bearing, or a load of zero.
+        Discard
+            If no position carries the load. The state remains as it was.
+
+        Examples
+        --------
+        A load downwards moves the journal downwards, and in the direction of rotation:
+
+        >>> film = pc.Film((60, 12), surface="bearing", bore_radius="25 mm", skirt_length="25 mm")
+        >>> outputs = film.equilibrium(
+        ...     (0.0, -1000.0), 25e-6, circumferential_velocity=5.0,
+        ...     pressure_lower_edge=1e5, pressure_upper_edge=1e5,
+        ... )
+        >>> x, y = outputs["position"]
+        >>> bool(y < 0.0 < x)
+        True
+        """
+        self._check_steady()
+        if not self._is_bearing or self.model.parameters.sector_angle != FULL_TURN:
+            raise BadInput("surface: expected a bearing of a full revolution, got another surface")
+        wanted = np.asarray(load, dtype=float)
+        if wanted.shape != (2,) or not 0.0 < np.hypot(*wanted) < np.inf:
+            raise BadInput(f"load: expected two finite forces [N] that are not both 0, got {load}")
+        free = self._field(clearance)
+        if not free.min() > 0.0:
+            raise BadInput(f"clearance: expected more than 0 m, got {free.min():g} m")
+        inputs: dict[str, Any] = conditions | dict(
+            circumferential_velocity=circumferential_velocity
+        )
+        before = self.state
+        try:
+            outputs = self.start(free, **inputs)
+
+            def settled(film_thickness: Array) -> dict[str, Any]:
+                return self._settle(outputs, tolerance, film_thickness, inputs)
+
+            rms = self.model.parameters.roughness_rms
+            carried = journal.carrying(settled, self.tangent, wanted, free, rms, tolerance)
+            thickness = journal.gap(free, carried.position, self.grid)
+            outputs = self.steady(thickness, tolerance=tolerance, **inputs)
+        except (Discard, NotConverged) as trouble:
+            self.state = before
+            raise Discard(str(trouble)) from None
+        return outputs | carried._asdict() | dict(film_thickness=thickness)
+
+    def _check_steady(self) -> None:
+        """Raise BadInput if the oil supply follows the stroke."""
+        supply = self.model.parameters.oil_supply
+        if supply != "edges":
+            raise BadInput(f"oil_supply: expected edges for a steady film, got {supply}")
+
     def _settle(
         self,
         outputs: dict[str, Any],
         tolerance: float,
         film_thickness: Array | float,
         inputs: dict[str, Any],
-    ) -> None:
-        """Step until the film stays; Discard if it does not."""
+    ) -> dict[str, Any]:
+        """Step until the film stays, and return its outputs; Discard if it does not."""
         length, change = LONGEST, np.inf
         for _ in range(MOST_STEPS):
             last = outputs
@@ -276,7 +362,7 @@ class Film:
                 continue
             change = _change(last, outputs)
             if change <= tolerance and length == LONGEST:
-                return
+                return outputs
             length = min(10.0 * length, LONGEST)
         raise Discard(
             f"the film does not become steady: expected a change of at most {tolerance:g}, got "

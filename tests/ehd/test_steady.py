@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.fmu_ehd.journal import film_force, gap, stiffness
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.tests.verification.cases import bearings
 
@@ -49,7 +50,7 @@ def test_a_cavitated_journal_bearing_agrees_with_the_table(eccentricity):
     film, thickness = journal(eccentricity, open_cells=bearings.grooved(BEARING))
     outputs = film.steady(thickness, circumferential_velocity=bearings.SPEED)
     assert outputs["film_fraction"].min() < 0.9
-    x, y = bearings.resultant(outputs["nodal_pressure_force"])
+    x, y = film_force(outputs["nodal_pressure_force"])
     speed = bearings.SPEED / bearings.RADIUS / (2.0 * np.pi)
     area = (2.0 * bearings.RADIUS) ** 2
     ratio = bearings.CLEARANCE / bearings.RADIUS
@@ -109,3 +110,93 @@ def test_oil_from_the_bore_is_rejected():
     film = pc.Film((4, 8), oil_supply="bore")
     with pytest.raises(pc.BadInput, match="oil_supply: expected edges for a steady film, got bore"):
         film.steady(1e-5, sliding_velocity=1.0)
+
+
+@pytest.mark.parametrize("ratio, eccentricity", bearings.TABLE)
+def test_a_journal_under_load_is_where_the_table_says(ratio, eccentricity):
+    """Position for the Sommerfeld number and attitude angle of [Raimondi1958]."""
+    number, attitude, *_ = bearings.TABLE[ratio, eccentricity]
+    shape, length = (120, 24), 2.0 * bearings.RADIUS * ratio
+    film = pc.Film(
+        shape,
+        surface="bearing",
+        bore_radius=bearings.RADIUS,
+        skirt_length=length,
+        viscosity=bearings.VISCOSITY,
+        minimum_flow_film=1e-9,
+        open_cells=bearings.grooved(shape),  # at the thickest film, as in the table
+    )
+    speed, clearance = bearings.SPEED, bearings.CLEARANCE
+    unit = bearings.VISCOSITY * speed * length * (bearings.RADIUS / clearance) ** 2 / np.pi
+    across = np.radians(attitude)
+    load = unit / number * np.array([-np.cos(across), np.sin(across)])
+    outputs = film.equilibrium(load, clearance, circumferential_velocity=speed)
+    x, y = outputs["position"] / clearance
+    # 1.6 % of S, as in `verify ehd`, over d ln S/de = -(1/e + 4 e/(1 - e^2)) of a short bearing
+    allowed = 0.016 / (1.0 / eccentricity + 4.0 * eccentricity / (1.0 - eccentricity**2))
+    assert np.hypot(x, y) == pytest.approx(eccentricity, abs=allowed)
+    assert np.degrees(np.arctan2(-y, -x)) == pytest.approx(0.0, abs=1.0)
+    balance = film_force(outputs["nodal_pressure_force"], outputs["nodal_circumferential_force"])
+    assert np.abs(balance + load).max() <= 1e-8 * np.hypot(*load)  # ten times both tolerances
+
+
+def mixed_film():
+    """A rough bearing, and the inputs of a load that asperities carry for the most part."""
+    film = pc.Film(
+        (60, 8),
+        surface="bearing",
+        bore_radius="24 mm",
+        skirt_length="17 mm",
+        viscosity="7 mPa s",
+        roughness_rms="0.3 um",
+        summit_height="0.6 um",
+    )
+    around = dict(circumferential_velocity=0.3, pressure_lower_edge=1e5, pressure_upper_edge=1e5)
+    return film, (3000.0, -7000.0), 24e-6, around
+
+
+def test_a_journal_that_touches_is_in_balance():
+    film, load, clearance, around = mixed_film()
+    outputs = film.equilibrium(load, clearance, **around)
+    assert outputs["boundary_friction_share"] > 0.5
+    forces = outputs["nodal_pressure_force"], outputs["nodal_circumferential_force"]
+    assert np.abs(film_force(*forces) + load).max() <= 1e-8 * np.hypot(*load)
+    again = film.steady(outputs["film_thickness"], **around)
+    assert np.array_equal(again["pressure"], outputs["pressure"])
+
+
+def test_the_stiffness_of_a_journal_is_exact():
+    """Against differences of the steady force; pressure, contact and shear."""
+    film, load, clearance, around = mixed_film()
+    place = np.array([6e-6, -21.5e-6])
+    small = 1e-11
+
+    def force(position):
+        # the first steps settle the film, of the last one 1e9 s long is the tangent
+        film.start(clearance, **around)
+        for _ in range(4):
+            outputs = film.step(gap(clearance, position, film.grid), 1e9, **around)
+        return film_force(outputs["nodal_pressure_force"], outputs["nodal_circumferential_force"])
+
+    ends = [[force(place + by * unit) for by in (small, -small)] for unit in np.eye(2)]
+    differences = np.array([(low - high) / (2.0 * small) for high, low in ends]).T
+    force(place)
+    found = stiffness(film.tangent, film.grid)
+    # round-off of forces of 1 kN, 1e-12 of them, over the difference
+    assert np.abs(found - differences).max() <= 1e-4 * np.abs(differences).max()
+
+
+def test_a_load_that_cannot_be_carried_is_reported(monkeypatch):
+    film, load, clearance, around = mixed_film()
+    film.start(clearance, **around)
+    state = film.state
+    monkeypatch.setattr("piston_cosim.fmu_ehd.journal.MOST_POSITIONS", 2)
+    with pytest.raises(pc.Discard, match="no position of the journal carries the load"):
+        film.equilibrium(load, clearance, **around)
+    assert film.state is state
+    with pytest.raises(pc.BadInput, match="load: expected two finite forces"):
+        film.equilibrium((0.0, 0.0), clearance, **around)
+    with pytest.raises(pc.BadInput, match="clearance: expected more than 0 m, got 0 m"):
+        film.equilibrium(load, 0.0, **around)
+    with pytest.raises(pc.BadInput, match="surface: expected a bearing of a full revolution"):
+        pc.Film((4, 8)).equilibrium(load, clearance, circumferential_velocity=1.0)

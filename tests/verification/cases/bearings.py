@@ -1,9 +1,8 @@
 """Verification of a film that slides around: journal bearings against closed forms, published
 tables and independent solutions.
 
-The journal's displacement (x, y) from the axis of the shell, U = R omega its surface velocity:
-
-Eq. (V4):  h = C - x cos theta - y sin theta,   F = -sum of pressure force (cos theta, sin theta)
+The journal's displacement (x, y) from the axis of the shell gives the film thickness by Eq. (E14),
+and pressure its force by Eq. (E15); U = R omega is the velocity of its surface.
 
 Long bearing (Sommerfeld), full film, and short one (Ocvirk), pressure where it is positive; e
 eccentricity over C, phi attitude angle, M moment about the axis of the journal:
@@ -41,6 +40,7 @@ from scipy.optimize import root
 from scipy.sparse import lil_matrix
 from scipy.sparse.linalg import spsolve
 
+from piston_cosim.fmu_ehd import journal as journals
 from piston_cosim.fmu_ehd.balance.grid import Array, Flags
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
@@ -108,24 +108,15 @@ def steady(model: LubricationModel, film_thickness: Array, speed: float = SPEED)
 
 
 def eccentric(shape: tuple[int, int], eccentricity: float) -> Array:
-    """Film thickness of a parallel journal, thickest at theta = 0, Eq. (V4) [m]."""
-    h = CLEARANCE * (1.0 + eccentricity * np.cos(angles(shape)))
-    return np.ascontiguousarray(np.broadcast_to(h[:, None], shape))
-
-
-def resultant(pressure_force: Array) -> Array:
-    """F on the journal, Eq. (V4) [N]."""
-    theta = angles(pressure_force.shape)
-    around = pressure_force.sum(axis=1)
-    # Eq. (V4)
-    return -np.array([around @ np.cos(theta), around @ np.sin(theta)])
+    """Film thickness of a parallel journal, thickest at theta = 0 [m]."""
+    return journals.gap(CLEARANCE, np.array([-eccentricity * CLEARANCE, 0.0]), shape)
 
 
 def journal(ratio: float, eccentricity: float, shape: tuple[int, int], **changes: Any) -> Steady:
     """Steady bearing of L/D = `ratio`."""
     model = bearing(shape, 2.0 * RADIUS * ratio, **changes)
     outputs = steady(model, eccentric(shape, eccentricity))
-    x, y = resultant(outputs["nodal_pressure_force"])
+    x, y = journals.film_force(outputs["nodal_pressure_force"])
     # the journal lies at theta = pi, the load is the opposite of the film's force
     attitude = np.degrees(np.arctan2(-y, x))
     moment = outputs["friction_power"] * RADIUS / SPEED
@@ -237,7 +228,7 @@ def squeezed(ratio: float, e: float, rate: float) -> float:
         state, outputs = model.advance(
             state, eccentric(shape, past + k * step * rate), still, step, still
         )
-    return float(np.hypot(*resultant(outputs["nodal_pressure_force"])))
+    return float(np.hypot(*journals.film_force(outputs["nodal_pressure_force"])))
 
 
 def butenschoen_checks() -> Checks:
@@ -289,7 +280,7 @@ def long_bearing_checks() -> Checks:
     model = bearing(shape, length, bore_radius=radius, cavitation_model="full_film")
     outputs = steady(model, eccentric(shape, e))
     inner = outputs["nodal_pressure_force"] * [0.0, 2.0, 2.0, 0.0]  # ends left out
-    x, y = resultant(inner) / length
+    x, y = journals.film_force(inner) / length
     s = np.sqrt(1.0 - e**2)
     stress = VISCOSITY * SPEED * (radius / CLEARANCE) ** 2
     case = "Long journal bearing, e=0.6, full film, 240 cells"
@@ -363,7 +354,7 @@ def balance_checks() -> Checks:
     shape = (90, 12)
     e = 0.7
     found = journal(0.5, e, shape)
-    _, y = resultant(found.outputs["nodal_pressure_force"])
+    _, y = journals.film_force(found.outputs["nodal_pressure_force"])
     step = 2.0 * np.pi / shape[0]
     lever = CLEARANCE * e * np.sin(step) / step  # the cosine by differences over two cells
     yield Check(
@@ -469,12 +460,17 @@ def fed_checks() -> Checks:
         outputs = steady(model, film)
         pressure = plain_reynolds(film, SPEED, length, cells, supply)
         area = np.where(cells, 0.0, model.grid.cell_area)
-        load = np.hypot(*resultant(pressure * area))
+        load = np.hypot(*journals.film_force(pressure * area))
         leak = (film[:, [0, -1]] ** 3 * pressure[:, [0, -1]]).sum() * model.grid.cells.dx
         leak /= 12.0 * VISCOSITY * 0.5 * model.grid.cells.dy
         case = f"Bearing L/D=0.5, e=0.4, full film, {name} with supply, 180x60"
         for what, value, reference, tolerance in (
-            ("load [N]", np.hypot(*resultant(outputs["nodal_pressure_force"])), load, 1e-3),
+            (
+                "load [N]",
+                np.hypot(*journals.film_force(outputs["nodal_pressure_force"])),
+                load,
+                1e-3,
+            ),
             ("flow [m3/s]", outputs["flow_openings"], leak, 4e-3),
         ):
             yield Check(
@@ -543,15 +539,12 @@ class Rotor:
         self.model = model
         self.load = load
         self.mass = mass
-        theta = angles(model.grid.shape)[:, None]
-        self.directions = np.array([np.cos(theta), np.sin(theta)])
         self.still = np.zeros(model.grid.shape)
         self.turning = np.full(model.grid.shape, SPEED)
 
     def film(self, position: Array) -> Array:
-        """Film thickness, Eq. (V4) [m]."""
-        h = CLEARANCE - np.tensordot(position, self.directions, 1)  # Eq. (V4)
-        return np.ascontiguousarray(np.broadcast_to(h, self.still.shape))
+        """Film thickness [m]."""
+        return journals.gap(CLEARANCE, position, self.still.shape)
 
     def move(self, position: Array, step: float, steps: int) -> Motion:
         """Motion from a position [m] on, at rest and with a mass in equilibrium."""
@@ -569,7 +562,7 @@ class Rotor:
                     state, self.film(position), self.still, step, self.turning
                 )
                 load = self.load(k * step)
-                sum_of_forces = resultant(outputs["nodal_pressure_force"]) + load
+                sum_of_forces = journals.film_force(outputs["nodal_pressure_force"]) + load
                 velocity = (position - before) / step
                 missing = sum_of_forces
                 stiffness = self.stiffness()
@@ -593,13 +586,16 @@ class Rotor:
 
     def stiffness(self) -> Array:
         """-dF/dx of the step just taken, shape (2, 2) [N/m]."""
-        dfilm = -np.broadcast_to(self.directions, (2, *self.still.shape))
-        normal, *_ = self.model.tangent(dfilm, np.zeros_like(dfilm))
-        return -np.array([resultant(part) for part in normal]).T
+
+        def by_pressure(thinner):
+            normal, *_ = self.model.tangent(thinner, self.still)
+            return normal, None, None
+
+        return journals.stiffness(by_pressure, self.still.shape)
 
 
 def short_film_force(position: Array, velocity: Array, length: float, turns: float) -> Array:
-    """F of a short film on a journal, pressure cut off below zero, Eqs. (V4), (V8) [N].
+    """F of a short film on a journal, pressure cut off below zero, Eqs. (E14), (E15), (V8) [N].
 
     Parameters
     ----------
@@ -614,7 +610,7 @@ def short_film_force(position: Array, velocity: Array, length: float, turns: flo
     cos = np.cos(theta)
     sin = np.sin(theta)
     x, y = position
-    h = CLEARANCE - x * cos - y * sin  # Eq. (V4)
+    h = CLEARANCE - x * cos - y * sin
     vx, vy = velocity
     growth = -vx * cos - vy * sin + 0.5 * turns * (x * sin - y * cos)
     pressure = np.maximum(-VISCOSITY * length**2 * growth / h**3, 0.0)  # Eq. (V8)
