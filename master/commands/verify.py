@@ -10,6 +10,9 @@ from ..fmi.errors import BadInput, unknown
 from .common import OutputFile, console, say
 
 IMPORTERS = "importers"
+MEASURED = "measured"
+APART = (IMPORTERS, MEASURED)
+"""Parts that do not run by default."""
 
 
 def command(
@@ -28,22 +31,26 @@ def command(
     ----------
     parts
         ehd, mfbd, master or coupled; default: all four. The part importers runs the engine FMU in
-        each installed FMI importer and compares it with a run.
+        each installed FMI importer and compares it with a run. The part measured compares bearings
+        with experiments and published studies, without a tolerance.
     all_
         Include the slow studies, which take minutes.
     output
         Also write the figures to this Markdown file.
     """
     from ...tests.verification.cases.importers import verify_importers
+    from ...tests.verification.cases.measured import verify_measured
     from ...tests.verification.cases.rows import PARTS, verify
 
-    known = (*PARTS, IMPORTERS)
+    known = (*PARTS, *APART)
     if strange := [part for part in parts if part not in known]:
         raise BadInput([f"PARTS: {unknown('part', part, known)}" for part in strange])
-    figures = [part for part in parts or PARTS if part != IMPORTERS]
+    figures = [part for part in parts or PARTS if part not in APART]
     wide = Console(width=max(console.width, 190))
     failed = verify(figures, all_, wide, output) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)
+    if MEASURED in parts:
+        verify_measured(wide, None if figures else output)
     if failed:
         sys.exit(1)

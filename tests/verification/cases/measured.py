@@ -1,0 +1,206 @@
+"""Bearings of experiments and published studies: computed figures next to those of the source.
+
+`models/measured/NAME` holds the inputs of a case (case.toml) and the figures (data.csv). Nothing
+is fitted to them. A column of data.csv is an input or an entry of `QUANTITIES`.
+"""
+
+import csv
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+import piston_cosim as pc
+from piston_cosim.fmu_ehd.balance.grid import Array, Flags
+from piston_cosim.master.fmi.quantities import from_si, to_si
+
+FOLDER = Path(__file__).parents[3] / "models" / "measured"
+HEADS = ("case", "at", "quantity", "published", "computed", "difference", "of the largest")
+
+
+class Figure(NamedTuple):
+    """One figure of a source.
+
+    case, status, source : as in case.toml; at : inputs; quantity, unit : what is compared;
+    published, computed : in that unit; largest : of the published ones of the series.
+    """
+
+    case: str
+    status: str
+    source: str
+    at: dict[str, str]
+    quantity: str
+    unit: str
+    published: float
+    computed: float
+    largest: float
+
+    @property
+    def difference(self) -> float:
+        """Distance over the published value [-]."""
+        return self.computed / self.published - 1.0
+
+    @property
+    def share(self) -> float:
+        """Distance over the largest published value of the series [-]."""
+        return (self.computed - self.published) / self.largest
+
+
+class Solved(NamedTuple):
+    """Outputs of a bearing, its number on the shaft and its clearance [m]; omega : [rad/s]."""
+
+    outputs: dict[str, Any]
+    count: int
+    clearance: float
+    omega: float
+
+
+def torque(bearings: list[Solved]) -> float:
+    """Return the torque that drives the shaft [N m]."""
+    return sum(each.count * each.outputs["friction_power"] / each.omega for each in bearings)
+
+
+def thinnest(bearings: list[Solved]) -> float:
+    """Return the smallest film thickness of the first bearing [m]."""
+    return float(bearings[0].outputs["minimum_film_thickness"])
+
+
+def eccentricity(bearings: list[Solved]) -> float:
+    """Return the eccentricity of the first bearing [-]."""
+    first = bearings[0]
+    return float(np.hypot(*first.outputs["position"]) / first.clearance)
+
+
+def _stiffness(row: int, column: int):
+    return lambda bearings: float(bearings[0].outputs["stiffness"][row][column])
+
+
+QUANTITIES = {
+    "friction_torque": (torque, "N.m"),
+    "minimum_film_thickness": (thinnest, "m"),
+    "eccentricity": (eccentricity, "1"),
+    "stiffness_xx": (_stiffness(0, 0), "N/m"),
+    "stiffness_xy": (_stiffness(0, 1), "N/m"),
+    "stiffness_yx": (_stiffness(1, 0), "N/m"),
+    "stiffness_yy": (_stiffness(1, 1), "N/m"),
+}
+"""What is compared: its function and its unit."""
+
+
+def names() -> list[str]:
+    """Return the names of the cases."""
+    return sorted(path.parent.name for path in FOLDER.glob("*/case.toml"))
+
+
+def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Iterator[Figure]:
+    """Yield the figures of a case, in the rows of data.csv whose inputs are as in `only`.
+
+    `film` replaces parameters of the film.
+    """
+    tree = tomllib.loads((FOLDER / name / "case.toml").read_text())
+    tree["film"] |= film or {}
+    with (FOLDER / name / "data.csv").open() as lines:
+        rows = list(csv.DictReader(lines))
+    for row in rows:
+        cells = {head.split(" [")[0]: cell for head, cell in row.items()}
+        if any(cells[key] != value for key, value in only.items()):
+            continue
+        at = {head: cell for head, cell in row.items() if head.split(" [")[0] not in QUANTITIES}
+        solved = None
+        for head, cell in row.items():
+            quantity, _, unit = head.removesuffix("]").partition(" [")
+            if quantity not in QUANTITIES or not cell:
+                continue
+            compute, si = QUANTITIES[quantity]
+            solved = solved or [bearing(tree, one, at) for one in tree["bearings"]]
+            value = compute(solved)
+            series = [
+                abs(float(other[head]))
+                for other in rows
+                if other[head] and other.get("load [N]") == row.get("load [N]")
+            ]
+            yield Figure(
+                name,
+                tree["status"],
+                tree["source"],
+                at,
+                quantity,
+                unit,
+                float(cell),
+                value if unit == "1" else from_si(value, si, unit),
+                max(series),
+            )
+
+
+def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> Solved:
+    """Return the steady outputs of a bearing of a case under its share of the load, downwards."""
+
+    def given(key: str, unit: str, default: str = "") -> float:
+        head = next((head for head in at if head.startswith(f"{key} [")), None)
+        text = default or one.get(key) if head is None else f"{at[head]} {head.split('[')[1][:-1]}"
+        return to_si(text, unit)
+
+    around, along = one["grid"]
+    degrees = 360.0 / around * np.arange(around)
+    parameters: dict[str, Any] = tree["film"] | one["film"]
+    length = to_si(parameters["skirt_length"], "m")
+    height = length * ((np.arange(along) + 0.5) / along - 0.5)
+    cells = np.zeros((around, along), dtype=bool)
+    for opening in one["openings"]:
+        first, last = (np.degrees(to_si(angle, "rad")) for angle in opening["angles"])
+        cells |= _within(degrees, first, last, height, to_si(opening["middle"], "m"))
+    clearance = given("clearance", "m")
+    free = np.full((around, along), clearance)
+    if "pocket_start" in one:
+        ends = np.degrees([to_si(one["pocket_start"], "rad"), given("pocket_end", "rad")])
+        width = length * float(at["pocket_width [1]"])
+        free[_within(degrees, *ends, height, width) & ~cells] += given("pocket_depth", "m")
+    speed = given("speed", "rad/s")
+    oil = pc.Film((around, along), surface="bearing", open_cells=cells, **parameters)
+    outputs = oil.equilibrium(
+        (0.0, -one["load_share"] * given("load", "N")),
+        free,
+        circumferential_velocity=speed * to_si(parameters["bore_radius"], "m"),
+    )
+    return Solved(outputs, one["count"], clearance, speed)
+
+
+def _within(degrees: Array, first: float, last: float, height: Array, width: float) -> Flags:
+    """Return the cells between two angles, in the middle part of the bearing."""
+    around = (degrees - first) % 360.0 < last - first - 1e-9
+    return around[:, None] & (np.abs(height) < 0.5 * width)
+
+
+def _shown(head: str, cell: str) -> str:
+    """Return an input with its unit."""
+    unit = head.partition(" [")[2].removesuffix("]")
+    return cell if unit in ("", "1") else f"{cell} {unit}"
+
+
+def verify_measured(console: Console, page: Path | None = None) -> None:
+    """Print the figures of all cases, and write them to `page` if given."""
+    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
+    for name in names():
+        found = list(figures(name))
+        first = found[0]
+        table = Table(*HEADS, box=None, title=f"{name}, {first.status}: {first.source}")
+        for one in found:
+            cells = (
+                name,
+                ", ".join(_shown(head, cell) for head, cell in one.at.items()),
+                f"{one.quantity} [{one.unit}]",
+                f"{one.published:.4g}",
+                f"{one.computed:.4g}",
+                f"{100.0 * one.difference:+.1f} %",
+                f"{100.0 * one.share:+.1f} %",
+            )
+            table.add_row(*map(Text, cells))
+            lines.append(f"| {' | '.join(cells)} |")
+        console.print(table)
+    if page is not None:
+        page.write_text("\n".join([*lines, ""]))
