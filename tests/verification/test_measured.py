@@ -38,6 +38,19 @@ def test_a_step_bearing_is_that_of_nicholas():
     assert all(abs(one.difference) < 0.05 for one in found.values()) and len(found) == 3
 
 
+def test_the_film_of_the_published_deflection_is_that_of_freund():
+    """15 % at worst and 5 % in the mean, the bars; a rigid bearing misses both."""
+    off = [
+        abs(one.share)
+        for angle in range(10, 200, 40)
+        for one in measured.figures("freund_1995", shell="deflected", angle=str(angle))
+    ]
+    assert len(off) == 5
+    assert max(off) < 0.15 and sum(off) / len(off) < 0.05
+    rigid = measured.figures("freund_1995", shell="rigid", angle="130")
+    assert next(rigid).share < -0.2
+
+
 def test_the_table_is_printed_and_written(tmp_path, monkeypatch, capsys):
     row = list(measured.figures("nicholas_1980", pocket_depth="0", clearance="45.72"))
     monkeypatch.setattr(measured, "figures", lambda name: row)

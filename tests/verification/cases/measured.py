@@ -16,6 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 import piston_cosim as pc
+from piston_cosim.fmu_ehd import journal
 from piston_cosim.fmu_ehd.balance.grid import Array, Flags
 from piston_cosim.master.fmi.quantities import from_si, to_si
 
@@ -52,12 +53,16 @@ class Figure(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """Outputs of a bearing, its number on the shaft and its clearance [m]; omega : [rad/s]."""
+    """Outputs of a bearing, its number on the shaft and its clearance [m].
+
+    omega : [rad/s]; angle : where an output is compared, from x [rad].
+    """
 
     outputs: dict[str, Any]
     count: int
     clearance: float
     omega: float
+    angle: float
 
 
 def torque(bearings: list[Solved]) -> float:
@@ -76,6 +81,14 @@ def eccentricity(bearings: list[Solved]) -> float:
     return float(np.hypot(*first.outputs["position"]) / first.clearance)
 
 
+def pressure(bearings: list[Solved]) -> float:
+    """Return the film pressure of the first bearing in its middle, at an angle [Pa]."""
+    first = bearings[0]
+    field: Array = first.outputs["pressure"]
+    around, along = field.shape
+    return float(field[round(first.angle / (2.0 * np.pi) * around) % around, along // 2])
+
+
 def _stiffness(row: int, column: int):
     return lambda bearings: float(bearings[0].outputs["stiffness"][row][column])
 
@@ -84,6 +97,7 @@ QUANTITIES = {
     "friction_torque": (torque, "N.m"),
     "minimum_film_thickness": (thinnest, "m"),
     "eccentricity": (eccentricity, "1"),
+    "pressure": (pressure, "Pa"),
     "stiffness_xx": (_stiffness(0, 0), "N/m"),
     "stiffness_xy": (_stiffness(0, 1), "N/m"),
     "stiffness_yx": (_stiffness(1, 0), "N/m"),
@@ -138,12 +152,14 @@ def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Itera
 
 
 def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> Solved:
-    """Return the steady outputs of a bearing of a case under its share of the load, downwards."""
+    """Return the steady outputs of a bearing of a case.
 
-    def given(key: str, unit: str, default: str = "") -> float:
+    It carries its share of the load, which is downwards, or has a given eccentricity.
+    """
+
+    def given(key: str, unit: str) -> float:
         head = next((head for head in at if head.startswith(f"{key} [")), None)
-        text = default or one.get(key) if head is None else f"{at[head]} {head.split('[')[1][:-1]}"
-        return to_si(text, unit)
+        return to_si(one[key] if head is None else f"{at[head]} {head.split('[')[1][:-1]}", unit)
 
     around, along = one["grid"]
     degrees = 360.0 / around * np.arange(around)
@@ -162,12 +178,27 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
         free[_within(degrees, *ends, height, width) & ~cells] += given("pocket_depth", "m")
     speed = given("speed", "rad/s")
     oil = pc.Film((around, along), surface="bearing", open_cells=cells, **parameters)
-    outputs = oil.equilibrium(
-        (0.0, -one["load_share"] * given("load", "N")),
-        free,
-        circumferential_velocity=speed * to_si(parameters["bore_radius"], "m"),
-    )
-    return Solved(outputs, one["count"], clearance, speed)
+    surface = speed * to_si(parameters["bore_radius"], "m")
+    if "eccentricity" in one:
+        angle = to_si(one["direction"], "rad")
+        place = one["eccentricity"] * clearance * np.array([np.cos(angle), np.sin(angle)])
+        if at.get("shell") == "deflected":
+            free = free + _deflection(one["deflection"], degrees, height)
+        thickness = journal.gap(free, place, oil.grid)
+        outputs = oil.steady(thickness, circumferential_velocity=surface)
+        return Solved(outputs, one["count"], clearance, speed, given("angle", "rad"))
+    load = (0.0, -one["load_share"] * given("load", "N"))
+    outputs = oil.equilibrium(load, free, circumferential_velocity=surface)
+    return Solved(outputs, one["count"], clearance, speed, 0.0)
+
+
+def _deflection(table: dict[str, Any], degrees: Array, height: Array) -> Array:
+    """Return the deflection of a diaphragm that is clamped along its edges [m]."""
+    middle = 1e-6 * np.interp(degrees, table["angles"], table["values"], right=0.0)
+    end = np.degrees(to_si(table["end"], "rad"))
+    first, last = (to_si(width, "m") for width in table["half_width"])
+    half = first + (last - first) * np.minimum(degrees / end, 1.0)
+    return middle[:, None] * np.maximum(1.0 - (height / half[:, None]) ** 2, 0.0)
 
 
 def _within(degrees: Array, first: float, last: float, height: Array, width: float) -> Flags:
