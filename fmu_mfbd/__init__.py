@@ -9,6 +9,7 @@ Its subpackages:
                      virtual work
     dynamics         equations of motion, their time integration, and the model that composes all
     monoblock        a flexible block of several cylinders, an FMU of its own
+    shell            an elastic shell of a bearing, an FMU of its own
 
 The FMU: options (the case's build table, validated), build, variables, slave; what the running FMU
 reads is declared in dynamics (build_options, parameters) and reduction (reduced_body). Bodies

@@ -41,21 +41,21 @@ from .geometry.profile import BoreOrder, MeasuredShape
 from .options import Bodies, Build, Gas, SmallEnd, Speed, read_options
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
+    SMALL_END,
     Anatomy,
     BossFilms,
-    EyeFilm,
     MeshProperties,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
-    ReducedSmallEnd,
+    ShellFilm,
     load,
     offset_faults,
     save,
 )
 from .reduction.rigid import rigid_block, rigid_piston
-from .reduction.store import kept, kept_body
+from .reduction.store import kept_body, kept_shell
 from .variables import inputs, parameters, signals
 
 Say = Callable[[str], None]
@@ -252,12 +252,12 @@ def floating_pin(build: Build) -> FloatingPin | None:
     )
 
 
-def eye_film(build: Build | Bodies) -> EyeFilm | None:
+def eye_film(build: Build | Bodies) -> ShellFilm | None:
     """Return the film in a flexible small end of the rod, else None."""
     pin = build.floating_pin
     if pin is None or pin.small_end is None or not pin.small_end.modes:
         return None
-    return EyeFilm(pin.grid, pin.small_end_length, pin.small_end.modes)
+    return ShellFilm(pin.grid, pin.small_end_length, pin.small_end.modes)
 
 
 def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
@@ -339,22 +339,10 @@ def _told(error: Exception) -> str:
     return str(error)
 
 
-def _small_end(options: SmallEnd, film: EyeFilm, progress: Say) -> Path:
+def _small_end(options: SmallEnd, film: ShellFilm, progress: Say) -> Path:
     """Return the path of the reduced small end, from the cache or reduced now."""
-
-    def made() -> ReducedSmallEnd:
-        from .finite_elements.matrices import assembled
-        from .reduction.reduce import read_surfaces
-        from .reduction.small_end import CUT, EYE, reduce_small_end
-
-        with _reducing("small_end", options.mesh, progress) as say:
-            mesh = read_surfaces(options, (EYE, CUT), say)
-            material = options.young, options.poisson, options.density
-            return reduce_small_end(assembled(mesh, *material), film, say)
-
-    decided = options.model_dump(mode="json") | {"film": list(film)}
-    decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
-    return kept("small_end", decided, made, cache_folder("bodies"))
+    with _reducing("small_end", options.mesh, progress) as say:
+        return kept_shell(options, film, SMALL_END, cache_folder("bodies"), say)
 
 
 def _training(

@@ -107,17 +107,9 @@ class FilmSurface(BaseModel):
         return rows
 
 
-class SmallEnd(PlacedMesh):
-    """Flexible small end of the rod.
+class ElasticShell(PlacedMesh):
+    """Material and modes of a flexible shell under a film."""
 
-    The mesh origin is on its axis at mid-length, with the shank towards -y. Surfaces: eye (the
-    bore) and cut, where the rigid rod holds the shank.
-    """
-
-    mesh: str
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
-    surfaces: dict[Literal["eye", "cut"], Surface] = {}
-    """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
     density: Annotated[Density, Field(ge=500, le=25000)]
     """Density of the material, for the inertia of the modes. Mass and inertia of the rod are
     parameters.
@@ -128,6 +120,82 @@ class SmallEnd(PlacedMesh):
     """Poisson's ratio."""
     modes: Annotated[int, Field(ge=0, le=MOST_MODES)] = 60
     """Number of modes. 0: rigid."""
+
+
+class SmallEnd(ElasticShell):
+    """Flexible small end of the rod.
+
+    The mesh origin is on its axis at mid-length, with the shank towards -y. Surfaces: eye (the
+    bore) and cut, where the rigid rod holds the shank.
+    """
+
+    mesh: str
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    surfaces: dict[Literal["eye", "cut"], Surface] = {}
+    """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
+
+
+class RingMesh(BaseModel):
+    """Ring about z that is meshed without a mesh file."""
+
+    model_config = STRICT
+    inside: Annotated[Length, Field(gt=0)]
+    """Radius of the bore."""
+    outside: Annotated[Length, Field(gt=0)]
+    """Outer radius."""
+    length: Annotated[Length, Field(gt=0)] | None = None
+    """Length along z. Default: the length of the film."""
+    held: Annotated[Angle, Field(gt=0, le=2 * np.pi * (1 + 1e-9))] = 2 * np.pi
+    """Arc about +y over which the outer surface is fixed. Default: the whole outer surface."""
+    cells: tuple[
+        Annotated[int, Field(ge=8, le=200)],
+        Annotated[int, Field(ge=1, le=20)],
+        Annotated[int, Field(ge=1, le=100)],
+    ] = (36, 2, 6)
+    """Number of blocks of elements around, through the wall and along."""
+
+    @model_validator(mode="after")
+    def _thick(self):
+        if self.outside <= self.inside:
+            raise ValueError(
+                f"outside: expected more than inside = {self.inside:g} m, got {self.outside:g} m"
+            )
+        if (least := 2 * np.pi / self.cells[0]) > self.held:
+            raise ValueError(
+                f"held: expected at least one block around, {np.degrees(least):.4g} deg, got "
+                f"{np.degrees(self.held):.4g} deg"
+            )
+        return self
+
+
+class BearingShell(ElasticShell):
+    """Flexible shell of a bearing, as a mesh or as a ring.
+
+    The mesh origin is on its axis z at mid-length. Surfaces: bore, and held, where a rigid body
+    holds the shell. Its axes are those of the film's shell.
+    """
+
+    mesh: str | None = None
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    ring: RingMesh | None = None
+    """Ring that replaces a mesh file."""
+    surfaces: dict[Literal["bore", "held"], Surface] = {}
+    """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
+
+    @model_validator(mode="after")
+    def _source(self):
+        if (self.mesh is None) == (self.ring is None):
+            raise ValueError("expected either mesh or ring, got both or neither")
+        return self
+
+
+def shell_faults(where: str, modes: int, grid: tuple[int, int]) -> list[str]:
+    """Return a sentence if a shell has too many modes for the cells of its film."""
+    around, along = grid
+    most = around * along - 2
+    if modes <= most:
+        return []
+    return [f"{where}modes: expected at most {most} for {around} x {along} cells, got {modes}"]
 
 
 class FloatingPin(BaseModel):
@@ -241,12 +309,9 @@ class Common(BaseModel):
         if self.floating_pin and self.mounted:
             raise ValueError("mounted: expected false with floating_pin, got true")
         if self.floating_pin and (eye := self.floating_pin.small_end):
-            around, along = self.floating_pin.grid
-            if eye.modes > around * along - 2:
-                raise ValueError(
-                    f"floating_pin.small_end.modes: expected at most {around * along - 2} for "
-                    f"{around} x {along} cells, got {eye.modes}"
-                )
+            where, grid = "floating_pin.small_end.", self.floating_pin.grid
+            if faults := shell_faults(where, eye.modes, grid):
+                raise ValueError("\n".join(faults))
         alone = [] if self.floating_pin else [*self.crank_films()]
         if alone:
             raise ValueError(f"floating_pin: expected a table with {', '.join(alone)}, got nothing")
@@ -440,12 +505,12 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         ends = ("bore_lower", build.block.bore_lower), ("bore_upper", build.block.bore_upper)
         faults += _faults_of_body("block", build.block, *ends, folder)
     if build.start:
-        faults += _resolve(build, "start", "start", folder)
+        faults += resolve(build, "start", "start", folder)
     if build.floating_pin and (eye := build.floating_pin.small_end):
-        faults += _resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
+        faults += resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
     for name, table in (("gas", build.gas), ("speed", build.speed)):
         if table and table.file:
-            faults += _resolve(table, "file", f"{name}.file", folder)
+            faults += resolve(table, "file", f"{name}.file", folder)
     if faults:
         raise BadInput(faults)
     return build
@@ -475,9 +540,9 @@ def _faults_of_body(
     for source in SOURCES:
         path = getattr(body, source)
         if path:
-            faults += _resolve(body, source, f"{name}.{source}", folder)
+            faults += resolve(body, source, f"{name}.{source}", folder)
     for table in body.profiles:
-        faults += _resolve(table, "file", f"{name}.profiles", folder)
+        faults += resolve(table, "file", f"{name}.profiles", folder)
     (low_key, low), (high_key, high) = lower, upper
     if low is not None and high is not None and low >= high:
         faults.append(
@@ -486,7 +551,7 @@ def _faults_of_body(
     return faults
 
 
-def _resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list[str]:
+def resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list[str]:
     """Make a path absolute; a sentence if there is no such file."""
     given = getattr(table, key)
     path = (Path(folder) / given).resolve()

@@ -44,9 +44,9 @@ from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
 from .reduction.reduce import ends, faults_of_modes, read_surfaces, refuse
-from .reduction.reduced_body import MeshProperties, ReducedBlock, load
+from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
-from .reduction.small_end import CUT, EYE, eye_shell
+from .reduction.shell import film_shell, shell_mesh
 
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
@@ -151,8 +151,8 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
     assert build.floating_pin and build.floating_pin.small_end
     options = build.floating_pin.small_end
     try:
-        mesh = read_surfaces(options, (EYE, CUT), remarks.append)
-        radius = eye_shell(mesh, film).radius
+        mesh = shell_mesh(options, film, SMALL_END, remarks.append)
+        radius = film_shell(mesh, film).radius
     except MeshFault as error:
         wrong += error.faults
         return None

@@ -106,7 +106,7 @@ class Mfbd(FieldSlave):
         }
         if pin and pin.pin_shapes:
             axis = _taken(AxisParameters, values)
-        radius = eye.eye_radius if eye else 0.0
+        radius = eye.radius if eye else 0.0
         wrong = faults(piston, block, options, parameters, bosses, axis, radius)
         if wrong:
             raise BadInput(wrong)

@@ -30,6 +30,7 @@ pin_response       its derivative
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them
 bore_from_outside  a bore that deflects as another participant says (H)
+bearing_shell      an elastic shell of a bearing (D)
 monoblock          a flexible block of several cylinders on its mounts (U)
 tables             gas pressure, measured profiles
 speed_table        crank speed given (I)

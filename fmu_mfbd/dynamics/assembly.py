@@ -26,7 +26,7 @@ from ..reduction.reduced_body import (
     ReducedBlock,
     ReducedBosses,
     ReducedPiston,
-    ReducedSmallEnd,
+    ReducedShell,
     load,
 )
 from .bore_from_outside import outside_bore
@@ -78,7 +78,7 @@ class ReducedBodies(NamedTuple):
     piston: ReducedPiston
     block: ReducedBlock
     bosses: ReducedBosses | None
-    small_end: ReducedSmallEnd | None
+    small_end: ReducedShell | None
 
 
 def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
@@ -88,7 +88,7 @@ def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
         load(ReducedPiston, folder / options.piston.file),
         load(ReducedBlock, folder / options.block.file),
         load(ReducedBosses, folder / pin.bosses) if pin and pin.bosses else None,
-        load(ReducedSmallEnd, folder / pin.small_end) if pin and pin.small_end else None,
+        load(ReducedShell, folder / pin.small_end) if pin and pin.small_end else None,
     )
 
 
@@ -136,7 +136,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         films = with_room(films, len(block.heights))
     contiguous = np.ascontiguousarray
     return BodySetup(
-        fit=fit_of(piston, block, options, bosses, eye.eye_radius if eye else 0.0),
+        fit=fit_of(piston, block, options, bosses, eye.radius if eye else 0.0),
         gas=GasCurve(*vars(options.gas or NO_GAS).values()),
         gas_area=np.pi * block.radius**2,
         mounted=options.mounted,
@@ -156,7 +156,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
         piston_omega=piston.omega,
         block_omega=block.omega,
-        eye_omega=eye.eye_omega if eye else np.zeros(0),
+        eye_omega=eye.omega if eye else np.zeros(0),
         surfaces=in_block(films),
         pin_surfaces=pins_in_block(pin_surfaces(options, bosses, eye)),
     )
@@ -306,7 +306,7 @@ def assemble_floating(
     axis: AxisParameters | None = None,
     crank: CrankParameters | None = None,
     *,
-    small_end: ReducedSmallEnd | None = None,
+    small_end: ReducedShell | None = None,
 ) -> PistonInBore:
     """Return the model of a piston whose pin floats.
 
@@ -332,7 +332,7 @@ def assemble_floating(
 
 
 def pin_surfaces(
-    options: BuildOptions, bosses: ReducedBosses | None, small_end: ReducedSmallEnd | None
+    options: BuildOptions, bosses: ReducedBosses | None, small_end: ReducedShell | None
 ) -> tuple[PinSurface, ...]:
     """Return the films of a pin that stays parallel to its shells, and of the crank.
 
@@ -342,7 +342,7 @@ def pin_surfaces(
     if bosses:
         shells[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
     if small_end:
-        shells[EYE] = shell_modes(small_end.eye_outward, small_end.eye_onward)
+        shells[EYE] = shell_modes(small_end.outward, small_end.onward)
     return tuple(
         pin_surface(0.0, 0.0, grid.shape, shell) for grid, shell in zip(options.pin_grids(), shells)
     )

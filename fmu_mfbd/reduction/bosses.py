@@ -150,8 +150,36 @@ def shell_reading(
     return ShellReading(outward, directed(at, [-sine, cosine, zero]), stations)
 
 
+def cell_means(reading: ShellReading, grid: tuple[int, int], samples: int) -> ShellReading:
+    """Return the mean displacements of cells from those at several points of each.
+
+    A force on a cell is then a pressure that is constant over the cell. A force at a point of a
+    thin liner would make a dent that depends on the position of the point in its element.
+
+    Parameters
+    ----------
+    reading : ShellReading
+        On a grid with `samples` times as many cells around and along.
+    grid : (int, int)
+        Cells around and along.
+    samples : int
+        Odd, so that a point is in the centre of each cell.
+    """
+    around, along = grid
+    each = np.full((1, samples), 1 / samples)
+    ring = np.roll(np.kron(np.eye(around), each), -(samples // 2), axis=1)
+    mean = sp.kron(ring, np.kron(np.eye(along), each), format="csr")
+    stations = reading.stations.reshape(along, samples).mean(axis=1)
+    return ShellReading(mean @ reading.outward, mean @ reading.onward, stations)
+
+
 def with_boss_modes(
-    elastic: Elastic, bosses: Shells, grid: tuple[int, int], shapes: np.ndarray, modes: int
+    elastic: Elastic,
+    bosses: Shells,
+    grid: tuple[int, int],
+    shapes: np.ndarray,
+    modes: int,
+    upright: bool = True,
 ) -> np.ndarray:
     """Return shapes of a basis, and shapes under the smooth pressures of the largest compliance.
 
@@ -167,20 +195,23 @@ def with_boss_modes(
     ----------
     elastic : Elastic
     bosses : Shells
-        Both bosses, or the eye alone.
+        Both bosses, or one shell.
     grid : (int, int)
         Cells around and along each shell.
     shapes : ndarray, shape (free, k)
         Shapes of the basis, k < modes.
     modes : int
         Number of all shapes.
+    upright : bool
+        Whether the films mainly bear along y. If not, D is 1.
     """
     psi = of_unit_energy(elastic, shapes)
     around, along = grid
     one = np.kron(_smoothing(around, SPREAD_AROUND, True), _smoothing(along, SPREAD_ALONG, False))
     smooth = sp.block_diag([one] * len(bosses.sides), format="csr")
     reading = smooth @ bosses.outward()[:, elastic.free]
-    weight = np.repeat(0.1 + np.sin(shell_angles(around)) ** 2, along)
+    each = 0.1 + np.sin(shell_angles(around)) ** 2 if upright else np.ones(around)
+    weight = np.repeat(each, along)
     weight = np.tile(weight, len(bosses.sides))  # Eq. (J24)
     return pressure_modes(elastic, reading.tocsr(), weight, modes, psi, psi)
 

@@ -40,10 +40,10 @@ class BossFilms(NamedTuple):
     modes: int
 
 
-class EyeFilm(NamedTuple):
-    """Film in the eye of the rod.
+class ShellFilm(NamedTuple):
+    """Film in a shell, such as the eye of the rod.
 
-    grid : cells around and along the pin. length : along the pin [m]. modes : number of modes.
+    grid : cells around and along it. length : along its axis [m]. modes : number of modes.
     """
 
     grid: tuple[int, int]
@@ -214,24 +214,54 @@ class ReducedBosses:
 
 
 @dataclass(frozen=True)
-class ReducedSmallEnd:
-    """Values of a small end's k modes on the (c, a) cells of the film, in the rod's axes.
+class ReducedShell:
+    """Values of a shell's k modes on the (c, a) cells of its film.
 
     Parameters
     ----------
-    eye_omega : ndarray, shape (k,)
-        Ascending angular eigenfrequencies of the small end, fixed at its cut [rad/s].
-    eye_outward, eye_onward : ndarray, shape (c, a, k)
-        Displacement of the eye's bore away from its axis, and around it towards ascending i
-        [kg^-1/2].
-    eye_radius : float
+    omega : ndarray, shape (k,)
+        Ascending angular eigenfrequencies of the shell, fixed where it is held [rad/s].
+    outward, onward : ndarray, shape (c, a, k)
+        Displacement of the bore away from its axis, and around it towards ascending i [kg^-1/2].
+    radius : float
         Radius of the bore [m].
     """
 
-    eye_omega: np.ndarray
-    eye_outward: np.ndarray
-    eye_onward: np.ndarray
-    eye_radius: float
+    omega: np.ndarray
+    outward: np.ndarray
+    onward: np.ndarray
+    radius: float
+
+
+class ShellKind(NamedTuple):
+    """Names of a shell, and where its bore bears.
+
+    Parameters
+    ----------
+    title : str
+        In messages.
+    bore, held : str
+        Surfaces of the mesh: the bore about z, and the surface that another body holds.
+    length : str
+        Option with the length of its film.
+    hangs : bool
+        Whether all of `held` is below the bore, as the cut of a shank.
+    upright : bool
+        Whether the film mainly bears along y.
+    samples : int
+        Odd number of points around and along each cell at which its displacement is read.
+    """
+
+    title: str
+    bore: str = "bore"
+    held: str = "held"
+    length: str = "length"
+    hangs: bool = False
+    upright: bool = False
+    samples: int = 5
+
+
+SMALL_END = ShellKind("small end", "eye", "cut", "small_end_length", True, True, samples=1)
 
 
 @dataclass(frozen=True)
@@ -311,7 +341,7 @@ Part = TypeVar(
     | ReducedBlock
     | ReducedMonoblock
     | ReducedBosses
-    | ReducedSmallEnd
+    | ReducedShell
     | Anatomy
     | MeshProperties
     | MissingShapes,
@@ -330,7 +360,7 @@ def load(part: type[Part], path: Path) -> Part:
     Parameters
     ----------
     part : type
-        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedSmallEnd, Anatomy,
+        ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedShell, Anatomy,
         MeshProperties or MissingShapes.
     path : Path
         .npz
@@ -356,7 +386,7 @@ def save(
     *parts: ReducedBody
     | ReducedMonoblock
     | ReducedBosses
-    | ReducedSmallEnd
+    | ReducedShell
     | Anatomy
     | MeshProperties
     | MissingShapes,

@@ -18,8 +18,17 @@ import numpy as np
 
 from ...models import MODELS
 from ..body_options import Block, Piston
+from ..options import BearingShell, SmallEnd
 from .film_loads import Training
-from .reduced_body import BossFilms, ReducedBody, ReducedPiston, save
+from .reduced_body import (
+    BossFilms,
+    ReducedBody,
+    ReducedPiston,
+    ReducedShell,
+    ShellFilm,
+    ShellKind,
+    save,
+)
 
 FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
@@ -140,6 +149,35 @@ def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Pat
     if not path.exists():
         save(path, make())
     return path
+
+
+def kept_shell(
+    options: SmallEnd | BearingShell,
+    film: ShellFilm,
+    kind: ShellKind,
+    folder: Path,
+    progress: Say = print,
+) -> Path:
+    """Return the path of a reduced shell, cached in `folder` or reduced now.
+
+    Raises
+    ------
+    MeshFault, ValueError
+        If the mesh or the number of modes is wrong.
+    """
+
+    def made() -> ReducedShell:
+        from ..finite_elements.matrices import assembled
+        from .shell import reduce_shell, shell_mesh
+
+        mesh = shell_mesh(options, film, kind, progress)
+        material = options.young, options.poisson, options.density
+        return reduce_shell(assembled(mesh, *material), film, progress, kind=kind)
+
+    decided = options.model_dump(mode="json") | {"film": list(film), "kind": list(kind)}
+    if options.mesh:
+        decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
+    return kept(kind.title.replace(" ", "_"), decided, made, folder)
 
 
 def _path(name: str, decided: dict[str, Any], folder: Path | str, shipped: bool = True) -> Path:

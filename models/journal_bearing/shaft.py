@@ -2,11 +2,13 @@
 
 Eq. (U17):  m x'' = W + m_u r_u w^2 (cos w t, sin w t) + F,   by the trapezoidal rule
 Eq. (U18):  F = sum of pressure force (-cos a, -sin a) + circumferential force (-sin a, cos a)
-Eq. (U19):  h = C - x cos a - y sin a
+Eq. (U19):  h = C - x cos a - y sin a + u
+Eq. (U33):  M = .. + sum p du/da      moment on the shaft, by central differences around
 
-x is to the right, y upwards, from the axis of the shell. a is the angle of a cell around the
-shell from x, a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell, and its
-speed is constant.
+u is the deflection of an elastic shell, an input if the build option `shell` is true. x is to
+the right, y upwards, from the axis of the shell. a is the angle of a cell around the shell from
+x, a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell, and its speed is
+constant.
 """
 
 from dataclasses import dataclass
@@ -22,6 +24,9 @@ GRAVITY = 9.80665  # [m/s2]
 ANGLE = 2.0 * np.pi / GRID[0] * np.arange(GRID[0])
 OUTWARD = np.array([np.cos(ANGLE), np.sin(ANGLE)])
 ONWARD = np.array([-np.sin(ANGLE), np.cos(ANGLE)])
+FORCES = ("nodal_pressure_force", "nodal_circumferential_force")
+SHELL = "bore_deflection"
+STRAIGHT = np.zeros(GRID)  # deflection of a rigid shell
 
 
 @dataclass(frozen=True)
@@ -42,12 +47,17 @@ class Shaft(FieldSlave):
     """Shaft by Eqs. (U17) to (U19)."""
 
     name, description, state_type = "shaft", "Rigid shaft in a bearing", ShaftState
-    derivative_inputs = ("nodal_pressure_force", "nodal_circumferential_force")
     derivative_outputs = ("film_thickness", "circumferential_velocity")
+
+    @property
+    def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
+        return (*FORCES, SHELL) if self.options.get("shell") else FORCES
 
     @staticmethod
     def variables(options):
+        shell = [input_variable(SHELL, "m", "Outward deflection u of the shell", 0.0, 1e-5, GRID)]
         return [
+            *(shell if options.get("shell") else ()),
             input_variable("nodal_pressure_force", "N", "Film pressure force", 0.0, 1.0, GRID),
             input_variable("nodal_circumferential_force", "N", "Film shear force", 0.0, 0.1, GRID),
             parameter("radius", "m", "Radius of the shaft", 25e-3, 1e-3, 1.0),
@@ -84,9 +94,10 @@ class Shaft(FieldSlave):
 
     def directional_derivative(self, seeds):
         gain = 0.25 * self.state.step**2 / self.views["mass"].item()
-        move = gain * film_force(*(seeds[name] for name in self.derivative_inputs))
+        move = gain * film_force(*(seeds[name] for name in FORCES))
         thinner = -np.broadcast_to((move @ OUTWARD)[:, None], GRID)
-        return dict(film_thickness=thinner, circumferential_velocity=np.zeros(GRID))
+        opened = seeds.get(SHELL, STRAIGHT)
+        return dict(film_thickness=thinner + opened, circumferential_velocity=np.zeros(GRID))
 
     def _film(self, values):
         return film_force(values["nodal_pressure_force"], values["nodal_circumferential_force"])
@@ -103,10 +114,14 @@ class Shaft(FieldSlave):
         horizontal, vertical = force = self._film(values)
         # about the axis of the shaft: circumferential forces minus the moment of the film's force
         around = values["radius"] * values["nodal_circumferential_force"].sum()
-        moment = around - (x * vertical - y * horizontal)
-        film = values["clearance"] - state.place @ OUTWARD  # Eq. (U19)
+        opened = values.get(SHELL, STRAIGHT)
+        slope = (np.roll(opened, -1, axis=0) - np.roll(opened, 1, axis=0)) / (2.0 * ANGLE[1])
+        # Eq. (U33)
+        slanted = np.sum(values["nodal_pressure_force"] * slope)
+        moment = around - (x * vertical - y * horizontal) + slanted
+        film = values["clearance"] - (state.place @ OUTWARD)[:, None] + opened  # Eq. (U19)
         return dict(
-            film_thickness=np.broadcast_to(film[:, None], GRID),
+            film_thickness=film,
             circumferential_velocity=np.full(GRID, values["radius"] * values["speed"]),
             horizontal_displacement=x,
             vertical_displacement=y,

@@ -25,11 +25,11 @@ from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
-from piston_cosim.fmu_mfbd.reduction.small_end import (
-    EyeFilm,
-    eye_shell,
-    held_at_cut,
-    reduce_small_end,
+from piston_cosim.fmu_mfbd.reduction.shell import (
+    ShellFilm,
+    film_shell,
+    held_shell,
+    reduce_shell,
 )
 from piston_cosim.master.case.reading import find_case
 
@@ -92,17 +92,17 @@ def main():
     mesh = read_mesh(PATH, dict.fromkeys(("eye", "cut")))
     body = assembled(mesh, *STEEL)
     factors = Once()
-    elastic = held_at_cut(body, factors)
-    (side,) = eye_shell(mesh, EyeFilm(GRID, LENGTH, 1)).sides
+    elastic = held_shell(body, factors)
+    (side,) = film_shell(mesh, ShellFilm(GRID, LENGTH, 1)).sides
     reading = side.outward[:, elastic.free].tocsr()
     loads = known_pressures(sys.argv[1] if len(sys.argv) > 1 else None)
     exact = {name: reading @ elastic.solve(reading.T @ p.ravel()) for name, p in loads.items()}
     print("bore's deflection beside the whole mesh: largest; rms over rms, largest over largest")
     for count in (20, 40, 60, 100, 200):
-        reduced = reduce_small_end(body, EyeFilm(GRID, LENGTH, count), lambda text: None, factors)
-        outward = reduced.eye_outward.reshape(-1, count)
+        reduced = reduce_shell(body, ShellFilm(GRID, LENGTH, count), lambda text: None, factors)
+        outward = reduced.outward.reshape(-1, count)
         for name, load in loads.items():
-            found = outward @ (outward.T @ load.ravel() / reduced.eye_omega**2)
+            found = outward @ (outward.T @ load.ravel() / reduced.omega**2)
             error, whole = found - exact[name], np.abs(exact[name]).max()
             rms = np.linalg.norm(error) / np.linalg.norm(exact[name])
             print(
@@ -113,7 +113,7 @@ def main():
     down = np.tile([0.0, -ACCELERATION, 0.0], len(mesh.points))
     weight = (body.M @ down)[elastic.free]
     fallen = reading @ elastic.solve(weight)
-    low, *_ = reduced.eye_omega / (2 * np.pi)
+    low, *_ = reduced.omega / (2 * np.pi)
     print(f"\nsmall end from its cut on: {body.M.sum() / 3 * 1e3:.1f} g, from {low:.0f} Hz on")
     print(f"its own weight at {ACCELERATION:.0f} m/s2: bore by {1e6 * np.abs(fallen).max():.2f} um")
 

@@ -78,7 +78,7 @@ def test_keys_and_variables(name):
     [
         Case.model_json_schema,
         *(part_function(one, "options_schema") for one in ("fmu_ehd", "fmu_mfbd")),
-        part_function("fmu_mfbd.monoblock", "options_schema"),
+        *(part_function(f"fmu_mfbd.{one}", "options_schema") for one in ("monoblock", "shell")),
     ],
 )
 def test_tables(schema):

@@ -49,11 +49,11 @@ def built(tmp_path):
             piston, block, bosses = yielding_bodies()
             eye = small_end()
             if eye_radius:
-                eye = dataclasses.replace(eye, eye_radius=eye_radius)
+                eye = dataclasses.replace(eye, radius=eye_radius)
             save(tmp_path / "bosses.npz", bosses)
             save(tmp_path / "eye.npz", eye)
             pin = dataclasses.replace(
-                pin, bosses="bosses.npz", small_end="eye.npz", small_end_modes=len(eye.eye_omega)
+                pin, bosses="bosses.npz", small_end="eye.npz", small_end_modes=len(eye.omega)
             )
         save(tmp_path / "piston.npz", piston)
         save(tmp_path / "block.npz", block)

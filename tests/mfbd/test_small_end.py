@@ -30,11 +30,11 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     shell_angles,
 )
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
-from piston_cosim.fmu_mfbd.reduction.reduced_body import EyeFilm, ReducedSmallEnd
-from piston_cosim.fmu_mfbd.reduction.small_end import (
-    eye_shell,
-    held_at_cut,
-    reduce_small_end,
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedShell, ShellFilm
+from piston_cosim.fmu_mfbd.reduction.shell import (
+    film_shell,
+    held_shell,
+    reduce_shell,
     yielding_shell,
 )
 
@@ -88,9 +88,9 @@ def free(body):
 
 def answer(reduced, force):
     """Outward displacement under forces on the cells, (c, a), by the modes."""
-    outward = reduced.eye_outward
+    outward = reduced.outward
     push = np.einsum("ij,ijk->k", force, outward)
-    return outward @ (push / reduced.eye_omega**2)
+    return outward @ (push / reduced.omega**2)
 
 
 def test_even_pressure_widens_a_thick_ring_as_lame_says():
@@ -100,8 +100,8 @@ def test_even_pressure_widens_a_thick_ring_as_lame_says():
     """
     inner, outer, pressure = 8e-3, 14e-3, 60e6
     body = assembled(ring(inner, outer, (32, 2, 8)), *STEEL)
-    film = EyeFilm((48, 20), 2 * HALF, 100)
-    reduced = yielding_shell(free(body), eye_shell(body.mesh, film), film)
+    film = ShellFilm((48, 20), 2 * HALF, 100)
+    reduced = yielding_shell(free(body), film_shell(body.mesh, film), film)
     cell = 2 * np.pi * inner / 48 * 2 * HALF / 20
     opened = answer(reduced, np.full((48, 20), pressure * cell))
     wide = (outer**2 + inner**2) / (outer**2 - inner**2) + POISSON
@@ -117,9 +117,9 @@ def test_two_opposite_loads_flatten_a_thin_ring_as_timoshenko_says():
     """
     mean, thick, load = 20e-3, 2e-3, 500.0
     body = assembled(ring(mean - thick / 2, mean + thick / 2, (72, 1, 2), 2e-3), *STEEL)
-    film = EyeFilm((72, 4), 4e-3, 40)
-    reduced = yielding_shell(free(body), eye_shell(body.mesh, film), film)
-    assert reduced.eye_radius == pytest.approx(mean - thick / 2, rel=1e-12)
+    film = ShellFilm((72, 4), 4e-3, 40)
+    reduced = yielding_shell(free(body), film_shell(body.mesh, film), film)
+    assert reduced.radius == pytest.approx(mean - thick / 2, rel=1e-12)
     force = np.zeros((72, 4))
     force[[10, 46]] = load / 4
     opened = answer(reduced, force).mean(axis=1)
@@ -138,12 +138,12 @@ def test_friction_on_an_eye_turns_it_against_its_shank():
     much as the whole mesh, -f pushing along t; 60 modes chosen for pressure miss 5 %.
     """
     body = assembled(ring(8e-3, 12e-3, (24, 2, 6)), *STEEL)
-    film = EyeFilm((36, 6), 18e-3, 60)
-    reduced = reduce_small_end(body, film, lambda text: None)
-    push = -reduced.eye_onward.sum(axis=(0, 1))
-    found = (reduced.eye_onward @ (push / reduced.eye_omega**2)).mean()
-    elastic = held_at_cut(body)
-    (side,) = eye_shell(body.mesh, film).sides
+    film = ShellFilm((36, 6), 18e-3, 60)
+    reduced = reduce_shell(body, film, lambda text: None)
+    push = -reduced.onward.sum(axis=(0, 1))
+    found = (reduced.onward @ (push / reduced.omega**2)).mean()
+    elastic = held_shell(body)
+    (side,) = film_shell(body.mesh, film).sides
     onward = side.onward[:, elastic.free]
     wanted = (onward @ elastic.solve(-onward.T @ np.ones(36 * 6))).mean()
     assert wanted < 0.0
@@ -158,7 +158,7 @@ def eye():
 
 def test_a_known_displacement_is_read_where_the_film_lies(eye):
     """A shift, linear along the pin: exact on ten-node faces."""
-    shell = eye_shell(eye.mesh, EyeFilm((36, 5), 16e-3, 1))
+    shell = film_shell(eye.mesh, ShellFilm((36, 5), 16e-3, 1))
     (side,) = shell.sides
     np.testing.assert_allclose(side.stations, 1e-3 * np.array([-6.4, -3.2, 0.0, 3.2, 6.4]))
     none = np.zeros(len(eye.mesh.points))
@@ -181,12 +181,12 @@ def test_modes_answer_smooth_pressure_as_the_whole_mesh_does(eye):
     along = 1 + 0.5 * np.sin(np.pi * np.arange(8) / 7)
     loads = [np.outer(np.maximum(np.cos(one), 0.0) ** 2, along) for one in a.T]
     missed = []
-    elastic = held_at_cut(eye)
-    (side,) = eye_shell(eye.mesh, EyeFilm(grid, 18e-3, 1)).sides
+    elastic = held_shell(eye)
+    (side,) = film_shell(eye.mesh, ShellFilm(grid, 18e-3, 1)).sides
     reading = side.outward[:, elastic.free]
     for count in (10, 20, 40):
-        reduced = reduce_small_end(eye, EyeFilm(grid, 18e-3, count), lambda text: None)
-        assert np.all(np.diff(reduced.eye_omega) >= 0)
+        reduced = reduce_shell(eye, ShellFilm(grid, 18e-3, count), lambda text: None)
+        assert np.all(np.diff(reduced.omega) >= 0)
         errors = []
         for load in loads:
             whole = reading @ elastic.solve(reading.T @ load.ravel())
@@ -200,17 +200,17 @@ def test_modes_answer_smooth_pressure_as_the_whole_mesh_does(eye):
 
 def test_an_eye_that_is_not_where_its_film_is_and_a_cut_that_holds_nothing_are_told(eye):
     with pytest.raises(MeshFault, match="small_end_length = 22 mm about z = 0, got z = -10 to 10"):
-        eye_shell(eye.mesh, EyeFilm((36, 5), 22e-3, 1))
+        film_shell(eye.mesh, ShellFilm((36, 5), 22e-3, 1))
     beside = dataclasses.replace(eye.mesh, points=eye.mesh.points + [1e-3, 0.0, 0.0])
     with pytest.raises(MeshFault, match="beside a cylinder about the pin's axis"):
-        eye_shell(beside, EyeFilm((36, 5), 16e-3, 1))
+        film_shell(beside, ShellFilm((36, 5), 16e-3, 1))
     turned = dataclasses.replace(eye.mesh, points=eye.mesh.points * [-1.0, -1.0, 1.0])
     with pytest.raises(MeshFault, match="'cut': expected y < -8 mm, below the eye, got y = 12 mm"):
-        eye_shell(turned, EyeFilm((36, 5), 16e-3, 1))
+        film_shell(turned, ShellFilm((36, 5), 16e-3, 1))
     point = eye.mesh.faces | {"cut": np.tile(eye.mesh.faces["cut"][0, :1], (1, 6))}
     loose = eye._replace(mesh=dataclasses.replace(eye.mesh, faces=point))
     with pytest.raises(MeshFault, match="'cut': expected nodes off one line, got"):
-        held_at_cut(loose)
+        held_shell(loose)
 
 
 MODES = 4
@@ -224,7 +224,7 @@ def small_end(young=1.0):
     along = 1 + 0.2 * rng.standard_normal((PIN_GRID[1], MODES))
     outward = wave[:, None] * along
     omega = np.sqrt(young) * np.array([1.7e4, 2.6e4, 4e4, 9e4])
-    return ReducedSmallEnd(omega, outward, 0.3 * np.roll(outward, 2, axis=0), 18e-3)
+    return ReducedShell(omega, outward, 0.3 * np.roll(outward, 2, axis=0), 18e-3)
 
 
 def eye_model(young=1.0, parameters=PARAMETERS):
@@ -294,9 +294,9 @@ def test_modes_of_a_standing_eye_yield_by_their_springs():
     for _ in range(400):
         state, out = model.advance(state, at_rest, 1e-6)
     shapes = small_end()
-    force = np.einsum("ij,ijk->k", pins[2].pressure, shapes.eye_outward)
-    force = force - np.einsum("ij,ijk->k", pins[2].circumferential, shapes.eye_onward)
-    wanted = force / shapes.eye_omega**2
+    force = np.einsum("ij,ijk->k", pins[2].pressure, shapes.outward)
+    force = force - np.einsum("ij,ijk->k", pins[2].circumferential, shapes.onward)
+    wanted = force / shapes.omega**2
     found = out["small_end_modal_coordinate"]
     np.testing.assert_allclose(found, wanted, rtol=1.2e-2)
     # half the work of a load that grows, to the squares of what is still under way
@@ -305,7 +305,7 @@ def test_modes_of_a_standing_eye_yield_by_their_springs():
         surface, shell = model.pins[k], shells_of(model)[k]
         more = out[f"{name}.film_thickness"] - surface.clearance
         more = more - opening_of(surface, shell.own_place())
-        opened = shapes.eye_outward @ found if k == 2 else np.zeros(PIN_GRID)
+        opened = shapes.outward @ found if k == 2 else np.zeros(PIN_GRID)
         np.testing.assert_allclose(more, opened, atol=1e-15)
 
 
@@ -325,7 +325,7 @@ def test_the_account_holds_the_modes_of_an_eye():
     for _ in range(3):
         before = state.position
         state, out = model.advance(state, given, 1e-6)
-        push = np.einsum("ij,ijk->k", pressed.pressure, small_end().eye_outward)
+        push = np.einsum("ij,ijk->k", pressed.pressure, small_end().outward)
         work += push @ (model.bodies.in_eye(state.position) - model.bodies.in_eye(before))
     found = out["small_end_modal_velocity"]
     np.testing.assert_allclose(found, 3e-6 * push, rtol=6e-2)
@@ -381,9 +381,9 @@ def test_a_stiff_eye_is_the_rigid_one():
 def test_a_pin_that_is_not_the_eyes_is_told():
     piston, block = bodies()
     wide = dataclasses.replace(PARAMETERS, pin_radius=18.5e-3)
-    (told,) = faults(piston, block, options(True), wide, eye_radius=small_end().eye_radius)
+    (told,) = faults(piston, block, options(True), wide, eye_radius=small_end().radius)
     assert told == ("pin_radius: expected within 2 % of the eye in its mesh, 18 mm, got 18.5 mm")
-    assert faults(piston, block, options(True), PARAMETERS, eye_radius=small_end().eye_radius) == []
+    assert faults(piston, block, options(True), PARAMETERS, eye_radius=small_end().radius) == []
 
 
 def test_a_rigid_eye_stays_the_same_file():

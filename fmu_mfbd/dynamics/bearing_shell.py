@@ -1,0 +1,70 @@
+"""Elastic shell of a bearing under the forces of its film, without inertia.
+
+Eq. (D52):  q_k = Q_k/omega_k^2,   u_e = sum_k Phi_ek q_k      Q of Eq. (G6)
+
+A body that does not move holds the shell. The lowest mode of a bearing shell is far above the
+frequencies of its load, so that each mode follows its force. The work of the film is then the
+change of the elastic energy.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.pin import (
+    PinForces,
+    diameters,
+    modal_push,
+    pin_surface,
+    resultants_on,
+    shell_modes,
+    slope_push,
+    yielded,
+)
+from ..reduction.reduced_body import ReducedShell
+
+
+class SupportLoad(NamedTuple):
+    """Force along x and y [N] and moment about +z [N m] of a film on the support of its shell."""
+
+    force_x: float
+    force_y: float
+    moment: float
+
+
+class YieldingShell:
+    """Deflection of a shell and the load on its support.
+
+    Parameters
+    ----------
+    reduced : ReducedShell
+    """
+
+    def __init__(self, reduced: ReducedShell):
+        around, along, _ = reduced.outward.shape
+        modes = shell_modes(reduced.outward, reduced.onward)
+        self.surface = pin_surface(reduced.radius, 0.0, (around, along), modes)
+        self.stiffness = reduced.omega**2
+
+    def coordinates(self, forces: PinForces) -> np.ndarray:
+        """Return the modal coordinates under nodal forces, (k,) [kg^1/2 m]."""
+        return modal_push(self.surface, forces) / self.stiffness  # Eq. (D52)
+
+    def deflection(self, coordinates: np.ndarray) -> np.ndarray:
+        """Return the outward deflection of the bore, (c, a) [m]."""
+        return yielded(self.surface, coordinates)
+
+    def energy(self, coordinates: np.ndarray) -> float:
+        """Return the elastic energy [J]."""
+        return float(self.stiffness @ coordinates**2 / 2)
+
+    def widening(self, coordinates: np.ndarray) -> tuple[float, float]:
+        """Return the change of the diameter at mid-length along x and y [m], Eq. (H13)."""
+        return diameters(self.deflection(coordinates))
+
+    def on_support(self, forces: PinForces, coordinates: np.ndarray) -> SupportLoad:
+        """Return the load on the support, opposite to that on the journal (Eqs. (G3), (G5))."""
+        found = resultants_on(self.surface, forces, np.zeros(2), np.eye(2))
+        moment = found.on_shell - slope_push(self.surface, forces.pressure) @ coordinates
+        x, y = found.force
+        return SupportLoad(-x, -y, moment)
