@@ -38,7 +38,7 @@ from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_
 from .finite_elements.deck import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
-from .options import Bodies, Build, Gas, SmallEnd, Speed, read_options
+from .options import BearingShell, Bodies, Build, Gas, SmallEnd, Speed, read_options
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     SMALL_END,
@@ -50,6 +50,7 @@ from .reduction.reduced_body import (
     ReducedBosses,
     ReducedPiston,
     ShellFilm,
+    ShellKind,
     load,
     offset_faults,
     save,
@@ -159,18 +160,24 @@ def prepare(
     if pin and "small_end" in bodies:
         files.append(bodies["small_end"])
         pin = replace(pin, small_end=files[-1].name)
+    ahead = options_ahead(build, tables)
+    crank = []
+    for one in ahead.crank_bearings:
+        shell = bodies.get(one.name)
+        files += [shell] if shell else []
+        crank.append(replace(one, shell=shell.name) if shell else one)
     if tables.start:
         try:
             check_modes(tables.start, len(piston.omega) + len(block.omega))
         except ValueError as error:
             raise BadInput(str(error)) from None
-    ahead = options_ahead(build, tables)
     prepared = replace(
         ahead,
         piston=replace(ahead.piston, file=piston_file.name, modes=len(piston.omega)),
         block=replace(ahead.block, file=block_file.name, modes=len(block.omega)),
         skirt=_skirt(bodies["piston"]),
         floating_pin=pin,
+        crank_bearings=tuple(crank),
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
     )
     return prepared.to_json(), files
@@ -263,7 +270,10 @@ def eye_film(build: Build | Bodies) -> ShellFilm | None:
 def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
     """Return the films of the crank of a build table."""
     films = build.crank_films().items()
-    return tuple(CrankBearing(name, one.grid, one.length) for name, one in films)
+    return tuple(
+        CrankBearing(name, one.grid, one.length, modes=one.shell.modes if one.shell else 0)
+        for name, one in films
+    )
 
 
 def boss_films(build: Build | Bodies) -> BossFilms | None:
@@ -297,7 +307,7 @@ def reduced_bodies(
     BadInput
     """
     files = _bodies(read_options(options, folder, Bodies), progress, shapes)
-    return {name: path for name, path in files.items() if name != "small_end"}
+    return {name: path for name, path in files.items() if name in ("piston", "block")}
 
 
 def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
@@ -316,8 +326,13 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
         film = eye_film(build)
         if film and build.floating_pin and build.floating_pin.small_end:
             waiting["floating_pin.small_end"] = threads.submit(
-                _small_end, build.floating_pin.small_end, film, progress
+                _shell, build.floating_pin.small_end, film, SMALL_END, progress
             )
+        for name, one in build.crank_films().items():
+            if one.shell and one.shell.modes:
+                film = ShellFilm(one.grid, one.length, one.shell.modes)
+                kind = ShellKind(name.replace("_", " "), length=f"{name}.length", upright=True)
+                waiting[name] = threads.submit(_shell, one.shell, film, kind, progress)
     faults = []
     files = {}
     for name, reduction in waiting.items():
@@ -339,10 +354,12 @@ def _told(error: Exception) -> str:
     return str(error)
 
 
-def _small_end(options: SmallEnd, film: ShellFilm, progress: Say) -> Path:
-    """Return the path of the reduced small end, from the cache or reduced now."""
-    with _reducing("small_end", options.mesh, progress) as say:
-        return kept_shell(options, film, SMALL_END, cache_folder("bodies"), say)
+def _shell(
+    options: SmallEnd | BearingShell, film: ShellFilm, kind: ShellKind, progress: Say
+) -> Path:
+    """Return the path of a reduced shell, from the cache or reduced now."""
+    with _reducing(kind.title.replace(" ", "_"), options.mesh, progress) as say:
+        return kept_shell(options, film, kind, cache_folder("bodies"), say)
 
 
 def _training(
@@ -397,7 +414,7 @@ def _reducing(name: str, mesh: str | None, progress: Say) -> Iterator[Say]:
 
         @cache
         def begin() -> None:
-            megabytes = Path(mesh or "").stat().st_size / 1e6
+            megabytes = Path(mesh).stat().st_size / 1e6 if mesh else 0.1
             phases.enter_context(phase(f"reducing {name}", megabytes, TYPICAL))
 
         def say(text: str) -> None:

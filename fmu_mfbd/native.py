@@ -202,7 +202,7 @@ def publish(real, integer, given, model, result):
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     at = layout(model.parts.bodies)
-    if at.crank > at.eye:
+    if at.big_end_shell > at.eye:
         put_stacked(real, outputs.small_end_modal_coordinate, of_eye(at, now.end.position))
         put_stacked(real, outputs.small_end_modal_velocity, of_eye(at, now.kept.velocity))
     real[outputs.cylinder_pressure] = result.others.wall.chamber

@@ -79,7 +79,8 @@ def coordinates(options: BuildOptions, piston_modes: int, block_modes: int) -> i
     pin = options.floating_pin
     if pin is None:
         return RIGID + piston_modes + block_modes
-    return COORDINATES + piston_modes + pin.small_end_modes + 2 * len(options.crank_bearings)
+    crank = sum(2 + one.modes for one in options.crank_bearings)
+    return COORDINATES + piston_modes + pin.small_end_modes + crank
 
 
 def _places(slave) -> VariablePlaces:

@@ -234,6 +234,10 @@ class CrankBearing(BaseModel):
     """Number of cells around and along the shell."""
     length: Annotated[Length, Field(gt=0)]
     """Length of the bearing along the crank."""
+    shell: BearingShell | None = None
+    """Flexible shell. Its axis y points towards the piston. The rigid rod or block holds it.
+    Default: rigid.
+    """
 
 
 class MotionInSpace(BaseModel):
@@ -311,6 +315,9 @@ class Common(BaseModel):
         if self.floating_pin and (eye := self.floating_pin.small_end):
             where, grid = "floating_pin.small_end.", self.floating_pin.grid
             if faults := shell_faults(where, eye.modes, grid):
+                raise ValueError("\n".join(faults))
+        for name, one in self.crank_films().items():
+            if one.shell and (faults := shell_faults(f"{name}.shell.", one.shell.modes, one.grid)):
                 raise ValueError("\n".join(faults))
         alone = [] if self.floating_pin else [*self.crank_films()]
         if alone:
@@ -508,6 +515,9 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         faults += resolve(build, "start", "start", folder)
     if build.floating_pin and (eye := build.floating_pin.small_end):
         faults += resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
+    for name, one in build.crank_films().items():
+        if one.shell and one.shell.mesh:
+            faults += resolve(one.shell, "mesh", f"{name}.shell.mesh", folder)
     for name, table in (("gas", build.gas), ("speed", build.speed)):
         if table and table.file:
             faults += resolve(table, "file", f"{name}.file", folder)

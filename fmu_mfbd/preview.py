@@ -105,8 +105,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     axis = _axis(prepared, given, build)
     eye = _eye(build, wrong, remarks)
     if None not in parameters.values():
-        of_eye = eye.radius if eye else 0.0
-        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis, eye_radius=of_eye)
+        radii = {"small_end": eye.radius} if eye else {}
+        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis, shell_radii=radii)
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),

@@ -10,7 +10,14 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import assemble, assemble_floating, assemble_in_space, faults, load_bodies
+from .dynamics.assembly import (
+    assemble,
+    assemble_floating,
+    assemble_in_space,
+    faults,
+    load_bodies,
+    radii_of,
+)
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
@@ -96,7 +103,8 @@ class Mfbd(FieldSlave):
         options = self.built
         self._gas_told = False
         parameters = _taken(Parameters, values)
-        piston, block, bosses, eye = load_bodies(self.resources, options)
+        bodies = load_bodies(self.resources, options)
+        piston, block, bosses, eye, shells = bodies
         pin = options.floating_pin
         axis = None
         crank = {
@@ -106,14 +114,23 @@ class Mfbd(FieldSlave):
         }
         if pin and pin.pin_shapes:
             axis = _taken(AxisParameters, values)
-        radius = eye.radius if eye else 0.0
-        wrong = faults(piston, block, options, parameters, bosses, axis, radius)
+        radii = radii_of(bodies)
+        wrong = faults(piston, block, options, parameters, bosses, axis, radii, crank)
         if wrong:
             raise BadInput(wrong)
         if pin:
             own = _taken(PinParameters, values)
             self.model = assemble_floating(
-                piston, block, options, parameters, own, bosses, axis, crank, small_end=eye
+                piston,
+                block,
+                options,
+                parameters,
+                own,
+                bosses,
+                axis,
+                crank,
+                small_end=eye,
+                crank_shells=shells,
             )
         elif options.in_space:
             own = _taken(SpaceParameters, values)

@@ -79,6 +79,14 @@ class ReducedBodies(NamedTuple):
     block: ReducedBlock
     bosses: ReducedBosses | None
     small_end: ReducedShell | None
+    crank: Mapping[str, ReducedShell] = {}
+    """Shells of the films of the crank, by surface."""
+
+
+def radii_of(bodies: ReducedBodies) -> dict[str, float]:
+    """Return the radii of the flexible shells of rod and block, by surface [m]."""
+    shells = {"small_end": bodies.small_end, **bodies.crank}
+    return {name: shell.radius for name, shell in shells.items() if shell}
 
 
 def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
@@ -89,6 +97,11 @@ def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
         load(ReducedBlock, folder / options.block.file),
         load(ReducedBosses, folder / pin.bosses) if pin and pin.bosses else None,
         load(ReducedShell, folder / pin.small_end) if pin and pin.small_end else None,
+        {
+            one.name: load(ReducedShell, folder / one.shell)
+            for one in options.crank_bearings
+            if one.shell
+        },
     )
 
 
@@ -104,7 +117,7 @@ class BodySetup(NamedTuple):
         All modes, with springs of no meaning.
     gas_force, wall
         As of `BodySystem`, the rings unset.
-    piston_omega, block_omega, eye_omega : ndarray
+    piston_omega, block_omega, shell_omega : ndarray
         Angular frequencies of all modes [rad/s].
     surfaces, pin_surfaces : ndarray
         Films of the skirt before `clearance.machined`, and of pin and crank before `pin_films`.
@@ -119,7 +132,9 @@ class BodySetup(NamedTuple):
     wall: BoreWall
     piston_omega: Vector
     block_omega: Vector
-    eye_omega: Vector
+    shell_omega: Vector
+    big_end_modes: int
+    main_bearing_modes: int
     surfaces: Vector
     pin_surfaces: Vector
 
@@ -130,13 +145,13 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     `needs` are parameters that decide what exists: gas on the wall if there is a top ring, and a
     table for the widening of the bore if it grows.
     """
-    piston, block, bosses, eye = bodies
+    piston, block, bosses, eye, crank = bodies
     films = surfaces(piston, block, options)
     if needs.bore_growth_lower or needs.bore_growth_upper or options.block.bore_from_outside:
         films = with_room(films, len(block.heights))
     contiguous = np.ascontiguousarray
     return BodySetup(
-        fit=fit_of(piston, block, options, bosses, eye.radius if eye else 0.0),
+        fit=fit_of(piston, block, options, bosses, radii_of(bodies)),
         gas=GasCurve(*vars(options.gas or NO_GAS).values()),
         gas_area=np.pi * block.radius**2,
         mounted=options.mounted,
@@ -156,9 +171,13 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
         piston_omega=piston.omega,
         block_omega=block.omega,
-        eye_omega=eye.omega if eye else np.zeros(0),
+        shell_omega=np.concatenate(
+            [np.zeros(0), *(one.omega for one in (eye, *crank.values()) if one)]
+        ),
+        big_end_modes=len(crank["big_end"].omega) if "big_end" in crank else 0,
+        main_bearing_modes=len(crank["main_bearing"].omega) if "main_bearing" in crank else 0,
         surfaces=in_block(films),
-        pin_surfaces=pins_in_block(pin_surfaces(options, bosses, eye)),
+        pin_surfaces=pins_in_block(pin_surfaces(options, bosses, eye, crank)),
     )
 
 
@@ -209,12 +228,14 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         system.mechanism,
         pin_spin_inertia(p.pin_mass, radius, p.pin_inertia),
         AxisShapes(none, none, none, none, none),
-        modal_springs(setup.eye_omega, p),
+        modal_springs(setup.shell_omega, p),
         Crankshaft(
             fit.has_big_end,
             fit.has_main_bearing,
             p.crank_mass,
             p.crank_unbalance if fit.has_main_bearing else 0.0,
+            setup.big_end_modes,
+            setup.main_bearing_modes,
         ),
     )
     no_inertia = np.zeros((0, 0))
@@ -307,15 +328,17 @@ def assemble_floating(
     crank: CrankParameters | None = None,
     *,
     small_end: ReducedShell | None = None,
+    crank_shells: Mapping[str, ReducedShell] | None = None,
 ) -> PistonInBore:
     """Return the model of a piston whose pin floats.
 
     `pin` holds its own parameters, `bosses` those of a flexible piston, `axis` those of a pin with
-    shapes. `crank` holds those of each film of the crank, and `small_end` is a flexible eye. The
-    others are as in `assemble`.
+    shapes. `crank` holds those of each film of the crank, `small_end` is a flexible eye, and
+    `crank_shells` are flexible shells of the crank's films. The others are as in `assemble`.
     """
     assert options.floating_pin
-    setup = setup_of(ReducedBodies(piston, block, bosses, small_end), options, parameters)
+    reduced = ReducedBodies(piston, block, bosses, small_end, crank_shells or {})
+    setup = setup_of(reduced, options, parameters)
     crank = crank or {}
     model = assembled(setup, settings_of(parameters, pin, *crank.values()))
     if axis:
@@ -332,7 +355,10 @@ def assemble_floating(
 
 
 def pin_surfaces(
-    options: BuildOptions, bosses: ReducedBosses | None, small_end: ReducedShell | None
+    options: BuildOptions,
+    bosses: ReducedBosses | None,
+    small_end: ReducedShell | None,
+    crank: Mapping[str, ReducedShell],
 ) -> tuple[PinSurface, ...]:
     """Return the films of a pin that stays parallel to its shells, and of the crank.
 
@@ -343,6 +369,9 @@ def pin_surfaces(
         shells[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
     if small_end:
         shells[EYE] = shell_modes(small_end.outward, small_end.onward)
+    for k, name in enumerate(options.crank_surfaces(), EYE + 1):
+        if shell := crank.get(name):
+            shells[k] = shell_modes(shell.outward, shell.onward)
     return tuple(
         pin_surface(0.0, 0.0, grid.shape, shell) for grid, shell in zip(options.pin_grids(), shells)
     )
@@ -454,15 +483,19 @@ def faults(
     parameters: Parameters,
     bosses: ReducedBosses | None = None,
     axis: AxisParameters | None = None,
-    eye_radius: float = 0.0,
+    shell_radii: Mapping[str, float] | None = None,
+    crank: CrankParameters | None = None,
 ) -> list[str]:
     """Return sentences about parameters that do not fit each other.
 
-    `eye_radius` is the radius of a flexible eye [m].
+    `shell_radii` are those of flexible shells [m], by surface, and `crank` are the parameters of
+    the crank's films.
     """
+    shell_radii = shell_radii or {}
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
-    check(fit_of(piston, block, options, bosses, eye_radius), parameters, lacks_gas, noted)
+    fit = fit_of(piston, block, options, bosses, shell_radii)
+    check(fit, settings_of(parameters, *(crank or {}).values()), lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
     if noted[1] == ROD_TOO_SHORT and out:
         return out
@@ -484,7 +517,7 @@ def fit_of(
     block: ReducedBlock,
     options: BuildOptions,
     bosses: ReducedBosses | None,
-    eye_radius: float,
+    shell_radii: Mapping[str, float],
 ) -> Fit:
     """Return what parameters have to fit."""
     films = options.crank_surfaces()
@@ -496,7 +529,9 @@ def fit_of(
         float(block.heights[0]),
         float(block.heights[-1]),
         bosses.boss_radius if bosses else 0.0,
-        eye_radius,
+        shell_radii.get("small_end", 0.0),
+        shell_radii.get("big_end", 0.0),
+        shell_radii.get("main_bearing", 0.0),
         piston.omega.max(initial=0.0) / (2 * np.pi),
         options.floating_pin is not None,
         "big_end" in films,

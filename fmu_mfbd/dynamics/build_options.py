@@ -134,11 +134,16 @@ class CrankBearing:
         Cells around and along the shell.
     length : float
         Along the crank's axis [m].
+    shell : str
+        File of the modes of its shell, among the FMU's resources; "" of a rigid shell.
+    modes : int
     """
 
     name: str
     grid: tuple[int, int]
     length: float
+    shell: str = ""
+    modes: int = 0
 
 
 @dataclass(frozen=True)
@@ -238,7 +243,9 @@ class BuildOptions:
             "pin_tilt": pin and pin.pin_shapes,
             "pin_bending": pin and pin.pin_shapes,
             "small_end_widening": pin and pin.small_end_modes,
+            **{f"{name}_widening": 0 for name in CRANK_SURFACES},
         }
+        parts |= {f"{one.name}_widening": one.modes for one in self.crank_bearings}
         there = parts | dict.fromkeys(self.crank_surfaces(), 1)
         return tuple(name for name in (*parts, *CRANK_SURFACES) if not there.get(name))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import refuse
-from .parameters import GAS_TWICE, NO_GAS_TABLE, Parameters
+from .parameters import GAS_TWICE, NO_GAS_TABLE, Parameters, Settings
 
 PIN_SHARE = 0.25
 """Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
@@ -37,6 +37,8 @@ FAULTS = (
     "crank angle = {a} rad: must be finite",
     "pin_radius: expected within 2 % of the bosses in the mesh, {b} mm, got {a} mm",
     "pin_radius: expected within 2 % of the eye in its mesh, {b} mm, got {a} mm",
+    "big_end_radius: expected within 2 % of the shell, {b} mm, got {a} mm",
+    "main_bearing_radius: expected within 2 % of the shell, {b} mm, got {a} mm",
     "pin_mass: expected more than 0 kg with a floating pin, got 0 kg",
     NO_GAS_TABLE,
     GAS_TWICE,
@@ -58,6 +60,8 @@ FAULTS = (
     NO_ANGLE,
     NOT_OF_BOSSES,
     NOT_OF_EYE,
+    NOT_OF_BIG_END,
+    NOT_OF_MAIN_BEARING,
     WITHOUT_PIN_MASS,
     WITHOUT_TABLE,
     GIVEN_TWICE,
@@ -94,6 +98,8 @@ class Fit(NamedTuple):
     bore_upper: float
     boss_radius: float
     eye_radius: float
+    big_end_shell: float
+    main_bearing_shell: float
     fastest: float
     floats: bool
     has_big_end: bool
@@ -101,7 +107,7 @@ class Fit(NamedTuple):
 
 
 @compilable
-def check(fit: Fit, p: Parameters, lacks_gas: bool, faults: np.ndarray) -> None:
+def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
     """Note parameters that do not fit each other: rod too short, skirt leaving the bore."""
     offset = fit.pin_offset - p.crank_offset
     reach = p.crank_radius + abs(offset)
@@ -133,7 +139,7 @@ def check(fit: Fit, p: Parameters, lacks_gas: bool, faults: np.ndarray) -> None:
 
 
 @compilable
-def check_pin(fit: Fit, p: Parameters, faults: np.ndarray) -> None:
+def check_pin(fit: Fit, p: Settings, faults: np.ndarray) -> None:
     """Note what does not go with a floating pin and films of the crank."""
     radius = pin_radius(fit.piston_radius, p)
     if fit.boss_radius > 0.0 and lies_beside(radius, fit.boss_radius):
@@ -152,6 +158,13 @@ def check_pin(fit: Fit, p: Parameters, faults: np.ndarray) -> None:
         refuse(faults, STATIC_ON_FILMS, 0.0, 0.0, p.quasi_static_frequency, fit.fastest, 0.0)
     if fit.eye_radius > 0.0 and lies_beside(radius, fit.eye_radius):
         refuse(faults, NOT_OF_EYE, 0.0, 0.0, 1e3 * radius, 1e3 * fit.eye_radius, 0.0)
+    shell = fit.big_end_shell
+    if shell > 0.0 and lies_beside(p.big_end_radius, shell):
+        refuse(faults, NOT_OF_BIG_END, 0.0, 0.0, 1e3 * p.big_end_radius, 1e3 * shell, 0.0)
+    shell = fit.main_bearing_shell
+    if shell > 0.0 and lies_beside(p.main_bearing_radius, shell):
+        radius = 1e3 * p.main_bearing_radius
+        refuse(faults, NOT_OF_MAIN_BEARING, 0.0, 0.0, radius, 1e3 * shell, 0.0)
     if fit.has_big_end or fit.has_main_bearing:
         films = (1.0 if fit.has_big_end else 0.0) + (2.0 if fit.has_main_bearing else 0.0) - 1.0
         if p.rod_mass == 0.0:
@@ -174,7 +187,7 @@ def pin_height(turn, offset, crank_radius, rod_length):
 
 
 @compilable
-def pin_radius(skirt_radius: float, parameters: Parameters) -> float:
+def pin_radius(skirt_radius: float, parameters: Parameters | Settings) -> float:
     """Return the radius of the pin [m]."""
     given = parameters.pin_radius
     return given if given > 0.0 else PIN_SHARE * skirt_radius

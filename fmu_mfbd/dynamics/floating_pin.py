@@ -6,10 +6,11 @@ a constraint to drift from; with a film in its big end it has two coordinates mo
 crank on a film. Seven equations, one a mode, two a shape and two a film of the crank, whatever the
 films' grids. Python runs them as written, a step and a native FMU compile them.
 
-The eye's modes stand in the rod's axes and have the inertia of their own motion alone (Eq. (D40)):
-what they push the rod by and what its acceleration bends them by is left out. The eye's mass is
-the rod's already; what it weighs at 6700 m/s2 bends that of `yielding_bosses` by 0.9 um, a film
-under 25 kN by 20 to 60 (`tests/bench/small_end.py`).
+The modes of eye and big end stand in the rod's axes, those of the main bearing in space. They have
+the inertia of their own motion alone (Eq. (D40)): what they push the rod by and what its
+acceleration bends them by is left out. The mass of the shells is that of rod and block already. The
+weight of the eye of `yielding_bosses` at 6700 m/s2 bends it by 0.9 um, a film under 25 kN by 20 to
+60 (`tests/bench/small_end.py`).
 """
 
 from typing import NamedTuple
@@ -56,17 +57,17 @@ class PinFilms(NamedTuple):
     slope_push : ndarray, shape (k,)
         Moment of pressure on the pin, its opposite on the shell, by the slopes that each mode gives
         the bosses (Eq. (G5)) [kg^-1/2 N].
-    eye_slope_push : ndarray, shape (m,)
-        Likewise of the eye's modes.
-    on_eye : ndarray, shape (m,)
-        Forces on the eye's modes (Eq. (G6)) [kg^-1/2 N].
+    shell_slope_push : ndarray, shape (m,)
+        Likewise of the modes of eye, big end and main bearing.
+    on_shells : ndarray, shape (m,)
+        Forces on these modes (Eq. (G6)) [kg^-1/2 N].
     """
 
     bosses: PinResultants
     eye: PinResultants
     slope_push: np.ndarray = NO_MODES
-    eye_slope_push: np.ndarray = NO_MODES
-    on_eye: np.ndarray = NO_MODES
+    shell_slope_push: np.ndarray = NO_MODES
+    on_shells: np.ndarray = NO_MODES
     big_end: PinResultants = NO_FILM
     main_bearing: PinResultants = NO_FILM
 
@@ -219,13 +220,13 @@ def imbalance(
                 m:      -N + m_r G_x'' + m_c m_x'' + U u_x'' - O_x = 0
                         T + m_r G_y'' + m_c m_y'' + U u_y'' - O_y = 0
                 shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
-                eye:    Eq. (D40)
+                shells: Eq. (D40)
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
                 K = m_pin P'',   T = G_y + K_y
                 N = f1 T + rod - psi1 M_rod        f1, rod, psi1 of Eqs. (K2) to (K4) at x_S
                 rod += k m_r (delta_x'' + f1 delta_y'')      where the big end has play (Eq. (K25))
-    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), in the rod's axes
+    Eq. (D40):  q'' + D q' + omega^2 q = Q      Q of Eq. (G6), in the axes of the shell
     B, E: force of the films in bosses and eye on the pin; C, O: of those in big end and main
     bearing on the crank, of mass m_c and unbalance U; M_piston, M_rod: their moments on the shells;
     M_pin: of all of them on the pin. The drive holds the crank's speed against their moments on
@@ -288,11 +289,12 @@ def imbalance(
             held = shapes.damping[k] * now.velocity[m] + shapes.stiffness[k] * now.position[m]
             push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
             residual[m] = shapes.mass[k] * now.acceleration[m] + held - push
-    for k in range(len(bodies.eye.stiffness)):
+    springs = bodies.shells
+    for k in range(len(springs.stiffness)):
         # Eq. (D40)
         m = first.eye + k
-        held = bodies.eye.damping[k] * now.velocity[m] + bodies.eye.stiffness[k] * now.position[m]
-        residual[m] = now.acceleration[m] + held - films.on_eye[k]
+        held = springs.damping[k] * now.velocity[m] + springs.stiffness[k] * now.position[m]
+        residual[m] = now.acceleration[m] + held - films.on_shells[k]
     for way in range(2):
         if first.big_end >= 0:
             residual[first.big_end + way] = at_big_end[way] - films.big_end.force[way]
@@ -353,7 +355,7 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: PistonForces) 
             push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
             out[first.shapes + way * n + k] = push
     for k in range(first.crank - first.eye):
-        out[first.eye + k] = films.on_eye[k]
+        out[first.eye + k] = films.on_shells[k]
     for way in range(2):
         if first.big_end >= 0:
             out[first.big_end + way] = films.big_end.force[way]

@@ -324,7 +324,7 @@ class PistonInBore:
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
         if self.model.mounted:
             outputs |= result.on_block._asdict()
-        if at.crank > at.eye:
+        if at.big_end_shell > at.eye:
             outputs["small_end_modal_coordinate"] = of_eye(at, now.end.position).copy()
             outputs["small_end_modal_velocity"] = of_eye(at, now.kept.velocity).copy()
         of_pin = instant.scalars._asdict() if self.pins else {}

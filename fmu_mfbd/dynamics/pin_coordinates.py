@@ -2,8 +2,8 @@
 
 They are [x_A, rocking angle, pin from the piston's bosses (x, y), pin from the rod's eye (x, y),
 angle of the pin, modal coordinates of the piston, shapes of the pin's axis along x and along y,
-modal coordinates of the rod's eye]. Films of the crank add [crank pin from the rod's big end (x,
-y), journal from the main bearing (x, y)].
+modal coordinates of the shells of eye, big end and main bearing]. Films of the crank
+add [crank pin from the rod's big end (x, y), journal from the main bearing (x, y)].
 """
 
 from typing import NamedTuple
@@ -47,8 +47,8 @@ NOWHERE = -1
 """Where a block of coordinates begins that there is none of."""
 
 
-RIGID_EYE = ModalSprings(np.zeros(0), np.zeros(0))
-"""Of a rigid eye."""
+RIGID_SHELLS = ModalSprings(np.zeros(0), np.zeros(0))
+"""Springs of rigid shells."""
 
 
 class Crankshaft(NamedTuple):
@@ -62,12 +62,16 @@ class Crankshaft(NamedTuple):
         That moves with the journal in the main bearing [kg].
     unbalance : float
         Mass times distance towards the crank pin [kg m].
+    big_end_modes, main_bearing_modes : int
+        Number of modes of each shell.
     """
 
     big_end: bool = False
     main_bearing: bool = False
     mass: float = 0.0
     unbalance: float = 0.0
+    big_end_modes: int = 0
+    main_bearing_modes: int = 0
 
 
 RIGID_CRANK = Crankshaft()
@@ -77,14 +81,14 @@ RIGID_CRANK = Crankshaft()
 class PinBodies(NamedTuple):
     """Piston with all modes, mechanism, inertia of the pin about its axis [kg m2], and other parts.
 
-    These are the shapes of the pin's axis, the modes of the rod's eye, and the crank.
+    These are the shapes of the pin's axis, the modes of all shells of rod and block, and the crank.
     """
 
     piston: FlexibleBody
     mechanism: Mechanism
     spin_inertia: float
     shapes: AxisShapes = STRAIGHT
-    eye: ModalSprings = RIGID_EYE
+    shells: ModalSprings = RIGID_SHELLS
     crank: Crankshaft = RIGID_CRANK
 
     def bent(self, coordinates: np.ndarray) -> np.ndarray:
@@ -99,12 +103,15 @@ class PinBodies(NamedTuple):
 class Layout(NamedTuple):
     """Number of the first coordinate of each block, and of all coordinates.
 
-    `crank` is the first one of all its films. Absent blocks are `NOWHERE`.
+    `crank` is the first one of all its films. Absent films are `NOWHERE`. The modes of the shells
+    are in the order of their films, from `eye` to `crank`.
     """
 
     modes: int
     shapes: int
     eye: int
+    big_end_shell: int
+    main_bearing_shell: int
     crank: int
     big_end: int
     main_bearing: int
@@ -116,7 +123,9 @@ def layout(bodies: PinBodies) -> Layout:
     """Return the first number of each block of coordinates."""
     shapes = COORDINATES + len(bodies.piston.stiffness)
     eye = shapes + 2 * len(bodies.shapes.mass)
-    crank = eye + len(bodies.eye.stiffness)
+    crank = eye + len(bodies.shells.stiffness)
+    main_bearing_shell = crank - bodies.crank.main_bearing_modes
+    big_end_shell = main_bearing_shell - bodies.crank.big_end_modes
     end = crank
     big_end = NOWHERE
     main_bearing = NOWHERE
@@ -126,7 +135,17 @@ def layout(bodies: PinBodies) -> Layout:
     if bodies.crank.main_bearing:
         main_bearing = end
         end += 2
-    return Layout(COORDINATES, shapes, eye, crank, big_end, main_bearing, end)
+    return Layout(
+        COORDINATES,
+        shapes,
+        eye,
+        big_end_shell,
+        main_bearing_shell,
+        crank,
+        big_end,
+        main_bearing,
+        end,
+    )
 
 
 @compilable
@@ -149,7 +168,7 @@ def of_shapes(first: Layout, coordinates: np.ndarray) -> np.ndarray:
 @compilable
 def of_eye(first: Layout, coordinates: np.ndarray) -> np.ndarray:
     """Return the coordinates of the eye's modes, (m,)."""
-    return coordinates[first.eye : first.crank]
+    return coordinates[first.eye : first.big_end_shell]
 
 
 @compilable

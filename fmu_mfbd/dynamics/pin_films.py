@@ -34,6 +34,7 @@ from .pin_shells import (
     Shell,
     _big_end,
     _shell_change,
+    first_mode,
     own_bent,
     own_velocity,
     shell_modes_of,
@@ -110,16 +111,16 @@ def no_film(shapes: int) -> PinResultants:
 
 
 class OnModes(NamedTuple):
-    """Loads of the pin's films by the modes of their shells.
+    """Loads of the films of pin and crank by the modes of their shells.
 
-    Moments on the pin come from the slopes of bosses and eye (Eq. (G5)), by modal coordinate.
-    Forces act on the piston's modes and on those of the eye (Eq. (G6)).
+    Moments on pin and crank come from the slopes of bosses and other shells (Eq. (G5)), by modal
+    coordinate. Forces act on the piston's modes and on those of the shells (Eq. (G6)).
     """
 
     slope_push: np.ndarray
-    eye_slope_push: np.ndarray
+    shell_slope_push: np.ndarray
     on_piston: np.ndarray
-    on_eye: np.ndarray
+    on_shells: np.ndarray
 
 
 @compilable
@@ -129,19 +130,20 @@ def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnMod
     m = first.crank - first.eye
     out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
     cell = 0
-    for film in range(EYE + 1):
+    for film in range(pins_of(surfaces)):
         surface = pin_surface_at(surfaces, film)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
         slopes = slope_push(surface, own.pressure)
         pushes = modal_push(surface, own)
+        begins = first_mode(first, film) - first.eye
         for n in range(len(slopes)):
             if film < EYE:
                 out.slope_push[n] += slopes[n]
                 out.on_piston[n] += pushes[n]
             else:
-                out.eye_slope_push[n] += slopes[n]
-                out.on_eye[n] += pushes[n]
+                out.shell_slope_push[begins + n] += slopes[n]
+                out.on_shells[begins + n] += pushes[n]
     return out
 
 
@@ -188,7 +190,8 @@ def films_at(
             big_end = found
         else:
             main_bearing = found
-    return PinFilms(both, eye, by.slope_push, by.eye_slope_push, by.on_eye, big_end, main_bearing)
+    slopes, pushes = by.shell_slope_push, by.on_shells
+    return PinFilms(both, eye, by.slope_push, slopes, pushes, big_end, main_bearing)
 
 
 @compilable

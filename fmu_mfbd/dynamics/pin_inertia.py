@@ -13,13 +13,13 @@ from .slider_crank import carried_mass
 
 @compilable
 def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
-    """Return the energy of the modes of piston and eye and of the pin's shapes [J]."""
+    """Return the energy of the modes of piston and shells and of the pin's shapes [J]."""
     first = layout(bodies)
     total = 0.0
     for k in range(len(bodies.piston.stiffness)):
         total += bodies.piston.stiffness[k] * position[first.modes + k] ** 2 / 2
-    for k in range(len(bodies.eye.stiffness)):
-        total += bodies.eye.stiffness[k] * position[first.eye + k] ** 2 / 2
+    for k in range(len(bodies.shells.stiffness)):
+        total += bodies.shells.stiffness[k] * position[first.eye + k] ** 2 / 2
     n = len(bodies.shapes.mass)
     for k in range(n):
         for way in range(2):
@@ -33,7 +33,7 @@ class UnitMotion(NamedTuple):
 
     The parts are A, the pin's axis, the eye from its big end, the big end from its position without
     play, and the journal. It also has the rocking angle, and the numbers of the piston's mode and
-    of the eye's mode, else `NOWHERE`.
+    of the shells' mode, else `NOWHERE`.
     """
 
     x: float
@@ -47,7 +47,7 @@ class UnitMotion(NamedTuple):
     journal_y: float
     rocking: float
     mode: int
-    eye_mode: int
+    shell_mode: int
 
 
 @compilable
@@ -74,7 +74,7 @@ def way_of(first: Layout, j: int) -> UnitMotion:
         journal_y=journal_y,
         rocking=1.0 if j == ROCKING else 0.0,
         mode=j - first.modes if first.modes <= j < first.shapes else NOWHERE,
-        eye_mode=j - first.eye if first.eye <= j < first.crank else NOWHERE,
+        shell_mode=j - first.eye if first.eye <= j < first.crank else NOWHERE,
     )
 
 
@@ -94,7 +94,7 @@ def inertia(bodies: PinBodies) -> np.ndarray:
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
                                      bore as its big end, at rest without play in it; each shape
-                                     and the eye's modes by their own mass
+                                     and the shells' modes by their own mass
 
     Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
     """
@@ -118,7 +118,7 @@ def inertia(bodies: PinBodies) -> np.ndarray:
         for way in range(2):
             m = first.shapes + way * n + k
             out[m, m] += bodies.shapes.mass[k]
-    for k in range(first.eye, first.eye + len(bodies.eye.stiffness)):
+    for k in range(first.eye, first.eye + len(bodies.shells.stiffness)):
         out[k, k] += 1.0
     return out
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import NodalForces
-from ..geometry.pin import PinForces, PinSurface, diameters, yielded
+from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
-from ..geometry.surfaces import pin_surface_at
+from ..geometry.surfaces import pin_surface_at, pins_of
 from .elimination import LUFactors, factorise, substitute
 from .energy import EnergyLedger
 from .floating_pin import (
@@ -33,13 +33,12 @@ from .pin_coordinates import (
     is_held,
     layout,
     lifted,
-    of_eye,
     of_shapes,
     play_at,
 )
 from .pin_films import OnModes, PinSystem, films_at, on_modes_of, pin_films, total
 from .pin_inertia import elastic_energy
-from .pin_shells import EYE
+from .pin_shells import EYE, _big_end, shell_modes_of
 from .pin_tangent import tangent
 from .piston_motion import Load
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
@@ -89,7 +88,18 @@ def _force(name, what):
 
 
 BENDING = "Displacement of the floating pin at mid-length from the mean of both ends"
-WIDENING = "Change of the small-end diameter at mid-length, {} the rod"
+WIDENING = "Change of the diameter of the {} at mid-length, {}"
+
+
+def _widening(name, directions):
+    what = name.replace("_", " ")
+    return [
+        (f"{name}_widening_{way}", "m", WIDENING.format(what, text), 1e-5)
+        for way, text in directions.items()
+    ]
+
+
+BY_ROD = {"across": "across the rod", "along": "along the rod"}
 PIN_OUTPUTS = (
     *_displacement("pin", "the pin axis from the axis of the bosses"),
     *_displacement("small_end", "the pin axis from the axis of the small end"),
@@ -99,12 +109,13 @@ PIN_OUTPUTS = (
     ("pin_tilt_x", "rad", "Tilt of the floating pin in its bosses, dx/dz", 1e-4),
     ("pin_tilt_y", "rad", "Tilt of the floating pin in its bosses, dy/dz", 1e-4),
     *_both("pin_bending", "m", BENDING, 1e-5),
-    ("small_end_widening_across", "m", WIDENING.format("across"), 1e-5),
-    ("small_end_widening_along", "m", WIDENING.format("along"), 1e-5),
+    *_widening("small_end", BY_ROD),
     *_displacement("big_end", "the crank pin from the middle of the rod's big end"),
     *_force("big_end", "the crank pin on the rod"),
+    *_widening("big_end", BY_ROD),
     *_displacement("main_bearing", "the main journal from the middle of the main bearing"),
     *_force("main_bearing", "the main journal on the block"),
+    *_widening("main_bearing", {"x": "along x", "y": "along y"}),
 )
 """Scalar outputs of pin, eye and crank: name, unit, description, nominal value."""
 
@@ -284,10 +295,18 @@ def _ledger(of, before, kept, end, forces, driven):
 
 
 @compilable
+def _widened(surfaces, first, position, k):
+    """Return the changes of diameter of the shell of film k, 0 without this film."""
+    if k < 0:
+        return 0.0, 0.0
+    return diameters(yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k)))
+
+
+@compilable
 def pin_scalars(
-    shapes: AxisShapes, in_eye: PinSurface, first: Layout, now: Motion, films: PinFilms
+    shapes: AxisShapes, surfaces: np.ndarray, first: Layout, now: Motion, films: PinFilms
 ) -> PinScalars:
-    """Return the scalar outputs at an instant; `in_eye` is the eye's film."""
+    """Return the scalar outputs at an instant; `surfaces` are those of `PinSystem`."""
     position = now.position
     tilt = np.zeros(2)
     sag = np.zeros(2)
@@ -296,8 +315,10 @@ def pin_scalars(
         for way in range(2):
             tilt[way] += shapes.slope[k] * bent[k, way]
             sag[way] += shapes.sag[k] * bent[k, way]
-    opened = yielded(in_eye, of_eye(first, position))
-    wider = diameters(opened)
+    wider = _widened(surfaces, first, position, EYE)
+    big_end = _widened(surfaces, first, position, _big_end(first))
+    last = pins_of(surfaces) - 1
+    main = _widened(surfaces, first, position, last if first.main_bearing >= 0 else -1)
     crank_pin = play_at(first.big_end, position)
     journal = play_at(first.main_bearing, position)
     return PinScalars(
@@ -321,11 +342,15 @@ def pin_scalars(
         big_end_force_x=-films.big_end.force[0],
         big_end_force_y=-films.big_end.force[1],
         big_end_friction_moment=films.big_end.on_shell,
+        big_end_widening_across=big_end[0],
+        big_end_widening_along=big_end[1],
         main_bearing_displacement_x=journal[0],
         main_bearing_displacement_y=journal[1],
         main_bearing_force_x=-films.main_bearing.force[0],
         main_bearing_force_y=-films.main_bearing.force[1],
         main_bearing_friction_moment=films.main_bearing.on_shell,
+        main_bearing_widening_x=main[0],
+        main_bearing_widening_y=main[1],
     )
 
 
@@ -439,6 +464,6 @@ def end_of_pin_step(
         on_pins.film_thickness,
         on_pins.circumferential_velocity,
         on_pins.work_error,
-        pin_scalars(bodies.shapes, pin_surface_at(of.surfaces, EYE), at, kept, films),
+        pin_scalars(bodies.shapes, of.surfaces, at, kept, films),
         found.factors,
     )

@@ -137,7 +137,19 @@ def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray
         return of_modes(first, coordinates)
     if k == EYE:
         return of_eye(first, coordinates)
-    return coordinates[:0]
+    if k == _big_end(first):
+        return coordinates[first.big_end_shell : first.main_bearing_shell]
+    return coordinates[first.main_bearing_shell : first.crank]
+
+
+@compilable
+def first_mode(first: Layout, k: int) -> int:
+    """Return the coordinate of the first mode of the shell of film k."""
+    if k < EYE:
+        return first.modes
+    if k == EYE:
+        return first.eye
+    return first.big_end_shell if k == _big_end(first) else first.main_bearing_shell
 
 
 class ShellChange(NamedTuple):

@@ -69,12 +69,14 @@ def tangent(
         eye_turn = slope * eye_position
         on_piston = _frame_rows(rows, lack, frame, way, high, boss_turn)
         slope_push = films.slope_push[way.mode] * c2[j] if way.mode >= 0 else 0.0
-        eye_slope_push = films.eye_slope_push[way.eye_mode] * c2[j] if way.eye_mode >= 0 else 0.0
+        slopes = films.shell_slope_push[way.shell_mode] * c2[j] if way.shell_mode >= 0 else 0.0
+        slopes_on_rod = slopes if j < first.main_bearing_shell else 0.0
+        slopes_on_pin = slopes if j < first.big_end_shell else 0.0
         on_pin_x = mechanism.pin_mass * way.pin_x
         lifting = on_piston[1] + mechanism.pin_mass * (high + way.pin_y)
         sideways = link.slope * lifting + link.rod_force_by_acceleration * way.eye
         sideways += link.rod_force_by_velocity * eye_velocity + swung * eye_position
-        sideways = sideways + slope * eye_slope_push
+        sideways = sideways + slope * slopes_on_rod
         sideways += carried * (way.shift_x + link.slope * way.shift_y)
         levers = _levers(first, now, films, j, c2[j])
         levers += moments[0] * boss_turn + moments[1] * eye_turn
@@ -84,7 +86,7 @@ def tangent(
         out[PIN.boss_y, j] = -on_piston[1] - boss[0] * boss_turn
         out[PIN.eye_x, j] = -sideways + in_eye[1] * eye_turn
         out[PIN.eye_y, j] = lifting - in_eye[0] * eye_turn
-        out[PIN.spin, j] = levers - slope_push - eye_slope_push
+        out[PIN.spin, j] = levers - slope_push - slopes_on_pin
         for m in range(modes):
             out[first.modes + m, j] = rows[FRAME + m]
         # films' forces turn with their shells
@@ -184,10 +186,11 @@ def _add_springs(out, bodies, c1, c2):
             m = first.shapes + way * n + k
             held = shapes.damping[k] * c1[m] + shapes.stiffness[k] * c2[m]
             out[m, m] += shapes.mass[k] + held
-    for k in range(len(bodies.eye.stiffness)):
+    springs = bodies.shells
+    for k in range(len(springs.stiffness)):
         m = first.eye + k
         # Eq. (D40)
-        out[m, m] += 1.0 + bodies.eye.damping[k] * c1[m] + bodies.eye.stiffness[k] * c2[m]
+        out[m, m] += 1.0 + springs.damping[k] * c1[m] + springs.stiffness[k] * c2[m]
 
 
 @compilable

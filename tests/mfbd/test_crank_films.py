@@ -23,7 +23,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
-from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
+from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants, diameters, opening_of
 from piston_cosim.fmu_mfbd.options import Common
 from piston_cosim.fmu_mfbd.variables import variables
 
@@ -37,15 +37,17 @@ from .test_floating_pin import (
     floating_model,
     options,
     products_by_differences,
+    shells_of,
     yielding_bodies,
 )
-from .test_small_end import small_end
+from .test_small_end import MODES, small_end
 
 BIG_END = BigEndParameters(big_end_radius=24e-3, big_end_clearance=25e-6)
 MAIN = MainBearingParameters(
     main_bearing_radius=27e-3, main_bearing_clearance=30e-6, crank_mass=4.0
 )
 OWN = {"big_end": BIG_END, "main_bearing": MAIN}
+RADII = {"big_end": 24e-3, "main_bearing": 27e-3}
 GRIDS = {"big_end": (20, 5), "main_bearing": (16, 4)}
 UNBALANCE = -0.12
 OFFSET = 1e-3
@@ -54,23 +56,25 @@ SETS = [("big_end",), ("main_bearing",), ("big_end", "main_bearing")]
 of_each_set = pytest.mark.parametrize("names", SETS, ids="+".join)
 
 
-def crank_options(names):
-    bearings = tuple(CrankBearing(name, GRIDS[name], 30e-3) for name in names)
+def crank_options(names, modes=0):
+    bearings = tuple(CrankBearing(name, GRIDS[name], 30e-3, modes=modes) for name in names)
     return dataclasses.replace(options(True), crank_bearings=bearings)
 
 
-def crank_model(names=("big_end", "main_bearing"), yielding=False, **changes):
+def crank_model(names=("big_end", "main_bearing"), yielding=False, young=1.0, **changes):
     parameters = dataclasses.replace(PARAMETERS, crank_unbalance=UNBALANCE, **changes)
     piston, block = bodies()
     bosses = eye = None
+    shells = {}
     if yielding:
         piston, block, bosses = yielding_bodies()
         eye = small_end()
+        shells = {name: small_end(young, GRIDS[name], RADII[name]) for name in names}
     own = {name: OWN[name] for name in names}
     pin = PinParameters()
-    return assemble_floating(
-        piston, block, crank_options(names), parameters, pin, bosses, crank=own, small_end=eye
-    )
+    built = crank_options(names, MODES if yielding else 0)
+    films = dict(crank=own, small_end=eye, crank_shells=shells)
+    return assemble_floating(piston, block, built, parameters, pin, bosses, **films)
 
 
 class Points:
@@ -259,6 +263,40 @@ def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(names
     _, out = rough_way(crank_model(names, yielding), 5)
     for name in ("skirt", "boss_left", "boss_right", "small_end", *names):
         assert out[f"{name}.interface_work_error"] <= 1e-13
+
+
+def test_shells_of_the_crank_yield_by_their_springs_and_open_their_films():
+    """Crank at rest, steady forces, critical damping, as of the eye: the gap opens by the
+    deflection that each modal force gives its spring. 400 us leave 1 % of the slowest mode.
+    """
+    critical = dict(damping_ratio=1.0, high_frequency_damping_ratio=1.0)
+    model = crank_model(yielding=True, **critical)
+    inputs = dataclasses.replace(rough_inputs(model, 3), crank_speed=0.0)
+    state, _ = model.start(0.3, 0.0, 0.0, inputs)
+    for _ in range(400):
+        state, out = model.advance(state, inputs, 1e-6)
+    for k, name in enumerate(OWN, 3):
+        shell = small_end(1.0, GRIDS[name], RADII[name])
+        force = np.einsum("ij,ijk->k", inputs.pins[k].pressure, shell.outward)
+        force = force - np.einsum("ij,ijk->k", inputs.pins[k].circumferential, shell.onward)
+        opened = shell.outward @ (force / shell.omega**2)
+        surface, own = model.pins[k], shells_of(model)[k]
+        more = out[f"{name}.film_thickness"] - surface.clearance
+        more = more - opening_of(surface, own.own_place())
+        np.testing.assert_allclose(more, opened, atol=2e-2 * np.abs(opened).max())
+        ways = ("across", "along") if name == "big_end" else ("x", "y")
+        shown = [out[f"{name}_widening_{way}"] for way in ways]
+        np.testing.assert_allclose(shown, diameters(more), atol=1e-12)
+
+
+def test_stiff_shells_of_the_crank_are_rigid_ones():
+    """The rest is the millionth of what the softer shells give."""
+    rigid = rough_way(crank_model(yielding=True, young=1e12), 6)[1]
+    ends = [rough_way(crank_model(yielding=True, young=young), 6)[1] for young in (1.0, 1e6)]
+    for name in OWN:
+        gap = f"{name}.film_thickness"
+        soft, stiff = (out[gap] - rigid[gap] for out in ends)
+        assert np.abs(stiff).max() < 1e-5 * np.abs(soft).max()
 
 
 def test_gaps_and_velocities_by_hand():
@@ -513,6 +551,11 @@ def test_what_does_not_go_with_films_of_the_crank_is_told():
     assert "rod_mass: expected more than 0 kg with a film in big_end, got 0 kg" in told
     assert "rod_inertia: expected more than 0 kg.m2 with a film in big_end, got 0 kg.m2" in told
     assert faults(piston, block, crank_options(SETS[-1]), PARAMETERS) == []
+    beside = {"big_end": 25e-3, "main_bearing": 27.1e-3}
+    (told,) = faults(
+        piston, block, crank_options(SETS[-1]), PARAMETERS, shell_radii=beside, crank=OWN
+    )
+    assert told == "big_end_radius: expected within 2 % of the shell, 25 mm, got 24 mm"
     wanted = "floating_pin: expected a table with big_end, main_bearing, got nothing"
     with pytest.raises(ValidationError, match=wanted):
         Common.model_validate(dict.fromkeys(OWN, {"length": "30 mm"}))

@@ -4,6 +4,7 @@ interpreted, as `test_native_bodies` has it of a tied one.
 
 import dataclasses
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -18,6 +19,7 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import save
 
 from .test_floating_pin import GRID, MODES, PARAMETERS, PIN_GRID, bodies, yielding_bodies
 from .test_native_bodies import side_by_side
+from .test_small_end import MODES as MODES_OF_SHELL
 from .test_small_end import small_end
 
 VALUES = {
@@ -35,6 +37,7 @@ VALUES = {
 }
 """Offsets of pin and crank, and every body with a mass."""
 CRANK = (CrankBearing("big_end", (10, 3), 30e-3), CrankBearing("main_bearing", (8, 4), 30e-3))
+SHELL_RADII = {"big_end": 24e-3, "main_bearing": 27e-3}
 SETS = {"big_end": CRANK[:1], "main_bearing": CRANK[1:], "both": CRANK}
 
 
@@ -42,11 +45,16 @@ SETS = {"big_end": CRANK[:1], "main_bearing": CRANK[1:], "both": CRANK}
 def built(tmp_path):
     """Folder of a slave's resources; bosses and eye may yield, the crank have films."""
 
-    def make(yields=False, crank=(), eye_radius=None):
+    def make(yields=False, crank=(), eye_radius=None, shell_radii=SHELL_RADII):
         piston, block = bodies()
         pin = FloatingPin(PIN_GRID, 25e-3, 36e-3)
         if yields:
             piston, block, bosses = yielding_bodies()
+            crank = tuple(
+                replace(one, shell=f"{one.name}.npz", modes=MODES_OF_SHELL) for one in crank
+            )
+            for one in crank:
+                save(tmp_path / one.shell, small_end(1.0, one.grid, shell_radii[one.name]))
             eye = small_end()
             if eye_radius:
                 eye = dataclasses.replace(eye, radius=eye_radius)
@@ -99,6 +107,10 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(built):
     wrong = dict(pin_mass=0.0, pin_friction_coefficient=0.05, pin_friction_speed=3.0, rod_mass=0.0)
     of_python, of_machine = side_by_side(folder, VALUES | wrong)
     assert of_machine == of_python and len(of_python) == 5
+    folder = built(True, CRANK, shell_radii={"big_end": 25e-3, "main_bearing": 25e-3})
+    of_python, of_machine = side_by_side(folder, VALUES)
+    assert of_machine == of_python and len(of_python) == 2
+    folder = built(True, CRANK, eye_radius=17.5e-3)
     wrong = dict(pin_radius=19e-3, pin_friction_damping=1.0, rod_inertia=0.0)
     of_python, of_machine = side_by_side(folder, VALUES | wrong)
     assert of_machine == of_python and len(of_python) == 4

@@ -216,15 +216,15 @@ def test_an_eye_that_is_not_where_its_film_is_and_a_cut_that_holds_nothing_are_t
 MODES = 4
 
 
-def small_end(young=1.0):
+def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
     """Four modes of no symmetry, `young` times as stiff."""
     rng = np.random.default_rng(11)
-    a = shell_angles(PIN_GRID[0])
+    a = shell_angles(grid[0])
     wave = np.array([np.cos(n * a + p) for n, p in ((2, 0.5), (1, -0.8), (3, 0.2), (0, 0))]).T
-    along = 1 + 0.2 * rng.standard_normal((PIN_GRID[1], MODES))
+    along = 1 + 0.2 * rng.standard_normal((grid[1], MODES))
     outward = wave[:, None] * along
     omega = np.sqrt(young) * np.array([1.7e4, 2.6e4, 4e4, 9e4])
-    return ReducedShell(omega, outward, 0.3 * np.roll(outward, 2, axis=0), 18e-3)
+    return ReducedShell(omega, outward, 0.3 * np.roll(outward, 2, axis=0), radius)
 
 
 def eye_model(young=1.0, parameters=PARAMETERS):
@@ -249,7 +249,7 @@ def test_rows_of_the_eye_by_hand():
     rigid eye.
     """
     plain = floating_model().bodies
-    own = plain._replace(eye=ModalSprings(np.array([7.0, 11.0]), np.array([2.0, 0.5])))
+    own = plain._replace(shells=ModalSprings(np.array([7.0, 11.0]), np.array([2.0, 0.5])))
     rng = np.random.default_rng(2)
     now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 2))))
     rigid = Motion(*(one[:COORDINATES] for one in now))
@@ -257,7 +257,7 @@ def test_rows_of_the_eye_by_hand():
     load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
     films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
     push = np.array([5.0, -4.0])
-    found = imbalance(own, load, now, crank, films._replace(on_eye=push))
+    found = imbalance(own, load, now, crank, films._replace(on_shells=push))
     without = imbalance(plain, load, rigid, crank, films)
     assert np.array_equal(found.residual[:COORDINATES], without.residual)
     s, v, a = (one[COORDINATES:] for one in now)
@@ -381,9 +381,16 @@ def test_a_stiff_eye_is_the_rigid_one():
 def test_a_pin_that_is_not_the_eyes_is_told():
     piston, block = bodies()
     wide = dataclasses.replace(PARAMETERS, pin_radius=18.5e-3)
-    (told,) = faults(piston, block, options(True), wide, eye_radius=small_end().radius)
+    (told,) = faults(
+        piston, block, options(True), wide, shell_radii={"small_end": small_end().radius}
+    )
     assert told == ("pin_radius: expected within 2 % of the eye in its mesh, 18 mm, got 18.5 mm")
-    assert faults(piston, block, options(True), PARAMETERS, eye_radius=small_end().radius) == []
+    assert (
+        faults(
+            piston, block, options(True), PARAMETERS, shell_radii={"small_end": small_end().radius}
+        )
+        == []
+    )
 
 
 def test_a_rigid_eye_stays_the_same_file():
