@@ -263,7 +263,9 @@ class Recorded:
 
     @property
     def recorded(self) -> list[str]:
-        """All recorded fields, "participant.name"."""
+        """All fields with an instant that is shown, "participant.name"."""
+        if not len(self.instants):
+            return []
         groups = {
             owner: group
             for owner, group in self.file["fields"].items()

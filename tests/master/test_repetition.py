@@ -97,6 +97,15 @@ def test_results_and_summary_are_of_the_last_period_and_the_file_holds_all(toys,
     assert summary["end"] == pytest.approx(last[-1], rel=1e-9)
 
 
+def test_a_last_period_without_an_instant_has_no_recorded_fields(toys, tmp_path):
+    """The checks of a film would look for the largest pressure among no rows."""
+    tree = TREE | {"record": TREE["record"] | {"every": 1000}}
+    go(toys(), tmp_path / "run.h5", tree)
+    with Results(tmp_path / "run.h5") as results:
+        assert results.recorded == []
+        assert results.whole.recorded == ["plant.y0"]
+
+
 def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
     """Numbers are of the last one all the same."""
     time = TREE["time"] | {"least_periods": 5}
