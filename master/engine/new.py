@@ -207,9 +207,9 @@ class Engine:
         """
         return self.pressure(degrees, self.gain)
 
-    def pressure(self, degrees: np.ndarray, gain: float) -> np.ndarray:
-        """Return the gauge pressure of Eq. (D12) with another gain [Pa]."""
-        burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - IGNITION, 0.0, None) / DURATION) ** 1.5)
+    def pressure(self, degrees: np.ndarray, gain: float, ignition: float = IGNITION) -> np.ndarray:
+        """Return the gauge pressure of Eq. (D12) with another gain or start of heat [Pa]."""
+        burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - ignition, 0.0, None) / DURATION) ** 1.5)
         polytrope = INTAKE * (
             self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
         )  # Eq. (D12)

@@ -108,7 +108,7 @@ QUANTITIES = {
 
 def names() -> list[str]:
     """Return the names of the cases."""
-    return sorted(path.parent.name for path in FOLDER.glob("*/case.toml"))
+    return sorted(path.parent.name for path in FOLDER.glob("*/data.csv"))
 
 
 def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Iterator[Figure]:
