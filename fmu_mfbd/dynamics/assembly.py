@@ -97,11 +97,7 @@ def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
         load(ReducedBlock, folder / options.block.file),
         load(ReducedBosses, folder / pin.bosses) if pin and pin.bosses else None,
         load(ReducedShell, folder / pin.small_end) if pin and pin.small_end else None,
-        {
-            one.name: load(ReducedShell, folder / one.shell)
-            for one in options.crank_bearings
-            if one.shell
-        },
+        {s.name: load(ReducedShell, folder / s.shell) for s in options.crank_bearings if s.shell},
     )
 
 

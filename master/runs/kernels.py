@@ -83,7 +83,7 @@ def _rehearse(tell, one: Rehearsal) -> None:
         participant.start(one.parameters, one.begin, one.begin + one.step)
         participant.step(one.begin, one.step)
         seeds = {name: np.zeros(participant.fields[name].shape) for name in one.inputs}
-        if participant.has_derivatives:
+        if participant.has_derivatives and one.inputs and one.outputs:
             participant.derivative(seeds, one.outputs)
         participant.close()
     compilation.finish()

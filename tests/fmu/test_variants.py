@@ -9,10 +9,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
+
+from piston_cosim.master.runs import kernels
 
 from .counter import case_text, library, make
 from .waiting import wait_for
@@ -214,3 +217,28 @@ def test_slaves_without_derivatives_need_no_rehearsal_of_them(tmp_path):
     told = process.communicate(timeout=60)
     assert process.returncode == 0, told
     assert (tmp_path / "o/base.h5").exists()
+
+
+def test_a_participant_without_wires_needs_no_rehearsal_of_its_derivative(monkeypatch):
+    """Derivatives by nothing have no values that could be joined."""
+    calls = []
+
+    class Alone:
+        fields, has_derivatives = {}, True
+
+        def __init__(self, name, path):
+            pass
+
+        def derivative(self, seeds, products):
+            calls.append("derivative")
+
+        def __getattr__(self, name):
+            return lambda *arguments: calls.append(name)
+
+    monkeypatch.setattr(kernels, "FmuParticipant", Alone)
+    for wires, derivatives in (((), 0), (("h",), 1)):
+        calls.clear()
+        Alone.fields = {name: SimpleNamespace(shape=(2,)) for name in wires}
+        one = kernels.Rehearsal(Path("a.fmu"), "a", {}, 0.0, 1.0, wires, wires)
+        kernels._rehearse(lambda told: None, one)
+        assert calls == ["start", "step", *["derivative"] * derivatives, "close"]
