@@ -3,7 +3,7 @@
 Units are converted here; the model inside is that of the FMU.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -258,25 +258,31 @@ class Film:
 
     def equilibrium(
         self,
-        load: tuple[float, float] | Array,
+        load: tuple[float, float] | Array | None,
         clearance: Array | float,
         *,
         circumferential_velocity: Array | float,
+        shells: Sequence[journal.ElasticShell] = (),
         tolerance: float = 1e-9,
         **conditions: Any,
     ) -> dict[str, Any]:
         """Return the steady outputs of a bearing whose journal carries a load.
 
-        Eq. (E16) gives the position of the journal, which is parallel to its shell. The torque that
-        drives the journal is `friction_power` over the angular speed.
+        Eq. (E16) gives the position of the journal, which is parallel to its shell, and the
+        deflection of elastic shells. The torque that drives the journal is `friction_power` over
+        the angular speed.
 
         Parameters
         ----------
-        load : (float, float)
+        load : (float, float), or None
             Force on the journal along x, to the cell i = 0, and y, a quarter of a revolution
-            further [N].
+            further [N]. None: the journal does not move, and only its shells yield.
         clearance : float or ndarray, shape `grid`
-            Film thickness of a centred journal [m].
+            Film thickness of a centred journal and rigid shells [m]. If `load` is None, of the
+            journal in its position.
+        shells : sequence of ElasticShell
+            Elastic shells on the grid of the film, such as `fmu_mfbd.shell.build.elastic_shell`
+            returns them. Default: rigid.
         circumferential_velocity, **conditions
             As for `start`.
         tolerance : float
@@ -286,7 +292,7 @@ class Film:
         -------
         dict
             Outputs as those of `steady`, `position` of the journal [m], its `stiffness`, shape
-            (2, 2) [N/m], and `film_thickness` [m].
+            (2, 2) [N/m], `deflection` of the shells [m], and `film_thickness` [m].
 
         Raises
         ------
@@ -311,9 +317,16 @@ class Film:
         self._check_steady()
         if not self._is_bearing or self.model.parameters.sector_angle != FULL_TURN:
             raise BadInput("surface: expected a bearing of a full revolution, got another surface")
-        wanted = np.asarray(load, dtype=float)
-        if wanted.shape != (2,) or not 0.0 < np.hypot(*wanted) < np.inf:
+        wanted = None if load is None else np.asarray(load, dtype=float)
+        if wanted is not None and (
+            wanted.shape != (2,) or not 0.0 < np.hypot.reduce(wanted) < np.inf
+        ):
             raise BadInput(f"load: expected two finite forces [N] that are not both 0, got {load}")
+        for shell in shells:
+            if shell.outward.shape != (*self.grid, len(shell.omega)):
+                raise BadInput(
+                    f"shells: expected modes on {self.grid} cells, got {shell.outward.shape}"
+                )
         free = self._field(clearance)
         if not free.min() > 0.0:
             raise BadInput(f"clearance: expected more than 0 m, got {free.min():g} m")
@@ -328,8 +341,11 @@ class Film:
                 return self._settle(outputs, tolerance, film_thickness, inputs)
 
             rms = self.model.parameters.roughness_rms
-            carried = journal.carrying(settled, self.tangent, wanted, free, rms, tolerance)
-            thickness = journal.gap(free, carried.position, self.grid)
+            shapes = journal.shapes_of(shells, self.grid, wanted)
+            carried = journal.carrying(settled, self.tangent, shapes, free, rms, tolerance)
+            thickness = free + carried.deflection
+            if wanted is not None:
+                thickness = journal.gap(thickness, carried.position, self.grid)
             outputs = self.steady(thickness, tolerance=tolerance, **inputs)
         except (Discard, NotConverged) as trouble:
             self.state = before

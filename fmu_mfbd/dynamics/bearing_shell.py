@@ -41,6 +41,7 @@ class YieldingShell:
     """
 
     def __init__(self, reduced: ReducedShell):
+        self.omega, self.outward, self.onward = reduced.omega, reduced.outward, reduced.onward
         around, along, _ = reduced.outward.shape
         modes = shell_modes(reduced.outward, reduced.onward)
         self.surface = pin_surface(reduced.radius, 0.0, (around, along), modes)

@@ -1,5 +1,7 @@
 """The steady state of a film alone: closed form, published table, errors."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -200,3 +202,87 @@ def test_a_load_that_cannot_be_carried_is_reported(monkeypatch):
         film.equilibrium(load, 0.0, **around)
     with pytest.raises(pc.BadInput, match="surface: expected a bearing of a full revolution"):
         pc.Film((4, 8)).equilibrium(load, clearance, circumferential_velocity=1.0)
+
+
+class Modes(NamedTuple):
+    """A shell whose modes are harmonics around it, even along it."""
+
+    omega: np.ndarray
+    outward: np.ndarray
+    onward: np.ndarray
+
+
+def oval_shell(grid, stiffness):
+    """A shell that yields in two lobes and more; onward from a thin ring, du_t/da = -u_e."""
+    angle = 2 * np.pi * np.arange(grid[0]) / grid[0]
+    number = np.repeat([2, 3, 4], 2)
+    phase = np.tile([0.0, np.pi / 2], 3)
+    wave = np.cos(number * angle[:, None] - phase), np.sin(number * angle[:, None] - phase)
+    even = np.ones((*grid, 1))
+    onward = -wave[1] / number
+    return Modes(np.sqrt(stiffness) * number, wave[0][:, None] * even, onward[:, None] * even)
+
+
+def test_elastic_shells_agree_with_fixed_point_iteration():
+    """Film and shell in turn, the journal by the rigid solve; and the stiffness by differences.
+
+    More compliant shells make this iteration oscillate at this relaxation.
+    """
+    film, load, clearance, around = mixed_film()
+    shell = oval_shell(film.grid, 1e9)
+    outputs = film.equilibrium(load, clearance, shells=[shell], **around)
+    compliance = shell.outward / shell.omega
+    turned = shell.onward / shell.omega
+    opened = np.zeros(film.grid)
+    for _ in range(200):
+        last = film.equilibrium(load, clearance + opened, **around)
+        q = np.tensordot(last["nodal_pressure_force"], compliance) - np.tensordot(
+            last["nodal_circumferential_force"], turned
+        )
+        change = compliance @ q - opened
+        opened = opened + 0.2 * change
+        if np.abs(change).max() < 1e-9 * np.abs(opened).max():
+            break
+    largest = np.abs(opened).max()
+    assert largest > 5.0 * outputs["film_thickness"].min()
+    assert np.abs(outputs["deflection"] - opened).max() < 1e-7 * largest  # 100 times the tolerance
+    assert np.abs(outputs["position"] - last["position"]).max() < 1e-7 * largest
+    assert outputs["friction_power"] == pytest.approx(last["friction_power"], rel=1e-6)
+    for column, unit in enumerate(np.eye(2)):
+        ends = [
+            film.equilibrium(load + by * unit, clearance, shells=[shell], **around)["position"]
+            for by in (0.5, -0.5)
+        ]
+        # dx/dW is the inverse of the stiffness; forces differ by 1e-4 of the load
+        flexibility = np.linalg.inv(outputs["stiffness"])
+        assert ends[0] - ends[1] == pytest.approx(flexibility[:, column], rel=1e-3, abs=1e-11)
+
+
+def test_stiff_shells_are_rigid():
+    film, load, clearance, around = mixed_film()
+    rigid = film.equilibrium(load, clearance, **around)
+    shift = []
+    for size in (1e14, 1e15):
+        stiff = film.equilibrium(load, clearance, shells=[oval_shell(film.grid, size)], **around)
+        shift.append(np.abs(stiff["position"] - rigid["position"]).max())
+        assert np.abs(stiff["stiffness"] / rigid["stiffness"] - 1.0).max() < 1e13 / size
+    assert shift[0] / shift[1] == pytest.approx(10.0, rel=0.1)
+
+
+def test_a_journal_that_does_not_move_has_shells_that_yield():
+    """The force that the balance finds holds the same position."""
+    film, load, clearance, around = mixed_film()
+    shell = oval_shell(film.grid, 1e8)
+    carried = film.equilibrium(load, clearance, shells=[shell], **around)
+    rigid = gap(clearance, carried["position"], film.grid)
+    held = film.equilibrium(None, np.maximum(rigid, 1e-6), shells=[shell], **around)
+    assert held["position"].shape == (0,)
+    opened = held["deflection"]
+    again = film.steady(np.maximum(rigid, 1e-6) + opened, **around)
+    q = np.tensordot(again["nodal_pressure_force"], shell.outward / shell.omega) - np.tensordot(
+        again["nodal_circumferential_force"], shell.onward / shell.omega
+    )
+    off = shell.outward / shell.omega @ q - opened
+    assert np.abs(off).max() < 1e-7 * np.abs(opened).max()
+    with pytest.raises(pc.BadInput, match="shells: expected modes on"):
+        film.equilibrium(load, clearance, shells=[oval_shell((8, 8), 1e8)], **around)
