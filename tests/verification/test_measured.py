@@ -15,17 +15,30 @@ def shares(name, **only):
 
 @pytest.mark.parametrize("speed", ["3000", "1000"])
 def test_the_torque_without_much_contact_is_that_of_sander(speed):
-    """3 % of the torque, the bar of the comparison; at low speed rigid bearings miss it."""
+    """3 % of the largest torque, the bar of the comparison."""
     only = dict(load="8000", speed=speed)
     assert abs(shares("sander_2016", **only)["friction_torque"]) < 0.03
 
 
-def test_the_summits_raise_the_torque_at_low_speed():
-    """With contact at the mean plane of the surfaces, the torque is five times too low."""
+def test_elastic_bearings_lower_the_torque_at_low_speed():
+    """Within the bar of 15 % at 300 rpm, which rigid bearings miss by 60 %; not at 150 rpm."""
+    only = dict(load="8000", speed="300")
+    assert abs(shares("sander_2016", **only)["friction_torque"]) < 0.15
     only = dict(load="8000", speed="150")
+    found = shares("sander_2016", **only)
+    assert found["friction_torque"] == pytest.approx(0.483, abs=0.01)
+    assert abs(found["minimum_film_thickness"]) < 0.03
+    # with contact at the mean plane of the surfaces, the torque is seven times too low
     low = shares("sander_2016", film={"summit_height": "0 um"}, **only)["friction_torque"]
-    assert low == pytest.approx(-0.78, abs=0.01)
-    assert shares("sander_2016", **only)["friction_torque"] == pytest.approx(0.91, abs=0.01)
+    assert low == pytest.approx(-0.856, abs=0.01)
+
+
+def test_the_torque_is_least_between_400_and_600_rpm():
+    torque = {
+        speed: next(measured.figures("sander_2016", load="8000", speed=speed)).computed
+        for speed in ("1000", "500", "400")
+    }
+    assert min(torque, key=torque.get) == "500"
 
 
 def test_a_step_bearing_is_that_of_nicholas():

@@ -5,6 +5,8 @@ is fitted to them. A column of data.csv is an input or an entry of `QUANTITIES`.
 """
 
 import csv
+import functools
+import json
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +20,8 @@ from rich.text import Text
 import piston_cosim as pc
 from piston_cosim.fmu_ehd import journal
 from piston_cosim.fmu_ehd.balance.grid import Array, Flags
+from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
+from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.quantities import from_si, to_si
 
 FOLDER = Path(__file__).parents[3] / "models" / "measured"
@@ -154,7 +158,7 @@ def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Itera
 def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> Solved:
     """Return the steady outputs of a bearing of a case.
 
-    It carries its share of the load, which is downwards, or has a given eccentricity.
+    It carries its share of the load, or has a given eccentricity.
     """
 
     def given(key: str, unit: str) -> float:
@@ -187,9 +191,20 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
         thickness = journal.gap(free, place, oil.grid)
         outputs = oil.steady(thickness, circumferential_velocity=surface)
         return Solved(outputs, one["count"], clearance, speed, given("angle", "rad"))
-    load = (0.0, -one["load_share"] * given("load", "N"))
-    outputs = oil.equilibrium(load, free, circumferential_velocity=surface)
+    angle = to_si(one.get("direction", "270 deg"), "rad")
+    load = one["load_share"] * given("load", "N") * np.array([np.cos(angle), np.sin(angle)])
+    shells = []
+    if "shell" in one:
+        build = one["shell"] | {"grid": one["grid"], "length": parameters["skirt_length"]}
+        shells = [_shell(json.dumps(build))]
+    outputs = oil.equilibrium(load, free, circumferential_velocity=surface, shells=shells)
     return Solved(outputs, one["count"], clearance, speed, 0.0)
+
+
+@functools.cache
+def _shell(build: str) -> YieldingShell:
+    """Return the elastic shell of a build table in JSON."""
+    return elastic_shell(json.loads(build), FOLDER, progress=lambda text: None)
 
 
 def _deflection(table: dict[str, Any], degrees: Array, height: Array) -> Array:
