@@ -69,9 +69,6 @@ class Kernel:
     py_func : the function as written; targetoptions : options of `numba.njit`.
     """
 
-    keeps = True
-    """Whether kernels of this process are cached on disk."""
-
     def __init__(self, function, options):
         update_wrapper(self, function)
         self.py_func = function
@@ -112,7 +109,7 @@ class Kernel:
         from . import kernel_cache
 
         with suppress(RuntimeError):
-            return getattr(kernel_cache, kind)(self.py_func) if self.keeps else None
+            return getattr(kernel_cache, kind)(self.py_func)
 
     @property
     def store(self) -> Path | None:

@@ -87,10 +87,14 @@ class KernelCache(FunctionCache):
 
 
 class CalleeCache(KernelCache):
-    """numba's cache of kernels that other kernels contain."""
+    """numba's cache of kernels that other kernels contain, the same for all processors."""
 
     _impl_class = CalleeKept
     ending = ".callee"
+
+    def _index_key(self, sig, codegen):
+        signature, (triple, *_), code = super()._index_key(sig, codegen)
+        return signature, triple, code
 
 
 @cache

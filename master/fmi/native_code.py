@@ -1,9 +1,9 @@
 """Machine code of a participant's entries for any processor that LLVM supports.
 
-numba turns each entry and its callees into one unoptimised LLVM module without anything specific
-to this machine. LLVM then optimises and translates it for the target. The wrappers for calls
-from Python are left out. There is no fast mathematics, as in `compiled`. It runs in a separate
-process, because numba is configured only once.
+numba turns each entry and its callees into one LLVM module, simplified, but without anything
+specific to this machine. LLVM then optimises and translates it for the target. The wrappers for
+calls from Python are left out. There is no fast mathematics, as in `compiled`. It runs in a
+separate process, because numba is configured only once.
 """
 
 import gc
@@ -181,11 +181,9 @@ def module_text(package: str, part: Any) -> str:
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
 
-    from .callees import CalleeCompiler
-    from .compiled import Kernel
+    from .callees import CalleeCompiler, EntryLibrary
 
     carray = numba.__dict__["carray"]
-    Kernel.keeps = False  # the cached kernels of other runs are for this machine only
     numbers = types.CPointer(types.float64)
     counts = types.CPointer(types.int64)
     flags: Any = compiler.Flags()
@@ -218,6 +216,7 @@ def module_text(package: str, part: Any) -> str:
                 {},
                 pipeline_class=CalleeCompiler,
             )
+        EntryLibrary.link_callees(made.library)
         module = binding.parse_assembly(str(made.library._final_module))
         name = entry.name(package)
         module.get_function(made.fndesc.llvm_func_name).name = name
