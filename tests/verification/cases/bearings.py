@@ -589,7 +589,7 @@ class Rotor:
 
         def by_pressure(thinner):
             normal, *_ = self.model.tangent(thinner, self.still)
-            return normal, None, None
+            return normal, None, 0.0 * normal
 
         return journals.stiffness(by_pressure, self.still.shape)
 
