@@ -53,7 +53,7 @@ from .native_step import (
     warm_by_field,
 )
 from .options import BuildOptions
-from .parameters import CHOSEN, CONDITION_NAMES, NUMBERS
+from .parameters import CHOSEN, NUMBERS, TUNABLE
 from .step import Fields, Inputs, Scalars
 from .step_tangent import FORCE, Directions
 from .summary import halves
@@ -79,7 +79,7 @@ def given(slave: Any) -> Array:
     lengths = dict(n_c=n_c, n_a=n_a, n_e=len(faces), n_b=ROOM_ON_BORE * n_a)
     block = FilmSetup(
         places=_places(slave),
-        follows=np.array([float(name in CONDITION_NAMES) for name in NUMBERS]),
+        follows=np.array([float(name in TUNABLE) for name in NUMBERS]),
         bearing=built.surface == "bearing",
         tables=np.array([contact_table(law) for law in CONTACT_LAWS]),
         share=halves(n_c).share,

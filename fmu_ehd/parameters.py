@@ -227,6 +227,16 @@ class Parameters:
 # parameters that may be inputs
 CONDITION_NAMES = names_of(Parameters, condition=True)
 
+TUNABLE = (
+    *CONDITION_NAMES,
+    "viscosity",
+    "vogel_viscosity",
+    "vogel_b",
+    "vogel_c",
+    "pressure_viscosity_coefficient",
+)
+"""Parameters that may change between steps."""
+
 # parameters that a skirt has not
 OF_BEARINGS = ("sector_angle",)
 

@@ -12,7 +12,7 @@ from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .oil import Oil
 from .options import BuildOptions
-from .parameters import CONDITION_NAMES, Parameters, faults
+from .parameters import TUNABLE, Parameters, faults, numbers_of
 from .step import Memory
 from .variables import (
     CONDITION_VARIABLES,
@@ -113,8 +113,8 @@ class Ehd(FieldSlave):
 
     def _conditions(self, values):
         """Return inputs that replace parameters, and parameters that differ from the start."""
-        started = self.model.parameters
-        changed = (n for n in CONDITION_NAMES if values[n] != getattr(started, n))
+        started = numbers_of(self.model.parameters)
+        changed = (n for n in TUNABLE if values[n] != getattr(started, n))
         return {name: values[name] for name in {*self.built.inputs, *changed}}
 
     def directional_derivative(self, seeds: Mapping[str, Any]) -> dict[str, Any]:

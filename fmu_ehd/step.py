@@ -117,10 +117,7 @@ class ForceInputs(NamedTuple):
 
 
 class SurfaceForces(NamedTuple):
-    """Forces of a film [N], and powers.
-
-    The forces are those along the axis and those around it, of shape (n_c, n_a), 0 on a skirt.
-    """
+    """Forces of a film along and around its axis [N], (n_c, n_a), 0 on a skirt, and powers."""
 
     along: parts.Forces
     around: Array
@@ -139,10 +136,7 @@ class Fields(NamedTuple):
 
 
 class Scalars(NamedTuple):
-    """Scalar outputs of a film, `variables`.
-
-    Those of both sides belong to a skirt, the torque to a bearing.
-    """
+    """Scalar outputs of a film, `variables`: sides are of a skirt, the torque of a bearing."""
 
     minimum_film_thickness: float
     maximum_pressure: float
@@ -166,17 +160,11 @@ class Scalars(NamedTuple):
     oil_supplied: float
     mass_imbalance: float
     contact_area_fraction: float
+    friction_power_hydrodynamic: float
+    friction_power_asperity: float
+    heat_generated: float
+    outflow_upper_edge: float
     friction_torque: float
-
-
-class BalanceScalars(NamedTuple):
-    """Members of `Scalars` that are not forces; flows are (lower, upper, openings)."""
-
-    boundary_share: float
-    energy_gain: float
-    flows: tuple[float, float, float]
-    imbalance: float
-    oil_in_film: float
 
 
 class LastStep(NamedTuple):
@@ -306,7 +294,7 @@ def fields_of(acting: SurfaceForces, fraction: Array) -> Fields:
 
 @compilable
 def scalars_of(
-    fixed: FilmConstants, acting: SurfaceForces, ledger: BalanceScalars, layer: OilLayer
+    fixed: FilmConstants, acting: SurfaceForces, ledger: parts.BalanceScalars, layer: OilLayer
 ) -> Scalars:
     """Return the scalar outputs."""
     whole = acting.along.summary
@@ -339,6 +327,10 @@ def scalars_of(
         layer.supplied,
         ledger.imbalance,
         whole.contact_area,
+        acting.powers.friction - acting.powers.boundary,
+        acting.powers.boundary,
+        ledger.heat,
+        ledger.outflow,
         torque,
     )
 
@@ -406,7 +398,8 @@ def start(
     if fixed.bore.supply.followed:
         layer = oil_layer.start(fixed.bore, inputs.velocity)
     oil = sum_of_products(content, fixed.surfaces.area)
-    ledger = BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, oil)
+    heat = acting.powers.friction
+    ledger = parts.BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, oil, heat)
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, ring):
         remark(faults, NARROW_STEPS)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
@@ -556,8 +549,14 @@ def end(
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
-    ledger = BalanceScalars(
-        account.boundary_share, account.energy_gain, flows, found.mass_imbalance, account.oil
+    ledger = parts.BalanceScalars(
+        account.boundary_share,
+        account.energy_gain,
+        flows,
+        parts.leaving_above(found.axial_flow),
+        found.mass_imbalance,
+        account.oil,
+        account.heat,
     )
     after = parts.PreviousFilm(
         found.unknown,

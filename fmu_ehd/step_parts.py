@@ -349,6 +349,18 @@ def passage(
     return OilTransport(growth, passed, travel)
 
 
+@compiled
+def leaving_above(axial_flow: Array) -> float:
+    """Return the oil flow over the upper edge of the cells where it leaves, >= 0 [m3/s].
+
+    `axial_flow` is the flow through the axial faces towards the head, shape (n_c, n_a + 1).
+    """
+    leaving = 0.0
+    for i in range(axial_flow.shape[0]):
+        leaving += max(axial_flow[i, axial_flow.shape[1] - 1], 0.0)
+    return leaving
+
+
 class FrictionPowers(NamedTuple):
     """Power that sliding costs, and the asperities' part of it [W]."""
 
@@ -373,13 +385,30 @@ class Account(NamedTuple):
     """Sums at the end of a step.
 
     totals : Totals; boundary_share : of the friction work, the asperities' [-]; oil : in the film
-    [m3]; energy_gain : of the film over the step, beyond what came in [J].
+    [m3]; energy_gain : of the film over the step, beyond what came in [J]; heat :
+    what sliding and squeezing dissipate, mean over the step [W], the bracket of Eq. (A11).
     """
 
     totals: Totals
     boundary_share: float
     oil: float
     energy_gain: float
+    heat: float
+
+
+class BalanceScalars(NamedTuple):
+    """Members of `step.Scalars` that are not forces.
+
+    flows : (lower, upper, openings); outflow : over the upper edge, where oil leaves.
+    """
+
+    boundary_share: float
+    energy_gain: float
+    flows: tuple[float, float, float]
+    outflow: float
+    imbalance: float
+    oil_in_film: float
+    heat: float
 
 
 @compiled
@@ -438,7 +467,8 @@ def account(
             mean = 0.5 * (before.pressure[i, j] + acted.shear.pressure[i, j])
             pressed += area[i, j] * mean * growth[i, j]
     # Eq. (A11)
-    gain = acted.stored - totals.stored + step * (powers.friction - pressed)
+    heat = powers.friction - pressed
+    gain = acted.stored - totals.stored + step * heat
     gain -= cavitation_pressure * (acted.volume - totals.volume)
     after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
-    return Account(after, share, sum_of_products(found.content, area), gain)
+    return Account(after, share, sum_of_products(found.content, area), gain, heat)

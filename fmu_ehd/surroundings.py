@@ -77,7 +77,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     ----------
     parameters : parameters.Parameters
     conditions : mapping
-        Any of `parameters.CONDITION_NAMES` instead of the parameter of that name, and
+        Any of `parameters.TUNABLE` instead of the parameter of that name, and
         `oil_temperature` [K], float or ndarray of shape (n_c, n_a), instead of both edge
         temperatures.
 

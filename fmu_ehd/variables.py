@@ -10,7 +10,7 @@ from dataclasses import replace
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .declaration import variables_of
 from .oil import Oil
-from .parameters import OF_BEARINGS, Parameters
+from .parameters import OF_BEARINGS, TUNABLE, Parameters
 
 CONTRACT_VERSION = 2
 
@@ -70,7 +70,7 @@ def variables(
             )
         )
     parameters = [
-        replace(v, start=starts[v.name]) if starts and v.name in starts else v
+        replace(v, start=(starts or {}).get(v.name, v.start), tunable=v.name in TUNABLE)
         for v in film_variables(surface) + OIL_VARIABLES
     ]
     bearing = surface == "bearing"
@@ -272,6 +272,26 @@ SUMMARY = (
     ),
     output_variable(
         "contact_area_fraction", "1", "Ratio of the real contact area to the skirt area"
+    ),
+    output_variable(
+        "friction_power_hydrodynamic", "W", "Part of the friction power due to the film", 100.0
+    ),
+    output_variable(
+        "friction_power_asperity", "W", "Part of the friction power due to asperities", 100.0
+    ),
+    output_variable(
+        "heat_generated",
+        "W",
+        "Heat of sliding and squeezing in the film, mean over the step; surfaces of equal "
+        "temperature receive half each",
+        100.0,
+    ),
+    output_variable(
+        "outflow_upper_edge",
+        "m3/s",
+        "Oil flow out of the film at the upper edge, over the cells where it leaves; at the end "
+        "of the step",
+        1e-6,
     ),
     output_variable("solver_iterations", "1", "Number of factorisations in the last step", start=0),
 )

@@ -159,6 +159,7 @@ def inputs_of(real, places):
         real[places.crank_speed],
         real[places.load_torque],
         real[places.gas_pressure],
+        real[places.crankcase_pressure],
         real[places.land_pressure],
         forces_at(real, places.skirt),
         pin_forces_at(real, places.pins),
@@ -171,6 +172,7 @@ def inputs_of(real, places):
 def seeds_of(real, places):
     """Return the seeds as `StepInputs`; the block's motion is not among them."""
     return StepInputs(
+        0.0,
         0.0,
         0.0,
         0.0,
@@ -191,7 +193,7 @@ def publish(real, integer, given, model, result):
     now = instant.now
     put_each(real, places.scalars, result.scalars)
     put_each(real, places.pin_scalars, instant.scalars)
-    if model.mounted:
+    if not has_pins(model):
         put_each(real, places.on_block, result.on_block)
     put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
     put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)

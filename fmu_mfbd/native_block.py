@@ -65,6 +65,7 @@ class VariablePlaces(NamedTuple):
     gas_source: int
     crank_free: int
     gas_pressure: int
+    crankcase_pressure: int
     land_pressure: int
     crank_speed: int
     load_torque: int

@@ -111,6 +111,7 @@ def _places(slave) -> VariablePlaces:
         gas_source=place("gas_source"),
         crank_free=place("crank_free"),
         gas_pressure=place("gas_pressure"),
+        crankcase_pressure=place("crankcase_pressure"),
         land_pressure=place("land_pressure"),
         crank_speed=place("crank_speed"),
         load_torque=place("load_torque"),

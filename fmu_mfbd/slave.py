@@ -223,6 +223,7 @@ class Mfbd(FieldSlave):
             Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
             _deflection(values),
             float(values["load_torque"]),
+            float(values["crankcase_pressure"]),
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:

@@ -94,6 +94,14 @@ OTHER_INPUTS = (
         limits=GAUGE,
     ),
     input_variable(
+        "crankcase_pressure",
+        "Pa",
+        "Gauge pressure below the piston, over the area of the bore",
+        0.0,
+        1e5,
+        limits=GAUGE,
+    ),
+    input_variable(
         "land_pressure",
         "Pa",
         "Gauge pressure on the bore between the rings",
@@ -199,8 +207,10 @@ def signals(options: BuildOptions) -> list[Variable]:
         answers = answers + declared(PinScalars, options.absent_parts())
     if pin and pin.small_end_modes:
         answers = answers + eye_outputs(pin.small_end_modes)
+    if options.shows_block():
+        answers = answers + declared(BlockForce)
     if options.mounted:
-        acting, answers = acting + block_inputs(), answers + declared(BlockForce)
+        acting = acting + block_inputs()
     if outside := options.block.bore_from_outside:
         acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:

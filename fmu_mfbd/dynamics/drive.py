@@ -106,10 +106,19 @@ class Scalars(NamedTuple):
 
 @compilable
 def others_of(
-    gas_area: float, pressure: float, rings: RingForce, land_pressure: float, carrier: Carrier
+    gas_area: float,
+    pressure: float,
+    crankcase_pressure: float,
+    rings: RingForce,
+    land_pressure: float,
+    carrier: Carrier,
 ) -> OtherForces:
-    """Return the forces other than those of film and pin, with gas area [m2] and pressure [Pa]."""
-    return OtherForces(gas_area * pressure, rings, WallPressures(pressure, land_pressure), carrier)
+    """Return the forces other than those of film and pin, with gas area [m2] and pressures [Pa].
+
+    Eq. (K29):  G = A_b (p - p_c)    p on the crown, p_c below the piston, A_b area of the bore
+    """
+    gas = gas_area * (pressure - crankcase_pressure)  # Eq. (K29)
+    return OtherForces(gas, rings, WallPressures(pressure, land_pressure), carrier)
 
 
 @compilable

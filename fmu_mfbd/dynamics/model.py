@@ -72,6 +72,8 @@ class Inputs:
         On the crown, gauge [Pa].
     load_torque : float
         On a free crank [N m].
+    crankcase_pressure : float
+        Below the piston, gauge [Pa].
     pressure_force, friction_force : ndarray, shape (c, a), or of several surfaces (cells,)
         On the film grid, of several surfaces stacked [N].
     rings : RingForce
@@ -95,6 +97,7 @@ class Inputs:
     carrier: Carrier = FIXED
     bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     load_torque: float = 0.0
+    crankcase_pressure: float = 0.0
 
 
 class PistonInBore:
@@ -117,6 +120,7 @@ class PistonInBore:
         self.films = options.film_grids()
         self.grids = options.pin_grids() if has_pins(model) else ()
         self.absent = options.absent_parts()
+        self.shows_block = options.shows_block()
         self.outside = outside
         self.system = system = model.parts.system
         self.film_surfaces = each_of(system.surfaces)
@@ -322,7 +326,7 @@ class PistonInBore:
         if self.modes:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
-        if self.model.mounted:
+        if self.shows_block:
             outputs |= result.on_block._asdict()
         if at.big_end_shell > at.eye:
             outputs["small_end_modal_coordinate"] = of_eye(at, now.end.position).copy()
@@ -413,6 +417,7 @@ def _stacked(inputs: Inputs) -> StepInputs:
         inputs.crank_speed,
         inputs.load_torque,
         inputs.gas_pressure,
+        inputs.crankcase_pressure,
         inputs.land_pressure,
         NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
         PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),

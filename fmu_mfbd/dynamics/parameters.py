@@ -153,7 +153,7 @@ class Parameters:
     crank_unbalance: float = _declared(
         "kg.m",
         "Mass times distance of the crank towards its pin; negative with "
-        "counterweights. It affects only a mounted block and the film of a "
+        "counterweights. It affects only forces on the block and the film of a "
         "main_bearing",
         0.0,
         -100.0,

@@ -66,8 +66,8 @@ class StepInputs(NamedTuple):
     ----------
     crank_speed, load_torque : float
         [rad/s], [N m].
-    gas_pressure, land_pressure : float
-        Gauge pressures on the crown and between the rings [Pa].
+    gas_pressure, crankcase_pressure, land_pressure : float
+        Gauge pressures on the crown, below the piston and between the rings [Pa].
     skirt, pins : NodalForces, PinForces
         Of all films, stacked [N].
     rings : RingForce
@@ -78,6 +78,7 @@ class StepInputs(NamedTuple):
     crank_speed: float
     load_torque: float
     gas_pressure: float
+    crankcase_pressure: float
     land_pressure: float
     skirt: NodalForces
     pins: PinForces
@@ -98,7 +99,7 @@ class StepResult(NamedTuple):
 
 
 NO_BLOCK_FORCE = BlockForce(*[0.0] * len(BlockForce._fields))
-"""Forces on a block that does not move, which are no outputs."""
+"""Forces on the block of a floating pin, which are no outputs."""
 
 
 @compilable
@@ -175,7 +176,14 @@ def others_at(model: BodyModel, inputs: StepInputs, crank: CrankMotion) -> Other
     pressure = 0.0 if source == GAS.table else inputs.gas_pressure
     if len(model.gas.angle) > 0 and source != GAS.input:
         pressure += gas_pressure(model.gas, crank.angle)
-    return others_of(model.gas_area, pressure, inputs.rings, inputs.land_pressure, inputs.carrier)
+    return others_of(
+        model.gas_area,
+        pressure,
+        inputs.crankcase_pressure,
+        inputs.rings,
+        inputs.land_pressure,
+        inputs.carrier,
+    )
 
 
 @compilable
@@ -244,7 +252,7 @@ def result_of(
         )
     inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
     on_block = NO_BLOCK_FORCE
-    if model.mounted:
+    if not has_pins(model):
         on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(
         instant,

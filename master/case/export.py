@@ -252,7 +252,7 @@ def _exposed(tables, system, fields):
         given = system.parameters[owner].get(v.name, v.number(v.start))
         start = v.choices[given - 1] if v.choices else type(v.start)(given)
         name = v.name if shared[v.name] == 1 else f"{owner}.{v.name}"
-        exposed.append((replace(v, name=name, start=start, tunable=False), (owner, v.name)))
+        exposed.append((replace(v, name=name, start=start), (owner, v.name)))
     return exposed
 
 

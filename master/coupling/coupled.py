@@ -198,8 +198,10 @@ class Coupled(FieldSlave):
         if state is not self.standing:
             thaw(self.stepper, state.data.tobytes())
         self.standing = None
-        for exposed, (owner, name) in self.inside.input.items():
-            self.system.participants[owner].set(name, values[exposed])
+        ports = self.inside.input | self.inside.parameter
+        for v in self.given_to_steps:
+            owner, name = ports[v.name]
+            self.system.participants[owner].set(name, values[v.name])
         count = ceil(step / self.system.step / (1.0 + LENIENCE))
         try:
             for k in range(count):

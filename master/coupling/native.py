@@ -144,7 +144,9 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)
-    carry(real, integer, system, given_of(memory).exposed.inputs, INWARD)
+    exposed = given_of(memory).exposed
+    carry(real, integer, system, exposed.parameters, INWARD)  # tunable ones may have changed
+    carry(real, integer, system, exposed.inputs, INWARD)
     if reach(memory, time, step):
         save(system)
         return True

@@ -79,7 +79,9 @@ def test_sliding_turns_work_into_heat():
     area = 2.0 * np.pi * p.bore_radius * p.skirt_length
     heat = 1e-4 * area * p.oil.viscosity * 25.0 / 1e-5
     assert outputs["energy_gain"] == pytest.approx(heat, rel=1e-12)
-    assert outputs["energy_gain"] == pytest.approx(1e-4 * outputs["friction_power"], rel=1e-12)
+    for name in ("friction_power", "heat_generated", "friction_power_hydrodynamic"):
+        assert outputs[name] == pytest.approx(1e4 * heat, rel=1e-12)
+    assert outputs["friction_power_asperity"] == 0.0
 
 
 @pytest.mark.parametrize("cavitation, edges", [(0.0, 3e5), (2e4, 2e4), (-5e4, 1e5)])
@@ -131,6 +133,7 @@ def test_a_full_film_takes_the_work_of_its_surfaces(choice):
     state, outputs = model.advance(state, film, STILL, 1e-4, turning)
     for step in (1e-4, 2e-4, 3e-4, 1e-4):
         before, force = film, outputs["nodal_pressure_force"]
+        stored = outputs["stored_energy"]
         film = film * (1.0 + 0.02 * rng.standard_normal(SHAPE))
         if model.parameters.surface == "bearing":
             turning = 5.0 * rng.standard_normal(SHAPE)
@@ -140,6 +143,10 @@ def test_a_full_film_takes_the_work_of_its_surfaces(choice):
         work = step * outputs["friction_power"] - pushed.sum()
         # round-off of the content, 1e-16 of 20 um, by a change of 0.2 um
         assert outputs["energy_gain"] == pytest.approx(work, rel=1e-10)
+        opened = (model.area * (film - before)).sum()
+        heat = work - (outputs["stored_energy"] - stored)
+        heat += model.parameters.cavitation_pressure * opened  # pressures count from it
+        assert step * outputs["heat_generated"] == pytest.approx(heat, rel=1e-9)
 
 
 def wedge(shape, squeezed, sliding):
@@ -184,3 +191,46 @@ def test_heat_of_pressure_flow_is_that_of_the_faces():
         apart.append(abs(taken / heat - 1.0))
     assert apart[0] < 1e-2
     assert apart[0] / apart[1] > 3.5  # of second order
+
+
+@pytest.mark.parametrize("drop", [1e5, -1e5])
+def test_oil_leaves_above_where_the_pressure_falls(drop):
+    """Between pressures at both edges: q = b h^3 drop/(12 mu l), against the net inflow."""
+    p = Parameters(SHAPE, pressure_lower_edge=max(drop, 0.0), pressure_upper_edge=max(-drop, 0.0))
+    model = LubricationModel(p)
+    state, _ = model.start(flat(1e-5), STILL)
+    _, outputs = model.advance(state, flat(1e-5), STILL, 1e-4)
+    width = 2 * np.pi * p.bore_radius
+    flow = width * 1e-15 * drop / (12 * p.oil.viscosity * p.skirt_length)
+    assert outputs["outflow_upper_edge"] == pytest.approx(max(flow, 0.0), rel=1e-10)
+    assert outputs["flow_upper_edge"] == pytest.approx(-flow, rel=1e-10)
+
+
+def test_oil_leaves_and_enters_above_at_once():
+    """Where sliding draws oil in and pressure drives it out, the thin half does the one and the
+    thick half the other.
+    """
+    p = Parameters((40, 6), pressure_lower_edge=1e7)
+    model = LubricationModel(p)
+    film = np.repeat([[5e-6], [4e-5]], 20, axis=0) * np.ones((1, 6))
+    moved = np.full((40, 6), 0.5)
+    state, _ = model.start(film, moved)
+    for _ in range(2):
+        state, outputs = model.advance(state, film, moved, 1e-4)
+    inflow = outputs["flow_upper_edge"] + outputs["outflow_upper_edge"]
+    assert outputs["outflow_upper_edge"] > 1e-9 and inflow > 1e-9
+
+
+def test_tuned_viscosity_is_that_of_another_start():
+    """A step with a changed viscosity, against a model that starts with it; the film is full and
+    nothing squeezes, so that the past does not matter.
+    """
+    thin, thick = Parameters(SHAPE), Parameters(SHAPE, oil=Oil(viscosity=0.02))
+    sliding = flat(5.0)
+    forces = []
+    for p, changed in ((thin, {"viscosity": 0.02}), (thick, {})):
+        model = LubricationModel(p)
+        state, _ = model.start(flat(1e-5), sliding)
+        forces.append(model.advance(state, flat(1e-5), sliding, 1e-4, **changed)[1])
+    for name in ("friction_power", "nodal_friction_force"):
+        np.testing.assert_allclose(forces[0][name], forces[1][name], rtol=1e-12)

@@ -80,7 +80,10 @@ def test_inputs_are_those_without_a_wire(coupled):
         if v.causality == "input"
     }
     rings = {"ring_side_force", "ring_axial_force", "ring_moment"}
-    assert inputs == {"crank_speed", "load_torque", "gas_pressure", "land_pressure"} | rings
+    assert inputs == {
+        *("crank_speed", "load_torque", "gas_pressure", "crankcase_pressure", "land_pressure"),
+        *rings,
+    }
 
 
 def test_participants_have_the_code_of_their_own_fmus(coupled, tree):

@@ -326,7 +326,9 @@ def test_fmi_3_has_the_same_bits(native_fmu):
 
 @pytest.mark.parametrize("inputs", [[], ["oil_temperature_lower_edge", "pressure_upper_edge"]])
 def test_conditions_change_between_steps(make_native, inputs):
-    """Temperature and pressure of an edge as tunable parameters, and as inputs; in Python, too."""
+    """Temperature and pressure of an edge as tunable parameters, and as inputs; in Python, too.
+    The oil thins as well.
+    """
     shape = (6, 5)
     options = dict(grid=[*shape], inputs=inputs)
     paths = make_native([*shape], inputs=inputs), builder.build_fmu("fmu_ehd", options, Path("."))
@@ -336,6 +338,7 @@ def test_conditions_change_between_steps(make_native, inputs):
     state, _ = model.start(film, velocity)
     for k in range(1, 6):
         around = dict(oil_temperature_lower_edge=373.15 + 5.0 * k, pressure_upper_edge=1e4 * k)
+        around["vogel_b"] = 1010.0 - 20.0 * k
         film, velocity = motored_film(shape, k * DEGREE)
         state, outputs = model.advance(state, film, velocity, DEGREE, **around)
         force = outputs["nodal_friction_force"]

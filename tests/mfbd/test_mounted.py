@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.block_force import block_force
+from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce, block_force
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, Inputs
@@ -112,12 +112,17 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     assert force.moment_on_block == pytest.approx(lack.torque - bare[5], abs=1e-9 * size)
 
 
-@pytest.fixture
-def mounted(reduced):
-    """The small bodies, flexible, in a block that moves, with a skewed mechanism."""
+def skewed(reduced, mounted):
+    """The small bodies, flexible, with a skewed mechanism and an unbalance."""
     options, piston, block = reduced
     parameters = Parameters(crank_offset=1e-3, crank_unbalance=UNBALANCE)
-    return assemble(piston, block, dataclasses.replace(options, mounted=True), parameters)
+    return assemble(piston, block, dataclasses.replace(options, mounted=mounted), parameters)
+
+
+@pytest.fixture
+def mounted(reduced):
+    """In a block that moves."""
+    return skewed(reduced, True)
 
 
 def taken(model, carrier, steps=4):
@@ -132,11 +137,33 @@ def taken(model, carrier, steps=4):
     return before, out
 
 
-def test_a_block_at_rest_changes_nothing(model, mounted):
-    _, plain = taken(model, FIXED)
+def test_a_block_at_rest_changes_nothing(reduced, mounted):
+    """Nor do the forces on a block that cannot move."""
+    _, plain = taken(skewed(reduced, False), FIXED)
     _, out = taken(mounted, FIXED)
+    assert plain.keys() == out.keys() >= set(BlockForce._fields)
     for name, value in plain.items():
         np.testing.assert_array_equal(out[name], value)
+
+
+def test_gas_below_the_piston_pushes_back(reduced):
+    """The net gas force is that of the difference, to the bit. The side force of a change is its
+    force by the slope of the rod.
+    """
+    model = skewed(reduced, False)
+    outputs = []
+    for above, below in ((5e5, 1e5), (4e5, 0.0), (5e5, 0.0)):
+        inputs = Inputs(SPEED, above, *forces(model), crankcase_pressure=below)
+        outputs.append(model.start(0.3, 2e-6, 1e-4, inputs)[1])
+    both, difference, alone = outputs
+    for name, value in difference.items():
+        if name != "cylinder_pressure" and not name.endswith("_evaluations"):
+            np.testing.assert_array_equal(both[name], value)
+    m = model.system.mechanism
+    aside = m.offset + m.crank_radius * np.sin(0.3)
+    slope = aside / np.sqrt(m.rod_length**2 - aside**2)
+    added = abs(alone["side_force_demand"] - both["side_force_demand"])
+    assert added == pytest.approx(1e5 * model.model.gas_area * slope, rel=1e-9)
 
 
 def test_a_block_that_accelerates_along_a_rigid_piston_weighs_as_gravity(mounted):
