@@ -549,14 +549,10 @@ def end(
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
+    share, gain = account.boundary_share, account.energy_gain
+    outflow = parts.leaving_above(found.axial_flow)
     ledger = parts.BalanceScalars(
-        account.boundary_share,
-        account.energy_gain,
-        flows,
-        parts.leaving_above(found.axial_flow),
-        found.mass_imbalance,
-        account.oil,
-        account.heat,
+        share, gain, flows, outflow, found.mass_imbalance, account.oil, account.heat
     )
     after = parts.PreviousFilm(
         found.unknown,
