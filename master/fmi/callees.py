@@ -61,7 +61,7 @@ class CalleeLibrary(EntryLibrary):
 
     @property
     def codes(self) -> dict[bytes, tuple]:
-        """All that an entry links."""
+        """Bitcode that an entry links, with its environments."""
         return self.callees | {self.bitcode: self.environments}
 
     def link_callees(self):
