@@ -4,15 +4,22 @@ By default numba makes every kernel callable from Python, although most kernels 
 others. That takes half of a first start. Here, a callee stays LLVM code for any processor. The
 entry links all its callees, and is optimised and translated as a whole. Native FMUs use the same
 cached callees. Nothing is reordered or fused, so results are bit for bit the same.
+
+numba numbers the functions of a process from 1 on, to give functions of the same name symbols of
+their own. An entry links callees of several processes, so here these numbers are random.
 """
 
-from functools import cache, cached_property
+import secrets
+from functools import cache, cached_property, partial
 from typing import Any
 
 from numba import _dynfunc  # pyright: ignore[reportAttributeAccessIssue]
 from numba.core import codegen
+from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import CompileResultCacheImpl
 from numba.core.compiler import Compiler, CompileResult
+
+FunctionIdentity._unique_ids = iter(partial(secrets.randbits, 62), -1)  # pyright: ignore
 
 LLVM: Any = vars(codegen)["ll"]
 """llvmlite, as numba imports it."""

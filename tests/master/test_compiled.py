@@ -40,6 +40,30 @@ def top(x):
 def other(x):
     return inner(x) - 1.0
 """
+FAMILY = """
+from piston_cosim.master.fmi.compiled import compiled
+
+def multiplied(factor):
+    @compiled
+    def times(x):
+        return factor * x
+
+    return times
+
+double, triple = multiplied(2.0), multiplied(3.0)
+
+@compiled
+def twice(x):
+    return double(x)
+
+@compiled
+def thrice(x):
+    return triple(x)
+
+@compiled
+def both(x):
+    return twice(x) + 10.0 * thrice(x)
+"""
 
 
 class Package:
@@ -57,9 +81,9 @@ class Package:
         value, hits = self.printed("top(3.0), sum(top.dispatcher.stats.cache_hits.values())")
         return float(value), int(hits)
 
-    def printed(self, what):
-        """Words of an expression in `top`, `other` and `inner`, in a new process."""
-        code = f"from kernels.top import inner, other, top\nprint({what})"
+    def printed(self, what, module="top"):
+        """Words of an expression in the names of a module, in a new process."""
+        code = f"from kernels.{module} import *\nprint({what})"
         done = subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
         )
@@ -127,6 +151,13 @@ def test_a_kernel_in_the_code_of_others_is_lowered_once_and_never_made_ready(pac
     assert package.printed(f"top(3.0), {read}") == ["70.0", "0", "False"]
     assert package.printed(f"other(3.0), {read}") == ["6.0", "1", "False"]
     assert package.printed("inner(3.0)") == ["7.0"]
+
+
+def test_kernels_of_one_name_from_different_processes_stay_apart(package):
+    """Each process compiles another `times`, as the first kernel or the second one of all."""
+    (package.home / "family.py").write_text(FAMILY)
+    for call, value in (("twice(1.0)", "2.0"), ("thrice(1.0)", "3.0"), ("both(1.0)", "32.0")):
+        assert package.printed(call, "family") == [value]
 
 
 @pytest.mark.parametrize("start", ["first", "second"])
