@@ -7,6 +7,8 @@ import subprocess
 
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Error
 from fmpy.validation import validate_fmu
 
 from piston_cosim.master.case import export
@@ -209,6 +211,52 @@ def test_a_case_without_wires_steps_its_participants(native):
     one.restore(saved)
     step(one, 1)
     assert [one.get(name) for name in outputs_of(one) if name not in COUNTS] == first
+
+
+# ---- parameters after the start
+
+FIXED = [("radial_clearance", 5e-5, "fmi2SetReal"), ("cavitation_model", 2, "fmi2SetInteger")]
+"""A number and a choice that are read once, and the call that sets them."""
+
+
+def test_a_fixed_parameter_is_rejected_after_the_start_and_never_acts(both):
+    """A rollback does not apply it either."""
+    for path in both:
+        one, other = started(path), started(path)
+        for name, value, call in FIXED:
+            before, reference = one.get(name), one.fields[name].references[0]
+            assert before != value
+            with pytest.raises(FMICallException):
+                one.set(name, value)
+            assert one.log == [
+                (
+                    fmi2Error,
+                    f"{call}: expected an input or a tunable parameter in Step Mode, "
+                    f"got the parameter of value reference {reference}",
+                )
+            ]
+            one.log.clear()
+            assert one.get(name) == before
+        saved = one.save()
+        step(one, 1)
+        one.restore(saved)
+        for participant in (one, other):
+            step(participant, 1)
+        names = [name for name in outputs_of(one) if name not in COUNTS]
+        assert [one.get(name) for name in names] == [other.get(name) for name in names]
+
+
+def test_a_tunable_parameter_acts_at_the_next_step(both):
+    """From the first step on as if the run had begun with it, to the tolerance of its wires."""
+    for path in both:
+        one, other, thick = (started(path, HARD | more) for more in ({}, {}, {"viscosity": 0.02}))
+        one.set("viscosity", 0.02)
+        assert one.log == []
+        for participant in (one, other, thick):
+            participant.step(0.0, STEP)
+        name = "friction_power_hydrodynamic"
+        assert one.get(name) == pytest.approx(thick.get(name), rel=1e-9)
+        assert one.get(name) > 2.0 * other.get(name) > 0.0  # 20 mPa s for 6
 
 
 # ---- states
