@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, field_validator
 
 from ..master.fmi.errors import BadInput, file_fault, unknown
-from ..master.fmi.option_classes import sentences, with_meanings
+from ..master.fmi.option_classes import validated, with_meanings
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from ..models import MODELS
@@ -108,10 +108,7 @@ def prepare(
     BadInput
         With every fault: key, value, what is allowed.
     """
-    try:
-        chosen = CaseOptions(**options)
-    except ValidationError as error:
-        raise BadInput(sentences(error, CaseOptions)) from None
+    chosen = validated(CaseOptions, options)
     faults = []
     oil = _oil(chosen, Path(folder), faults)
     mask = _mask(chosen, Path(folder), faults)

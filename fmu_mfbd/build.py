@@ -4,11 +4,9 @@ The result is the content of the FMU's resources.
 """
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
 from dataclasses import fields, replace
-from functools import cache
 from importlib.util import find_spec
 from math import pi
 from pathlib import Path
@@ -17,8 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..master.fmi.cache import cache_folder
-from ..master.fmi.errors import BadInput
-from ..master.fmi.phases import phase
+from ..master.fmi.errors import BadInput, for_all
 from ..master.fmi.variables import Variable
 from .body_options import Block, Piston, ShapeTable
 from .dynamics.build_options import (
@@ -35,10 +32,10 @@ from .dynamics.build_options import (
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, check_modes, read_start
 from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
-from .finite_elements.deck import MeshFault
 from .geometry.grid import film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import BearingShell, Bodies, Build, Gas, SmallEnd, Speed, read_options
+from .reducing import Say, reduced_shell, reducing
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     SMALL_END,
@@ -56,12 +53,9 @@ from .reduction.reduced_body import (
     save,
 )
 from .reduction.rigid import rigid_block, rigid_piston
-from .reduction.store import kept_body, kept_shell
+from .reduction.store import kept_body
 from .variables import inputs, parameters, signals
 
-Say = Callable[[str], None]
-TYPICAL = 50.0
-"""Time of a first reduction per megabyte of its mesh file [s]."""
 Given = TypeVar("Given")
 Table = TypeVar("Table")
 
@@ -318,48 +312,24 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
     """
     waiting: dict[str, Future[Path]] = {}
     with ThreadPoolExecutor(1 if find_spec("pypardiso") else None) as threads:
+
+        def submit(options: SmallEnd | BearingShell, *of: Any) -> Future[Path]:
+            return threads.submit(reduced_shell, options, options.density, *of)
+
         for name, body in (("piston", build.piston), ("block", build.block)):
             if body:
                 waiting[name] = threads.submit(
                     _body, name, body, build, progress, shapes, waiting.get("piston")
                 )
         film = eye_film(build)
-        if film and build.floating_pin and build.floating_pin.small_end:
-            waiting["floating_pin.small_end"] = threads.submit(
-                _shell, build.floating_pin.small_end, film, SMALL_END, progress
-            )
+        if film and build.floating_pin and (eye := build.floating_pin.small_end):
+            waiting["small_end"] = submit(eye, film, SMALL_END, progress, "floating_pin.small_end")
         for name, one in build.crank_films().items():
             if one.shell and one.shell.modes:
                 film = ShellFilm(one.grid, one.length, one.shell.modes)
                 kind = ShellKind(name.replace("_", " "), length=f"{name}.length", upright=True)
-                waiting[name] = threads.submit(_shell, one.shell, film, kind, progress)
-    faults = []
-    files = {}
-    for name, reduction in waiting.items():
-        try:
-            files[name.rpartition(".")[2]] = reduction.result()
-        except MeshFault as error:
-            faults += error.faults
-        except (ValueError, MemoryError) as error:
-            faults.append(f"{name}.{_told(error)}")
-    if faults:
-        raise BadInput(faults)
-    return files
-
-
-def _told(error: Exception) -> str:
-    """Return what is wrong with a body, "KEY: expected X, got Y"."""
-    if isinstance(error, MemoryError):
-        return "modes: expected a reduction that fits into memory, got too many nodes or modes"
-    return str(error)
-
-
-def _shell(
-    options: SmallEnd | BearingShell, film: ShellFilm, kind: ShellKind, progress: Say
-) -> Path:
-    """Return the path of a reduced shell, from the cache or reduced now."""
-    with _reducing(kind.title.replace(" ", "_"), options.mesh, progress) as say:
-        return kept_shell(options, film, kind, cache_folder("bodies"), say)
+                waiting[name] = submit(one.shell, film, kind, progress, f"{name}.shell")
+    return dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
 
 
 def _training(
@@ -387,41 +357,23 @@ def _body(
 ) -> Path:
     """Return the path of a reduced body: shipped, cached, reduced now, or the checked own one."""
     grid = build.grid
-    training = _training(options, build, piston)
-    bosses = boss_films(build) if isinstance(options, Piston) else None
-    if options.rigid:
-        body = (
-            rigid_piston(options, grid)
-            if isinstance(options, Piston)
-            else rigid_block(options, grid)
-        )
-        return _carried(name, body)
-    if options.reduced:
-        path = Path(options.reduced)
-        _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
-        if bosses:
-            _check_bosses(path, bosses)
-        return path
-
-    with _reducing(name, options.mesh, progress) as say:
+    with reducing(name, options.mesh, progress, name) as say:
+        training = _training(options, build, piston)
+        bosses = boss_films(build) if isinstance(options, Piston) else None
+        if options.rigid:
+            body = (
+                rigid_piston(options, grid)
+                if isinstance(options, Piston)
+                else rigid_block(options, grid)
+            )
+            return _carried(name, body)
+        if options.reduced:
+            path = Path(options.reduced)
+            _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
+            if bosses:
+                _check_bosses(path, bosses)
+            return path
         return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
-
-
-@contextmanager
-def _reducing(name: str, mesh: str | None, progress: Say) -> Iterator[Say]:
-    """Yield `say`. Its first message begins the phase: a cached body has no messages."""
-    with ExitStack() as phases:
-
-        @cache
-        def begin() -> None:
-            megabytes = Path(mesh).stat().st_size / 1e6 if mesh else 0.1
-            phases.enter_context(phase(f"reducing {name}", megabytes, TYPICAL))
-
-        def say(text: str) -> None:
-            begin()
-            progress(f"{name}: {text}")
-
-        yield say
 
 
 def _skirt(piston: Path) -> list[list[int]] | None:

@@ -8,13 +8,12 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    ValidationError,
     field_validator,
     model_validator,
 )
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import sentences, with_meanings
+from ..master.fmi.option_classes import validated, with_meanings
 from .body_options import (
     MOST_MODES,
     STRICT,
@@ -107,13 +106,17 @@ class FilmSurface(BaseModel):
         return rows
 
 
+class BuildTable(BaseModel):
+    """Build options of an FMU."""
+
+    def faults(self, folder: Path) -> list[str]:
+        """Return the faults that depend on files; paths become absolute."""
+        raise NotImplementedError
+
+
 class ElasticShell(PlacedMesh):
     """Material and modes of a flexible shell under a film."""
 
-    density: Annotated[Density, Field(ge=500, le=25000)]
-    """Density of the material, for the inertia of the modes. Mass and inertia of the rod are
-    parameters.
-    """
     young: Annotated[Pressure, Field(ge=1e8, le=1e12)]
     """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)]
@@ -129,6 +132,10 @@ class SmallEnd(ElasticShell):
     bore) and cut, where the rigid rod holds the shank.
     """
 
+    density: Annotated[Density, Field(ge=500, le=25000)]
+    """Density of the material, for the inertia of the modes. Mass and inertia of the rod are
+    parameters.
+    """
     mesh: str
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
     surfaces: dict[Literal["eye", "cut"], Surface] = {}
@@ -168,7 +175,7 @@ class RingMesh(BaseModel):
         return self
 
 
-class BearingShell(ElasticShell):
+class RoundShell(ElasticShell):
     """Flexible shell of a bearing, as a mesh or as a ring.
 
     The mesh origin is on its axis z at mid-length. Surfaces: bore, and held, where a rigid body
@@ -187,6 +194,13 @@ class BearingShell(ElasticShell):
         if (self.mesh is None) == (self.ring is None):
             raise ValueError("expected either mesh or ring, got both or neither")
         return self
+
+
+class BearingShell(RoundShell):
+    """Flexible shell of big end or main bearing, whose modes have inertia."""
+
+    density: Annotated[Density, Field(ge=500, le=25000)]
+    """Density of the material, for the inertia of the modes."""
 
 
 def shell_faults(where: str, modes: int, grid: tuple[int, int]) -> list[str]:
@@ -271,7 +285,7 @@ LEAST_ROWS = 4
 """Minimum number of rows of a film grid along the skirt."""
 
 
-class Common(BaseModel):
+class Common(BuildTable):
     """Options in addition to those of the bodies."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
@@ -328,6 +342,24 @@ class Common(BaseModel):
         """Return the films of the crank, by surface."""
         given = {name: getattr(self, name) for name in CRANK_SURFACES}
         return {name: one for name, one in given.items() if one}
+
+    def faults(self, folder: Path) -> list[str]:
+        """Return the faults of modes, files and ends of the bodies; paths become absolute."""
+        faults = []
+        for name, surface in (("piston", "skirt"), ("block", "bore")):
+            if body := getattr(self, name):
+                faults += _faults_of_body(name, body, surface, folder)
+        if self.start:
+            faults += resolve(self, "start", "start", folder)
+        if self.floating_pin and (eye := self.floating_pin.small_end):
+            faults += resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
+        for name, one in self.crank_films().items():
+            if one.shell and one.shell.mesh:
+                faults += resolve(one.shell, "mesh", f"{name}.shell.mesh", folder)
+        for name, table in (("gas", self.gas), ("speed", self.speed)):
+            if table and table.file:
+                faults += resolve(table, "file", f"{name}.file", folder)
+        return faults
 
     @model_validator(mode="after")
     def _apart(self):
@@ -476,7 +508,7 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     return faults
 
 
-Chosen = TypeVar("Chosen", Bodies, Build)
+Chosen = TypeVar("Chosen", bound=BuildTable)
 
 
 def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen] = Build) -> Chosen:
@@ -488,11 +520,11 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
         As in the case file, units as text.
     folder : Path
         Where paths start.
-    kind : {Build, Bodies}
+    kind : type of BuildTable
 
     Returns
     -------
-    Build or Bodies
+    BuildTable
         In SI, paths absolute.
 
     Raises
@@ -500,28 +532,8 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     BadInput
         With every fault: path, value, what is allowed.
     """
-    try:
-        build = kind.model_validate(options)
-    except ValidationError as error:
-        raise BadInput(sentences(error, kind)) from None
-    faults = []
-    if build.piston:
-        ends = ("skirt_lower", build.piston.skirt_lower), ("skirt_upper", build.piston.skirt_upper)
-        faults += _faults_of_body("piston", build.piston, *ends, folder)
-    if build.block:
-        ends = ("bore_lower", build.block.bore_lower), ("bore_upper", build.block.bore_upper)
-        faults += _faults_of_body("block", build.block, *ends, folder)
-    if build.start:
-        faults += resolve(build, "start", "start", folder)
-    if build.floating_pin and (eye := build.floating_pin.small_end):
-        faults += resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
-    for name, one in build.crank_films().items():
-        if one.shell and one.shell.mesh:
-            faults += resolve(one.shell, "mesh", f"{name}.shell.mesh", folder)
-    for name, table in (("gas", build.gas), ("speed", build.speed)):
-        if table and table.file:
-            faults += resolve(table, "file", f"{name}.file", folder)
-    if faults:
+    build = validated(kind, options)
+    if faults := build.faults(Path(folder)):
         raise BadInput(faults)
     return build
 
@@ -530,17 +542,8 @@ SOURCES = ("mesh", "stiffness", "mass", "reduced", "train_on")
 """Keys of a body that name a file."""
 
 
-def _faults_of_body(
-    name: str,
-    body: Piston | Block,
-    lower: tuple[str, float | None],
-    upper: tuple[str, float | None],
-    folder: Path | str,
-) -> list[str]:
-    """Return the faults of a body's modes, files and ends, and make its paths absolute.
-
-    `lower` and `upper` are key and height [m] of the ends.
-    """
+def _faults_of_body(name: str, body: Piston | Block, surface: str, folder: Path) -> list[str]:
+    """Return the faults of a body's modes, files and ends, and make its paths absolute."""
     faults = []
     most = MOST_MODES if isinstance(body.modes, float) else body.modes
     unknown = sorted({n for n in body.modes_off if n > most})
@@ -553,7 +556,8 @@ def _faults_of_body(
             faults += resolve(body, source, f"{name}.{source}", folder)
     for table in body.profiles:
         faults += resolve(table, "file", f"{name}.profiles", folder)
-    (low_key, low), (high_key, high) = lower, upper
+    low_key, high_key = f"{surface}_lower", f"{surface}_upper"
+    low, high = getattr(body, low_key), getattr(body, high_key)
     if low is not None and high is not None and low >= high:
         faults.append(
             f"{name}.{low_key}: expected a height below {high_key} = {high:g} m, got {low:g} m"
@@ -561,9 +565,9 @@ def _faults_of_body(
     return faults
 
 
-def resolve(table: BaseModel, key: str, where: str, folder: Path | str) -> list[str]:
+def resolve(table: BaseModel, key: str, where: str, folder: Path) -> list[str]:
     """Make a path absolute; a sentence if there is no such file."""
     given = getattr(table, key)
-    path = (Path(folder) / given).resolve()
+    path = (folder / given).resolve()
     setattr(table, key, str(path))
     return [] if path.is_file() else [f"{where}: expected a file in {folder}, got {given!r}"]

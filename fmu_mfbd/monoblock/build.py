@@ -1,21 +1,17 @@
 """Offline work of the block's FMU: reduce it, or find it in the cache."""
 
-import hashlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ...master.fmi.cache import cache_folder
-from ...master.fmi.errors import BadInput
-from ...master.fmi.phases import phase
 from ...master.fmi.variables import Variable
-from ..finite_elements.mesh import MeshFault, read_mesh
+from ..finite_elements.mesh import read_mesh
+from ..options import read_options
+from ..reducing import Say, reducing
 from ..reduction.monoblock import Plan, free_block, reduce_monoblock
-from ..reduction.store import kept
-from .options import FREE_MODES, BuildMonoblock, read_monoblock
+from ..reduction.store import contents, kept
+from .options import FREE_MODES, BuildMonoblock
 from .variables import variables
-
-Say = Callable[[str], None]
 
 
 def options_schema() -> dict[str, Any]:
@@ -33,7 +29,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     """
     if options is None:
         return variables(1, 4, (8, 8))
-    build = read_monoblock(options, Path(folder))
+    build = read_options(options, folder, BuildMonoblock)
     return variables(len(build.cylinder_z), build.mounts, (build.bore.around, build.bore.axial))
 
 
@@ -49,25 +45,18 @@ def prepare(
     BadInput
         Every fault of the table; then every fault of the mesh.
     """
-    build = read_monoblock(options, Path(folder))
+    build = read_options(options, folder, BuildMonoblock)
     plan = plan_of(build)
+    with reducing("monoblock", build.mesh, progress) as say:
 
-    def made():
-        with phase("reducing monoblock"):
+        def made():
             placed = build.mesh_unit, build.axes, build.origin
-            mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, progress)
+            mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, say)
             material = build.young, build.poisson, build.density
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
-            return reduce_monoblock(body, plan, progress)
+            return reduce_monoblock(body, plan, say)
 
-    decided = build.model_dump(mode="json")
-    decided["mesh"] = hashlib.sha256(Path(build.mesh).read_bytes()).hexdigest()
-    try:
-        path = kept("monoblock", decided, made, cache_folder("bodies"))
-    except MeshFault as error:
-        raise BadInput([f"{options['mesh']}: {fault}" for fault in error.faults]) from None
-    except (ValueError, MemoryError) as error:
-        raise BadInput(str(error)) from None
+        path = kept("monoblock", contents(build), made, cache_folder("bodies"))
     resolved = {
         "file": path.name,
         "cylinders": len(build.cylinder_z),

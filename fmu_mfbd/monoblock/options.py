@@ -1,19 +1,18 @@
 """What a case file may say about a block of several cylinders."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from ...master.fmi.errors import BadInput
-from ...master.fmi.option_classes import sentences
 from ..body_options import BoreFromOutside, Density, Length, Mass, Number, PlacedMesh, Pressure
+from ..options import BuildTable, resolve
 
 FREE_MODES = 10
 """Number of lowest modes of the free block among all modes."""
 
 
-class BuildMonoblock(PlacedMesh):
+class BuildMonoblock(PlacedMesh, BuildTable):
     """Build options of the block FMU.
 
     The mesh origin O is on the crank axis, in the middle of the cylinders. The cylinders are
@@ -75,20 +74,6 @@ class BuildMonoblock(PlacedMesh):
             )
         return self
 
-
-def read_monoblock(options: dict[str, Any], folder: Path) -> BuildMonoblock:
-    """Validate a build table; its path becomes absolute.
-
-    Raises
-    ------
-    BadInput
-        With every fault: path, value, what is allowed.
-    """
-    try:
-        build = BuildMonoblock.model_validate(options)
-    except ValidationError as error:
-        raise BadInput(sentences(error, BuildMonoblock)) from None
-    path = (folder / build.mesh).resolve()
-    if not path.is_file():
-        raise BadInput(f"mesh: expected a file in {folder}, got {build.mesh!r}")
-    return build.model_copy(update={"mesh": str(path)})
+    def faults(self, folder: Path) -> list[str]:
+        """Return the faults of the mesh file; its path becomes absolute."""
+        return resolve(self, "mesh", "mesh", folder)

@@ -244,8 +244,8 @@ def reduce_monoblock(
     size = body.K.shape[0]
     pushed = [one.reshape(-1, size) for one in (read.deck, read.bearing, read.mount)]
     rows = np.concatenate(pushed)
-    elastic = inertia_relief(body, factors)
     progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")
+    elastic = inertia_relief(body, factors)
     first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(rows.T)])
     psi = of_unit_energy(elastic, first)
     radial: Sparse = sp.vstack([one.radial for one in read.bores], format="csr")

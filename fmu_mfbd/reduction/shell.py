@@ -13,7 +13,7 @@ from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.ring import Ring, ring_mesh
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import film_rows
-from ..options import BearingShell, SmallEnd
+from ..options import RoundShell, SmallEnd
 from .bases import Elastic, orthonormal_modes
 from .bosses import Shells, cell_means, out_of_round, shell_reading, with_boss_modes, without_shell
 from .interpolation import BESIDE
@@ -132,16 +132,14 @@ def yielding_shell(
     )
 
 
-def shell_mesh(
-    options: SmallEnd | BearingShell, film: ShellFilm, kind: ShellKind, say: Say
-) -> Mesh:
+def shell_mesh(options: SmallEnd | RoundShell, film: ShellFilm, kind: ShellKind, say: Say) -> Mesh:
     """Return the mesh of a shell, from its file or its ring.
 
     Raises
     ------
     MeshFault
     """
-    if isinstance(options, BearingShell) and (ring := options.ring):
+    if isinstance(options, RoundShell) and (ring := options.ring):
         length = ring.length or film.length
         return ring_mesh(Ring(ring.inside, ring.outside, length, ring.held, ring.cells))
     return read_surfaces(options, (kind.bore, kind.held), say)

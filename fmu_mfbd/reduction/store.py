@@ -8,17 +8,18 @@ import hashlib
 import json
 import resource
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...models import MODELS
 from ..body_options import Block, Piston
-from ..options import BearingShell, SmallEnd
+from ..options import RoundShell, SmallEnd
 from .film_loads import Training
 from .reduced_body import (
     BossFilms,
@@ -119,16 +120,21 @@ def _decided(
     later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
     if not options.modes:
         later |= IF_FLEXIBLE
-    decided: dict[str, Any] = options.model_dump(mode="json", exclude=later)
-    decided["grid"] = list(grid)
-    for key in FILES:
-        if decided[key]:
-            decided[key] = hashlib.sha256(Path(decided[key]).read_bytes()).hexdigest()
+    decided = contents(options, later) | {"grid": list(grid)}
     if training:
         decided["training"] = training.digest()
     if bosses:
         decided["bosses"] = bosses._asdict()
     return decided
+
+
+def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, Any]:
+    """Return options, with the digest of the content of each file that they name."""
+    out = options.model_dump(mode="json", exclude=set(excluded))
+    for key in FILES:
+        if out.get(key):
+            out[key] = hashlib.sha256(Path(out[key]).read_bytes()).hexdigest()
+    return out
 
 
 def _without_modes(body: ReducedBody) -> ReducedBody:
@@ -142,8 +148,7 @@ def _without_modes(body: ReducedBody) -> ReducedBody:
 def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Path:
     """Return the path of the .npz of what `make` returns: shipped, cached in `folder`, or made now.
 
-    The options determine it, those that name a file by the digest of its content; in `folder` the
-    code does too.
+    The options (`contents`) determine it; in `folder` the code does too.
     """
     path = _path(name, options, folder)
     if not path.exists():
@@ -152,7 +157,8 @@ def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Pat
 
 
 def kept_shell(
-    options: SmallEnd | BearingShell,
+    options: SmallEnd | RoundShell,
+    density: float,
     film: ShellFilm,
     kind: ShellKind,
     folder: Path,
@@ -171,12 +177,10 @@ def kept_shell(
         from .shell import reduce_shell, shell_mesh
 
         mesh = shell_mesh(options, film, kind, progress)
-        material = options.young, options.poisson, options.density
-        return reduce_shell(assembled(mesh, *material), film, progress, kind=kind)
+        body = assembled(mesh, options.young, options.poisson, density)
+        return reduce_shell(body, film, progress, kind=kind)
 
-    decided = options.model_dump(mode="json") | {"film": list(film), "kind": list(kind)}
-    if options.mesh:
-        decided["mesh"] = hashlib.sha256(Path(options.mesh).read_bytes()).hexdigest()
+    decided = contents(options) | {"density": density, "film": list(film), "kind": list(kind)}
     return kept(kind.title.replace(" ", "_"), decided, made, folder)
 
 

@@ -1,22 +1,19 @@
 """Offline work of the shell's FMU: reduce it, or find it in the cache."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ...master.fmi.cache import cache_folder
-from ...master.fmi.errors import BadInput
-from ...master.fmi.phases import phase
 from ...master.fmi.variables import Variable
 from ..dynamics.bearing_shell import YieldingShell
-from ..finite_elements.mesh import MeshFault
+from ..options import read_options
+from ..reducing import Say, reduced_shell
 from ..reduction.reduced_body import ReducedShell, ShellFilm, ShellKind, load
-from ..reduction.store import kept_shell
-from .options import BuildShell, read_shell
+from .options import BuildShell
 from .variables import variables
 
-Say = Callable[[str], None]
 SHELL = ShellKind("shell")
+DENSITY = 7850.0
+"""Density for the scale of the modes [kg/m3]. It has no effect on the deflection."""
 
 
 def options_schema() -> dict[str, Any]:
@@ -32,7 +29,8 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     BadInput
         Every fault of the table.
     """
-    return variables(read_shell(options, Path(folder)).grid if options is not None else (4, 4))
+    given = options is not None
+    return variables(read_options(options, folder, BuildShell).grid if given else (4, 4))
 
 
 def prepare(
@@ -47,15 +45,9 @@ def prepare(
     BadInput
         Every fault of the table; then every fault of the mesh.
     """
-    build = read_shell(options, Path(folder))
+    build = read_options(options, folder, BuildShell)
     film = ShellFilm(build.grid, build.length, build.modes)
-    try:
-        with phase("reducing shell"):
-            path = kept_shell(build, film, SHELL, cache_folder("bodies"), progress)
-    except MeshFault as error:
-        raise BadInput(error.faults) from None
-    except (ValueError, MemoryError) as error:
-        raise BadInput(str(error)) from None
+    path = reduced_shell(build, DENSITY, film, SHELL, progress)
     return {"file": path.name, "grid": list(build.grid)}, [path]
 
 

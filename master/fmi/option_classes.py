@@ -12,13 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
 from textwrap import dedent
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from .errors import unknown
+from .errors import BadInput, unknown
 
 Schema = Mapping[str, Any]
+Options = TypeVar("Options", bound=BaseModel)
 LOW = {"minimum": "", "ge": "", "exclusiveMinimum": "above ", "gt": "above "}
 HIGH = {"maximum": "", "le": "", "exclusiveMaximum": "below ", "lt": "below "}
 ANY = "NAME"
@@ -68,6 +69,14 @@ def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
         if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
             assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
             yield one.target.id, inspect.cleandoc(str(below.value.value))
+
+
+def validated(kind: type[Options], options: Mapping[str, Any]) -> Options:
+    """Return the options of a class; raise `BadInput` with every fault."""
+    try:
+        return kind.model_validate(dict(options))
+    except ValidationError as error:
+        raise BadInput(sentences(error, kind)) from None
 
 
 def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:

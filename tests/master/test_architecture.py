@@ -23,6 +23,7 @@ OUTER = {
     "build.py",
     "options.py",
     "body_options.py",
+    "reducing.py",
     "offline.py",
     "alone.py",
     "preview.py",

@@ -112,6 +112,7 @@ FAULTS = {
     "ring.held: expected at least one block around, 10 deg": {"ring": RING | {"held": "5 deg"}},
     "ring.cells": {"ring": RING | {"cells": [36, 0, 6]}},
     "young: expected": {"young": "1 kPa"},
+    "density: expected one of": {"density": "7850 kg/m^3"},
     "modes: expected at most 14 for 4 x 4 cells, got 60": {"grid": [4, 4]},
     "mesh: expected a file in": {"ring": None, "mesh": "none.msh"},
     "expected a bore under all of length = 40 mm": {

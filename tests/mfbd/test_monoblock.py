@@ -27,7 +27,7 @@ from piston_cosim.fmu_mfbd.dynamics.monoblock import Cylinder, MountedMonoblock,
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
-from piston_cosim.fmu_mfbd.monoblock.build import declared_variables
+from piston_cosim.fmu_mfbd.monoblock.build import declared_variables, prepare
 from piston_cosim.fmu_mfbd.reduction.monoblock import (
     Plan,
     free_block,
@@ -482,6 +482,11 @@ TABLE = {
 def test_build_tables_that_are_refused(change, told):
     with pytest.raises(BadInput, match=told):
         declared_variables(TABLE | change, MESH.parent)
+
+
+def test_a_surface_that_the_mesh_lacks_is_rejected():
+    with pytest.raises(BadInput, match=r"block.msh.xz: surface 'bearing_4' is missing"):
+        prepare(TABLE | {"bearings": 5}, MESH.parent, lambda text: None)
 
 
 def test_bores_that_are_not_there_are_refused():
