@@ -121,7 +121,7 @@ def points_of(path):
 def test_colours_of_every_map_are_the_values_of_the_file(seen):
     """The centre of a cell has the colour of its value, without interpolation."""
     films = views(seen.case, seen.runs, special(seen.case, seen.runs))
-    assert len(films) == {"twin": 2, "pin": 3, "bearing": 2}.get(seen.kind, 1)
+    assert len(films) == {"twin": 2, "pin": 3, "bearing": 3}.get(seen.kind, 1)
     for number, film in enumerate(films):
         for kind, port in film.layers.items():
             if port not in seen.results.recorded:
