@@ -28,6 +28,7 @@ from .dynamics.step import (
     StepInputs,
     at_rest,
     crank_after,
+    crank_at_start,
     has_pins,
     instant_of,
     is_gas_twice,
@@ -57,22 +58,16 @@ from .native_given import given
 
 CHOSEN_GAS, FREE = map(Settings._fields.index, ("gas_source", "crank_free"))
 """Numbers of the settings that are integers."""
-OPTIONS = {
-    "speed": "a table of crank speed",
-    "motion_in_space": "a motion in space",
-    "in_space": "a motion in space",
-}
-"""Build options, as a case gives them and as build.json holds them, that are not covered."""
-ON_WHEN_EMPTY = ("motion_in_space", "in_space")
-"""Those of which an empty table is a choice."""
+IN_SPACE = ("motion_in_space", "in_space")
+"""Build option that is not covered, as a case and as build.json has it; an empty table chooses it.
+"""
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Yield sentences on build options that the library does not cover."""
-    for name, what in OPTIONS.items():
-        if options.get(name) or (name in ON_WHEN_EMPTY and options.get(name) == {}):
-            yield f"{name}: expected nothing in a native FMU, got {what}"
-    if (options.get("block") or {}).get("bore_from_outside"):
+    if any(options.get(name) is not None for name in IN_SPACE):
+        yield "motion_in_space: expected nothing in a native FMU, got a motion in space"
+    if (options.get("block") or {}).get("bore_from_outside") is not None:
         yield "block.bore_from_outside: expected nothing in a native FMU, got a table"
     if shapes := dict(options.get("floating_pin") or {}).get("pin_shapes"):
         yield f"floating_pin.pin_shapes: expected 0 in a native FMU, got {shapes}"
@@ -269,11 +264,14 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     given.tangents[0] = 0.0
     position = given.start_position.copy()
     crank_angle = given.start_angle
+    speed = float(real[given.places.crank_speed])
+    if given.start_given and p.crank_free != 0.0:
+        speed = given.start_speed
     if not given.start_given:
         position[LATERAL] = p.start_lateral_displacement
         position[ROCKING] = p.start_rocking_angle
         crank_angle = p.start_crank_angle
-    crank = CrankMotion(crank_angle, float(real[given.places.crank_speed]), 0.0)
+    crank = crank_at_start(model, crank_angle, speed)
     now = coefficients(0.0, p.spectral_radius)
     for _ in range(START_PASSES):
         before = at_rest(crank, position, given.start_velocity)
@@ -290,9 +288,9 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     part(memory, PART_OF.faults)[0] = 0.0
     step = numbers[0]
     state = state_of(memory)
-    settings = model_of(memory).settings
-    crank = crank_after(settings, state, step, real[given_of(memory).places.crank_speed])
-    c = step_coefficients(state, step, settings.spectral_radius)
+    model = model_of(memory)
+    crank = crank_after(model, state, step, real[given_of(memory).places.crank_speed])
+    c = step_coefficients(state, step, model.settings.spectral_radius)
     solve(real, integer, memory, c, state, crank, state.time + step)
 
 

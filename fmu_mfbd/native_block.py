@@ -89,15 +89,16 @@ class VariablePlaces(NamedTuple):
 class NativeSetup(NamedTuple):
     """Constant part of a memory.
 
-    start_given, start_angle, start_position, start_velocity : start of the build options, if there
-    is one; has_common : whether derivatives have a common part; evaluations, tangents : work so
-    far.
+    start_given, start_angle, start_speed, start_position, start_velocity : start of the build
+    options, if there is one; has_common : whether derivatives have a common part; evaluations,
+    tangents : work so far.
     """
 
     places: VariablePlaces
     bodies: BodySetup
     start_given: bool
     start_angle: float
+    start_speed: float
     start_position: Vector
     start_velocity: Vector
     has_common: Number

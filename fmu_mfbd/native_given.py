@@ -54,6 +54,7 @@ def given(slave: Any) -> np.ndarray:
         bodies=setup,
         start_given=begin is not None,
         start_angle=begin.crank_angle if begin else 0.0,
+        start_speed=begin.rotation_speed if begin else 0.0,
         start_position=begin.position() if begin else np.zeros(n),
         start_velocity=begin.velocity() if begin else np.zeros(n),
         has_common=np.zeros(1),

@@ -56,9 +56,10 @@ from .pin_shells import EYE
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
+from .speed_table import SpeedTable
 from .step import BodyModel
 from .system import BodySystem
-from .tables import GasCurve, GasTable
+from .tables import GasTable
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
@@ -66,7 +67,8 @@ short of the skirt's two radii.
 """
 
 NO_GAS = GasTable(np.zeros(0), np.zeros(0), 0.0)
-"""Table of gas pressure without points."""
+NO_SPEED = SpeedTable(False, np.zeros(0), np.zeros(0), np.zeros(0))
+"""Tables of gas pressure and crank speed without points."""
 
 CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
 """Film surface of the crank -> its own parameters."""
@@ -107,7 +109,7 @@ class BodySetup(NamedTuple):
     Parameters
     ----------
     fit : Fit
-    gas, gas_area, mounted
+    gas, gas_area, speed, mounted
         As of `BodyModel`.
     piston : FlexibleBody
         All modes, with springs of no meaning.
@@ -120,8 +122,9 @@ class BodySetup(NamedTuple):
     """
 
     fit: Fit
-    gas: GasCurve
+    gas: GasTable
     gas_area: float
+    speed: SpeedTable
     mounted: bool
     piston: FlexibleBody
     gas_force: Vector
@@ -148,8 +151,9 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     contiguous = np.ascontiguousarray
     return BodySetup(
         fit=fit_of(piston, block, options, bosses, radii_of(bodies)),
-        gas=GasCurve(*vars(options.gas or NO_GAS).values()),
+        gas=options.gas or NO_GAS,
         gas_area=np.pi * block.radius**2,
+        speed=options.speed or NO_SPEED,
         mounted=options.mounted,
         piston=FlexibleBody(
             mass=piston.mass,
@@ -236,7 +240,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     )
     no_inertia = np.zeros((0, 0))
     parts = PinSystem(system, bodies, pin_films(setup, p), no_inertia, no_inertia)
-    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.mounted)
+    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted)
 
 
 @compilable
@@ -277,7 +281,7 @@ def with_inertia(model: BodyModel) -> BodyModel:
     parts = PinSystem(
         parts.system, bodies, parts.surfaces, inertia(bodies), inertia_with_rod(bodies)
     )
-    return BodyModel(parts, model.settings, model.gas, model.gas_area, model.mounted)
+    return BodyModel(parts, model.settings, model.gas, model.gas_area, model.speed, model.mounted)
 
 
 def assemble(
@@ -495,11 +499,9 @@ def faults(
     out = sentences_of(noted, FAULTS)
     if noted[1] == ROD_TOO_SHORT and out:
         return out
+    if options.in_space and parameters.crank_free:
+        out.append("crank_free: expected 0 with motion in space, got 1")
     pin = options.floating_pin
-    limits = [(options.speed, "a table build.speed"), (options.in_space, "motion in space")]
-    for given, what in limits:
-        if given and parameters.crank_free:
-            out.append(f"crank_free: expected 0 with {what}, got 1")
     if pin and axis:
         out += axis_faults(piston, pin, parameters, bosses, axis)
     modes = len(block.omega) + len(piston.omega)
@@ -529,6 +531,7 @@ def fit_of(
         shell_radii.get("big_end", 0.0),
         shell_radii.get("main_bearing", 0.0),
         piston.omega.max(initial=0.0) / (2 * np.pi),
+        options.speed is not None,
         options.floating_pin is not None,
         "big_end" in films,
         "main_bearing" in films,

@@ -307,5 +307,5 @@ def _read(hint: Any, value: Any) -> Any:
             **{name: _read(hints[name], one) for name, one in value.items() if name in hints}
         )
     if hasattr(hint, "_fields"):
-        return hint(*value)
+        return hint(*map(_read, get_type_hints(hint).values(), value))
     return np.array(value, dtype=float) if hint is np.ndarray else value

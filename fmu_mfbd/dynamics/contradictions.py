@@ -46,6 +46,7 @@ FAULTS = (
     OTHER_FRICTION.format(name="pin_friction_speed"),
     OTHER_FRICTION.format(name="pin_friction_damping"),
     "crank_free: expected 0 with a floating pin, got 1",
+    "crank_free: expected 0 with a table build.speed, got 1",
     "quasi_static_frequency: expected more than all modes with a floating pin, {b} Hz, got {a} Hz",
     *(NO_ROD.format(name="rod_mass", unit="kg", films=films) for films in FILMS),
     *(NO_ROD.format(name="rod_inertia", unit="kg.m2", films=films) for films in FILMS),
@@ -69,6 +70,7 @@ FAULTS = (
     FRICTION_SPEED,
     FRICTION_DAMPING,
     FREE_ON_FILMS,
+    FREE_WITH_TABLE,
     STATIC_ON_FILMS,
     NO_ROD_MASS,
     _,
@@ -87,7 +89,7 @@ USUAL_DAMPING = float(USUAL.pin_friction_damping)
 class Fit(NamedTuple):
     """Data that parameters have to fit; the radii of rigid bodies are 0 [m].
 
-    fastest : highest frequency of the piston's modes [Hz].
+    fastest : highest frequency of the piston's modes [Hz]; has_speed : a table of crank speed.
     """
 
     piston_radius: float
@@ -101,6 +103,7 @@ class Fit(NamedTuple):
     big_end_shell: float
     main_bearing_shell: float
     fastest: float
+    has_speed: bool
     floats: bool
     has_big_end: bool
     has_main_bearing: bool
@@ -116,6 +119,8 @@ def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
         return
     if lacks_gas:
         refuse(faults, WITHOUT_TABLE, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if fit.has_speed and p.crank_free != 0.0:
+        refuse(faults, FREE_WITH_TABLE, 0.0, 0.0, 0.0, 0.0, 0.0)
     if p.rod_centre > p.rod_length:
         refuse(faults, CENTRE_BEYOND, 0.0, 0.0, p.rod_centre, p.rod_length, 0.0)
     upper = fit.skirt_upper

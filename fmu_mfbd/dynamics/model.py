@@ -19,7 +19,6 @@ from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
 from .piston_motion import LATERAL, RIGID, ROCKING
 from .slider_crank import CrankMotion
-from .speed_table import crank_motion
 from .state import PistonState, motion_of, step_coefficients
 from .step import (
     START_PASSES,
@@ -29,6 +28,7 @@ from .step import (
     StepResult,
     at_rest,
     crank_after,
+    crank_at_start,
     has_pins,
     instant_of,
     is_started,
@@ -109,14 +109,13 @@ class PistonInBore:
     ----------
     model : BodyModel
     options : BuildOptions
-        Names and shapes of the films' fields, absent outputs, and a table of crank speed.
+        Names and shapes of the films' fields, and absent outputs.
     outside : OutsideBore, optional
         How a bore is read whose deflection comes from outside.
     """
 
     def __init__(self, model: BodyModel, options: BuildOptions, outside: OutsideBore | None = None):
         self.model = model
-        self.speed = options.speed
         self.films = options.film_grids()
         self.grids = options.pin_grids() if has_pins(model) else ()
         self.absent = options.absent_parts()
@@ -179,9 +178,7 @@ class PistonInBore:
             And its outputs.
         """
         settings = self.model.settings
-        crank = CrankMotion(crank_angle, inputs.crank_speed, 0.0)
-        if self.speed:
-            crank = crank_motion(self.speed, crank_angle, 0.0, 0.0)
+        crank = crank_at_start(self.model, crank_angle, inputs.crank_speed)
         now = coefficients(0.0, settings.spectral_radius)
         for _ in range(START_PASSES):
             before = at_rest(crank, position, velocity)
@@ -211,10 +208,6 @@ class PistonInBore:
 
         The equations hold at the end of the step, with the forces at its end.
 
-        The crank follows its table; without one it turns with constant acceleration over the step,
-        which the input's change asks for; free, it goes on as its torques asked for up to the start
-        of the step (Eq. (K8)).
-
         Parameters
         ----------
         state : PistonState
@@ -231,14 +224,10 @@ class PistonInBore:
         ------
         MotionNotSolved
         """
-        settings = self.model.settings
-        if self.speed:
-            crank = crank_motion(self.speed, state.crank_angle, state.time, step)
-        else:
-            crank = crank_after(settings, state, step, inputs.crank_speed)
+        crank = crank_after(self.model, state, step, inputs.crank_speed)
         if not np.isfinite(crank.angle):
             raise MotionNotSolved(f"crank angle = {crank.angle:g} rad: must be finite")
-        c = step_coefficients(state, step, settings.spectral_radius)
+        c = step_coefficients(state, step, self.model.settings.spectral_radius)
         end, outputs = self._solve(c, state, crank, state.time + step, inputs)
         if self.outside:
             taken = self._taken_by_bore(self.outside, state, inputs)

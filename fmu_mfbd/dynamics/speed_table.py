@@ -3,22 +3,23 @@
 The angle does not depend on the steps.
 """
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
+from ..geometry.arrays import Vector
 from .slider_crank import CrankMotion
 from .tables import Column, Rows, TableFault, closed, two_columns
 
 
-@dataclass(frozen=True)
-class SpeedTable:
-    """Crank speed, linear between its points.
+class SpeedTable(NamedTuple):
+    """Crank speed, linear between its points; empty if there is none.
 
     Parameters
     ----------
-    over : {"time", "angle"}
+    over_angle : bool
+        Whether `at` is the crank angle, not the time.
     at : ndarray, shape (n,)
         Time [s] or crank angle [rad], rising.
     speed : ndarray, shape (n,)
@@ -28,10 +29,10 @@ class SpeedTable:
         point of one over angle.
     """
 
-    over: Literal["time", "angle"]
-    at: np.ndarray
-    speed: np.ndarray
-    passed: np.ndarray
+    over_angle: bool
+    at: Vector
+    speed: Vector
+    passed: Vector
 
 
 def speed_table(
@@ -70,7 +71,7 @@ def speed_table(
         segments = np.diff(at) / _logarithmic_mean(speed[:-1], speed[1:])
     else:
         segments = np.diff(at) * ((speed[1:] + speed[:-1]) / 2)
-    return SpeedTable(over, at, speed, np.append(0.0, np.cumsum(segments)))
+    return SpeedTable(over == "angle", at, speed, np.append(0.0, np.cumsum(segments)))
 
 
 def _logarithmic_mean(a, b):
@@ -79,6 +80,7 @@ def _logarithmic_mean(a, b):
     return np.where(np.abs(rise) < 1e-9, (a + b) / 2, (b - a) / np.where(rise == 0.0, 1.0, rise))
 
 
+@compilable
 def crank_motion(table: SpeedTable, angle: float, time: float, step: float) -> CrankMotion:
     """Return the motion of the crank a step after an angle.
 
@@ -99,38 +101,42 @@ def crank_motion(table: SpeedTable, angle: float, time: float, step: float) -> C
     CrankMotion
         Where two segments meet the acceleration is that of the earlier one.
     """
-    if table.over == "time":
-        begin = _turned(table, time)
-        end = _turned(table, time + step)
+    if not table.over_angle:
+        begin = turned(table, time)
+        end = turned(table, time + step)
         return CrankMotion(angle + end.angle - begin.angle, end.speed, end.acceleration)  # Eq. (I3)
     cycle = table.at[-1] - table.at[0]
     turns, ahead = divmod(angle - table.at[0], cycle)
-    clock = _time_to(table, table.at[0] + ahead) + step
+    clock = time_to(table, table.at[0] + ahead) + step
     more_turns, clock = divmod(clock, table.passed[-1])
-    k = _segment(table.passed, clock)
-    slope = _slope(table, k)
+    k = segment(table.passed, clock)
+    slope = slope_of(table, k)
     tau = clock - table.passed[k]
     # Eq. (I4)
     speed = table.speed[k] * np.exp(slope * tau)
-    climb = table.speed[k] * (np.expm1(slope * tau) / slope if slope else tau)
+    climb = table.speed[k] * (np.expm1(slope * tau) / slope if slope != 0.0 else tau)
     end_angle = table.at[k] + climb + (turns + more_turns) * cycle
     return CrankMotion(float(end_angle), float(speed), float(slope * speed))
 
 
-def _time_to(table, angle):
+@compilable
+def time_to(table: SpeedTable, angle: float) -> float:
     """Return the time from the table's first angle to another (Eq. (I4)) [s]."""
-    k = _segment(table.at, angle)
-    slope = _slope(table, k)
+    k = segment(table.at, angle)
+    slope = slope_of(table, k)
     ahead = angle - table.at[k]
     speed = table.speed[k]
-    return table.passed[k] + (np.log1p(slope * ahead / speed) / slope if slope else ahead / speed)
+    straight = ahead / speed
+    took = np.log1p(slope * straight) / slope if slope != 0.0 else straight
+    return float(table.passed[k] + took)
 
 
-def _turned(table, time):
+@compilable
+def turned(table: SpeedTable, time: float) -> CrankMotion:
     """Return the motion since the table's first time (Eq. (I3))."""
-    inside = np.clip(time, table.at[0], table.at[-1])
-    k = _segment(table.at, inside)
-    slope = _slope(table, k)
+    inside = min(max(time, table.at[0]), table.at[-1])
+    k = segment(table.at, inside)
+    slope = slope_of(table, k)
     tau = inside - table.at[k]
     speed = table.speed[k] + slope * tau
     # Eq. (I3)
@@ -138,11 +144,13 @@ def _turned(table, time):
     return CrankMotion(float(angle), float(speed), float(slope) if time == inside else 0.0)
 
 
-def _slope(table, k):
+@compilable
+def slope_of(table: SpeedTable, k: int) -> float:
     """Return the slope of the speed in segment k."""
     return (table.speed[k + 1] - table.speed[k]) / (table.at[k + 1] - table.at[k])
 
 
-def _segment(points, value):
+@compilable
+def segment(points: np.ndarray, value: float) -> int:
     """Return the number of the segment that holds a value, the earlier one at a common point."""
-    return int(np.clip(np.searchsorted(points, value) - 1, 0, len(points) - 2))
+    return min(max(int(np.searchsorted(points, value)) - 1, 0), len(points) - 2)

@@ -23,9 +23,10 @@ from .pin_response import PinResponse, respond_pin
 from .piston_motion import RIGID, imbalance
 from .response import LinearisedMotion, StepEnd, linearise, response, step_end
 from .slider_crank import CrankMotion, driven
+from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, state_at
 from .system import OtherForces, RingForce, StepProblem
-from .tables import GasCurve, gas_pressure
+from .tables import GasTable, gas_pressure
 
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
@@ -44,18 +45,19 @@ class BodyModel(NamedTuple):
     ----------
     parts : PinSystem
     settings : Settings
-    gas : GasCurve
-        Empty if there is no table.
+    gas : GasTable
     gas_area : float
         Area of the bore [m2].
+    speed : SpeedTable
     mounted : bool
         Whether the block moves.
     """
 
     parts: PinSystem
     settings: Settings
-    gas: GasCurve
+    gas: GasTable
     gas_area: float
+    speed: SpeedTable
     mounted: bool
 
 
@@ -144,15 +146,26 @@ def is_started(settings: Settings, crank: CrankMotion, state: PistonState) -> bo
 
 
 @compilable
-def crank_after(settings: Settings, state: PistonState, step: float, speed: float) -> CrankMotion:
+def crank_at_start(model: BodyModel, angle: float, speed: float) -> CrankMotion:
+    """Return the motion of the crank at the start; `speed` is that without a table [rad/s]."""
+    if len(model.speed.at) > 0:
+        return crank_motion(model.speed, angle, 0.0, 0.0)
+    return CrankMotion(angle, speed, 0.0)
+
+
+@compilable
+def crank_after(model: BodyModel, state: PistonState, step: float, speed: float) -> CrankMotion:
     """Return the motion of the crank a step [s] after a state.
 
-    `speed` is the input at the end of the step [rad/s].
+    The crank follows its table. Without one, it has constant acceleration over the step, up to
+    `speed`, the input at its end [rad/s].
 
     Eq. (K8):  free, order 2 in the step:  phi + h w + h^2 w'/2 + h^3 w''/6
                w + h w' + h^2 w''/2,  w' + h w''
     """
-    if settings.crank_free == 0.0:
+    if len(model.speed.at) > 0:
+        return crank_motion(model.speed, state.crank_angle, state.time, step)
+    if model.settings.crank_free == 0.0:
         return driven(crank_of(state), step, speed)
     # Eq. (K8)
     before = state.crank_acceleration

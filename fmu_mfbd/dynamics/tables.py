@@ -2,7 +2,6 @@
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,9 +35,8 @@ class Column(NamedTuple):
     unit: float
 
 
-@dataclass(frozen=True)
-class GasTable:
-    """Gauge pressure of the gas over exactly one cycle.
+class GasTable(NamedTuple):
+    """Gauge pressure of the gas over exactly one cycle; empty if there is none.
 
     Parameters
     ----------
@@ -49,14 +47,6 @@ class GasTable:
     cycle : float
         [rad]
     """
-
-    angle: np.ndarray
-    pressure: np.ndarray
-    cycle: float
-
-
-class GasCurve(NamedTuple):
-    """`GasTable` for kernels, empty if there is none."""
 
     angle: Vector
     pressure: Vector
@@ -223,7 +213,7 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
 
 
 @compilable
-def gas_pressure(table: GasTable | GasCurve, crank_angle: float) -> float:
+def gas_pressure(table: GasTable, crank_angle: float) -> float:
     """Return the gas pressure at a crank angle [rad], linear between the points [Pa]."""
     first = table.angle[0]
     within = (crank_angle - first) % table.cycle + first

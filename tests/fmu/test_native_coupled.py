@@ -384,6 +384,8 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         ("coupling.differences", True),
         ("wires.0.relative_tolerance", 1e-3),
         ("participants.bodies.build.motion_in_space", {}),
+        ("participants.bodies.build.block.bore_from_outside", {}),
+        ("participants.bodies.build.floating_pin.pin_shapes", 5),
     ]
     case = check_case(read_tree(PATH, [*SMALL, *changes]), PATH)
     with pytest.raises(BadInput) as refusal:
@@ -395,6 +397,8 @@ def test_all_that_is_not_covered_is_refused_at_once_before_anything_is_made(monk
         "coupling.differences: expected false in a native FMU",
         "relative_tolerance: expected 0 in a native FMU, got 0.001",
         "participants.bodies.build.motion_in_space: expected nothing in a native FMU",
+        "participants.bodies.build.block.bore_from_outside: expected nothing in a native FMU",
+        "participants.bodies.build.floating_pin.pin_shapes: expected 0 in a native FMU, got 5",
     ):
         assert words in said
 

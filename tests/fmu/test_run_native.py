@@ -33,7 +33,7 @@ SMALL = [
 ]
 """Flexible, beside the axis, little oil, surfaces that touch."""
 SPEED = {"points": [[0.0, 6000.0], [360.0, 6000.0]], "angle_unit": "deg", "speed_unit": "rpm"}
-"""A table of crank speed, which native bodies do not cover."""
+"""A table of crank speed over angle."""
 COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
 ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.energy_error")
 """The last one of the rigid block of the twin, 1e-17 J."""
@@ -143,12 +143,15 @@ def test_what_is_not_covered_is_said_with_all_that_is_wrong():
         ("native", ["bodies", "ehd", "piston"]),
         ("participants.ehd.build.grid", [193, 10]),
         ("participants.bodies.build.grid", [193, 10]),
-        ("participants.bodies.build.speed", SPEED),
+        ("participants.bodies.build.motion_in_space", {}),
+        ("participants.bodies.build.block.bore_from_outside", {}),
+        ("participants.bodies.build.floating_pin.pin_shapes", 5),
     )
     faults = faults_ahead(case, PATH.parent)
     assert any("unknown participant 'piston'" in f for f in faults)
     assert any("participants.ehd.build.grid: expected at most 192" in fault for fault in faults)
-    assert any("participants.bodies.build.speed: expected" in fault for fault in faults)
+    for name in ("motion_in_space", "block.bore_from_outside", "floating_pin.pin_shapes"):
+        assert any(f"participants.bodies.build.{name}: expected" in fault for fault in faults)
 
 
 def test_a_stroke_without_room_is_said_before_anything_is_built():
@@ -170,7 +173,8 @@ def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
         (tmp_path / library_name((package,), platform, "2.0")).touch()
     assert chosen() == {"bodies", "ehd"}
     assert chosen(("native", False)) == set()
-    assert chosen(("participants.bodies.build.speed", SPEED)) == {"ehd"}
+    assert chosen(("participants.bodies.build.speed", SPEED)) == {"bodies", "ehd"}
+    assert chosen(("participants.bodies.build.motion_in_space", {})) == {"ehd"}
     wide = [(f"participants.{name}.build.grid", [193, 8]) for name in ("bodies", "ehd")]
     assert chosen(*wide) == {"bodies"}
 

@@ -18,7 +18,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
     PinParameters,
     Settings,
 )
-from piston_cosim.fmu_mfbd.native import OPTIONS, uncovered
+from piston_cosim.fmu_mfbd.native import uncovered
 
 SCRIPT = """
 import json, sys
@@ -133,12 +133,25 @@ GAS = {
 }
 """Its first angle is not 0, its first stretch steep."""
 
+UNITS = {"time_unit": "ms", "angle_unit": "deg"}
+SPEEDS = {
+    "time": [[-0.2, 305.0], [0.1, 300.0], [0.15, 300.0], [0.3, 320.0]],
+    "angle": [[-10.0, 300.0], [25.0, 310.0], [26.0, 310.0], [30.0, 290.0], [350.0, 300.0]],
+}
+"""Crank speed [rad/s]: all segments are passed, constant ones too, and the end over time."""
+
+
+def speed(over):
+    unit = f"{over}_unit"
+    return {"points": SPEEDS[over], unit: UNITS[unit], "speed_unit": "rad/s"}
+
+
 BANDS_OF_ROWS = [{"name": name, "rows": rows} for name, rows in (("low", [1, 4]), ("up", [6, 10]))]
 """Two film surfaces of unequal size, a row between them without a film."""
 
 BEGIN = dict(
     crank_angle=0.7,
-    rotation_speed=300.0,
+    rotation_speed=310.0,
     lateral_displacement=4e-6,
     rocking_angle=-2e-4,
     lateral_velocity=1e-2,
@@ -218,6 +231,9 @@ def side_by_side(resources, changes):
         (SHAPED, {"grid": [7, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
         (SHAPED | LOADED | dict(quasi_static_frequency=20e3), {"gas": GAS}),
         (SHAPED | LOADED | dict(crank_free=1, load_torque=30.0), {"gas": GAS}),
+        (LOADED | dict(crank_free=1), {"start": "begin.json"}),  # another speed than the input
+        (LOADED, {"speed": speed("time")}),
+        (LOADED, {"speed": speed("angle")}),
     ],
 )
 def test_the_step_is_that_of_the_model(told, changes, options):
@@ -234,6 +250,9 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
     assert of_machine == of_python and len(of_python) == 1
     of_python, of_machine = told(dict(gas_source=2))
     assert of_machine == of_python == [NO_GAS_TABLE]
+    table = {"speed": speed("time")}
+    of_python, of_machine = told(dict(crank_free=1), **table)
+    assert of_machine == of_python and "a table build.speed" in "".join(of_python)
     wrong = dict(rod_centre=0.2, top_ring_height=5e-3, second_ring_height=4e-3, crank_radius=40e-3)
     of_python, of_machine = told(wrong)
     assert of_machine == of_python and len(of_python) == 3
@@ -246,10 +265,8 @@ def test_every_parameter_is_a_setting():
 
 
 def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built():
-    given = {"speed": {}, "floating_pin": None, "mounted": False, "film_surfaces": []}
+    given = {"speed": {"points": []}, "floating_pin": None, "mounted": False, "film_surfaces": []}
     assert list(uncovered(given)) == []
-    assert len(list(uncovered({"motion_in_space": {}}))) == 1
-    assert len(list(uncovered(dict.fromkeys(OPTIONS, True)))) == len(OPTIONS)
     assert list(uncovered({"floating_pin": {"boss_modes": 60, "pin_shapes": 0}})) == []
     (told,) = uncovered({"floating_pin": {"pin_shapes": 5}})
     assert told == "floating_pin.pin_shapes: expected 0 in a native FMU, got 5"
