@@ -22,13 +22,7 @@ from ..geometry.surfaces import (
     row_at,
     with_room,
 )
-from ..reduction.reduced_body import (
-    ReducedBlock,
-    ReducedBosses,
-    ReducedPiston,
-    ReducedShell,
-    load,
-)
+from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions, FloatingPin
 from .clearance import machined, surfaces

@@ -56,8 +56,8 @@ def speed_table(
     Raises
     ------
     TableFault
-        Where the first column does not rise, a speed is negative (over angle: not positive), or a
-        table over angle does not close.
+        Where the first column does not rise, a speed is negative (over angle: not positive), a
+        table over angle does not close, or one over time has one row.
     """
     at, speed = two_columns(rows, Column(over, unit), Column("crank speed", speed_unit))
     bad = np.flatnonzero(speed < 0.0 if over == "time" else speed <= 0.0)
@@ -69,6 +69,8 @@ def speed_table(
     if over == "angle":
         at, speed = closed(rows, at, speed, cycle, "speed {:g} rad/s")
         segments = np.diff(at) / _logarithmic_mean(speed[:-1], speed[1:])
+    elif len(at) < 2:
+        raise TableFault(f"{rows.row_names[0]}: expected at least two rows over time, got one")
     else:
         segments = np.diff(at) * ((speed[1:] + speed[:-1]) / 2)
     return SpeedTable(over == "angle", at, speed, np.append(0.0, np.cumsum(segments)))

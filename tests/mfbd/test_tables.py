@@ -130,6 +130,7 @@ def test_tables_in_the_case_name_their_rows():
     "over, points, message",
     [
         ("time", [(0, 10), (1, -1)], "2: expected a crank speed of at least 0"),
+        ("time", [(0, 10)], "1: expected at least two rows over time, got one"),
         ("angle", [(0, 10), (6, 0)], "2: expected a crank speed above 0 rad/s,"),
         (
             "angle",
