@@ -68,7 +68,17 @@ def reduced_shell(
     progress: Say,
     table: str = "",
 ) -> Path:
-    """Return the path of a reduced shell, from the cache or reduced now; `table` as of `reducing`.
+    """Return the path of a reduced shell, from the cache or reduced now.
+
+    Parameters
+    ----------
+    options : SmallEnd or RoundShell
+    density : float
+        Of the material [kg/m3].
+    film : ShellFilm
+    kind : ShellKind
+    progress, table
+        As of `reducing`.
 
     Raises
     ------
