@@ -21,9 +21,9 @@ from ..results.charts import (
     DASHES,
     Chart,
     Curve,
+    CyclePhase,
     Dash,
     Drawn,
-    Phase,
     Section,
     StillMap,
 )
@@ -246,7 +246,7 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
     return found
 
 
-def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
+def strokes(runs: Runs, ahead: float = 0.0) -> list[CyclePhase]:
     """Return the strokes of the runs. Runs without gas pressure have dead centres only.
 
     0 deg is firing top dead centre, a cycle is 720 deg. The crank angle of the cylinder is that
@@ -257,7 +257,7 @@ def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
     first = int(np.floor(min(low for low, _ in spans) / 180.0 + 1e-9))
     last = int(np.ceil(max(high for _, high in spans) / 180.0 - 1e-9))
     return [
-        Phase(
+        CyclePhase(
             180.0 * k + ahead,
             180.0 * (k + 1) + ahead,
             STROKES[k % 4] if fired else "",
@@ -267,7 +267,7 @@ def strokes(runs: Runs, ahead: float = 0.0) -> list[Phase]:
     ]
 
 
-def own_strokes(runs: Runs, body: str) -> list[Phase] | None:
+def own_strokes(runs: Runs, body: str) -> list[CyclePhase] | None:
     """Return the strokes of a cylinder over the crank angle of the first one.
 
     Returns None if the runs have different strokes.

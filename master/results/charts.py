@@ -110,12 +110,12 @@ class Section:
     title: str
     drawn: Sequence[Drawn]
     said: str = ""
-    phases: "Sequence[Phase] | None" = None
+    phases: "Sequence[CyclePhase] | None" = None
     """Parts of the cursor's abscissa. Default: those of the page."""
 
 
 @dataclass(frozen=True)
-class Phase:
+class CyclePhase:
     """Named part of the cursor's abscissa, from `begin` to `end` in its unit.
 
     mark : label of its beginning, "" if there is none.

@@ -13,7 +13,7 @@ from matplotlib import colormaps
 
 from .charts import (
     Chart,
-    Phase,
+    CyclePhase,
     Section,
     as_data,
     field_data,
@@ -77,7 +77,7 @@ class Special:
     ----------
     sections : sequence of Section
         Shown among the details before the curves of the case.
-    phases : sequence of Phase
+    phases : sequence of CyclePhase
         Named parts of the abscissa of the cursor.
     films : sequence of FilmView
         Films in the order of the case.
@@ -90,7 +90,7 @@ class Special:
     """
 
     sections: Sequence[Section] = ()
-    phases: Sequence[Phase] = ()
+    phases: Sequence[CyclePhase] = ()
     films: Sequence[FilmView] = ()
     solids: Mapping[str, list[Solid]] = field(default_factory=dict)
     overview: Any = None
