@@ -188,8 +188,7 @@ def publish(real, integer, given, model, result):
     now = instant.now
     put_each(real, places.scalars, result.scalars)
     put_each(real, places.pin_scalars, instant.scalars)
-    if not has_pins(model):
-        put_each(real, places.on_block, result.on_block)
+    put_each(real, places.on_block, result.on_block)
     put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
     put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)
     put_each(real, places.skirt.work_error, now.films.work_error)

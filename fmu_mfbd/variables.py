@@ -207,8 +207,8 @@ def signals(options: BuildOptions) -> list[Variable]:
         answers = answers + declared(PinScalars, options.absent_parts())
     if pin and pin.small_end_modes:
         answers = answers + eye_outputs(pin.small_end_modes)
-    if options.shows_block():
-        answers = answers + declared(BlockForce)
+    film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
+    answers = answers + declared(BlockForce, ("main_bearing",) * film)
     if options.mounted:
         acting = acting + block_inputs()
     if outside := options.block.bore_from_outside:

@@ -227,7 +227,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
             fit.has_big_end,
             fit.has_main_bearing,
             p.crank_mass,
-            p.crank_unbalance if fit.has_main_bearing else 0.0,
+            p.crank_unbalance,
             setup.big_end_modes,
             setup.main_bearing_modes,
         ),

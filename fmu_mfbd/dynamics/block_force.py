@@ -29,7 +29,10 @@ class BlockForce(NamedTuple):
         float, "N", "Force of bore, deck and main bearings on the block along y", 1e3
     ]
     moment_on_block: Annotated[
-        float, "N.m", "Moment of bore and deck on the block about the crank axis", 1e2
+        float,
+        "N.m",
+        "Moment of bore, deck and friction of the main bearing on the block about the crank axis",
+        1e2,
     ]
     main_bearing_force_x: Annotated[
         float, "N", "Force of the crank on its main bearings along x", 1e3
@@ -89,9 +92,27 @@ def block_force(
     bearing_y = -(pin.pin_y + mechanism.pin_mass * (axial + added.y) + mechanism.rod_mass * gy)
     bearing_x -= crank_unbalance * ux
     bearing_y -= crank_unbalance * uy
+    return all_on_block(load, now.position[LATERAL], at.x, at.y, bearing_x, bearing_y)
+
+
+@compiled
+def all_on_block(
+    load: Load, lateral: float, x: float, y: float, bearing_x: float, bearing_y: float
+) -> BlockForce:
+    """Return the forces on the block from those on its main bearings.
+
+    Parameters
+    ----------
+    load : Load
+        On the piston.
+    lateral, x, y : float
+        x_A, and the place of A [m].
+    bearing_x, bearing_y : float
+        F_b of Eq. (D24) [N].
+    """
     # Eq. (D25)
-    about_a = load.moment + load.guided * now.position[LATERAL]
-    moment = about_a + at.x * load.axial - at.y * load.lateral
+    about_a = load.moment + load.guided * lateral
+    moment = about_a + x * load.axial - y * load.lateral
     return BlockForce(
         bearing_x - load.lateral, bearing_y - load.axial, -moment, bearing_x, bearing_y
     )

@@ -236,10 +236,6 @@ class BuildOptions:
         """Return the names of the crank's film surfaces."""
         return tuple(one.name for one in self.crank_bearings)
 
-    def shows_block(self) -> bool:
-        """Return whether the forces on the block are outputs: a tied pin, motion in the plane."""
-        return self.floating_pin is None and self.in_space is None
-
     def absent_parts(self) -> tuple[str, ...]:
         """Return how names of outputs begin whose part of pin, eye or crank is absent."""
         pin = self.floating_pin

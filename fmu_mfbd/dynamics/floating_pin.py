@@ -117,6 +117,8 @@ class PinImbalance(NamedTuple):
         Force along y that piston and pin need of the rod, T [N].
     torque : float
         Of the drive on the crank [N m].
+    on_bearings : ndarray, shape (2,)
+        Force of the crank on its main bearings [N].
     at : PinKinematics
     force : FrameForce
         That the piston's frame needs, in its own axes.
@@ -126,6 +128,7 @@ class PinImbalance(NamedTuple):
     on_piston: np.ndarray
     above_eye: float
     torque: float
+    on_bearings: np.ndarray
     at: PinKinematics
     force: FrameForce
 
@@ -270,6 +273,7 @@ def imbalance(
         bodies.crank.mass * at.crank[0] + bodies.crank.unbalance * flung[0],
         bodies.crank.mass * at.crank[1] + bodies.crank.unbalance * flung[1],
     )
+    on_bearings = pair(at_big_end[0] - thrown[0], at_big_end[1] - thrown[1])
     on_pin = films.bosses.on_pin + films.eye.on_pin
     residual = np.empty(first.size)
     residual[LATERAL] = on_piston[0] + pin_x + sideways
@@ -299,7 +303,7 @@ def imbalance(
         if first.big_end >= 0:
             residual[first.big_end + way] = at_big_end[way] - films.big_end.force[way]
         if first.main_bearing >= 0:
-            journal = thrown[way] - at_big_end[way] - films.main_bearing.force[way]
+            journal = -on_bearings[way] - films.main_bearing.force[way]
             residual[first.main_bearing + way] = journal
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
@@ -310,7 +314,7 @@ def imbalance(
     torque += mechanism.rod_mass * (by_centre[0] * at.shift[0] + by_centre[1] * at.shift[1])
     torque += bodies.crank.unbalance * (onward[0] * at.crank[0] + onward[1] * at.crank[1])
     torque -= films.big_end.on_pin + films.main_bearing.on_pin
-    return PinImbalance(residual, on_piston, above_eye, torque, at, force)
+    return PinImbalance(residual, on_piston, above_eye, torque, on_bearings, at, force)
 
 
 class PistonForces(NamedTuple):

@@ -119,7 +119,6 @@ class PistonInBore:
         self.films = options.film_grids()
         self.grids = options.pin_grids() if has_pins(model) else ()
         self.absent = options.absent_parts()
-        self.shows_block = options.shows_block()
         self.outside = outside
         self.system = system = model.parts.system
         self.film_surfaces = each_of(system.surfaces)
@@ -307,6 +306,7 @@ class PistonInBore:
             **{f"{one.prefix}sliding_velocity": np.zeros(one.shape) for one in self.grids},
             **{f"{one.prefix}interface_work_error": float(error) for one, error in errors},
             **result.scalars._asdict(),
+            **result.on_block._asdict(),
             "cylinder_pressure": result.others.wall.chamber,
             "side_force_demand": result.side_force_demand,
             "residual_evaluations": self.residual_evaluations,
@@ -315,8 +315,6 @@ class PistonInBore:
         if self.modes:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
-        if self.shows_block:
-            outputs |= result.on_block._asdict()
         if at.big_end_shell > at.eye:
             outputs["small_end_modal_coordinate"] = of_eye(at, now.end.position).copy()
             outputs["small_end_modal_velocity"] = of_eye(at, now.kept.velocity).copy()

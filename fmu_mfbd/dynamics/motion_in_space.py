@@ -18,10 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.pin import across, turned
+from .block_force import BlockForce, all_on_block
+from .floating_pin import towards_crank_pin, turning
 from .generalised_alpha import Motion
+from .pin_coordinates import NO_MODES
 from .pin_friction import friction_moment
-from .piston_motion import LATERAL, ROCKING, lateral_motion
-from .slider_crank import CrankMotion, Link, Mechanism, carried_mass, motion
+from .piston_motion import LATERAL, ROCKING, Load, lateral_motion
+from .slider_crank import CrankMotion, Link, Mechanism, carried_mass, height, motion
 
 SHIFT, ROLL, YAW = 2, 3, 4
 """Coordinates beside x_A and the rocking angle."""
@@ -428,6 +431,60 @@ def tangent(
     out[SHIFT, SHIFT] += along[0, 0]
     out[ROLL:, ROLL:] += askew
     return out
+
+
+def block_force(
+    bodies: SpaceBodies,
+    load: SpaceLoad,
+    crank_unbalance: float,
+    now: Motion,
+    crank: CrankMotion,
+    lack: SpaceImbalance,
+) -> tuple[BlockForce, tuple[float, float, float]]:
+    """Return the forces on the block in the plane, then force along z and moments about x and y.
+
+    Eq. (D53):  F_b = -(T + m_r G'' + U u''),   F and M_z of Eq. (D25)
+                F_z = -Z,   Z = roll (T_y - guided) - yaw T_x + load_z - K_z
+                M_x = -(load_roll - K_roll + Y Z - z (load_y + guided))
+                M_y = -(load_yaw - K_yaw - x Z + z load_x - guided roll (p + x_A))
+                (x, Y, z): A from the crank axis, the rest of Eq. (D27)
+
+    Parameters
+    ----------
+    bodies, load, now, crank
+        As for `imbalance`.
+    crank_unbalance : float
+        U [kg m].
+    lack : SpaceImbalance
+        Of the same motion.
+
+    Returns
+    -------
+    BlockForce, tuple
+        All that acts on the block, the main bearings' too, on the crank axis [N], [N m].
+    """
+    mechanism = bodies.mechanism
+    at = place_of(bodies, now, crank)
+    k = mechanism.rod_centre
+    flung = turning(towards_crank_pin(crank.angle), crank)
+    rod = (1 - k) * mechanism.crank_radius * flung + k * at.of_A
+    # Eq. (D53)
+    bearing = -(lack.from_rod + mechanism.rod_mass * rod + crank_unbalance * flung)
+    lateral, _, z, *_ = now.position
+    x = mechanism.offset + lateral
+    y = height(mechanism, lateral, crank.angle).height
+    plane = Load(load.lateral, load.axial, load.moment, load.guided, NO_MODES)
+    roll, yaw, _ = at.spin.tilt
+    pull_x, pull_y = lack.from_rod
+    along, about_x, about_y = lack.held
+    load_z, load_roll, load_yaw = load.across
+    square = roll * (pull_y - load.guided) - yaw * pull_x
+    needed_z = square + load_z + along
+    leaning = load.guided * roll * (bodies.pin_offset + lateral)
+    moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.guided)
+    moment_y = load_yaw + about_y - x * needed_z + z * load.lateral - leaning
+    on = all_on_block(plane, lateral, x, y, *bearing)
+    return on, (-needed_z, -moment_x, -moment_y)
 
 
 def pushed(

@@ -12,6 +12,7 @@ from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
+from .block_force import BlockForce, all_on_block
 from .elimination import LUFactors, factorise, substitute
 from .energy import EnergyLedger
 from .floating_pin import (
@@ -40,7 +41,7 @@ from .pin_films import OnModes, PinSystem, films_at, on_modes_of, pin_films, tot
 from .pin_inertia import elastic_energy
 from .pin_shells import EYE, _big_end, shell_modes_of
 from .pin_tangent import tangent
-from .piston_motion import Load
+from .piston_motion import LATERAL, Load
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import CrankMotion, height
 from .system import StepProblem
@@ -138,6 +139,7 @@ class PinInstant(NamedTuple):
     scalars : PinScalars
     factors : LUFactors
         Of the tangent of Eq. (D21), for derivatives.
+    on_block : BlockForce
     """
 
     now: Instant
@@ -146,6 +148,7 @@ class PinInstant(NamedTuple):
     work_error: np.ndarray
     scalars: PinScalars
     factors: LUFactors
+    on_block: BlockForce
 
 
 @compilable
@@ -383,6 +386,24 @@ def _other_forces(of, end, films):
     return out
 
 
+@compilable
+def _block_force(mechanism, first, load, end, axial, films, lack):
+    """Return the forces on the block.
+
+    Eq. (D51):  F_b of Eq. (D25) with N - m_r G_x'' - m_c m_x'' - U u_x'' and
+                -T - m_r G_y'' - m_c m_y'' - U u_y'' of Eq. (D21), or -O of a film;
+                M of Eq. (D25) + its moment on the main bearing
+    """
+    x, y = lack.on_bearings
+    if first.main_bearing >= 0:
+        x, y = -films.main_bearing.force[0], -films.main_bearing.force[1]
+    lateral = end.position[LATERAL]
+    on = all_on_block(load, lateral, mechanism.offset + lateral, axial.height, x, y)
+    moment = on.moment_on_block + films.main_bearing.on_shell
+    # Eq. (D51)
+    return BlockForce(on.force_on_block_x, on.force_on_block_y, moment, x, y)
+
+
 @compiled
 def end_of_pin_step(
     of: PinSystem, step: StepProblem, skirt_forces: NodalForces, forces: PinForces
@@ -466,4 +487,5 @@ def end_of_pin_step(
         on_pins.work_error,
         pin_scalars(bodies.shapes, of.surfaces, at, kept, films),
         found.factors,
+        _block_force(mechanism, at, load, end, axial, films, found.lack),
     )

@@ -25,6 +25,7 @@ from .motion_in_space import (
     SpaceBodies,
     SpaceImbalance,
     SpaceLoad,
+    block_force,
     imbalance,
     inertia,
     inertia_with_rod,
@@ -100,6 +101,15 @@ class SpaceScalars(NamedTuple):
     ]
     rod_moment_x: Annotated[float, "N.m", "Moment of the small end on the pin about +x", 1.0]
     rod_moment_y: Annotated[float, "N.m", "Moment of the small end on the pin about +y", 1.0]
+    force_on_block_z: Annotated[
+        float, "N", "Force of bore and main bearings on the block along z", 1e2
+    ]
+    moment_on_block_x: Annotated[
+        float, "N.m", "Moment of bore, deck and main bearings on the block about x", 10.0
+    ]
+    moment_on_block_y: Annotated[
+        float, "N.m", "Moment of bore, deck and main bearings on the block about y", 10.0
+    ]
 
 
 class PistonInSpace(PistonInBore):
@@ -315,10 +325,15 @@ class PistonInSpace(PistonInBore):
         """Return the outputs of a piston in its plane, and those across it."""
         now = result.instant.now
         shift, roll, yaw = now.end.position[IN_SPACE]
-        solved = self._space.solved
+        _, solved, crank, *_ = self._space
         motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
-        scalars = SpaceScalars._make([*motion, -solved.load.across[0], *solved.lack.held])
-        return super()._outputs(result) | scalars._asdict()
+        unbalance = self.model.settings.crank_unbalance
+        on_block, across = block_force(
+            self.bodies, solved.load, unbalance, solved.end, crank, solved.lack
+        )
+        held = -solved.load.across[0], *solved.lack.held
+        scalars = SpaceScalars._make([*motion, *held, *across])
+        return super()._outputs(result) | on_block._asdict() | scalars._asdict()
 
     def directional_derivative(
         self,

@@ -34,6 +34,9 @@ GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
 """Scalars of a pin that is tied."""
 
+NO_BLOCK_FORCE = BlockForce(*[0.0] * len(BlockForce._fields))
+"""Forces on the block of a tied pin before they are known."""
+
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
 
@@ -98,10 +101,6 @@ class StepResult(NamedTuple):
     on_block: BlockForce
     state: PistonState
     last: StepEnd
-
-
-NO_BLOCK_FORCE = BlockForce(*[0.0] * len(BlockForce._fields))
-"""Forces on the block of a floating pin, which are no outputs."""
 
 
 @compilable
@@ -211,7 +210,7 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinIn
 def tied(now: Instant) -> PinInstant:
     """Return an instant of a piston whose pin is tied."""
     none = np.zeros(0)
-    return PinInstant(now, none, none, none, NO_PIN, no_factors())
+    return PinInstant(now, none, none, none, NO_PIN, no_factors(), NO_BLOCK_FORCE)
 
 
 @compilable
@@ -264,7 +263,7 @@ def result_of(
             now.ledger.axial_work,
         )
     inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
-    on_block = NO_BLOCK_FORCE
+    on_block = instant.on_block
     if not has_pins(model):
         on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(

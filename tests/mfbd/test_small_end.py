@@ -234,13 +234,13 @@ def eye_model(young=1.0, parameters=PARAMETERS):
     )
 
 
-def all_that_yields():
+def all_that_yields(parameters=PARAMETERS):
     """A pin that bends in bosses and an eye that yield."""
     piston, block, bosses = yielding_bodies()
     built = bending_options(3)
     pin = PinParameters()
     return assemble_floating(
-        piston, block, built, PARAMETERS, pin, bosses, AXIS, small_end=small_end()
+        piston, block, built, parameters, pin, bosses, AXIS, small_end=small_end()
     )
 
 

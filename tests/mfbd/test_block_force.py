@@ -1,0 +1,221 @@
+"""Forces on the block of a floating pin and of a motion in space: changes of momentum and of
+angular momentum of all bodies, from their positions and velocities alone.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.motion_in_space import block_force, imbalance, tangent
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import of_modes, of_shapes
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+from piston_cosim.fmu_mfbd.geometry.pin import turned
+
+from .test_crank_films import (
+    MAIN,
+    OFFSET,
+    SETS,
+    UNBALANCE,
+    crank_model,
+    derivative,
+    rough_inputs,
+    rough_way,
+)
+from .test_floating_pin import PARAMETERS, SPEED, tied_model
+from .test_motion_in_space import Points, load_on, space_bodies
+from .test_small_end import all_that_yields
+
+INERTIA = Parameters().crank_inertia
+
+
+def cross(a, b):
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def all_momentum(model, position, velocity, crank):
+    """Momentum (2,) of everything that moves, and angular momentum about the crank axis but that
+    of the crank's own rotation; velocities by differences of places. Modes of eye, big end and
+    main bearing have no momentum (Eq. (D40)).
+    """
+    p, piston, first = PARAMETERS, model.bodies.piston, model.layout
+    own_crank = first.main_bearing >= 0
+
+    def play(q, start):
+        return q[start : start + 2] if start >= 0 else np.zeros(2)
+
+    def places(q, angle):
+        """A, pin, centre of the rod, journal of the crank with its unbalance; angle of the rod."""
+        u = np.array([-np.sin(angle), np.cos(angle)])
+        journal = play(q, first.main_bearing)
+        big_end = journal + p.crank_radius * u - play(q, first.big_end)
+        eye_x = q[0] + q[2] - q[4] + OFFSET - p.crank_offset
+        rise = np.sqrt(p.rod_length**2 - (eye_x - big_end[0]) ** 2)
+        eye = np.array([eye_x, big_end[1] + rise])
+        pin = eye + q[4:6]
+        along = (eye - big_end) / p.rod_length
+        centre = big_end + p.rod_centre * along
+        return np.array([pin - q[2:4], pin, centre, journal, u]), -np.arcsin(along[0])
+
+    def at(t):
+        return places(position + t * velocity, crank.angle + t * crank.speed)
+
+    (A, pin, rod, journal, u), _ = at(0.0)
+    A_v, pin_v, rod_v, journal_v, u_v = derivative(lambda t: at(t)[0], 0.0, 1e-4)
+    rod_turn = derivative(lambda t: at(t)[1], 0.0, 1e-4)
+    w, axes = velocity[1], turned(position[1])
+    q, dq = of_modes(first, position), of_modes(first, velocity)
+    s = axes @ (piston.S + piston.T @ q)
+    s_v = w * np.array([-s[1], s[0]]) + axes @ piston.T @ dq
+    spread = piston.I0 + 2 * piston.b @ q + q @ piston.B @ q
+    in_frame = spread * w + (piston.g + piston.G @ q) @ dq
+    thrown, thrown_v = (UNBALANCE * model.unbalanced * one for one in (u, u_v))
+    mass = MAIN.crank_mass if own_crank else 0.0
+    momentum = piston.mass * A_v + s_v + p.pin_mass * pin_v + p.rod_mass * rod_v
+    momentum = momentum + mass * journal_v + thrown_v
+    bent, bent_v = of_shapes(first, position), of_shapes(first, velocity)
+    shapes = model.bodies.shapes.mass @ [cross(*two) for two in zip(bent, bent_v)]
+    return np.array(
+        [
+            *momentum,
+            cross(A, piston.mass * A_v + s_v)
+            + cross(s, A_v)
+            + in_frame
+            + p.pin_mass * cross(pin, pin_v)
+            + model.bodies.spin_inertia * velocity[6]
+            + shapes
+            + p.rod_mass * cross(rod, rod_v)
+            + p.rod_inertia * rod_turn
+            + cross(journal, mass * journal_v + thrown_v)
+            + cross(thrown, journal_v),
+        ]
+    )
+
+
+def yields():
+    """A pin that bends, in bosses and an eye that yield. Dampers of its shapes stand in space."""
+    undamped = dataclasses.replace(PARAMETERS, damping_ratio=0.0, high_frequency_damping_ratio=0.0)
+    return all_that_yields(undamped)
+
+
+MODELS = {
+    "pin": lambda: crank_model(()),
+    **{"+".join(names): lambda names=names: crank_model(names) for names in SETS},
+    "flexible": lambda: crank_model(yielding=True),
+    "bending": yields,
+}
+
+
+def made(name):
+    model = MODELS[name]()
+    model.unbalanced = model.model.settings.crank_unbalance / UNBALANCE
+    return model
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_block_and_drive_change_the_momentum_of_all_bodies(name):
+    """Rough forces in all films, an unbalanced crank that speeds up. Differences of sixth order
+    leave 1e-9 of the largest term, as of the equations of motion.
+    """
+    model = made(name)
+    _, out = rough_way(model, 6)
+    now, crank = model._last.now, model._last.crank
+
+    def at(t):
+        position = now.position + t * now.velocity + t**2 / 2 * now.acceleration
+        velocity = now.velocity + t * now.acceleration
+        angle = crank.angle + t * crank.speed + t**2 / 2 * crank.acceleration
+        turning = CrankMotion(angle, crank.speed + t * crank.acceleration, 0.0)
+        return all_momentum(model, position, velocity, turning)
+
+    change = derivative(at, 0.0, 2e-5)
+    drive = out["crank_torque"] - INERTIA * crank.acceleration
+    force = np.array([out["force_on_block_x"], out["force_on_block_y"]])
+    size = np.abs([out["main_bearing_force_x"], out["main_bearing_force_y"]]).max()
+    np.testing.assert_allclose(force, -change[:2], atol=1e-8 * size)
+    arm = PARAMETERS.rod_length
+    assert out["moment_on_block"] == pytest.approx(drive - change[2], abs=1e-8 * size * arm)
+    assert np.abs(force).min() > 1e-3 * size
+
+
+def missed(model, bodies, steps):
+    """What the mean of the outputs over 20 deg misses of the change of momentum, and that change;
+    `bodies` floats, its play is 0 beside a tied pin.
+    """
+    given = rough_inputs(model, 3)
+    step = np.radians(20.0) / SPEED / steps
+    state, out = model.start(0.4, 2e-6, 1e-4, given)
+    n = bodies.coordinates
+
+    def momentum(state):
+        padded = [
+            np.resize(np.append(one, np.zeros(n)), n) for one in (state.position, state.velocity)
+        ]
+        return all_momentum(bodies, *padded, CrankMotion(state.crank_angle, SPEED, 0.0))
+
+    def acting(out):
+        force = out["force_on_block_x"], out["force_on_block_y"]
+        return np.array([*force, out["moment_on_block"] - out["crank_torque"]])
+
+    first, impulse = momentum(state), np.zeros(3)
+    for _ in range(steps):
+        before = acting(out)
+        state, out = model.advance(state, given, step)
+        impulse += step * (before + acting(out)) / 2
+    change = momentum(state) - first
+    return change + impulse, change
+
+
+@pytest.mark.parametrize("make, order", [(tied_model, 2), (lambda: made("pin"), 1)])
+def test_momentum_over_steps_closes_with_the_order_of_the_method(make, order):
+    """Steady loads. Backward Euler of the play is of first order, generalised alpha of second."""
+    model, bodies = make(), made("pin")
+    if order == 2:
+        bodies.unbalanced = 0.0
+    (coarse, _), (fine, change) = (missed(model, bodies, steps) for steps in (80, 160))
+    share = {1: 3e-3, 2: 1e-4}[order]
+    assert (np.abs(fine) < share * np.abs(change)).all()
+    np.testing.assert_allclose(coarse / fine, 2.0**order, rtol=0.1)
+
+
+def missed_in_space(size, direction):
+    """What forces and moments on the block miss of the points' change of momentum and of angular
+    momentum about the crank axis, both (6,), and these; with the accelerations of the model.
+    """
+    of = Points(size)
+    crank = CrankMotion(0.3, SPEED, 0.0)
+    begin = crank.angle / SPEED
+    of.rates(begin, size * direction)  # sets where it is pushed
+    bodies, load = space_bodies(of), load_on(of)
+    position, velocity = np.split(size * direction, 2)
+    now = Motion(position, velocity, np.zeros(5))
+    for _ in range(20):
+        lack = imbalance(bodies, load, now, crank)
+        slope = tangent(bodies, load, now, crank, 0.0, 0.0)
+        change = np.linalg.solve(slope, lack.residual)
+        now = now._replace(acceleration=now.acceleration - change)
+    on, (force_z, *across) = block_force(bodies, load, 0.0, now, crank, lack)
+    about_z = on.moment_on_block - lack.torque
+    found = on.force_on_block_x, on.force_on_block_y, force_z, *across, about_z
+    masses = np.array([*of.masses, 0.25, 0.25, 0.85, 0.85])[:, None]
+
+    def momentum(t):
+        q = position + t * velocity + t**2 / 2 * now.acceleration
+        dq = velocity + t * now.acceleration
+        places = of.all(q, begin + t)[: len(masses)]
+        moving = masses * of.velocity(q, dq, begin + t)[: len(masses)]
+        return np.concatenate([moving.sum(axis=0), np.cross(places, moving).sum(axis=0)])
+
+    change = derivative(momentum, 0.0, 1e-5)
+    return found + change, change
+
+
+def test_a_piston_in_space_pushes_its_block_as_its_points_do():
+    """What equations of first order in the tilt miss falls to a quarter with its half."""
+    sizes = [1e-4, 5e-3, 3e-3, 1e-1, 8e-2, 0.3, 2.0, 4.0, 60.0, 40.0]
+    direction = np.random.default_rng(3).standard_normal(10) * sizes
+    (coarse, _), (fine, change) = (missed_in_space(size, direction) for size in (4e-2, 2e-2))
+    assert (np.abs(coarse / fine) > 3.9).all()
+    assert (np.abs(fine) < 2e-3 * np.abs(change)).all()
