@@ -390,7 +390,7 @@ def _other_forces(of, end, films):
 def _block_force(mechanism, first, load, end, axial, films, lack):
     """Return the forces on the block.
 
-    Eq. (D51):  F_b of Eq. (D25) with N - m_r G_x'' - m_c m_x'' - U u_x'' and
+    Eq. (D54):  F_b of Eq. (D25) with N - m_r G_x'' - m_c m_x'' - U u_x'' and
                 -T - m_r G_y'' - m_c m_y'' - U u_y'' of Eq. (D21), or -O of a film;
                 M of Eq. (D25) + its moment on the main bearing
     """
@@ -400,7 +400,7 @@ def _block_force(mechanism, first, load, end, axial, films, lack):
     lateral = end.position[LATERAL]
     on = all_on_block(load, lateral, mechanism.offset + lateral, axial.height, x, y)
     moment = on.moment_on_block + films.main_bearing.on_shell
-    # Eq. (D51)
+    # Eq. (D54)
     return BlockForce(on.force_on_block_x, on.force_on_block_y, moment, x, y)
 
 
