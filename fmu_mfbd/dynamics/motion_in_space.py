@@ -328,13 +328,13 @@ def imbalance(
     pin_x, pin_y = on_piston
     friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip).moment
     q = now.position
-    roll, yaw, _ = at.spin.tilt
+    roll, *_ = at.spin.tilt
     pull_x, pull_y = pull
     stopped = _held(bodies, now)
     along, about_x, about_y = np.concatenate([one.force for one in stopped])
     load_z, load_roll, load_yaw = load.across
     rod_force = at.link.rod_force + friction * at.link.rod.slope
-    square = roll * (pull_y - load.guided) - yaw * pull_x
+    square = _square(load, pull, at.spin.tilt)
     z = q[SHIFT]
     arm = bodies.pin_offset + q[LATERAL]
     residual = np.array(
@@ -351,6 +351,13 @@ def imbalance(
     torque = pull_y * lever + at.link.rod_moment + friction * at.link.rod.lever
     holding = -np.array([along, about_x, about_y])
     return SpaceImbalance(residual, on_piston, friction, pull, holding, float(torque))
+
+
+def _square(load, pull, tilt):
+    """Return the force along z of rod and gas on a pin that is tilted."""
+    roll, yaw, _ = tilt
+    pull_x, pull_y = pull
+    return roll * (pull_y - load.guided) - yaw * pull_x
 
 
 def _held(bodies, now):
@@ -474,13 +481,10 @@ def block_force(
     x = mechanism.offset + lateral
     y = height(mechanism, lateral, crank.angle).height
     plane = Load(load.lateral, load.axial, load.moment, load.guided, NO_MODES)
-    roll, yaw, _ = at.spin.tilt
-    pull_x, pull_y = lack.from_rod
     along, about_x, about_y = lack.held
     load_z, load_roll, load_yaw = load.across
-    square = roll * (pull_y - load.guided) - yaw * pull_x
-    needed_z = square + load_z + along
-    leaning = load.guided * roll * (bodies.pin_offset + lateral)
+    needed_z = _square(load, lack.from_rod, at.spin.tilt) + load_z + along
+    leaning = load.guided * at.spin.tilt[0] * (bodies.pin_offset + lateral)
     moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.guided)
     moment_y = load_yaw + about_y - x * needed_z + z * load.lateral - leaning
     on = all_on_block(plane, lateral, x, y, *bearing)
