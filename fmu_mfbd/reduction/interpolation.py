@@ -58,7 +58,7 @@ def interpolation(
     scipy.sparse.csr_matrix, shape (len(angle) * len(height), n)
         Rows add up to 1.
     """
-    at = _nearest_points(points, triangles, angle, height, radius)
+    at = _nearest_points(points, triangles, angle, height, radius, holes=True)
     shape = triangle_functions(at.s, at.t, triangles.shape[1])
     rows = np.repeat(np.arange(len(at.s)), triangles.shape[1])
     ij = rows, triangles[at.triangle].ravel()
@@ -77,17 +77,15 @@ def covered(
 
     Arguments are those of `interpolation`.
     """
-    at = _nearest_points(points, triangles, angle, height, radius, reach=BESIDE * radius)
+    at = _nearest_points(points, triangles, angle, height, radius, holes=False)
     return (at.distance <= BESIDE * radius).reshape(len(angle), len(height))
 
 
-def _nearest_points(points, triangles, angle, height, radius, reach=np.inf):
+def _nearest_points(points, triangles, angle, height, radius, holes):
     """Return the nearest point of the developed surface to each grid point, j fastest.
 
-    The distance of points that are not within `reach` is inf or any larger value.
+    Without `holes`, the distance of points that are not within `BESIDE` is any larger value.
     """
-    theta = np.repeat(angle, len(height))
-    y = np.tile(height, len(angle))
     corner = points[triangles[:, :3]]
     turn = np.arctan2(corner[:, :, 0], corner[:, :, 2])
     first = turn[:, :1]
@@ -95,28 +93,28 @@ def _nearest_points(points, triangles, angle, height, radius, reach=np.inf):
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
     centre = turn.mean(axis=1)
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
-    middle = flat.mean(axis=1)
-    size = np.abs(flat - middle[:, None]).max(axis=1) + reach  # half a box around each, (t, 2)
+    middle = flat[:, :, 0].mean(axis=1)
+    size = np.abs(flat[:, :, 0] - middle[:, None]).max(axis=1) + BESIDE * radius
     found = []
-    for chunk in np.array_split(np.arange(len(theta)), max(1, len(theta) // 400)):
-        branch = centre + np.remainder(theta[chunk, None] - centre + np.pi, 2 * np.pi) - np.pi
-        x = radius * branch
-        off = np.stack([x - middle[:, 0], y[chunk, None] - middle[:, 1]], axis=-1)
-        near = np.flatnonzero((np.abs(off) <= size).all(axis=-1).any(axis=0))
-        if len(near):
-            at = _nearest(flat[near], x[:, near], y[chunk])
-            found.append(at._replace(triangle=near[at.triangle]))
-        else:
-            nothing = np.zeros(len(chunk))
-            found.append(SurfacePoints(nothing.astype(int), nothing, nothing, nothing + np.inf))
+    for theta in angle:
+        x = radius * (centre + np.remainder(theta - centre + np.pi, 2 * np.pi) - np.pi)
+        near = np.flatnonzero(np.abs(x - middle) <= size)
+        for y in np.array_split(height, max(1, len(height) // 400)):
+            none = np.full(len(y), np.inf)
+            at = SurfacePoints(np.zeros(len(y), dtype=int), none, none, none)
+            if len(near):
+                at = _nearest(flat[near], x[near], y)
+                at = at._replace(triangle=near[at.triangle])
+            if holes and (at.distance > BESIDE * radius).any():
+                at = _nearest(flat, x, y)
+            found.append(at)
     return SurfacePoints(*map(np.concatenate, zip(*found)))
 
 
 def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints:
     """Return the nearest point of the surface to each point.
 
-    corners : (t, 3, 2). x : (p, t), because each triangle has its own branch of the angle.
-    y : (p,).
+    corners : (t, 3, 2). x : (t,), because each triangle has its own branch of the angle. y : (p,).
     """
     origin, second, third = corners.swapaxes(0, 1)
     u = second - origin
