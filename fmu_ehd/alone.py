@@ -282,7 +282,7 @@ class Film:
             journal in its position.
         shells : sequence of ElasticShell
             Elastic shells on the grid of the film, such as `fmu_mfbd.shell.build.elastic_shell`
-            returns them. Default: rigid.
+            returns them. Default: rigid. FMUs are not supported.
         circumferential_velocity, **conditions
             As for `start`.
         tolerance : float
@@ -297,7 +297,7 @@ class Film:
         Raises
         ------
         BadInput
-            As `steady`, for a skirt, a partial bearing, or a load of zero.
+            As `steady`, for a skirt, a partial bearing, a load of zero, or shells without modes.
         Discard
             If no position carries the load. The state remains as it was.
 
@@ -315,14 +315,24 @@ class Film:
         True
         """
         self._check_steady()
-        if not self._is_bearing or self.model.parameters.sector_angle != FULL_TURN:
-            raise BadInput("surface: expected a bearing of a full revolution, got another surface")
+        surface, sector = self.model.parameters.surface, self.model.parameters.sector_angle
+        if not self._is_bearing:
+            raise BadInput(f"surface: expected bearing for an equilibrium, got {surface}")
+        if sector != FULL_TURN:
+            raise BadInput(
+                f"sector_angle: expected a full revolution for an equilibrium, got {sector:.4g} rad"
+            )
         wanted = None if load is None else np.asarray(load, dtype=float)
         if wanted is not None and (
             wanted.shape != (2,) or not 0.0 < np.hypot.reduce(wanted) < np.inf
         ):
             raise BadInput(f"load: expected two finite forces [N] that are not both 0, got {load}")
         for shell in shells:
+            if not all(hasattr(shell, name) for name in ("omega", "outward", "onward")):
+                raise BadInput(
+                    "shells: expected modes such as elastic_shell of fmu_mfbd.shell.build returns "
+                    f"them, got {type(shell).__name__}; FMUs are not supported"
+                )
             if shell.outward.shape != (*self.grid, len(shell.omega)):
                 raise BadInput(
                     f"shells: expected modes on {self.grid} cells, got {shell.outward.shape}"

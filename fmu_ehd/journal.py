@@ -6,10 +6,22 @@ Eq. (E14):  h = C - x cos a - y sin a
 Eq. (E15):  F = sum of pressure force (-cos a, -sin a) + circumferential force (-sin a, cos a)
 Eq. (E16):  F(x, y, q) + W = 0,   q_k = sum of p O_k - f T_k,   h opens by sum_k O_k q_k
 
-Newton's method solves Eq. (E16) with the exact tangent of the steady film. a is the angle of a
-cell, a = 2 pi i / n, C the radial clearance and W the load on the journal. p and f are the nodal
-forces of pressure and friction. O_k and T_k are a shape of an elastic shell outward and around, for
-unit stiffness, with the coordinate q_k.
+a is the angle of a cell, a = 2 pi i / n, C the radial clearance and W the load on the journal. p
+and f are the nodal forces of pressure and friction. O_k and T_k are a shape of an elastic shell
+outward and around, for unit stiffness, with the coordinate q_k.
+
+Newton's method solves Eq. (E16) with the exact tangent of the steady film, and damps the shells:
+
+Eq. (E17):  (dR/dq - 4 r/r_max) dq = -R,   R_k = sum of p O_k - f T_k - q_k,   r = |R|
+
+r_max is the largest r so far. This is a step of dq/dt = R whose length grows as R vanishes
+[Kelley1998]. Without damping, soft shells can end in a balance that they do not reach from rest, or
+in none.
+
+References
+----------
+[Kelley1998] C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM
+J. Numerical Analysis 35 (1998) 508.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,6 +36,7 @@ MOST_POSITIONS = 60
 START = 0.5  # of the clearance, along the load
 NEARER = 0.3  # of the thinnest film, by which an iteration may lower it
 FARTHEST = 0.3  # of the clearance, largest displacement of an iteration
+DAMPING = 4.0  # largest damping of the shells over their stiffness, Eq. (E17)
 
 
 class ElasticShell(Protocol):
@@ -227,6 +240,7 @@ def carrying(
     free = shapes.stiffness == 0.0
     coordinates = START * clearance.min() * shapes.load / (size or 1.0)
     missing = shapes.load
+    most = np.finfo(float).tiny
     for _ in range(MOST_POSITIONS):
         thickness = clearance + shapes.thickness(coordinates, shape)
         outputs = steady(thickness)
@@ -247,7 +261,11 @@ def carrying(
                 stiff = stiff + coupled @ yielding
             deflection = shapes.thickness(np.where(free, 0.0, coordinates), shape)
             return Carried(coordinates[free], stiff, deflection)
-        change = np.asarray(np.linalg.solve(by_shape, -missing), dtype=float)  # Eq. (E16)
+        unbalanced = float(np.linalg.norm(missing[~free]))
+        most = max(most, unbalanced)
+        damping = DAMPING * unbalanced / most * shapes.stiffness
+        damped = by_shape - np.diag(damping)  # Eq. (E17)
+        change = np.asarray(np.linalg.solve(damped, -missing), dtype=float)  # Eq. (E16)
         opened = shapes.thickness(change, shape)
         coordinates = coordinates + change * _part(
             thickness, opened, clearance.min(), roughness_rms

@@ -200,8 +200,13 @@ def test_a_load_that_cannot_be_carried_is_reported(monkeypatch):
         film.equilibrium((0.0, 0.0), clearance, **around)
     with pytest.raises(pc.BadInput, match="clearance: expected more than 0 m, got 0 m"):
         film.equilibrium(load, 0.0, **around)
-    with pytest.raises(pc.BadInput, match="surface: expected a bearing of a full revolution"):
+    with pytest.raises(pc.BadInput, match="surface: expected bearing .*, got skirt"):
         pc.Film((4, 8)).equilibrium(load, clearance, circumferential_velocity=1.0)
+    part = pc.Film((4, 8), surface="bearing", sector_angle="90 deg")
+    with pytest.raises(pc.BadInput, match="sector_angle: expected a full revolution.*1.571 rad"):
+        part.equilibrium(load, clearance, circumferential_velocity=1.0)
+    with pytest.raises(pc.BadInput, match="shells: expected modes .*, got str; FMUs are not"):
+        film.equilibrium(load, clearance, shells=["shell.fmu"], **around)
 
 
 class Modes(NamedTuple):
@@ -286,3 +291,41 @@ def test_a_journal_that_does_not_move_has_shells_that_yield():
     assert np.abs(off).max() < 1e-7 * np.abs(opened).max()
     with pytest.raises(pc.BadInput, match="shells: expected modes on"):
         film.equilibrium(load, clearance, shells=[oval_shell((8, 8), 1e8)], **around)
+
+
+def flap_shell(grid, stiffness):
+    """A shell whose edge behind a slot at angle 0 yields, as a flap."""
+    angle = 2 * np.pi * np.arange(grid[0]) / grid[0]
+    shape = np.exp(-angle / 0.3)[:, None, None] * np.ones((*grid, 1))
+    return Modes(np.full(1, np.sqrt(stiffness)), shape, 0.0 * shape)
+
+
+def test_a_soft_edge_at_an_inlet_opens_as_it_does_in_time(monkeypatch):
+    """By twice the clearance. The reference is dq/dt = Q - q from rest.
+
+    An open edge takes in more oil, which opens it more. Undamped iterations do not end.
+    """
+    grid = (90, 8)
+    film = pc.Film(
+        grid,
+        surface="bearing",
+        bore_radius="100 mm",
+        skirt_length="200 mm",
+        viscosity="9 mPa s",
+        open_cells=np.repeat(np.arange(grid[0])[:, None] == 0, grid[1], axis=1),
+        opening_supply="own",
+    )
+    clearance = gap(150e-6, np.array([-45e-6, 0.0]), grid)
+    shell = flap_shell(grid, 2e6)
+    outputs = film.equilibrium(None, clearance, shells=[shell], circumferential_velocity=28.0)
+    opened, change = np.zeros(grid), np.ones(grid)
+    while np.abs(change).max() > 1e-9 * opened.max():
+        steady = film.steady(clearance + opened, circumferential_velocity=28.0)
+        q = np.tensordot(steady["nodal_pressure_force"], shell.outward / shell.omega)
+        change = shell.outward / shell.omega @ q - opened
+        opened = opened + 0.3 * change
+    assert opened.max() > 300e-6
+    assert np.abs(outputs["deflection"] - opened).max() < 1e-7 * opened.max()
+    monkeypatch.setattr("piston_cosim.fmu_ehd.journal.DAMPING", 0.0)
+    with pytest.raises(pc.Discard, match="no position of the journal"):
+        film.equilibrium(None, clearance, shells=[shell], circumferential_velocity=28.0)
