@@ -21,10 +21,14 @@ import piston_cosim as pc
 from piston_cosim.fmu_ehd import journal
 from piston_cosim.fmu_ehd.balance.grid import Array, Flags
 from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.quantities import from_si, to_si
+from piston_cosim.tests.verification.cases.diaphragm import Diaphragm, diaphragm
 
 FOLDER = Path(__file__).parents[3] / "models" / "measured"
+ANGLE = "angle [deg]"
+"""Column of the place of a value. It is not an input of a bearing."""
 HEADS = ("case", "at", "quantity", "published", "computed", "difference", "of the largest")
 
 
@@ -85,12 +89,16 @@ def eccentricity(bearings: list[Solved]) -> float:
     return float(np.hypot(*first.outputs["position"]) / first.clearance)
 
 
-def pressure(bearings: list[Solved]) -> float:
-    """Return the film pressure of the first bearing in its middle, at an angle [Pa]."""
-    first = bearings[0]
-    field: Array = first.outputs["pressure"]
-    around, along = field.shape
-    return float(field[round(first.angle / (2.0 * np.pi) * around) % around, along // 2])
+def _in_the_middle(field: str):
+    """Return a function for a field of the first bearing in its middle, at an angle."""
+
+    def value(bearings: list[Solved]) -> float:
+        first = bearings[0]
+        values: Array = first.outputs[field]
+        around, along = values.shape
+        return float(values[round(first.angle / (2.0 * np.pi) * around) % around, along // 2])
+
+    return value
 
 
 def _stiffness(row: int, column: int):
@@ -101,7 +109,8 @@ QUANTITIES = {
     "friction_torque": (torque, "N.m"),
     "minimum_film_thickness": (thinnest, "m"),
     "eccentricity": (eccentricity, "1"),
-    "pressure": (pressure, "Pa"),
+    "pressure": (_in_the_middle("pressure"), "Pa"),
+    "deflection": (_in_the_middle("deflection"), "m"),
     "stiffness_xx": (_stiffness(0, 0), "N/m"),
     "stiffness_xy": (_stiffness(0, 1), "N/m"),
     "stiffness_yx": (_stiffness(1, 0), "N/m"),
@@ -124,19 +133,21 @@ def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Itera
     tree["film"] |= film or {}
     with (FOLDER / name / "data.csv").open() as lines:
         rows = list(csv.DictReader(lines))
+    solved, last = [], {}
     for row in rows:
         cells = {head.split(" [")[0]: cell for head, cell in row.items()}
         if any(cells[key] != value for key, value in only.items()):
             continue
         at = {head: cell for head, cell in row.items() if head.split(" [")[0] not in QUANTITIES}
-        solved = None
+        if (inputs := {head: cell for head, cell in at.items() if head != ANGLE}) != last:
+            solved, last = [bearing(tree, one, inputs) for one in tree["bearings"]], inputs
+        angle = to_si(f"{at.get(ANGLE, 0)} deg", "rad")
         for head, cell in row.items():
             quantity, _, unit = head.removesuffix("]").partition(" [")
             if quantity not in QUANTITIES or not cell:
                 continue
             compute, si = QUANTITIES[quantity]
-            solved = solved or [bearing(tree, one, at) for one in tree["bearings"]]
-            value = compute(solved)
+            value = compute([each._replace(angle=angle) for each in solved])
             series = [
                 abs(float(other[head]))
                 for other in rows
@@ -186,11 +197,10 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
     if "eccentricity" in one:
         angle = to_si(one["direction"], "rad")
         place = one["eccentricity"] * clearance * np.array([np.cos(angle), np.sin(angle)])
-        if at.get("shell") == "deflected":
-            free = free + _deflection(one["deflection"], degrees, height)
         thickness = journal.gap(free, place, oil.grid)
-        outputs = oil.steady(thickness, circumferential_velocity=surface)
-        return Solved(outputs, one["count"], clearance, speed, given("angle", "rad"))
+        shells = [_diaphragm(json.dumps(one))] if at["shell"] == "elastic" else []
+        outputs = oil.equilibrium(None, thickness, circumferential_velocity=surface, shells=shells)
+        return Solved(outputs, one["count"], clearance, speed, 0.0)
     angle = to_si(one.get("direction", "270 deg"), "rad")
     load = one["load_share"] * given("load", "N") * np.array([np.cos(angle), np.sin(angle)])
     shells = []
@@ -207,13 +217,13 @@ def _shell(build: str) -> YieldingShell:
     return elastic_shell(json.loads(build), FOLDER, progress=lambda text: None)
 
 
-def _deflection(table: dict[str, Any], degrees: Array, height: Array) -> Array:
-    """Return the deflection of a diaphragm that is clamped along its edges [m]."""
-    middle = 1e-6 * np.interp(degrees, table["angles"], table["values"], right=0.0)
-    end = np.degrees(to_si(table["end"], "rad"))
-    first, last = (to_si(width, "m") for width in table["half_width"])
-    half = first + (last - first) * np.minimum(degrees / end, 1.0)
-    return middle[:, None] * np.maximum(1.0 - (height / half[:, None]) ** 2, 0.0)
+@functools.cache
+def _diaphragm(build: str) -> Diaphragm:
+    """Return the elastic diaphragm of a bearing in JSON."""
+    one = json.loads(build)
+    radius, length = (to_si(one["film"][name], "m") for name in ("bore_radius", "skirt_length"))
+    table = one["diaphragm"]
+    return diaphragm(table, radius, ShellFilm(tuple(one["grid"]), length, table["modes"]))
 
 
 def _within(degrees: Array, first: float, last: float, height: Array, width: float) -> Flags:
