@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
 from piston_cosim.fmu_mfbd.reduction import store
-from piston_cosim.fmu_mfbd.reduction.interpolation import interpolation
+from piston_cosim.fmu_mfbd.reduction.interpolation import covered, interpolation
 from piston_cosim.master.fmi.errors import BadInput
 
 
@@ -84,6 +84,23 @@ def test_interpolation_reproduces_smooth_fields(bodies):
     # quadratic interpolation over elements of 15 degrees: (3 pi/12)^3/ (9 sqrt 3 * 8) of the
     # amplitude 1.4
     np.testing.assert_allclose((N @ field).reshape(40, 30), wanted, atol=6e-3)
+
+
+def test_a_point_in_a_hole_reads_the_nearest_edge():
+    """A sheet on a cylinder of radius 1 with a narrow slot; the field is the angle."""
+    turn, height = (line.ravel() for line in np.meshgrid(0.1 * np.arange(7), np.arange(7.0)))
+    points = np.stack([np.sin(turn), height, np.cos(turn)], axis=1)
+    triangles = []
+    for row, column in np.argwhere(np.ones((6, 6), dtype=bool)):
+        if not (column == 2 and 1 <= row < 5):
+            low = 7 * row + column
+            triangles += [[low, low + 1, low + 8], [low, low + 8, low + 7]]
+    at = np.array([0.15, 0.2005, 0.22, 0.29]), np.array([0.5, 3.0])
+    reading = interpolation(points, np.array(triangles), *at, 1.0)
+    wanted = [[0.15, 0.15], [0.2005, 0.2], [0.22, 0.2], [0.29, 0.3]]
+    np.testing.assert_allclose((reading @ turn).reshape(4, 2), wanted, atol=1e-12)
+    there = covered(points, np.array(triangles), *at, 1.0)
+    assert there.tolist() == [[True, True], [True, True], [True, False], [True, False]]
 
 
 def test_spline_passes_through_its_values_and_has_the_right_slope():
