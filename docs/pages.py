@@ -200,6 +200,7 @@ def parameters():
     """Return the page of all variables of both FMUs."""
     from piston_cosim.fmu_ehd.variables import variables as of_film
     from piston_cosim.fmu_mfbd import variables as of_bodies
+    from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
     from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
     from piston_cosim.fmu_mfbd.dynamics.pin_instant import PinScalars
@@ -207,7 +208,8 @@ def parameters():
 
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
-    bodies = [*of_bodies.inputs(films), *of_bodies.outputs(films, modes), *of_bodies.parameters()]
+    bodies = [*of_bodies.inputs(films), *of_bodies.outputs(films, modes)]
+    bodies += [*of_bodies.declared(BlockForce), *of_bodies.parameters()]
     skirt = of_film(grid)
     known = {variable.name for variable in skirt}
     bearing = [v for v in of_film(grid, surface="bearing") if v.name not in known]
@@ -240,7 +242,7 @@ def row_of(variable):
     name = f"`{variable.name}`" + (f" {shape}" if shape else "")
     return (
         name,
-        variable.causality,
+        variable.kind,
         variable.unit,
         variable.start,
         range_of(variable),

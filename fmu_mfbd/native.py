@@ -37,6 +37,7 @@ from .dynamics.step import (
     others_at,
     response_to,
     result_of,
+    set_damping,
 )
 from .dynamics.system import RingForce, StepProblem
 from .geometry.film import NodalForces
@@ -160,6 +161,8 @@ def inputs_of(real, places):
         pin_forces_at(real, places.pins),
         rings_from(get_each(real, places.rings)),
         carrier_from(get_each(real, places.carrier)),
+        real[places.piston_temperature],
+        real[places.bore_temperature],
     )
 
 
@@ -176,6 +179,8 @@ def seeds_of(real, places):
         pin_forces_at(real, places.pins_tangent),
         rings_from(get_each(real, places.rings_seed)),
         FIXED,
+        0.0,
+        0.0,
     )
 
 
@@ -231,7 +236,7 @@ def solve(real, integer, memory, c, before, crank, time):
     if now.evaluations == 0:
         refuse(faults, NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
-    result = result_of(model, before, step, time, instant, inputs.load_torque)
+    result = result_of(model, before, step, time, instant, inputs)
     publish(real, integer, given, model, result)
     put_last(part(memory, PART_OF.last), result.last)
     put_state(part(memory, PART_OF.state), result.state)
@@ -288,7 +293,9 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     step = numbers[0]
     state = state_of(memory)
     model = model_of(memory)
-    crank = crank_after(model, state, step, real[given_of(memory).places.crank_speed])
+    places = given_of(memory).places
+    set_damping(model, settings_from(get_each(real, places.settings)))
+    crank = crank_after(model, state, step, real[places.crank_speed])
     c = step_coefficients(state, step, model.settings.spectral_radius)
     solve(real, integer, memory, c, state, crank, state.time + step)
 

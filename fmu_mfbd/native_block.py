@@ -69,6 +69,8 @@ class VariablePlaces(NamedTuple):
     land_pressure: int
     crank_speed: int
     load_torque: int
+    piston_temperature: int
+    bore_temperature: int
     rings: Vector
     rings_seed: Vector
     carrier: Vector

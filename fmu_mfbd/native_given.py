@@ -116,6 +116,8 @@ def _places(slave) -> VariablePlaces:
         land_pressure=place("land_pressure"),
         crank_speed=place("crank_speed"),
         load_torque=place("load_torque"),
+        piston_temperature=place("piston_temperature"),
+        bore_temperature=place("bore_temperature"),
         rings=each(RINGS),
         rings_seed=each(RINGS, SEED),
         carrier=each(BLOCK),

@@ -32,7 +32,9 @@ from .dynamics.model import (
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     GAS_TWICE,
+    TUNABLE,
     AxisParameters,
+    Damping,
     Parameters,
     PinParameters,
     SpaceParameters,
@@ -137,6 +139,7 @@ class Mfbd(FieldSlave):
             self.model = assemble_in_space(piston, block, options, parameters, own)
         else:
             self.model = assemble(piston, block, options, parameters)
+        self._damping = Damping(*(values[name] for name in TUNABLE))
         try:
             state, outputs = self._begin(self.model, parameters, values)
             _, straight = self._begin(self.model.unyielding(), parameters, values)
@@ -190,6 +193,10 @@ class Mfbd(FieldSlave):
     ) -> tuple[PistonState, dict[str, Any]]:
         """Take a step; returns (state, outputs)."""
         self._tell_of_gas(values)
+        damping = Damping(*(values[name] for name in TUNABLE))
+        if damping != self._damping:
+            self._damping = damping
+            self.model.damp(damping)
         try:
             return self.model.advance(state, self._inputs(values), step)
         except MotionNotSolved as error:
@@ -224,6 +231,8 @@ class Mfbd(FieldSlave):
             _deflection(values),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),
+            float(values["piston_temperature"]),
+            float(values["bore_temperature"]),
         )
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:

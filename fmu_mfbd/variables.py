@@ -10,6 +10,7 @@ from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
 from .dynamics.drive import Scalars
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    TUNABLE,
     AxisParameters,
     Parameters,
     PinParameters,
@@ -83,6 +84,7 @@ GAUGE = (-2e5, 1e8)
 FORCE = (-1e9, 1e9)
 FAST = (-1e6, 1e6)
 """Ranges of gauge pressures [Pa], forces of the rings [N] and accelerations of a block."""
+GROWING = {"piston": "skirt", "bore": "bore"}
 OTHER_INPUTS = (
     input_variable(
         "gas_pressure",
@@ -141,6 +143,18 @@ OTHER_INPUTS = (
         0.0,
         10.0,
         limits=(-1e7, 1e7),
+    ),
+    *(
+        input_variable(
+            f"{body}_temperature",
+            "K",
+            f"Uniform temperature of the {body}, by which the {grows} grows evenly from "
+            "reference_temperature on",
+            293.15,
+            300.0,
+            limits=(200.0, 1000.0),
+        )
+        for body, grows in GROWING.items()
     ),
     input_variable(
         "crank_speed",
@@ -360,7 +374,13 @@ def parameters(*own: type) -> list[Variable]:
     kinds = [Parameters, *own]
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     return [
-        Variable(one.name, causality="parameter", start=defaults[one.name], **one.metadata)
+        Variable(
+            one.name,
+            causality="parameter",
+            start=defaults[one.name],
+            tunable=one.name in TUNABLE,
+            **one.metadata,
+        )
         for kind in kinds
         for one in fields(kind)
     ]

@@ -54,6 +54,7 @@ from .speed_table import SpeedTable
 from .step import BodyModel
 from .system import BodySystem
 from .tables import GasTable
+from .thermal_growth import Radii
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
@@ -103,7 +104,7 @@ class BodySetup(NamedTuple):
     Parameters
     ----------
     fit : Fit
-    gas, gas_area, speed, mounted
+    gas, gas_area, speed, mounted, radii
         As of `BodyModel`.
     piston : FlexibleBody
         All modes, with springs of no meaning.
@@ -120,6 +121,7 @@ class BodySetup(NamedTuple):
     gas_area: float
     speed: SpeedTable
     mounted: bool
+    radii: Radii
     piston: FlexibleBody
     gas_force: Vector
     wall: BoreWall
@@ -149,6 +151,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         gas_area=np.pi * block.radius**2,
         speed=options.speed or NO_SPEED,
         mounted=options.mounted,
+        radii=Radii(piston.radius, block.radius),
         piston=FlexibleBody(
             mass=piston.mass,
             S=piston.S,
@@ -234,7 +237,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     )
     no_inertia = np.zeros((0, 0))
     parts = PinSystem(system, bodies, pin_films(setup, p), no_inertia, no_inertia)
-    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted)
+    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, setup.radii)
 
 
 @compilable
@@ -275,7 +278,15 @@ def with_inertia(model: BodyModel) -> BodyModel:
     parts = PinSystem(
         parts.system, bodies, parts.surfaces, inertia(bodies), inertia_with_rod(bodies)
     )
-    return BodyModel(parts, model.settings, model.gas, model.gas_area, model.speed, model.mounted)
+    return BodyModel(
+        parts,
+        model.settings,
+        model.gas,
+        model.gas_area,
+        model.speed,
+        model.mounted,
+        model.radii,
+    )
 
 
 def assemble(
@@ -334,6 +345,7 @@ def assemble_floating(
     reduced = ReducedBodies(piston, block, bosses, small_end, crank_shells or {})
     setup = setup_of(reduced, options, parameters)
     crank = crank or {}
+    beam = None
     model = assembled(setup, settings_of(parameters, pin, *crank.values()))
     if axis:
         parts = model.parts
@@ -345,7 +357,8 @@ def assemble_floating(
             shapes=beam.shapes(modal_springs(beam.omega, parameters).damping),
         )
         model = model._replace(parts=parts._replace(bodies=shaped, surfaces=pins_in_block(films)))
-    return _in_bore(with_inertia(model), block, options)
+    found = _in_bore(with_inertia(model), block, options)
+    return found if beam is None else found.with_shapes(beam.omega)
 
 
 def pin_surfaces(

@@ -102,6 +102,12 @@ class Scalars(NamedTuple):
         "forces other than the film over the step",
         1e-3,
     ]
+    thermal_opening: Annotated[
+        float,
+        "m",
+        "Change of the film thickness on the skirt with piston_temperature and bore_temperature",
+        1e-5,
+    ]
 
 
 @compilable
@@ -184,12 +190,15 @@ def scalars_of(
     drive: tuple[float, float],
     energy: EnergyAccount,
     system: BodySystem,
+    warm: tuple[float, float],
 ) -> Scalars:
     """Return the scalar outputs at an instant.
 
-    `drive` contains torque [N m] and effective inertia [kg m2].
+    `drive` contains torque [N m] and effective inertia [kg m2], `warm` the change of the film
+    thickness with temperatures [m] and the work of the films on it [J].
     """
     torque, inertia = drive
+    opening, warm_work = warm
     lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
     lower, upper = skirt_edges(system.surfaces)
     return Scalars(
@@ -213,8 +222,9 @@ def scalars_of(
         lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
         upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,
-        film_work=now.ledger.film_work,
+        film_work=now.ledger.film_work + warm_work,
         energy_error=now.ledger.error,
-        energy_gain=energy.gain,
+        energy_gain=energy.gain + warm_work,
         energy_size=energy.size,
+        thermal_opening=opening,
     )

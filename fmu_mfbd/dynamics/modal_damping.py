@@ -17,27 +17,40 @@ class ModalSprings(NamedTuple):
 
 @compilable
 def modal_springs(omega: np.ndarray, p: Any) -> ModalSprings:
-    """Return springs and dampers of modes.
-
-    Eq. (I5):  D = 2 zeta omega + a + b omega^2      zeta the ratio below or above the transition
+    """Return springs and dampers of modes (Eq. (I5)).
 
     Parameters
     ----------
     omega : ndarray, shape (k,)
         [rad/s]
     p : Parameters
+    """
+    out = ModalSprings(omega * omega, np.empty(len(omega)))
+    put_damping(out.damping, out.stiffness, p)
+    return out
+
+
+@compilable
+def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
+    """Write the damping of modes with these stiffnesses.
+
+    Eq. (I5):  D = 2 zeta omega + a + b omega^2      zeta the ratio below or above the transition
+
+    Parameters
+    ----------
+    damping : ndarray, shape (k,)
+        D, overwritten [rad/s].
+    stiffness : ndarray, shape (k,)
+        omega^2 [rad2/s2]; its root is omega to the bit.
+    p : Parameters
         a, b: rayleigh_mass_factor [1/s], rayleigh_stiffness_factor [s]. zeta: damping_ratio below
         damping_transition_frequency, and high_frequency_damping_ratio from there on [-].
     """
-    out = ModalSprings(np.empty(len(omega)), np.empty(len(omega)))
-    for k in range(len(omega)):
-        fast = 2 * np.pi * p.damping_transition_frequency <= omega[k]
+    for k in range(len(stiffness)):
+        omega = np.sqrt(stiffness[k])
+        fast = 2 * np.pi * p.damping_transition_frequency <= omega
         zeta = p.high_frequency_damping_ratio if fast else p.damping_ratio
-        out.stiffness[k] = omega[k] * omega[k]
         # Eq. (I5)
-        out.damping[k] = (
-            2 * zeta * omega[k]
-            + p.rayleigh_mass_factor
-            + p.rayleigh_stiffness_factor * out.stiffness[k]
+        damping[k] = (
+            2 * zeta * omega + p.rayleigh_mass_factor + p.rayleigh_stiffness_factor * stiffness[k]
         )
-    return out

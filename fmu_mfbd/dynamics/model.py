@@ -15,6 +15,8 @@ from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall
 from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
 from .generalised_alpha import Coefficients, coefficients
+from .modal_damping import modal_springs
+from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
 from .piston_motion import LATERAL, RIGID, ROCKING
@@ -36,6 +38,7 @@ from .step import (
     others_at,
     response_to,
     result_of,
+    set_damping,
 )
 from .system import NO_RINGS, RingForce, StepProblem
 
@@ -50,6 +53,9 @@ BEARINGS = ("main_bearing_force_x", "main_bearing_force_y")
 
 ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
 """All that are known beside those."""
+
+REFERENCE = Parameters().reference_temperature
+"""Temperature of piston and bore without growth [K]."""
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
@@ -85,6 +91,8 @@ class Inputs:
         Motion of a mounted block.
     bore_deflection : ndarray, shape (n, s)
         Of a bore whose deflection comes from outside [m].
+    piston_temperature, bore_temperature : float
+        [K]
     """
 
     crank_speed: float
@@ -98,6 +106,8 @@ class Inputs:
     bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     load_torque: float = 0.0
     crankcase_pressure: float = 0.0
+    piston_temperature: float = REFERENCE
+    bore_temperature: float = REFERENCE
 
 
 class PistonInBore:
@@ -132,8 +142,20 @@ class PistonInBore:
         self.coordinates = RIGID + self.modes
         if has_pins(model):
             self.coordinates = self.moving = self.layout.size
+        self.shape_omega = np.zeros(0)
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
+
+    def with_shapes(self, omega: np.ndarray) -> "PistonInBore":
+        """Return the model, which then knows the frequencies of its pin's shapes [rad/s]."""
+        self.shape_omega = omega
+        return self
+
+    def damp(self, damping: Damping) -> None:
+        """Set the damping of all modes, from the next step on."""
+        set_damping(self.model, damping)
+        shapes = self.bodies.shapes
+        shapes.damping[:] = shapes.mass * modal_springs(self.shape_omega, damping).damping
 
     def start(
         self, crank_angle: float, lateral: float, angle: float, inputs: Inputs
@@ -256,7 +278,7 @@ class PistonInBore:
             )
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        result = result_of(self.model, before, step, time, instant, given.load_torque)
+        result = result_of(self.model, before, step, time, instant, given)
         self._last = result.last
         self._common: Linearisation | None = None
         outputs = self._outputs(result)
@@ -410,4 +432,6 @@ def _stacked(inputs: Inputs) -> StepInputs:
         PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
         inputs.rings,
         inputs.carrier,
+        inputs.piston_temperature,
+        inputs.bore_temperature,
     )

@@ -24,6 +24,15 @@ GAS_TWICE = (
     "table, input or sum"
 )
 """Warning of a body whose gas pressure is given twice without a choice."""
+TUNABLE = (
+    "damping_ratio",
+    "high_frequency_damping_ratio",
+    "damping_transition_frequency",
+    "rayleigh_mass_factor",
+    "rayleigh_stiffness_factor",
+)
+"""Parameters that may change between steps: the damping of all modes."""
+Damping = namedtuple("Damping", TUNABLE)
 NO_GAS_TABLE = "gas_source: expected a table build.gas with gas_source = table, got none"
 """Fault of a body that has no table to take its gas pressure from."""
 
@@ -73,6 +82,19 @@ class Parameters:
     )
     bore_growth_upper: float = _declared(
         "m", "Radial thermal growth of the bore at its upper end", 0.0, -1e-3, 1e-3
+    )
+    piston_expansion: float = _declared(
+        "1/K", "Coefficient of thermal expansion of the piston", 20e-6, 0.0, 1e-4
+    )
+    bore_expansion: float = _declared(
+        "1/K", "Coefficient of thermal expansion of the bore", 11e-6, 0.0, 1e-4
+    )
+    reference_temperature: float = _declared(
+        "K",
+        "Temperature at which piston_temperature and bore_temperature have no effect",
+        293.15,
+        200.0,
+        1000.0,
     )
     crank_radius: float = _declared("m", "Crank radius, half the stroke", 24.75e-3, 1e-3, 0.5)
     rod_length: float = _declared(

@@ -33,6 +33,8 @@ class PistonState(NamedTuple):
         On that motion, all but the film's [N], [N m], [kg^-1/2 N].
     steps : int
         Taken since the start.
+    thermal_opening : float
+        Change of the film thickness with the temperatures (Eq. (I12)) [m].
     bore_deflection : ndarray, shape (w, s)
         That came from outside [m]; of shape (0, 0) where none does.
     """
@@ -49,11 +51,14 @@ class PistonState(NamedTuple):
     kinetic: float
     other_forces: Vector
     steps: int
+    thermal_opening: float
     bore_deflection: Annotated[np.ndarray, "w, s"]
 
 
 @compilable
-def state_at(now: Instant, crank: CrankMotion, jerk: float, time: float, steps: int) -> PistonState:
+def state_at(
+    now: Instant, crank: CrankMotion, jerk: float, time: float, steps: int, opening: float
+) -> PistonState:
     """Return the state at an instant; the first steps remember no auxiliary acceleration."""
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
     return PistonState(
@@ -69,6 +74,7 @@ def state_at(now: Instant, crank: CrankMotion, jerk: float, time: float, steps: 
         now.ledger.accounted,
         now.other_forces,
         steps,
+        opening,
         np.zeros((0, 0)),
     )
 

@@ -1,7 +1,7 @@
 """A step of the bodies and its derivatives, as both FMUs take it."""
 
 from collections import namedtuple
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .carrier import FIXED, Carrier
 from .drive import Scalars, demand_of, moved_inertia, others_of, scalars_of
 from .elimination import no_factors
 from .instant import Instant, end_of_step
+from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
 from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
@@ -27,6 +28,7 @@ from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, state_at
 from .system import OtherForces, RingForce, StepProblem
 from .tables import GasTable, gas_pressure
+from .thermal_growth import Radii, growth_work, thermal_opening
 
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
@@ -54,6 +56,7 @@ class BodyModel(NamedTuple):
     speed : SpeedTable
     mounted : bool
         Whether the block moves.
+    radii : Radii
     """
 
     parts: PinSystem
@@ -62,6 +65,7 @@ class BodyModel(NamedTuple):
     gas_area: float
     speed: SpeedTable
     mounted: bool
+    radii: Radii
 
 
 class StepInputs(NamedTuple):
@@ -78,6 +82,8 @@ class StepInputs(NamedTuple):
     rings : RingForce
     carrier : Carrier
         Motion of a mounted block.
+    piston_temperature, bore_temperature : float
+        [K]
     """
 
     crank_speed: float
@@ -89,6 +95,8 @@ class StepInputs(NamedTuple):
     pins: PinForces
     rings: RingForce
     carrier: Carrier
+    piston_temperature: float
+    bore_temperature: float
 
 
 class StepResult(NamedTuple):
@@ -107,6 +115,16 @@ class StepResult(NamedTuple):
 def has_pins(model: BodyModel) -> bool:
     """Return whether the pin floats."""
     return pins_of(model.parts.surfaces) > 0
+
+
+@compilable
+def set_damping(model: BodyModel, p: Any) -> None:
+    """Overwrite the damping of all modes but the shapes of a pin, by Eq. (I5)."""
+    system, bodies = model.parts.system, model.parts.bodies
+    put_damping(system.piston.damping, system.piston.stiffness, p)
+    put_damping(system.block.damping, system.block.stiffness, p)
+    put_damping(bodies.piston.damping, bodies.piston.stiffness, p)
+    put_damping(bodies.shells.damping, bodies.shells.stiffness, p)
 
 
 # ---- a step
@@ -129,6 +147,7 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
         0.0,
         none,
         0,
+        0.0,
         np.zeros((0, 0)),
     )
 
@@ -220,9 +239,11 @@ def result_of(
     step: StepProblem,
     time: float,
     instant: PinInstant,
-    load_torque: float,
+    inputs: StepInputs,
 ) -> StepResult:
     """Return state and outputs at the end of a step.
+
+    The films of `instant` open by thermal growth.
 
     Parameters
     ----------
@@ -233,8 +254,7 @@ def result_of(
     time : float
         At the end of the step [s].
     instant : PinInstant
-    load_torque : float
-        On a free crank [N m].
+    inputs : StepInputs
     """
     now = instant.now
     system = model.parts.system
@@ -247,15 +267,22 @@ def result_of(
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
-        freed = released(model, last, crank, torque + load_torque)
+        freed = released(model, last, crank, torque + inputs.load_torque)
         if step.coefficients.step > 0.0:
             jerk = (freed - before.crank_acceleration) / step.coefficients.step
         crank = CrankMotion(crank.angle, crank.speed, freed)
-        torque = -load_torque
+        torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    state = state_at(now, crank, jerk, time, steps)
+    opening = thermal_opening(
+        model.radii, inputs.piston_temperature, inputs.bore_temperature, settings
+    )
+    for k in range(len(now.films.film_thickness)):
+        now.films.film_thickness[k] += opening
+    state = state_at(now, crank, jerk, time, steps, opening)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted)
+    warm_work = 0.0
     if steps > 0:
+        warm_work = growth_work(inputs.skirt.pressure, opening - before.thermal_opening)
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
@@ -268,7 +295,7 @@ def result_of(
         on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(
         instant,
-        scalars_of(now, step.crank, (torque, inertia), energy, system),
+        scalars_of(now, step.crank, (torque, inertia), energy, system, (opening, warm_work)),
         step.others,
         demand_of(system, step.others, step.crank),
         on_block,

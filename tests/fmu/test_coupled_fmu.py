@@ -82,6 +82,7 @@ def test_inputs_are_those_without_a_wire(coupled):
     rings = {"ring_side_force", "ring_axial_force", "ring_moment"}
     assert inputs == {
         *("crank_speed", "load_torque", "gas_pressure", "crankcase_pressure", "land_pressure"),
+        *("piston_temperature", "bore_temperature"),
         *rings,
     }
 

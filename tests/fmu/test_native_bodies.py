@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 
 from piston_cosim.master.api.fmus import build_fmu as build_of_case
 from piston_cosim.master.fmi.builder import build_fmu
@@ -73,6 +74,9 @@ def given(k, shape, film=""):
         "ring_moment": 0.05 * np.cos(k),
         "crank_speed": 300.0 + k,
         "load_torque": 20.0 + 10.0 * np.sin(k),
+        "piston_temperature": 293.15 + 0.5 * k,
+        "bore_temperature": 293.15 - 0.2 * k,
+        "damping_ratio": 0.02 + 0.01 * (k % 3),
     }
 
 
@@ -194,6 +198,31 @@ def test_a_load_brakes_a_free_crank(rigid):
         one.set("gas_pressure", 1e9)
         one.step(1e-3, 1e-5)
     one.close()
+
+
+def test_a_piston_that_warms_fills_its_bore(bodies_fmu, rigid):
+    """Skirt of 28.225 mm: 22.58 um more by 40 K and 20e-6/K. Bore of 28.25 mm: 3.1075 um more by
+    10 K and 11e-6/K.
+    """
+    grown = dict(piston_temperature=333.15, bore_temperature=303.15)
+    for path in (bodies_fmu, rigid):
+        one = FmuParticipant("bodies", path)
+        one.start({}, 0.0, 1.0)
+        cold = one.get("film_thickness").copy()
+        for name, value in grown.items():
+            one.set(name, value)
+        one.step(0.0, 1e-9)  # nothing else moves
+        assert one.get("thermal_opening") == pytest.approx(-19.4725e-6, rel=1e-12)
+        np.testing.assert_allclose(one.get("film_thickness") - cold, -19.4725e-6, rtol=1e-6)
+        before = one.get("film_thickness").copy()
+        one.set("bore_temperature", 1100.0)
+        words = "bore_temperature: expected 200 to 1000 K, got 1100 K"
+        with pytest.raises(Discard, match=words):
+            one.step(1e-9, 1e-9)
+        assert np.array_equal(one.get("film_thickness"), before)
+        with pytest.raises(FMICallException):
+            one.set("piston_expansion", 1e-5)  # fixed
+        one.close()
 
 
 BANDS = [{"name": "low", "rows": [1, 4]}, {"name": "up", "rows": [6, 10]}]

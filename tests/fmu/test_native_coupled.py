@@ -87,6 +87,8 @@ def step(one, k, steps=1):
     one.set("gas_pressure", 1e5 * k)
     one.set("ring_side_force", 5.0 * np.sin(k))
     one.set("ring_moment", 0.02 * np.cos(k))
+    one.set("piston_temperature", 293.15 + 0.2 * k)
+    one.set("damping_ratio", 0.02 + 1e-3 * k)  # tunable
     one.set("crankcase_pressure", 1e4 * k)  # one that swings makes 2e-12 of an input's last bit
     if "viscosity" in one.fields:  # tunable
         one.set("viscosity", 0.01 + 1e-4 * k)
@@ -257,6 +259,25 @@ def test_a_tunable_parameter_acts_at_the_next_step(both):
         name = "friction_power_hydrodynamic"
         assert one.get(name) == pytest.approx(thick.get(name), rel=1e-9)
         assert one.get(name) > 2.0 * other.get(name) > 0.0  # 20 mPa s for 6
+
+
+def test_damping_of_the_bodies_acts_at_the_next_step(exported):
+    """In an engine with modes, as if it had begun with it; a range is checked at the step."""
+    for is_native in (True, False):
+        path = exported(FOUR_MODES, native=is_native)
+        stiff = {"damping_ratio": 2.0}
+        one, other, stiffer = (started(path, HARD | more) for more in ({}, {}, stiff))
+        one.set("damping_ratio", 2.0)
+        assert one.log == []
+        for participant in (one, other, stiffer):
+            for k in (1, 2):
+                participant.step((k - 1) * STEP, STEP)
+        name = "elastic_energy"
+        assert one.get(name) == pytest.approx(stiffer.get(name), rel=1e-6)
+        assert abs(one.get(name) - other.get(name)) > 1e-3 * other.get(name) > 0.0
+        one.set("damping_ratio", 3.0)
+        with pytest.raises(Discard, match="damping_ratio: expected 0 to 2, got 3"):
+            one.step(2 * STEP, STEP)
 
 
 # ---- states

@@ -84,6 +84,9 @@ def given(one, k):
         "ring_axial_force": -20.0,
         "ring_moment": 0.05 * np.cos(k),
         "crank_speed": 180.0 + k,
+        "piston_temperature": 293.15 + 0.5 * k,
+        "bore_temperature": 293.15 - 0.2 * k,
+        "rayleigh_mass_factor": 100.0 * (k % 3),
     }
     for name, field in one.fields.items():
         film, _, what = name.rpartition(".")

@@ -82,7 +82,9 @@ def test_every_scalar_is_a_connector_of_its_component_and_of_the_system(package)
     own = {c.get("name"): c for c in top.find(f"{{{SPACE['ssd']}}}Connectors")}
     inputs = {name for name, c in own.items() if c.get("kind") == "input"}
     rings = {"ring_side_force", "ring_axial_force", "ring_moment", "land_pressure"}
-    assert inputs == {"crank_speed", "load_torque", "gas_pressure", "crankcase_pressure"} | rings
+    warm = {"piston_temperature", "bore_temperature"}
+    shaft = {"crank_speed", "load_torque", "gas_pressure", "crankcase_pressure"}
+    assert inputs == shaft | warm | rings
     assert own["minimum_film_thickness"].get("kind") == "output"
     joined = [c for c in root.iter(f"{{{SPACE['ssd']}}}Connection") if len(c.attrib) == 3]
     assert len(joined) == len(own)
