@@ -93,12 +93,12 @@ def _nearest_points(points, triangles, angle, height, radius, holes):
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
     centre = turn.mean(axis=1)
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
-    middle = flat[:, :, 0].mean(axis=1)
-    size = np.abs(flat[:, :, 0] - middle[:, None]).max(axis=1) + BESIDE * radius
+    lowest = flat[:, :, 0].min(axis=1) - BESIDE * radius
+    highest = flat[:, :, 0].max(axis=1) + BESIDE * radius
     found = []
     for theta in angle:
         x = radius * (centre + np.remainder(theta - centre + np.pi, 2 * np.pi) - np.pi)
-        near = np.flatnonzero(np.abs(x - middle) <= size)
+        near = np.flatnonzero((lowest <= x) & (x <= highest))
         for y in np.array_split(height, max(1, len(height) // 400)):
             none = np.full(len(y), np.inf)
             at = SurfacePoints(np.zeros(len(y), dtype=int), none, none, none)
