@@ -154,7 +154,7 @@ class PistonInBore:
     def damp(self, damping: Damping) -> None:
         """Set the damping of all modes, from the next step on."""
         set_damping(self.model, damping)
-        shapes = self.bodies.shapes
+        shapes = self.model.parts.bodies.shapes
         shapes.damping[:] = shapes.mass * modal_springs(self.shape_omega, damping).damping
 
     def start(

@@ -17,6 +17,8 @@ from piston_cosim.fmu_mfbd.dynamics.thermal_growth import Radii, thermal_opening
 from .test_crank_films import crank_model, rough_inputs
 from .test_floating_pin import PARAMETERS, random_inputs
 from .test_model import STEP, inputs
+from .test_motion_in_space import rough_inputs as space_inputs
+from .test_motion_in_space import space_model
 from .test_small_end import all_that_yields
 
 WARM, HOT = 293.15, 393.15
@@ -145,3 +147,16 @@ def test_damping_of_pin_and_shells_acts_from_the_next_step_on(name):
     model.damp(damped({}, PARAMETERS))
     same(model.advance(state, given(model, 3), STEP)[1], usual)
     assert np.abs(ends[0]["modal_velocity"] - usual["modal_velocity"]).max() > 0.0
+
+
+def test_a_piston_in_space_grows_and_takes_a_damping():
+    """It has no modes, so that damping changes nothing."""
+    model = space_model()
+    given = space_inputs(3, False)
+    state, _ = model.start(0.3, 2e-6, 1e-4, space_inputs(0, False))
+    cold = model.advance(state, given, STEP)[1]
+    model.damp(damped(OTHER))
+    hot = model.advance(state, dataclasses.replace(given, piston_temperature=HOT), STEP)[1]
+    same(cold, hot, (*ACCOUNT, "film_thickness"))
+    opening = -20e-6 * 54.95e-3 * 100.0
+    np.testing.assert_allclose(hot["film_thickness"] - cold["film_thickness"], opening, rtol=1e-9)
