@@ -280,9 +280,9 @@ def sweep(
     Returns
     -------
     list of dict
-        A row for each run, in the order of the combinations: its values, `status` ("done",
-        "failed", "bad input"), `message`, and the entries of its summary. `pandas.DataFrame(rows)`
-        is a table.
+        A row for each run, in the order of the combinations: its values, `results` (its file, a
+        path in the folder), `status` ("done", "failed", "bad input"), `message`, and the entries of
+        its summary. `pandas.DataFrame(rows)` is a table.
 
     Raises
     ------

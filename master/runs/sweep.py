@@ -232,7 +232,7 @@ def sweep(
     Returns
     -------
     list of dict
-        The rows in the order of the points.
+        The rows in the order of the points; `results` is a path in `folder`.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def _sweep(points, case_folder, folder, executor, watch):
         watch(points[k].values | rows[k], len(rows), len(points))
     with writing(table):
         _write_table(table, points, rows)
-    return [points[k].values | rows[k] for k in range(len(points))]
+    return [_record(point, rows[k]) for k, point in enumerate(points)]
 
 
 def table_for(folder, points):
@@ -277,7 +277,7 @@ def table_for(folder, points):
     It is `<folder>/sweep.csv`, or sweep_2.csv and so on if that contains other rows. A sweep
     that is continued or extended uses the same file.
     """
-    names = {f"runs/{point.name}.h5" for point in points}
+    names = {_record(point, {})["results"] for point in points}
     axes = set(points[0].values) if points else set()
     for number in itertools.count(1):
         path = Path(folder) / ("sweep.csv" if number == 1 else f"sweep_{number}.csv")
@@ -315,10 +315,12 @@ def _row(future):
     )
 
 
+def _record(point, row):
+    return point.values | {"results": f"runs/{point.name}.h5"} | row
+
+
 def _write_table(path, points, rows):
-    records = [
-        points[k].values | {"results": f"runs/{points[k].name}.h5"} | rows[k] for k in sorted(rows)
-    ]
+    records = [_record(points[k], rows[k]) for k in sorted(rows)]
     names = list(dict.fromkeys(name for record in records for name in record))
     text = [names] + [[record.get(name, "") for name in names] for record in records]
     with open(f"{path}.new", "w", newline="") as file:

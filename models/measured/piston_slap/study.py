@@ -150,7 +150,7 @@ def run_designs(designs, output, workers):
         rows = sweep.sweep(points, CASE.parent, output, pool, watch)
     if failed := [row for row in rows if row["status"] != "done"]:
         raise SystemExit(f"{len(failed)} of {len(rows)} designs failed; call again to try again")
-    return [{"results": f"runs/{point.name}.h5"} | row for point, row in zip(points, rows)]
+    return rows
 
 
 def table(found):
