@@ -55,8 +55,8 @@ def truncations(
     BadInput
         As `offline.reduce`.
     ValueError
-        Why nothing can be said: forces not recorded or on another grid, or a body that was reduced
-        without Eq. (J16).
+        Why nothing can be said: forces not recorded, or only once, or on another grid; or a body
+        that was reduced without Eq. (J16).
     """
     build = read_options(options, folder)
     if not any(body.modes and not body.rigid for body in (build.piston, build.block)):
@@ -65,6 +65,8 @@ def truncations(
     piston = load(ReducedPiston, files["piston"])
     block = load(ReducedBlock, files["block"])
     loads = recorded_loads(results, build.grid, last_period=True)
+    if len(loads.film.pressure) < 2:
+        raise ValueError("the last period has one recorded instant (record.every)")
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     shape = loads.film.pressure.shape
     found = {}

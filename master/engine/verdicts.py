@@ -164,6 +164,8 @@ def _of_conjugates(tree):
 
 def _of_truncation(summary):
     """Yield the check of the truncation error of the flexible bodies."""
+    if why := summary.get("truncation_error"):
+        yield Verdict("amber", "truncation", f"The truncation error of the modes is {why}.")
     bodies = [body for body in ("piston", "block") if f"truncation_error_{body}" in summary]
     if not bodies:
         return

@@ -157,6 +157,7 @@ def ledgered(refused=0, share=0.049, made=0.0):
         (missed(0.021, block=1e-4), "truncation", "amber"),
         (missed(0.11, piston=1e-4), "truncation", "red"),
         (missed(None, piston=1e-4), "truncation", "amber"),
+        ({"truncation_error": "unknown: recorded once"}, "truncation", "amber"),
     ],
 )
 def test_limits(given, what, colour, tmp_path):

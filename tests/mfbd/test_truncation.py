@@ -339,6 +339,10 @@ def test_a_run_that_cannot_state_it_says_why(coarse, kept, tmp_path):
     assert added["truncation_error"].startswith("unknown: run.h5 has not recorded nodal_pressure")
     with h5py.File(path) as file:
         assert json.loads(file.attrs["summary"]) == {"steps": 3} | added
+    once = results(tmp_path / "once.h5", tree, film_forces(GRID, instants=1))
+    assert state_truncation(tree, folder, once, lambda text: None) == {
+        "truncation_error": "unknown: the last period has one recorded instant (record.every)"
+    }
 
 
 def test_rigid_and_foreign_bodies_have_none(coarse, kept, tmp_path):
