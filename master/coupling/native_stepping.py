@@ -17,7 +17,8 @@ MOST_STEPS = 1e6
 def forget_products(state: CoupledState):
     """Clear the memory of GMRES."""
     pairs = state.pairs
-    keep(pairs.gram.reshape(pairs.gram.size), np.zeros(pairs.gram.size))
+    for table in (pairs.gram, pairs.images, pairs.differences):
+        keep(table.reshape(table.size), np.zeros(table.size))
     pairs.oldest[0] = 0.0
 
 

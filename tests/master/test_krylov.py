@@ -74,6 +74,7 @@ def test_no_more_pairs_than_their_directions_need(known):
     pairs.gram[:] = pairs.images @ pairs.images.T
     assert len(krylov.pairs_in_use(pairs)) == used
     for which in pairs[:2]:
+        assert which.any(axis=1).sum() == used
         which[np.diag(pairs.gram) == 0.0] = np.nan
     rows = preconditioned(pairs, used)
     np.testing.assert_allclose(np.diag(pairs.gram)[rows], 1.0, rtol=1e-14)

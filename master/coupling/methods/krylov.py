@@ -196,7 +196,8 @@ def inverse_factor(matrix: Array):
 def pairs_in_use(pairs: Pairs):
     """Return F of (Z' Z + n I)^-1 = F' F, a row for each pair in use, the newest first.
 
-    Its columns are the rows of `pairs`. Pairs older than Eq. (Q11) allows are removed.
+    Its columns are the rows of `pairs`. Pairs older than Eq. (Q11) allows are removed: with zeros
+    in their place, a saved state is small.
     """
     gram = pairs.gram
     kept = len(gram)
@@ -212,10 +213,10 @@ def pairs_in_use(pairs: Pairs):
     inverse = np.zeros((used, kept))
     for i in range(used):
         put(inverse[i], rows, factor[i])
-    nothing = np.zeros(kept)
     for row in rows[used:]:
-        keep(gram[row], nothing)
-        keep(gram[:, row], nothing)
+        keep(gram[:, row], np.zeros(kept))
+        for table in (gram, pairs.images, pairs.differences):
+            keep(table[row], np.zeros(table.shape[1]))
     return inverse
 
 
