@@ -87,7 +87,7 @@ def step(one, k, steps=1):
     one.set("gas_pressure", 1e5 * k)
     one.set("ring_side_force", 5.0 * np.sin(k))
     one.set("ring_moment", 0.02 * np.cos(k))
-    one.set("piston_temperature", 293.15 - 0.1 * k)
+    one.set("piston_temperature", 293.15 - 0.01 * k)
     one.set("damping_ratio", 0.02 + 1e-3 * k)  # tunable
     one.set("crankcase_pressure", 1e4 * k)  # one that swings makes 2e-12 of an input's last bit
     if "viscosity" in one.fields:  # tunable
