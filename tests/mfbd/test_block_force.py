@@ -182,13 +182,18 @@ def test_momentum_over_steps_closes_with_the_order_of_the_method(make, order):
 
 def missed_in_space(size, direction):
     """What forces and moments on the block miss of the points' change of momentum and of angular
-    momentum about the crank axis, both (6,), and these; with the accelerations of the model.
+    momentum about the crank axis, both (6,), and these; with the accelerations of the model. The
+    cylinder is 3 mm off the crank axis.
     """
     of = Points(size)
     crank = CrankMotion(0.3, SPEED, 0.0)
     begin = crank.angle / SPEED
     of.rates(begin, size * direction)  # sets where it is pushed
     bodies, load = space_bodies(of), load_on(of)
+    aside = np.array([3e-3, 0.0, 0.0, 0.0, 0.0])
+    mechanism = bodies.mechanism._replace(offset=3e-3)
+    bodies = bodies._replace(mechanism=mechanism, pin_offset=2e-3)
+    load = load._replace(lateral=load.lateral - 800.0, axial=load.axial + 700.0)
     position, velocity = np.split(size * direction, 2)
     now = Motion(position, velocity, np.zeros(5))
     for _ in range(20):
@@ -202,7 +207,7 @@ def missed_in_space(size, direction):
     masses = np.array([*of.masses, 0.25, 0.25, 0.85, 0.85])[:, None]
 
     def momentum(t):
-        q = position + t * velocity + t**2 / 2 * now.acceleration
+        q = aside + position + t * velocity + t**2 / 2 * now.acceleration
         dq = velocity + t * now.acceleration
         places = of.all(q, begin + t)[: len(masses)]
         moving = masses * of.velocity(q, dq, begin + t)[: len(masses)]
