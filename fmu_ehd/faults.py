@@ -4,8 +4,8 @@ Kernels note a fault by number, cell and up to three numbers. The sentence is ma
 """
 
 from ..master.fmi.compiled import compiled
+from ..master.fmi.noted import DAMAGED_STATE, sentences_of
 from ..master.fmi.noted import refuse as note
-from ..master.fmi.noted import sentences_of
 from .balance.grid import Array
 from .laws.cavitation import NotConverged
 
@@ -54,6 +54,7 @@ FAULTS = (
     "finer grid or a smoother profile",
     "pressure_viscosity_law: the film pressure exceeds the range of the law, in which viscosity "
     "rises to 1000 times that of low pressure; beyond it the viscosity is constant",
+    DAMAGED_STATE,
 )
 """Sentences of the faults, by number; {i} and {j} are the cell, {a} to {c} numbers."""
 (
@@ -87,6 +88,7 @@ FAULTS = (
     STROKE_TOO_LONG,
     NARROW_STEPS,
     BEYOND_PRESSURE_LAW,
+    OTHER_STATE,
 ) = map(float, range(len(FAULTS)))  # numba compiles a kernel anew for every literal integer
 
 

@@ -18,7 +18,7 @@ from . import step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import skirt_edges
 from .contradictions import FROM_EDGES, FULL_TURN
-from .faults import FAULTS, NO_TANGENT, refuse
+from .faults import FAULTS, NO_TANGENT, OTHER_STATE, refuse
 from .laws.asperity import CONTACT_LAWS, contact_table
 from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import TABLE as FACTOR_TABLE
@@ -39,6 +39,7 @@ from .native_step import (
     factors_of,
     filled,
     fixed_of,
+    is_memory,
     last_of,
     linear_of,
     memory_of_state,
@@ -100,6 +101,7 @@ def given(slave: Any) -> Array:
         {"given": row_of(block)},
         {
             "state": room(step.Memory, **lengths),
+            "begun": room(step.Memory, **lengths),
             "last": room(step.LastStep, **lengths),
             "linear": room(step_tangent.Linearisation, **lengths),
             "solver": room(Solver, **lengths),
@@ -246,6 +248,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     if faults[0] > 0.0:
         return
     put_memory(parts.state, begun)
+    keep(parts.begun, parts.state)
     publish(fields, scalars, 0.0, real, integer, block.places)
 
 
@@ -266,6 +269,9 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
         return
     fixed = fixed_of(block, True)
     inputs = inputs_of(real, block, fixed.domain, numbers[0])
+    if not is_memory(parts.state, parts.begun):
+        refuse(faults, OTHER_STATE, 0, 0, 0.0, 0.0, 0.0)
+        return
     before = memory_of_state(parts.state.copy())
     begun = step.begin(fixed, before, inputs, faults)
     if faults[0] > 0.0:

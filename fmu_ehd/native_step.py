@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import flatten, parts
+from ..master.fmi.block import alike, flatten, parts
 from ..master.fmi.compiled import compiled, packed
 from . import constants, contradictions, surroundings
 from .balance import openings
@@ -108,12 +108,13 @@ class Solver(NamedTuple):
 class Parts(NamedTuple):
     """Parts of the memory.
 
-    They are rows of `FilmSetup`, `step.Memory`, `step.LastStep`, `step_tangent.Linearisation` and
-    `Solver`, and the faults.
+    They are rows of `FilmSetup`, `step.Memory`, that at the start, `step.LastStep`,
+    `step_tangent.Linearisation` and `Solver`, and the faults.
     """
 
     given: Vector
     state: Vector
+    begun: Vector
     last: Vector
     linear: Vector
     solver: Vector
@@ -125,6 +126,7 @@ _, _block = flatten(FilmSetup)
 put_law, law_from = flatten(PressureLaw)
 put_solver, _solver = flatten(Solver)
 put_memory, memory_of_state = flatten(Memory)
+is_memory = alike(Memory)
 put_last, last_of = flatten(LastStep)
 put_linear, linear_of = flatten(Linearisation)
 

@@ -8,14 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from ..master.fmi.block import part
+from ..master.fmi.block import keep, part
 from ..master.fmi.compiled import compiled, packed
 from ..master.fmi.native_parts import Entry, NativePart, size
 from ..master.fmi.noted import refuse, remark
 from .dynamics.assembly import assembled, with_inertia
 from .dynamics.block_force import force_change
 from .dynamics.carrier import FIXED, carrier_from
-from .dynamics.contradictions import FAULTS, GIVEN_TWICE, NO_ANGLE, NOT_SOLVED, check
+from .dynamics.contradictions import (
+    FAULTS,
+    GIVEN_TWICE,
+    NO_ANGLE,
+    NOT_SOLVED,
+    OTHER_STATE,
+    check,
+)
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.parameters import Settings
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
@@ -46,6 +53,7 @@ from .native_block import (
     PART_OF,
     common_of,
     given_of,
+    is_state,
     last_of,
     model_of,
     put_common,
@@ -281,6 +289,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         before = at_rest(crank, position, given.start_velocity)
         solve(real, integer, memory, now, before, crank, 0.0)
         state = state_of(memory)
+        keep(part(memory, PART_OF.begun), part(memory, PART_OF.state))
         if faults[0] > 0.0 or is_started(p, crank, state):
             return
         crank = CrankMotion(crank.angle, crank.speed, state.crank_acceleration)
@@ -289,7 +298,11 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Take a step; the first of `numbers` is its length [s]."""
-    part(memory, PART_OF.faults)[0] = 0.0
+    faults = part(memory, PART_OF.faults)
+    faults[0] = 0.0
+    if not is_state(part(memory, PART_OF.state), part(memory, PART_OF.begun)):
+        refuse(faults, OTHER_STATE, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return
     step = numbers[0]
     state = state_of(memory)
     model = model_of(memory)

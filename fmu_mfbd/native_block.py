@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import flatten, part
+from ..master.fmi.block import alike, flatten, part
 from ..master.fmi.compiled import compiled, numbered, packed
 from .dynamics.assembly import BodySetup
 from .dynamics.parameters import Settings
@@ -108,11 +108,12 @@ class NativeSetup(NamedTuple):
     tangents: Number
 
 
-PART_OF = numbered("given", "model", "state", "last", "common", "faults")
+PART_OF = numbered("given", "model", "state", "begun", "last", "common", "faults")
 """Numbers of the parts of a memory."""
 _, _given = flatten(NativeSetup)
 put_model, _model = flatten(BodyModel)
 put_state, _state = flatten(PistonState)
+is_state = alike(PistonState)
 put_last, _last = flatten(StepEnd)
 put_common, _common = flatten(Linearisation)
 

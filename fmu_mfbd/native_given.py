@@ -68,6 +68,7 @@ def given(slave: Any) -> np.ndarray:
     lengths = {
         "model": row_of(model._replace(parts=parts)).size,
         "state": room(PistonState, n=n, w=0, s=0),
+        "begun": room(PistonState, n=n, w=0, s=0),
         "last": room(StepEnd, n=m, m=m),
         "common": room(Linearisation, n=m, m=m),
         "faults": ROOM,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ...master.fmi.noted import refuse
+from ...master.fmi.noted import DAMAGED_STATE, refuse
 from .parameters import GAS_TWICE, NO_GAS_TABLE, Parameters, Settings
 
 PIN_SHARE = 0.25
@@ -50,6 +50,7 @@ FAULTS = (
     "quasi_static_frequency: expected more than all modes with a floating pin, {b} Hz, got {a} Hz",
     *(NO_ROD.format(name="rod_mass", unit="kg", films=films) for films in FILMS),
     *(NO_ROD.format(name="rod_inertia", unit="kg.m2", films=films) for films in FILMS),
+    DAMAGED_STATE,
 )
 """Sentences by number."""
 (
@@ -78,6 +79,7 @@ FAULTS = (
     NO_ROD_INERTIA,
     _,
     _,
+    OTHER_STATE,
 ) = map(float, range(len(FAULTS)))  # numba compiles a kernel anew for every literal integer
 
 USUAL = Parameters()

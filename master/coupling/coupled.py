@@ -17,6 +17,7 @@ from .freezing import freeze, thaw
 from .methods import method_of
 from .starting import start
 from .stepping import StepFailed, Stepper
+from .vector import macro_step_end
 from .wiring import Port, System, Wire
 
 
@@ -205,8 +206,10 @@ class Coupled(FieldSlave):
         count = ceil(step / self.system.step / (1.0 + LENIENCE))
         try:
             for k in range(count):
-                before = time + step * k / count
-                after = time + step * (k + 1) / count
+                before, after = (
+                    macro_step_end(time, step, share, self.system.step)
+                    for share in (k / count, (k + 1) / count)
+                )
                 self.stepper.advance(before, after - before)
         except StepFailed as failure:
             raise Discard(str(failure)) from None

@@ -16,6 +16,7 @@ from .native_block import (
     LastMacroStep,
     exposed_from,
     given_of,
+    is_state,
     last_from,
     nothing_yet,
     participant_from,
@@ -141,6 +142,9 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float, step: float):
     """Advance to time + step, as `Coupled.advance`; return False and keep the state if it fails."""
     parts = parts_of(memory)
+    if not is_state(parts.state, parts.before):
+        refuse(parts.faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return False
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)

@@ -6,8 +6,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..fmi.block import flatten, parts, reader
+from ..fmi.block import alike, flatten, parts, reader
 from ..fmi.compiled import compilable, compiled
+from ..fmi.noted import DAMAGED_STATE
 from .methods import iteration
 from .methods.krylov import Pairs
 from .vector import Layout
@@ -25,6 +26,7 @@ SENTENCES = {
     "no_halving": "t = {a} s, step {b} s, and no halving is left",
     "no_memory": "there is not enough memory for a participant's step",
     "no_step": "there was no step to take a derivative of",
+    "other_state": DAMAGED_STATE,
     "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
 }
 FAULT = namedtuple("Fault", SENTENCES)(*map(float, range(len(SENTENCES))))
@@ -202,6 +204,7 @@ _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
 given_from = reader(CoupledSetup)
 put_state, state_from = flatten(CoupledState)
+_has_lengths = alike(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
 
 
@@ -217,6 +220,16 @@ def nothing_yet(given: CoupledSetup):
         np.zeros((given.rules.predicted, len(given.layout.nominal))),
         Pairs(of_vectors[0], of_vectors[1], np.zeros((n, n)), np.zeros(1)),
     )
+
+
+@compiled
+def is_state(row: np.ndarray, other: np.ndarray):
+    """Return whether a row is that of a `CoupledState` as `other`, whose positions are valid."""
+    if not _has_lengths(row, other):
+        return False
+    state = state_from(row)
+    is_known = 1.0 <= state.known[0] <= len(state.times)
+    return is_known and 0.0 <= state.pairs.oldest[0] < max(len(state.pairs.gram), 1)
 
 
 @compiled

@@ -7,7 +7,7 @@ from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from .native_block import FAULT, CoupledState, parts_of, rules_of, state_of
 from .native_system import find, restore, save, system_of
-from .vector import extrapolate, moved
+from .vector import extrapolate, macro_step_end, moved
 
 MOST_STEPS = 1e6
 """Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
@@ -94,8 +94,8 @@ def reach(memory: np.ndarray, time: float, step: float):
         return False
     steps = int(asked)
     for k in range(steps):
-        before = time + step * k / steps
-        after = time + step * (k + 1) / steps
+        before = macro_step_end(time, step, k / steps, rules.step)
+        after = macro_step_end(time, step, (k + 1) / steps, rules.step)
         if not macro_step(memory, before, after - before):
             return False
     return True

@@ -62,6 +62,34 @@ def largest(measures: Sequence[float]):
     return found
 
 
+NEAR = 1e-6
+"""Share of a macro step by which hosts may miss its end."""
+
+
+@compilable
+def macro_step_end(time: float, step: float, share: float, length: float):
+    """Return the time after a share of a communication step [s], on the grid of the macro steps.
+
+    A host that adds up its times misses the multiples of a macro step by some last digits, with
+    which an iteration may end earlier.
+
+    Eq. (Y6):  t = n H  if  |t - n H| <= NEAR H
+
+    Parameters
+    ----------
+    time, step : float
+        Begin and length of the communication step [s].
+    share : float
+        0 to 1.
+    length : float
+        H, macro step of the case [s]; shorter communication steps are not moved.
+    """
+    end = time + step * share
+    near = np.floor(end / length + 0.5) * length
+    is_near = abs(end - near) <= NEAR * length and step >= (1.0 - NEAR) * length
+    return near if is_near else end  # Eq. (Y6)
+
+
 @compilable
 def step_length(layout: Layout, x: Array, change: Array):
     """Return the largest share <= 1 of `change` that respects `largest_decrease` of every wire.

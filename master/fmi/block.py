@@ -217,6 +217,27 @@ def reader(kind: Any) -> Any:
     return _made("row", [*lines, f"return {_built(kind, 'tree', scope)}"], scope)
 
 
+def alike(kind: Any) -> Any:
+    """Return the kernel that compares two rows of a tree, (row, other): False if lengths differ.
+
+    The lengths are those of all arrays. `other` is a valid row, `row` may hold anything.
+    """
+    all_axes = tuple(len(shape_of(hint)) for _, hint in leaves(kind))
+
+    def has_lengths(row, other):
+        at = 0
+        for axes in all_axes:
+            size = 1
+            for k in range(at, at + axes):
+                if row[k] != other[k]:
+                    return False
+                size *= int(other[k])
+            at += axes + size
+        return True
+
+    return compilable(has_lengths)
+
+
 def _made(arguments, lines, scope):
     """Return the function of these lines, which kernels compile."""
     exec(f"def made({arguments}):\n    " + "\n    ".join(lines), scope)

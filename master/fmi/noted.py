@@ -13,6 +13,7 @@ MOST_FAULTS = 24
 OF_A_FAULT = 6
 ROOM = 1 + MOST_FAULTS * OF_A_FAULT
 """Length of a list of faults: their count, then number of the sentence, i, j, a, b, c for each."""
+DAMAGED_STATE = "the restored state is damaged: expected that of a run of this FMU"
 
 
 def none_yet() -> np.ndarray:

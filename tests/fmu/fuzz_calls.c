@@ -5,7 +5,8 @@
 
    fuzz_calls CALLS SEED SCRATCH (RESOURCES TOKEN SIZES)...     FMUs of one participant, other sizes
    SIZES is a text, for each variable of the table a number: its elements, negative where they are no real numbers.
-   Prints the calls that went well, those that did not, words logged, damaged files that were refused and those tried. */
+   Prints the calls that went well, those that did not, words logged; damaged files and states that were rejected, and those
+   tried; files and states with new sums that were rejected, and those tried. */
 
 #include <math.h>
 #include <stdarg.h>
@@ -64,7 +65,7 @@ static double step_size(void)
 
 static void *made(const Fmu *, const char *resources, bool with_logger, bool logging);
 static void release(void *);
-static int reset(void *), enter(void *), leave(void *), terminate(void *), step(void *, double time, double length);
+static int reset(void *), enter(void *), enter_at_zero(void *), leave(void *), terminate(void *), step(void *, double time, double length);
 static int get_state(void *, void **), set_state(void *, void *), free_state(void *, void **);
 static int state_size(void *, void *, size_t *), to_bytes(void *, void *, char *, size_t);
 static int from_bytes(void *, const char *, size_t, void **);
@@ -163,39 +164,49 @@ static void call(void *one, const Fmu *f)
     }
 }
 
-/* Damaged copies of resources/slave.bin, each of which has to be refused; how many were. */
-static long damaged_files(const Fmu *f, const char *scratch, long tries)
+static char *read_file(const char *path, size_t *size)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/slave.bin", f->resources);
     FILE *file = fopen(path, "rb");
     fseek(file, 0, SEEK_END);
-    size_t size = (size_t)ftell(file);
-    char *whole = malloc(size), *damaged = malloc(size);
+    *size = (size_t)ftell(file);
+    char *whole = malloc(*size);
     rewind(file);
-    if (fread(whole, 1, size, file) != size)
+    if (fread(whole, 1, *size, file) != *size)
         exit(1);
     fclose(file);
+    return whole;
+}
+
+static void write_file(const char *path, const void *bytes, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    fwrite(bytes, 1, size, file);
+    fclose(file);
+}
+
+/* Damaged copies of resources/slave.bin, each of which has to be refused; how many were. */
+static long damaged_files(const Fmu *f, const char *whole, size_t size, const char *scratch, long tries)
+{
+    char path[4096], *damaged = malloc(size);
     long refused = 0;
     snprintf(path, sizeof path, "%s/slave.bin", scratch);
     for (long k = 0; k < tries; k++) {
-        size_t kept = k % 2 ? size : any((uint32_t)size);
         memcpy(damaged, whole, size);
         for (uint32_t n = k % 2 ? 1 + any(3) : 0; n; n--)
             damaged[any(any(2) ? 400 : (uint32_t)size)] ^= (char)(1 << any(8));
-        if (kept == size && !memcmp(damaged, whole, size))
+        if (k % 2 && !memcmp(damaged, whole, size))
             damaged[0] ^= 1;
-        file = fopen(path, "wb");
-        fwrite(damaged, 1, kept, file);
-        fclose(file);
+        write_file(path, damaged, k % 2 ? size : any((uint32_t)size));
         long before = words;
         void *one = made(f, scratch, true, false);
         refused += !one && words > before;
         release(one);
     }
-    free(whole), free(damaged);
+    free(damaged);
     return refused;
 }
+
+#include "fuzz_forge.h"
 
 static void read_sizes(Fmu *f, const char *text)
 {
@@ -209,7 +220,7 @@ static void read_sizes(Fmu *f, const char *text)
 
 int main(int arguments, char **argument)
 {
-    long calls = atol(argument[1]), tries = calls / 100 + 100;
+    long calls = atol(argument[1]), tries = calls / 10;
     seed = 88172645463325252ULL + strtoull(argument[2], NULL, 10);
     int fmus = (arguments - 4) / 3;
     Fmu *fmu = calloc((size_t)fmus, sizeof *fmu);
@@ -221,7 +232,7 @@ int main(int arguments, char **argument)
     void *one[INSTANCES], *gone = NULL;
     for (int k = 0; k < INSTANCES; k++) {
         one[k] = new_instance(fmu + k % fmus);
-        if (enter(one[k]) || leave(one[k]) || step(one[k], 0.0, 1e-5))
+        if (enter_at_zero(one[k]) || leave(one[k]) || step(one[k], 0.0, 1e-5))
             fprintf(stderr, "a step from the start values was refused\n"), exit(1);
     }
     for (long n = 0; n < calls; n++) {
@@ -243,10 +254,19 @@ int main(int arguments, char **argument)
     }
     for (int k = 0; k < INSTANCES; k++)
         release(one[k]);
-    long refused = damaged_files(fmu, argument[3], tries);
+    char path[4096];
+    size_t size;
+    snprintf(path, sizeof path, "%s/slave.bin", fmu->resources);
+    char *whole = read_file(path, &size);
+    long refused = damaged_files(fmu, whole, size, argument[3], tries);
+    Sums sums = sums_of((uint64_t *)whole + 1, size / sizeof(uint64_t) - 1, (Sums){0, 0});
+    long forged = forged_states(fmu, sums, tries, &refused);
+    forged += forged_files(fmu, (uint64_t *)whole, size, argument[3], tries);
+    free(whole);
     for (int k = 0; k < fmus; k++)
         free(fmu[k].size);
     free(fmu);
-    printf("%ld %ld %ld %ld %ld\n", answered[0], answered[1] + answered[2] + answered[3] + answered[4], words, refused, tries);
+    printf("%ld %ld %ld %ld %ld %ld %ld\n", answered[0], answered[1] + answered[2] + answered[3] + answered[4], words, refused, 2 * tries,
+           forged, 2 * tries);
     return 0;
 }

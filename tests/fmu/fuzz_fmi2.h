@@ -36,6 +36,7 @@ static void *made(const Fmu *f, const char *resources, bool with_logger, bool lo
 static void release(void *one) { fmi2FreeInstance(one); }
 static int reset(void *one) { return fmi2Reset(one); }
 static int enter(void *one) { return fmi2EnterInitializationMode(one); }
+static int enter_at_zero(void *one) { return enter(one); }
 static int leave(void *one) { return fmi2ExitInitializationMode(one); }
 static int terminate(void *one) { return fmi2Terminate(one); }
 static int step(void *one, double time, double length) { return fmi2DoStep(one, time, length, 0); }

@@ -41,6 +41,7 @@ static int enter(void *one)
     return fmi3EnterInitializationMode(one, any(2), number(), any(4) ? 0.0 : number(), any(2), number());
 }
 
+static int enter_at_zero(void *one) { return fmi3EnterInitializationMode(one, false, 0.0, 0.0, false, 0.0); }
 static int leave(void *one) { return fmi3ExitInitializationMode(one); }
 static int terminate(void *one) { return fmi3Terminate(one); }
 static int get_state(void *one, void **state) { return fmi3GetFMUState(one, state); }

@@ -134,6 +134,28 @@ def test_every_output_is_that_of_the_fmu_in_python(both):
     assert max(off.values()) <= ROUND_OFF
 
 
+@pytest.mark.parametrize("is_native", [True, False])
+def test_a_host_that_adds_up_its_times_has_the_bits_of_one_that_multiplies(both, is_native):
+    """As does one that misses the ends by less than 1e-6 of a step; 30 steps, pairs at the end."""
+    exact, added, rough = (started(both[not is_native]) for _ in range(3))
+    time = 0.0
+    sums = set()
+    for k in range(30):
+        size = 2 if k > 26 else 1
+        begin = (k + max(k - 27, 0)) * STEP
+        exact.step(begin, size * STEP)
+        added.step(time, size * STEP)
+        time += size * STEP
+        rough.step(begin + 2e-7 * (k % 3) * STEP, size * STEP)
+        sums.add(time == (k + max(k - 27, 0) + size) * STEP)
+    assert sums == {True, False}  # the sum is another number at some ends
+    for name in outputs_of(exact):
+        values = [one.get(name) for one in (exact, added, rough)]
+        assert values[0] == values[1] == values[2], name
+    for one in (exact, added, rough):
+        one.close()
+
+
 FOUR_MODES = [(f"participants.bodies.build.{body}.modes", 4) for body in ("piston", "block")]
 TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from piston_cosim.master.fmi.block import flatten, reader, room, row_of
+from piston_cosim.master.fmi.block import alike, flatten, reader, room, row_of
 from piston_cosim.master.fmi.compiled import compiled
 
 
@@ -61,6 +61,21 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     assert same(get(row), tree)
     # the absent array alone leaves room
     assert np.isnan(row).sum() == n * (m + 1)
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_a_row_is_alike_where_its_lengths_are(is_compiled):
+    """Every length is compared and nothing else, by their positions in the 25 words."""
+    random = np.random.default_rng(5)
+    row = row_of(Tree(branch(random, 2, 1), 0.3, branch(random, 1, 1), random.random((2, 1, 1))))
+    lengths = {1, 2, 8, 13, 14, 18, 20, 21, 22}
+    is_alike = compiled(alike(Tree).py_func) if is_compiled else alike(Tree)
+    assert is_alike(row, row)
+    for k in range(len(row)):
+        for value in (row[k] + 1.0, -1.0, np.nan, 1e300):
+            other = row.copy()
+            other[k] = value
+            assert is_alike(other, row) == (k not in lengths), k
 
 
 class Table(NamedTuple):

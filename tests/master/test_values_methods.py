@@ -24,7 +24,7 @@ from piston_cosim.master.coupling.methods import (
 from piston_cosim.master.coupling.methods.filtering import filtered
 from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
-from piston_cosim.master.coupling.vector import step_length
+from piston_cosim.master.coupling.vector import macro_step_end, step_length
 from piston_cosim.master.coupling.wiring import is_unknown
 
 A = ((-1.0, 0.0), (0.0, 0.0))
@@ -434,3 +434,21 @@ def test_each_criterion_ends_the_iteration_where_it_is_met(affine, given, evalua
 def test_wires_against_the_order_are_unknowns(affine, source, target, parallel, unknown):
     wire = replace(affine([[0.0]], lambda t: t).wires[0], source=(source, ""), target=(target, ""))
     assert is_unknown(wire, ["plant", "echo"], parallel) is unknown
+
+
+@pytest.mark.parametrize(
+    "step, share, off, expected",
+    [
+        (0.25, 1.0, 0.0, 1.0),
+        (0.25, 1.0, 2e-7, 1.0),
+        (0.25, 1.0, -2e-7, 1.0),
+        (0.25, 1.0, 3e-7, 1.0 + 3e-7),  # 1.2e-6 of a macro step
+        (0.5, 0.5, 2e-7, 1.0),  # the first of two
+        (0.125, 1.0, 2e-7, 1.0 + 2e-7),  # half a macro step
+        (0.4, 1.0, 0.1, 1.1),
+    ],
+)
+def test_ends_near_a_multiple_of_the_macro_step_are_on_it(step, share, off, expected):
+    """Macro steps of 0.25 s, of which 1e-6 are 2.5e-7 s."""
+    end = macro_step_end(1.0 + off - step * share, step, share, 0.25)
+    assert end == (expected if expected == 1.0 else pytest.approx(expected, rel=1e-15))

@@ -246,7 +246,7 @@ static int is_own(Instance *I, const char *token)
 static int list_causalities(Instance *I)
 {
     const int64_t first[] = {0, I->first_integer, I->first_string, I->first_integer};
-    I->causality = malloc((size_t)(I->first_string + I->strings) + 1);
+    I->causality = calloc((size_t)(I->first_string + I->strings) + 1, 1);
     for (int64_t k = 0; I->causality && k < I->variables; k++) {
         const Entry *v = I->variable + k;
         memset(I->causality + first[v->type] + v->offset, (int)v->causality, (size_t)v->size);

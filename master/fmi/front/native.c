@@ -10,7 +10,7 @@
 
 static const char MARK[8] = "PCNATIV4";      /* the last digit is the version of the file */
 
-enum { FAULT_NUMBERS = 6, LONGEST = 16384 };
+enum { FAULT_NUMBERS = 6, MOST_FAULTS = 24, SIZES = 4, LONGEST = 16384 };
 
 /* Description of a variable in the file: numbers, then ranges; texts are separate. */
 typedef struct { int64_t type, offset, size, causality, extent[3], choices; } Row;
@@ -42,6 +42,8 @@ typedef struct {
     Pool *pool;
     Sums sums;                          /* of the file */
 } Native;
+
+static const char damaged[] = "is cut short or damaged";
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -109,11 +111,33 @@ static int is_whole(Sums sums, const char *token, size_t size)
     return size % sizeof(uint64_t) == 0 && strlen(token) > length && !strcmp(token + strlen(token) - length, told);
 }
 
-/* Set the pointers into the file; return NULL or the fault. The numbers of the file that goes with the model description
-   are valid. */
+/* Return whether `size` items from a position on are among `all` items. */
+static int lies_in(int64_t first, int64_t size, int64_t all)
+{
+    return first >= 0 && size >= 0 && first <= all && size <= all - first;
+}
+
+/* Return whether the numbers of the head, the variables and the derivatives point to nothing outside the arrays. */
+static int is_consistent(const Head *h, const Row *row, const Block *block)
+{
+    int64_t causalities = TUNABLE + 1;
+    if (!lies_in(0, h->reals, h->first_integer) || h->given < SIZES)
+        return 0;
+    for (int64_t k = 0; k < h->variables; k++, row++)
+        if (!(row->type == REAL || row->type == INTEGER || row->type == CHOICE) || !lies_in(row->causality, 1, causalities)
+            || !lies_in(row->offset, row->size, row->type == REAL ? h->reals : h->integers) || row->choices < 0
+            || (row->type == CHOICE && row->size != 1))
+            return 0;
+    for (int64_t k = 0; k < h->seeds + h->products; k++, block++)
+        if (!lies_in(block->first, block->size, h->reals) || !lies_in(block->reserved, block->size, h->first_integer))
+            return 0;
+    return 1;
+}
+
+/* Set the pointers into the file; return NULL or the fault. */
 static const char *lay_out(Native *N, const char *path, const char *token)
 {
-    const char *damaged = "is cut short or damaged", *scarce = "asks for more memory than there is";
+    const char *scarce = "asks for more memory than there is";
     size_t size = 0;
     N->file = read_whole(path, &size);
     if (!N->file)
@@ -126,15 +150,16 @@ static const char *lay_out(Native *N, const char *path, const char *token)
     if (!is_whole(N->sums, token, size))
         return damaged;
     const Head *h = N->head = take(&cursor, end, 1, sizeof *h);
-    if (!h || h->seeds < 0 || h->products < 0 || h->seeds + h->products > h->variables)
+    if (!h || !lies_in(h->seeds, h->products, h->variables))
         return damaged;
-    take(&cursor, end, 3 * (h->seeds + h->products), sizeof(int64_t));
+    const Block *block = take(&cursor, end, h->seeds + h->products, sizeof *block);
     N->row = take(&cursor, end, h->variables, sizeof(Row));
     N->range = take(&cursor, end, h->variables, sizeof(Range));
     N->start_real = take(&cursor, end, h->first_integer, sizeof(double));
     N->start_integer = take(&cursor, end, h->integers, sizeof(int64_t));
     N->given = take(&cursor, end, h->given, sizeof(double));
-    if (!cursor || h->texts < 0 || h->texts > end - cursor || h->faults < 0 || h->faults > end - cursor)
+    if (!cursor || !lies_in(0, h->texts, end - cursor) || !lies_in(0, h->faults, end - cursor)
+        || !is_consistent(h, N->row, block))
         return damaged;
     N->words = calloc((size_t)h->variables + 1, sizeof *N->words);
     N->choices = calloc((size_t)h->texts + 1, sizeof *N->choices);
@@ -205,15 +230,21 @@ static void append_fault(char *text, const char *sentence, const double *fault)
     }
 }
 
+static const char *sentence_of(Native *N, double number)
+{
+    const char *sentence = number >= 0.0 && number < (double)N->head->faults ? N->fault[(int64_t)number] : "";
+    return *sentence ? sentence : "unknown fault";
+}
+
 /* Append all faults that an entry has noted. */
 static void append_faults(Native *N, char *text, const char *between)
 {
     const double *fault = N->memory + N->first_fault;
-    for (int64_t k = 0; k < (int64_t)fault[0]; k++) {
+    for (int64_t k = 0; k < MOST_FAULTS && (double)k < fault[0]; k++) {
         const double *one = fault + 1 + FAULT_NUMBERS * k;
         if (k)
             append(text, between);
-        append_fault(text, N->fault[(int64_t)one[0]], one);
+        append_fault(text, sentence_of(N, one[0]), one);
     }
 }
 
@@ -332,11 +363,12 @@ static void log_remark(Instance *I)
 {
     Native *N = I->slave;
     double remark = N->memory[N->first_fault + 1];
-    uint64_t bit = 1ull << ((int64_t)(-1.0 - remark) & 63);
-    if (!(remark < 0.0) || N->remarked & bit)
+    int there = remark < 0.0 && remark >= -(double)N->head->faults;
+    uint64_t bit = there ? 1ull << ((int64_t)(-1.0 - remark) & 63) : 0;
+    if (!there || N->remarked & bit)
         return;
     N->remarked |= bit;
-    front_log(I, WARNING, "%s", N->fault[(int64_t)(-1.0 - remark)]);
+    front_log(I, WARNING, "%s", sentence_of(N, -1.0 - remark));
 }
 
 /* Compute the start state and publish its outputs. A fault is logged, and every later step is rejected. */
@@ -465,7 +497,7 @@ static const char *make(Instance *I)
         return lacking;
     const Head *h = N->head;
     const int64_t *blocks = (const int64_t *)((const char *)h + sizeof *h);
-    double sizes[4];
+    double sizes[SIZES];
     N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = h->given, N->lengths[3] = 4;
     N->pool = pool_make();
     N->memory = malloc((size_t)h->given * sizeof(double));
@@ -474,6 +506,13 @@ static const char *make(Instance *I)
     memcpy(N->memory, N->given, (size_t)h->given * sizeof(double));
     if (pool_run(N->pool, native_size, N->real, N->integer, N->memory, sizes, N->lengths))
         return "does not go with this library";
+    const int64_t room = 1 + FAULT_NUMBERS * MOST_FAULTS, most = (int64_t)1 << 30;
+    for (int k = 0; k < SIZES; k++)
+        if (!(sizes[k] >= 0.0 && sizes[k] < (double)most))
+            return damaged;
+    if (sizes[0] < (double)h->given || !lies_in((int64_t)sizes[1], (int64_t)sizes[2], (int64_t)sizes[0])
+        || !lies_in((int64_t)sizes[3], room, (int64_t)sizes[0]))
+        return damaged;
     free(N->memory);
     N->lengths[2] = (int64_t)sizes[0];
     N->first_state = (int64_t)sizes[1], N->states = (int64_t)sizes[2], N->first_fault = (int64_t)sizes[3];

@@ -10,6 +10,7 @@ importers installed there.
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -59,6 +60,15 @@ def keep(time, values):
     rows.append([float(time), *map(float, values)])
 def seen(what):
     print({MARK!r} + json.dumps(what), flush=True)
+def seen_in_table(*command):
+    import csv, subprocess, tempfile
+    table = Path(tempfile.mkdtemp()) / "out.csv"
+    words = [str(table) if word == "TABLE" else str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for row in csv.DictReader(table.read_text().splitlines()):
+        keep(row["time"], [row[name] for name in names])
+    seen(rows)
 """
 
 
@@ -70,7 +80,8 @@ class Importer:
     script : shows the rows (time, watched outputs), or what is wrong with the FMU;
     versions : of the standard that it reads;
     source : where it is had;
-    tick : of its clock [s], whose multiples its steps are; 0 where steps are any number.
+    tick : of its clock [s], whose multiples its steps are; 0 where steps are any number;
+    program : the command that it is, if it is none of Python.
     """
 
     package: str | None
@@ -78,6 +89,7 @@ class Importer:
     versions: tuple[str, ...] = ("2.0", "3.0")
     source: str = ""
     tick: float = 0.0
+    program: str = ""
 
 
 IMPORTERS = {
@@ -94,15 +106,8 @@ seen(rows)""",
     "fmpy simulate": Importer(
         "fmpy",
         """
-import csv, subprocess, tempfile
-table = Path(tempfile.mkdtemp()) / "out.csv"
-words = ["simulate", fmu, "--stop-time", str(count * step), "--output-interval", str(step),
-         "--output-variables", *names, "--output-file", str(table)]
-done = subprocess.run([sys.executable, "-m", "fmpy", *words], capture_output=True, text=True)
-assert done.returncode == 0, done.stderr
-for row in csv.DictReader(table.read_text().splitlines()):
-    keep(row["time"], [row[name] for name in names])
-seen(rows)""",
+seen_in_table(sys.executable, "-m", "fmpy", "simulate", fmu, "--stop-time", count * step,
+              "--output-interval", step, "--output-variables", *names, "--output-file", "TABLE")""",
         source="pip install fmpy",
     ),
     "fmpy validate": Importer(
@@ -228,6 +233,24 @@ bad = [line for line in words.splitlines() if line.startswith(("ERROR", "WARNING
 seen(bad or "no problem")""",
         source="pip install fmu-manipulation-toolbox",
     ),
+    "fmusim": Importer(
+        None,
+        """
+watched = [word for name in names for word in ("--output-variable", name)]
+seen_in_table("fmusim", "--interface-type", "cs", "--stop-time", count * step,
+              "--output-interval", step, *watched, "--output-file", "TABLE", fmu)""",
+        source="download a release of the Reference-FMUs, up to 0.0.39",
+        program="fmusim",
+    ),
+    "FMU Compliance Checker": Importer(
+        None,
+        """
+seen_in_table("fmuCheck.linux64", "-k", "cs", "-h", step, "-n", 0, "-s", count * step,
+              "-o", "TABLE", fmu)""",
+        ("2.0",),
+        source="download a release of FMUComplianceChecker",
+        program="fmuCheck.linux64",
+    ),
     "Python alone (ctypes)": Importer(
         None,
         """
@@ -261,12 +284,10 @@ seen(rows)""",
         ("2.0",),
     ),
 }
-"""Name -> importer of co-simulation FMUs on Linux that pip installs."""
+"""Name -> importer of co-simulation FMUs on Linux."""
 
 ELSEWHERE = {
     "MasterSim": "download a release of MasterSim",
-    "fmusim": "download a release of the Reference-FMUs",
-    "FMU Compliance Checker": "download a release of FMUComplianceChecker",
     "VDMCheck": "download a release of FMI-VDM-Model, needs Java",
 }
 """Importers and checkers without a package, and where to get them."""
@@ -331,6 +352,8 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
         for name, importer in offered.items():
             asked = f"import importlib.metadata as m; print(m.version({importer.package!r}))"
             installed = str(_ask(python, asked)) if importer.package else "-"
+            if importer.program and not shutil.which(importer.program):
+                continue
             if not installed.startswith(FAILED):
                 absent.pop(name, None)
                 seen = (
