@@ -46,6 +46,7 @@ from .laws.coating import Softness
 from .laws.contact import has_narrow_steps, profile_steps
 from .laws.friction import ShearInputs
 from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TruePressure, raised, true_pressure
+from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
 from .surroundings import Surroundings
 
@@ -210,7 +211,7 @@ class StepResult(NamedTuple):
 
 @standing_for(film_step.solve)
 def solve_bare(
-    given: BalanceInputs, domain: Domain, solver: LinearSolver, faults: Array
+    given: BalanceInputs, domain: Domain, solver: LinearSolver | Factors, faults: Array
 ) -> FilmSolution:
     """Film of hard surfaces."""
     return film_step.run(film_step.solve, given, domain, solver, faults)
@@ -222,7 +223,7 @@ def solve_coated(
     layer: Layer,
     given: BalanceInputs,
     domain: Domain,
-    solver: LinearSolver,
+    solver: LinearSolver | Factors,
     faults: Array,
 ) -> CoatedFilm:
     """Film under a coating that yields to the pressure."""
@@ -447,7 +448,7 @@ def solve(
     memory: Memory,
     inputs: Inputs,
     begun: StepStart,
-    solver: LinearSolver,
+    solver: LinearSolver | Factors,
     faults: Array,
 ) -> StepSolution:
     """Film of a step; a fault is noted where there is none."""

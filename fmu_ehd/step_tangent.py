@@ -19,6 +19,7 @@ from .laws.circumferential import Changes, CircumferentialSlopes
 from .laws.contact import contact_changes
 from .laws.friction import ForceSlopes, ShearInputs
 from .laws.piezoviscosity import TruePressure, raised
+from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
 from .step import LastStep
 
@@ -253,7 +254,7 @@ def changes(
     last: LastStep,
     linear: Linearisation,
     directions: Directions,
-    solver: LinearSolver,
+    solver: LinearSolver | Factors,
     right: Array,
     forces: Array,
 ) -> None:

@@ -308,7 +308,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     model = model_of(memory)
     places = given_of(memory).places
     set_damping(model, settings_from(get_each(real, places.settings)))
-    crank = crank_after(model, state, step, real[places.crank_speed])
+    crank = crank_after(model, state, step, float(real[places.crank_speed]))
     c = step_coefficients(state, step, model.settings.spectral_radius)
     solve(real, integer, memory, c, state, crank, state.time + step)
 

@@ -68,4 +68,4 @@ class YieldingShell:
         found = resultants_on(self.surface, forces, np.zeros(2), np.eye(2))
         moment = found.on_shell - slope_push(self.surface, forces.pressure) @ coordinates
         x, y = found.force
-        return SupportLoad(-x, -y, moment)
+        return SupportLoad(-x, -y, float(moment))

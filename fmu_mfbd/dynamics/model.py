@@ -3,7 +3,7 @@
 from copy import copy
 from dataclasses import dataclass, field
 from math import prod
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -377,7 +377,8 @@ class PistonInBore:
             self._common = linearised(model, last)
             self.jacobian_evaluations += 1
         seeds = _stacked(Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins))
-        found = response_to(model, last, self._common, seeds, carried)
+        common = cast(Linearisation, self._common)  # pins need none
+        found = response_to(model, last, common, seeds, carried)
         change = found.change
         products = {
             **by_film(self.films, "film_thickness", change.film_thickness),

@@ -143,8 +143,8 @@ def fourier_bore(orders: Iterable[BoreOrder], angle: np.ndarray) -> np.ndarray:
 
 @compilable
 def linear_growth(
-    height: np.ndarray, lower: float, upper: float, at_lower: float, at_upper: float
-) -> np.ndarray:
+    height: np.ndarray | float, lower: float, upper: float, at_lower: float, at_upper: float
+):
     """Return the radial growth, linear in height, from its values at two heights [m]."""
     return at_lower + (at_upper - at_lower) * (height - lower) / (upper - lower)
 

@@ -70,7 +70,8 @@ class Predictor:
 
     def __call__(self, time: float) -> np.ndarray:
         """Return the guess at `time` [s]."""
-        return extrapolate(*zip(*self.past), time)
+        times, vectors = zip(*self.past)
+        return extrapolate(times, vectors, time)
 
 
 class Observer:

@@ -51,7 +51,7 @@ def put(to: Array, positions: Positions, what: Array):
 
 
 @compilable
-def largest(measures: Sequence[float]):
+def largest(measures: Sequence[float] | Array):
     """Return the largest of some numbers not below 0, NaN if one is NaN."""
     found = 0.0
     for measure in measures:

@@ -10,17 +10,24 @@ recompiled. If nothing can be cached, each process compiles its kernels. numba (
 imported by the first call.
 """
 
-from collections import namedtuple
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cached_property, partial, update_wrapper
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, NamedTuple, ParamSpec, TypeVar, overload
 
-KERNELS: list["Kernel"] = []
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
+
+KERNELS: list["Kernel[..., Any]"] = []
 """Kernels of this process that Python calls."""
 
 
-def compiled(kernel=None, **options):
+@overload
+def compiled(kernel: Callable[Given, Result]) -> "Kernel[Given, Result]": ...
+@overload
+def compiled(kernel: None = None, **options: Any) -> "Callable[..., Any]": ...
+def compiled(kernel: Any = None, **options: Any) -> Any:
     """Compile a kernel: `@compiled`, or with options of `numba.njit`."""
     if kernel is None:
         return partial(compiled, **options)
@@ -28,7 +35,7 @@ def compiled(kernel=None, **options):
     return KERNELS[-1]
 
 
-def compilable(function):
+def compilable(function: Callable[Given, Result]) -> "CompilableFunction[Given, Result]":
     """Return a function that Python runs as written, and that is compiled inside kernels.
 
     Models use it for code between their kernels, which native FMUs compile.
@@ -36,7 +43,9 @@ def compilable(function):
     return CompilableFunction(function, {})
 
 
-def standing_for(kernel):
+def standing_for(
+    kernel: "Kernel[..., Any]",
+) -> "Callable[[Callable[Given, Result]], ReplacedFunction[Given, Result]]":
     """Return a decorator of a Python function that `kernel` replaces inside kernels.
 
     Both have the same arguments, some of which are objects in Python.
@@ -46,10 +55,11 @@ def standing_for(kernel):
 
 def numbered(*names: str) -> Any:
     """Return a named tuple of the numbers of `names`, from 0 on: choices or rows in kernels."""
-    return namedtuple("Numbered", names)._make(range(len(names)))
+    fields = [(name, int) for name in names]
+    return NamedTuple("Numbered", fields)._make(range(len(names)))
 
 
-def packed(kind: Any, *others: str):
+def packed(kind: Any, *others: str) -> tuple[Any, Any]:
     """Return kernels that store the numbers of a named tuple in an array and restore it.
 
     They are (array, tuple) and (array, *others). `others` are the fields that are not numbers.
@@ -58,23 +68,23 @@ def packed(kind: Any, *others: str):
     given = "".join(f", {name}" for name in others)
     stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
     values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
-    scope = {"kind": kind}
+    scope: dict[str, Any] = {"kind": kind}
     exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
     return compiled(scope["put"]), compiled(scope["made"])
 
 
-class Kernel:
+class Kernel(Generic[Given, Result]):
     """Function that is compiled at its first call.
 
     py_func : the function as written; targetoptions : options of `numba.njit`.
     """
 
-    def __init__(self, function, options):
+    def __init__(self, function: Callable[Given, Result], options: dict[str, Any]):
         update_wrapper(self, function)
         self.py_func = function
         self.targetoptions = options
 
-    def __call__(self, *arguments, **named):
+    def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result:
         return self.dispatcher(*arguments, **named)
 
     @cached_property
@@ -92,7 +102,7 @@ class Kernel:
         alone = dict.fromkeys(("no_cpython_wrapper", "no_cfunc_wrapper"), True)
         return self._made(self._kept_as("CalleeCache"), pipeline_class=CalleeCompiler, **alone)
 
-    def _made(self, kept, **options):
+    def _made(self, kept: Any, **options: Any) -> Any:
         from numba import njit
 
         dispatcher: Any = njit(error_model="numpy", **options, **self.targetoptions)(self.py_func)
@@ -101,10 +111,10 @@ class Kernel:
         return dispatcher
 
     @cached_property
-    def _kept(self):
+    def _kept(self) -> Any:
         return self._kept_as("KernelCache")
 
-    def _kept_as(self, kind):
+    def _kept_as(self, kind: str) -> Any:
         """Return the cache on disk, None if there is none."""
         from . import kernel_cache
 
@@ -117,31 +127,31 @@ class Kernel:
         return Path(self._kept.cache_path) if self._kept else None
 
     @property
-    def _numba_type_(self):
+    def _numba_type_(self) -> Any:
         return self.callee._numba_type_
 
 
-class CompilableFunction(Kernel):
+class CompilableFunction(Kernel[Given, Result]):
     """Function that is compiled inside kernels only."""
 
-    def __call__(self, *arguments, **named):
+    def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result:
         return self.py_func(*arguments, **named)
 
 
-class ReplacedFunction:
+class ReplacedFunction(Generic[Given, Result]):
     """Function that kernels replace by another one."""
 
-    def __init__(self, function, kernel: Kernel):
+    def __init__(self, function: Callable[Given, Result], kernel: Kernel[..., Any]):
         update_wrapper(self, function)
         self.function = function
         self.kernel = kernel
 
-    def __call__(self, *arguments):
-        return self.function(*arguments)
+    def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result:
+        return self.function(*arguments, **named)
 
     @property
-    def _numba_type_(self):
-        return self.kernel._numba_type_
+    def _numba_type_(self) -> Any:
+        return self.kernel._numba_type_  # pyright: ignore[reportPrivateUsage]
 
 
 def first_start() -> str:

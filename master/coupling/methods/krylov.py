@@ -3,7 +3,7 @@
 Python runs it as written, native FMUs compile it.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -163,7 +163,7 @@ def space_of(most: int, n: int, pairs: int):
 
 
 @compilable
-def length(vector: Array):
+def length(vector: Array) -> Any:
     """Return the 2-norm."""
     return np.sqrt(vector @ vector)
 
