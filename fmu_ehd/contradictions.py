@@ -3,9 +3,8 @@
 An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity at
 cavitation pressure: the model knows no gas at another pressure inside the film, and a higher one
 would press oil in as if the edge were flooded. With oil from the bore an edge is at cavitation
-pressure, and its film fraction follows from the layer. Oil on the bore, and flow between rough
-surfaces, are known for a skirt that slides along its bore alone. A sector has its supply at both
-ends, and no openings between.
+pressure, and its film fraction follows from the layer. Oil on the bore is known for a skirt that
+slides along its bore alone. A sector has its supply at both ends, and no openings between.
 """
 
 from typing import Any, NamedTuple
@@ -16,7 +15,6 @@ from ..master.fmi.compiled import compilable
 from .balance.grid import LOWER, UPPER, Array, Edges, in_plenty
 from .faults import (
     CUT_OUTS_IN_A_SECTOR,
-    FACTORS_ON_A_BEARING,
     FACTORS_WITHOUT_ROUGHNESS,
     FROM_BORE_NOT_CONSERVING,
     LOWER_BELOW_CAVITATION,
@@ -195,8 +193,6 @@ def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults:
         refuse(faults, SECTOR_OF_A_SKIRT, 0, 0, sector, 0.0, 0.0)
     if bearing and chosen.oil_supply != FROM_EDGES:
         refuse(faults, OIL_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
-    if bearing and rough:
-        refuse(faults, FACTORS_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
     if bearing and part and cut_outs:
         refuse(faults, CUT_OUTS_IN_A_SECTOR, 0, 0, sector, FULL_TURN, 0.0)
     if chosen.viscosity_law - 1 == VISCOSITY_LAWS.two_point and x.viscosity_40 <= x.viscosity_100:

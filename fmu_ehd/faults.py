@@ -47,7 +47,6 @@ FAULTS = (
     f"cavitation_model: expected jfo with {FROM_BORE}, got another model",
     "sector_angle: expected a full revolution for a skirt, got {a} rad",
     "oil_supply: expected edges for a bearing, got bore or bore_and_ring",
-    "flow_factors: expected none for a bearing, got patir_cheng_1978",
     "sector_angle: expected {b} rad for a bearing with cut-outs, got {a} rad",
     "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, got {a} m",
     "film_thickness: a land or groove is one cell wide, which the grid does not resolve; use a "
@@ -83,7 +82,6 @@ FAULTS = (
     FROM_BORE_NOT_CONSERVING,
     SECTOR_OF_A_SKIRT,
     OIL_ON_A_BEARING,
-    FACTORS_ON_A_BEARING,
     CUT_OUTS_IN_A_SECTOR,
     STROKE_TOO_LONG,
     NARROW_STEPS,

@@ -47,7 +47,10 @@ class LubricationModel:
         factors = NOTHING
         if p.flow_factors == "patir_cheng_1978":
             factors = factor_table(
-                p.roughness_share_skirt, p.peklenik_number_skirt, p.peklenik_number_bore
+                p.roughness_share_skirt,
+                p.peklenik_number_skirt,
+                p.peklenik_number_bore,
+                self._bearing,
             )
         tables = constants.Tables(
             contact_table(p.contact_law),

@@ -206,6 +206,7 @@ def roughen(block: FilmSetup):
             x.roughness_share_skirt,
             x.peklenik_number_skirt,
             x.peklenik_number_bore,
+            block.bearing,
             block.factors,
         )
 

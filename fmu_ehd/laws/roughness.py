@@ -44,6 +44,10 @@ their value; the others go on by their formula, Phi_s and Phi_fs to 0 at H = 0. 
 (R1) and (R4) hold: the gap that is left of two surfaces pressed together, and the drag in it, which
 ends at H = -3.
 
+A bearing slides around its axis: its gamma is the inverse of its parameters, which refer to the
+axis, and the journal takes the part of the skirt. The grid rests on the shell, so that Phi_s of
+(R8) changes its sign. For axial sliding, a bearing has the factors of sliding around.
+
 What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at H =
 5 to the printed digits for all seven gamma, which ties six numbers of each row together
 (tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman (github.com/rboman/progs,
@@ -313,33 +317,41 @@ def _drag(h, sliding):
 
 
 @compiled
-def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table: Array):
+def fill_factor_table(
+    share: float, gamma_skirt: float, gamma_bore: float, bearing: bool, table: Array
+):
     """Fill the table of the factors on a uniform grid of H.
 
-    It goes from `TABLE_START` to `TABLE_END`.
+    It goes from `TABLE_START` to `TABLE_END`. A bearing slides around its axis, and its grid rests
+    on the bore instead of the skirt, which is the journal.
 
     Parameters
     ----------
     share : float
         Y, the skirt's share of the variance [-], 0 to 1.
     gamma_skirt, gamma_bore : float
-        Peklenik numbers of the axial (sliding) direction [-], 1/9 to 9.
+        Peklenik numbers of the axial direction [-], 1/9 to 9.
+    bearing : bool
     table : ndarray, shape (2305, 12)
         Overwritten, values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1
         along j, Phi_s, (phi_f + Phi_fs)/H, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
     y = share
-    s = gamma_skirt
-    b = gamma_bore
+    s = 1.0 / gamma_skirt if bearing else gamma_skirt
+    b = 1.0 / gamma_bore if bearing else gamma_bore
     for k in range(TABLE_CELLS + 1):
         h = TABLE_START + k * ((TABLE_END - TABLE_START) / TABLE_CELLS)
         gap = average_gap(h)
         _put(table, k, FACTOR.gap_excess, h, Factor(gap.value, gap.slope - 1.0))
-        across = _both(y, pressure_flow_factor(h, 1.0 / s), pressure_flow_factor(h, 1.0 / b))
-        _put(table, k, FACTOR.flow_c, 1.0, across)
-        along = _both(y, pressure_flow_factor(h, s), pressure_flow_factor(h, b))
-        _put(table, k, FACTOR.flow_a, 1.0, along)
+        first = pressure_flow_factor(h, 1.0 / gamma_skirt)
+        around = _both(y, first, pressure_flow_factor(h, 1.0 / gamma_bore))
+        _put(table, k, FACTOR.flow_c, 1.0, around)
+        first = pressure_flow_factor(h, gamma_skirt)
+        axial = _both(y, first, pressure_flow_factor(h, gamma_bore))
+        _put(table, k, FACTOR.flow_a, 1.0, axial)
         carried = _against(y, shear_flow_factor(h, s), shear_flow_factor(h, b), 0.0)
+        if bearing:  # the bore rests
+            carried = Factor(-carried.value, -carried.slope)
         _put(table, k, FACTOR.shear_flow, 0.0, carried)
         sliding = _both(y, sliding_stress_factor(h, s), sliding_stress_factor(h, b))
         _put(table, k, FACTOR.drag, 0.0, _drag(h, sliding))
@@ -348,8 +360,10 @@ def fill_factor_table(share: float, gamma_skirt: float, gamma_bore: float, table
 
 
 @cache
-def factor_table(share: float, gamma_skirt: float, gamma_bore: float) -> Array:
+def factor_table(
+    share: float, gamma_skirt: float, gamma_bore: float, bearing: bool = False
+) -> Array:
     """Return the table of `fill_factor_table`."""
     table = np.empty(TABLE)
-    fill_factor_table(share, gamma_skirt, gamma_bore, table)
+    fill_factor_table(share, gamma_skirt, gamma_bore, bearing, table)
     return table

@@ -203,6 +203,7 @@ def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
             None,
         ),
         (dict(COATED | ROELANDS, shear_thinning_law="cross_1965"), WINDOWS),
+        (dict(FED, **ROUGH, peklenik_number_bore=0.2), WINDOWS),
     ],
 )
 def test_a_bearing_has_the_bits_of_the_model(changes, mask, tmp_path):

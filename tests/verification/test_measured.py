@@ -22,17 +22,17 @@ def test_the_torque_without_much_contact_is_that_of_sander(speed):
     assert abs(shares("sander_2016", **only)["friction_torque"]) < 0.03
 
 
-def test_elastic_bearings_lower_the_torque_at_low_speed():
-    """Within the bar of 15 % at 300 rpm, which rigid bearings miss by 60 %; not at 150 rpm."""
-    only = dict(load="8000", speed="300")
-    assert abs(shares("sander_2016", **only)["friction_torque"]) < 0.15
+def test_elastic_rough_bearings_have_the_torque_at_low_speed():
+    """Within 15 % of the largest torque, the bar, which smooth flow or rigid journals miss."""
     only = dict(load="8000", speed="150")
     found = shares("sander_2016", **only)
-    assert found["friction_torque"] == pytest.approx(0.483, abs=0.01)
-    assert abs(found["minimum_film_thickness"]) < 0.03
+    assert found["friction_torque"] == pytest.approx(0.086, abs=0.01)
+    assert abs(found["minimum_film_thickness"]) < 0.05
+    smooth = shares("sander_2016", film={"flow_factors": "none"}, **only)["friction_torque"]
+    assert smooth == pytest.approx(0.367, abs=0.01)
     # with contact at the mean plane of the surfaces, the torque is seven times too low
     low = shares("sander_2016", film={"summit_height": "0 um"}, **only)["friction_torque"]
-    assert low == pytest.approx(-0.856, abs=0.01)
+    assert low == pytest.approx(-0.859, abs=0.01)
 
 
 def test_the_torque_is_least_between_400_and_600_rpm():

@@ -19,15 +19,15 @@ from piston_cosim.master.fmi.quantities import to_si
 SMALL = 1e-9
 
 
-class Diaphragm(NamedTuple):
-    """Modes of a diaphragm as those of a shell, see `journal.ElasticShell`."""
+class ShellModes(NamedTuple):
+    """Modes on the grid of a film, see `journal.ElasticShell`."""
 
     omega: Array
     outward: Array
     onward: Array
 
 
-def diaphragm(table: dict[str, Any], radius: float, film: ShellFilm) -> Diaphragm:
+def diaphragm(table: dict[str, Any], radius: float, film: ShellFilm) -> ShellModes:
     """Return the modes of the diaphragm of a case on the grid of its film.
 
     Parameters
@@ -44,7 +44,7 @@ def diaphragm(table: dict[str, Any], radius: float, film: ShellFilm) -> Diaphrag
     outward = reduced.outward.copy()
     # half of the cell of the slot is on the rigid side; the oil flows in at the free edge
     outward[0] = 2.0 * outward[1] - outward[2]
-    return Diaphragm(reduced.omega, outward, reduced.onward)
+    return ShellModes(reduced.omega, outward, reduced.onward)
 
 
 def diaphragm_mesh(table: dict[str, Any], radius: float, length: float) -> Mesh:

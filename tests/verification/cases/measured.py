@@ -24,7 +24,8 @@ from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.quantities import from_si, to_si
-from piston_cosim.tests.verification.cases.diaphragm import Diaphragm, diaphragm
+from piston_cosim.tests.verification.cases.diaphragm import ShellModes, diaphragm
+from piston_cosim.tests.verification.cases.steel_journal import steel_journal
 
 FOLDER = Path(__file__).parents[3] / "models" / "measured"
 ANGLE = "angle [deg]"
@@ -198,15 +199,17 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
         angle = to_si(one["direction"], "rad")
         place = one["eccentricity"] * clearance * np.array([np.cos(angle), np.sin(angle)])
         thickness = journal.gap(free, place, oil.grid)
-        shells = [_diaphragm(json.dumps(one))] if at["shell"] == "elastic" else []
+        shells = [_modes("diaphragm", json.dumps(one))] if at["shell"] == "elastic" else []
         outputs = oil.equilibrium(None, thickness, circumferential_velocity=surface, shells=shells)
         return Solved(outputs, one["count"], clearance, speed, 0.0)
     angle = to_si(one.get("direction", "270 deg"), "rad")
     load = one["load_share"] * given("load", "N") * np.array([np.cos(angle), np.sin(angle)])
-    shells = []
+    shells: list[journal.ElasticShell] = []
     if "shell" in one:
         build = one["shell"] | {"grid": one["grid"], "length": parameters["skirt_length"]}
         shells = [_shell(json.dumps(build))]
+    if "journal" in one:
+        shells.append(_modes("journal", json.dumps(one)))
     outputs = oil.equilibrium(load, free, circumferential_velocity=surface, shells=shells)
     return Solved(outputs, one["count"], clearance, speed, 0.0)
 
@@ -218,12 +221,16 @@ def _shell(build: str) -> YieldingShell:
 
 
 @functools.cache
-def _diaphragm(build: str) -> Diaphragm:
-    """Return the elastic diaphragm of a bearing in JSON."""
+def _modes(part: str, build: str) -> ShellModes:
+    """Return the modes of diaphragm or journal of a bearing in JSON."""
     one = json.loads(build)
     radius, length = (to_si(one["film"][name], "m") for name in ("bore_radius", "skirt_length"))
-    table = one["diaphragm"]
-    return diaphragm(table, radius, ShellFilm(tuple(one["grid"]), length, table["modes"]))
+    film = ShellFilm(tuple(one["grid"]), length, one[part]["modes"])
+    return ELASTIC[part](one[part], radius, film)
+
+
+ELASTIC = {"diaphragm": diaphragm, "journal": steel_journal}
+"""Parts of a bearing whose modes are made here."""
 
 
 def _within(degrees: Array, first: float, last: float, height: Array, width: float) -> Flags:
