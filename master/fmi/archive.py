@@ -61,7 +61,7 @@ def unpack(path: Path) -> Path:
 
 def restore_files(path: Path, folder: Path) -> list[str]:
     """Restore the files of an unpacked archive that are missing or changed; return their names."""
-    restored = []
+    restored: list[str] = []
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
             target = folder / member.filename

@@ -8,7 +8,7 @@ The lengths of an array precede its values, so an absent array takes one length 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from math import prod
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def element_of(hint: Any) -> Any:
     return get_args(of_array[1])[0] if of_array else np.float64
 
 
-BY_BITS = (np.float32, np.int64)
+BY_BITS: tuple[Any, ...] = (np.float32, np.int64)
 """Elements of arrays that are stored by their bits; only `reader` supports them."""
 
 
@@ -48,7 +48,7 @@ def room(kind: Any, **lengths: int) -> int:
 def row_of(tree: Any) -> np.ndarray:
     """Return the row of a tree, as its kernel writes it."""
     if isinstance(tree, tuple):
-        return np.concatenate([row_of(member) for member in tree])
+        return np.concatenate([row_of(member) for member in cast(tuple[Any, ...], tree)])
     flat = np.ravel(tree)
     if np.ndim(tree) and flat.dtype in BY_BITS:
         flat = np.pad(flat, (0, -flat.nbytes % 8 // flat.itemsize)).view(float)
@@ -95,7 +95,7 @@ def parts(kind: Any) -> Any:
     """Return a kernel of the parts of a memory by name, as the named tuple `kind`."""
     ends = (f"int(memory[{PARTS_FROM + k}])" for k in range(len(kind._fields) + 1))
     text = ", ".join(f"memory[{begin} : {end}]" for begin, end in pairwise(ends))
-    scope = {"kind": kind}
+    scope: dict[str, Any] = {"kind": kind}
     exec(f"def get(memory):\n    return kind({text})", scope)
     return compilable(scope["get"])
 
@@ -104,19 +104,19 @@ def parts(kind: Any) -> Any:
 
 
 @compilable
-def _keep(to, what):
+def _keep(to: np.ndarray, what: np.ndarray) -> None:
     for k in range(len(to)):
         to[k] = what[k]
 
 
 @standing_for(_keep)
-def keep(to: np.ndarray, what: np.ndarray):
+def keep(to: np.ndarray, what: np.ndarray) -> None:
     """Copy an array of one axis; in kernels by a loop, which never calls Python."""
     to[:] = what
 
 
 @compilable
-def write(row, at, array):
+def write(row: np.ndarray, at: int, array: np.ndarray) -> int:
     """Write an array and its lengths into a row at a position; return the position after it."""
     for length in array.shape:
         row[at] = length
@@ -128,14 +128,14 @@ def write(row, at, array):
 
 
 @compilable
-def read_1(row, at):
+def read_1(row: np.ndarray, at: int) -> tuple[np.ndarray, int]:
     """Return the array of one axis at a position of a row, and the position after it."""
     end = at + 1 + int(row[at])
     return row[at + 1 : end], end
 
 
 @compilable
-def read_2(row, at):
+def read_2(row: np.ndarray, at: int) -> tuple[np.ndarray, int]:
     """Return the array of two axes at a position of a row, and the position after it."""
     n, m = int(row[at]), int(row[at + 1])
     end = at + 2 + n * m
@@ -143,7 +143,7 @@ def read_2(row, at):
 
 
 @compilable
-def read_singles(row, at):
+def read_singles(row: np.ndarray, at: int) -> tuple[np.ndarray, int]:
     """Return the array of two axes of single precision, and the position after it."""
     n, m = int(row[at]), int(row[at + 1])
     end = at + 2 + (n * m + 1) // 2
@@ -151,7 +151,7 @@ def read_singles(row, at):
 
 
 @compilable
-def read_3(row, at):
+def read_3(row: np.ndarray, at: int) -> tuple[np.ndarray, int]:
     """Return the array of three axes at a position of a row, and the position after it."""
     q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2])
     end = at + 3 + q * n * m
@@ -159,7 +159,7 @@ def read_3(row, at):
 
 
 @compilable
-def read_4(row, at):
+def read_4(row: np.ndarray, at: int) -> tuple[np.ndarray, int]:
     """Return the array of four axes at a position of a row, and the position after it."""
     p, q, n, m = int(row[at]), int(row[at + 1]), int(row[at + 2]), int(row[at + 3])
     end = at + 4 + p * q * n * m
@@ -179,7 +179,7 @@ def flatten(kind: Any) -> tuple[Any, Any]:
     kind : type
         Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64 or bool.
     """
-    scope = {"write": write}
+    scope: dict[str, Any] = {"write": write}
     lines = ["at = 0"]
     for path, hint in leaves(kind):
         if shape_of(hint):
@@ -199,7 +199,7 @@ def reader(kind: Any) -> Any:
     kind : type
         As of `flatten`, or with arrays of whole numbers, or of two axes of single precision.
     """
-    scope = {"np": np, "read_singles": read_singles, **READERS}
+    scope: dict[str, Any] = {"np": np, "read_singles": read_singles, **READERS}
     lines = ["at = 0"]
     for path, hint in leaves(kind):
         axes = len(shape_of(hint))
@@ -224,7 +224,7 @@ def alike(kind: Any) -> Any:
     """
     all_axes = tuple(len(shape_of(hint)) for _, hint in leaves(kind))
 
-    def has_lengths(row, other):
+    def has_lengths(row: np.ndarray, other: np.ndarray) -> bool:
         at = 0
         for axes in all_axes:
             size = 1
@@ -238,13 +238,13 @@ def alike(kind: Any) -> Any:
     return compilable(has_lengths)
 
 
-def _made(arguments, lines, scope):
+def _made(arguments: str, lines: list[str], scope: dict[str, Any]) -> Any:
     """Return the function of these lines, which kernels compile."""
     exec(f"def made({arguments}):\n    " + "\n    ".join(lines), scope)
     return compilable(scope["made"])
 
 
-def _built(kind, path, scope):
+def _built(kind: Any, path: str, scope: dict[str, Any]) -> str:
     """Return the expression that makes a tree from its leaves."""
     scope[kind.__name__] = kind
     members = (

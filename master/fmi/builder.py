@@ -12,14 +12,14 @@ import os
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from inspect import getfile
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.etree.ElementTree import indent, tostring
+from xml.etree.ElementTree import Element, indent, tostring
 
 from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
@@ -27,6 +27,7 @@ from .description import model_description
 from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
 from .errors import BadInput
+from .slave import FieldSlave
 from .tree import ROOT, import_part, reached
 
 Say = Callable[[str], object]
@@ -125,7 +126,7 @@ class Code(NamedTuple):
     files: dict[str, bytes]
 
 
-def slave_of(package):
+def slave_of(package: str) -> str:
     """Return the model class of a participant package as "module:class".
 
     fmu_ehd -> fmu_ehd.slave:Ehd, fmu_mfbd.monoblock -> fmu_mfbd.monoblock.slave:Monoblock.
@@ -134,7 +135,7 @@ def slave_of(package):
     return f"{package}.slave:{last.removeprefix('fmu_').capitalize()}"
 
 
-def code_of(package):
+def code_of(package: str) -> Code:
     """Return the code that the model class of a participant package needs.
 
     For a part of this project it is the module and all its imports, for others the package.
@@ -143,13 +144,13 @@ def code_of(package):
     return code_with(slave_of(package), f"{package}.slave" if own else package)
 
 
-def code_with(slave, part):
+def code_with(slave: str, part: str) -> Code:
     """Return the code that the model class "module:class" needs.
 
     `part` is a package, or a module by its path in the project ("master.coupling.coupled"). The
     required modules of `master.fmi` are added automatically.
     """
-    paths = {}
+    paths: dict[str, Path] = {}
     for name in (*(f"master.fmi.{module}" for module in EMBEDDED), part):
         paths |= _files(name)
     files = {name: path.read_bytes() for name, path in paths.items()}
@@ -242,8 +243,16 @@ def build_fmu_of_file(
 
 
 def pack_fmu(
-    name, code, options, files, progress, version="2.0", *, participants=(), experiment=None
-):
+    name: str,
+    code: Code,
+    options: Mapping[str, Any],
+    files: Mapping[str, bytes],
+    progress: Say,
+    version: str = "2.0",
+    *,
+    participants: Iterable[Code] = (),
+    experiment: Any = None,
+) -> Path:
     """Return the FMU of a model class, from the cache if it was packed before.
 
     Parameters
@@ -264,7 +273,7 @@ def pack_fmu(
     if version == "3.0" and not compiler():
         raise BadInput("fmi: expected a C compiler, cc or $CC, for FMI 3.0, got none")
     codes = {one.name: one for one in (code, *participants)}
-    contents = {"build.json": json.dumps(options, sort_keys=True).encode()} | files
+    contents = {"build.json": json.dumps(options, sort_keys=True).encode(), **files}
     front = front_sources(version) if compiler() else {"stock": version_of("pythonfmu").encode()}
     packing = {name: (Path(__file__).parent / name).read_bytes() for name in PACKING}
     packing["version"] = version_of("piston-cosim").encode()
@@ -293,13 +302,13 @@ def pack_fmu(
     return fmu
 
 
-def _remember_python():
+def _remember_python() -> None:
     """Save the path of this Python in the user's cache, for the fronts on this machine."""
     with suppress(OSError):
         (cache_folder("") / "python.txt").write_text(sys.executable)
 
 
-def _files(name):
+def _files(name: str) -> dict[str, Path]:
     """Return the files of a package, or of a module and its imports in the project, by path.
 
     The `__init__.py` of the packages around them are included.
@@ -322,21 +331,23 @@ def _files(name):
     return rooms | files | {"__init__.py": around / "__init__.py"}
 
 
-def _pythonfmu():
+def _pythonfmu() -> Path:
     """Return the folder of pythonfmu, without the import that takes a tenth of a start."""
     found = find_spec("pythonfmu")
     assert found is not None and found.origin is not None, "pythonfmu is not installed"
     return Path(found.origin).parent
 
 
-def _digest(contents):
+def _digest(contents: Mapping[str, bytes]) -> str:
     digest = hashlib.sha256(version_of("pythonfmu").encode())
     for name in sorted(contents):
         digest.update(name.encode() + b"\0" + hashlib.sha256(contents[name]).digest())
     return digest.hexdigest()[:16]
 
 
-def _pack(contents, entry, fmu, version, experiment):
+def _pack(
+    contents: Mapping[str, bytes], entry: str, fmu: Path, version: str, experiment: Any
+) -> None:
     """Lay out the resources in a scratch folder, describe the model, and write the FMU."""
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
@@ -350,7 +361,7 @@ def _pack(contents, entry, fmu, version, experiment):
     write_archive(members, fmu)
 
 
-def write_archive(members, fmu):
+def write_archive(members: Mapping[str, bytes], fmu: Path) -> None:
     """Write an FMU from `members` (path to bytes), and rename it when it is complete."""
     partial = fmu.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -361,7 +372,7 @@ def write_archive(members, fmu):
     os.replace(partial, fmu)
 
 
-def _binaries(slave, version):
+def _binaries(slave: FieldSlave, version: str) -> dict[str, bytes]:
     """Return the front, or if there is no compiler, the libraries of pythonfmu for Python hosts."""
     if version == "3.0":
         return {f"binaries/x86_64-linux/{slave.name}.so": compile_front("3.0")}
@@ -373,7 +384,13 @@ def _binaries(slave, version):
     }
 
 
-def texts_of(slave, version, any_host, platforms=(), sums=""):
+def texts_of(
+    slave: FieldSlave,
+    version: str,
+    any_host: bool,
+    platforms: Sequence[str] = (),
+    sums: str = "",
+) -> dict[str, bytes]:
     """Return description, token, icon and documentation of an FMU, path to bytes.
 
     Parameters
@@ -404,12 +421,12 @@ def texts_of(slave, version, any_host, platforms=(), sums=""):
     }
 
 
-def _xml(root):
+def _xml(root: Element) -> bytes:
     indent(root, "\t")
     return tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
-def _instance(entry, resources):
+def _instance(entry: str, resources: str) -> Any:
     """Return an instance of the packed model class, and remove its modules from this process."""
     before = set(sys.modules)
     sys.path.insert(0, resources)

@@ -14,10 +14,10 @@ import shutil
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, partial
 from hashlib import sha256
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
@@ -240,7 +240,7 @@ def part_of(package: str) -> NativePart:
         ) from None
 
 
-def _missing_compilers(platforms):
+def _missing_compilers(platforms: Sequence[str]) -> list[str]:
     return [
         f"platform {name}: expected a C compiler, "
         + " or ".join(command[0] for command in PLATFORMS[name].compilers)
@@ -301,7 +301,7 @@ def libraries(
     ahead = {name: AHEAD / library_name(packages, name, version) for name in platforms}
     missing = [name for name, path in ahead.items() if not path.exists()]
     codes = compiled_packages(packages, missing, progress) if missing else {}
-    made = {}
+    made: dict[str, bytes] = {}
     for name in platforms:
         if name not in missing:
             made[name] = ahead[name].read_bytes()
@@ -324,7 +324,7 @@ def library_name(packages: Sequence[str], platform: str, version: str) -> str:
     return "-".join([*packages, platform, version, digest.hexdigest()[:16]]) + ends.ending
 
 
-def _sources_in_c(version, is_coupled):
+def _sources_in_c(version: str, is_coupled: bool) -> tuple[str, ...]:
     """Return the files in `HOME` of which a library is made."""
     return (*SOURCES, FRONTS[version], *([OF_COUPLED] if is_coupled else ()))
 
@@ -337,19 +337,25 @@ def compile_ahead(packages: Sequence[str], progress: Callable[[str], object]) ->
         compiled_packages(needed, [platform], progress)
 
 
-def compiled_packages(packages, platforms, progress):
+def compiled_packages(
+    packages: Sequence[str], platforms: Sequence[str], progress: Callable[[str], object]
+) -> dict[str, dict[str, bytes]]:
     """Return the `object_files` of each package, compiled in parallel."""
     with ThreadPoolExecutor(jobs()) as pool:
-        files = pool.map(lambda one: object_files(one, platforms, progress), packages)
+        files = pool.map(partial(object_files, platforms=platforms, progress=progress), packages)
         return dict(zip(packages, files))
 
 
-def _object_file(package, platform):
+def _object_file(package: str, platform: str) -> Path:
     """Return the path in the cache of the object file of a package's entries."""
     return cache_folder("native") / f"{package}-{platform}-{_digest_of_code(package)}.o"
 
 
-def object_files(package, platforms, progress=lambda text: None):
+def object_files(
+    package: str,
+    platforms: Sequence[str],
+    progress: Callable[[str], object] = lambda text: None,
+) -> dict[str, bytes]:
     """Return the object file of the entries for each platform, from the cache if possible.
 
     If another process compiles them, wait for it.
@@ -364,7 +370,9 @@ def object_files(package, platforms, progress=lambda text: None):
 
 
 @contextmanager
-def sole_compiler(path: Path, package: str, progress: Callable[[str], object]):
+def sole_compiler(
+    path: Path, package: str, progress: Callable[[str], object]
+) -> Generator[None, None, None]:
     """Hold the lock at `path`. While another process holds it, report that process and wait."""
     with open(path, "a+") as lock:
         begin = time.monotonic()
@@ -391,7 +399,9 @@ def _locked(lock: IO[str]) -> bool:
     return True
 
 
-def _compile(package, kept, module, progress):
+def _compile(
+    package: str, kept: Mapping[str, Path], module: Path, progress: Callable[[str], object]
+) -> None:
     """Compile the missing object files."""
     missing = [name for name, path in kept.items() if not path.exists()]
     if not missing:
@@ -401,21 +411,21 @@ def _compile(package, kept, module, progress):
         write_whole(kept[name], data)
 
 
-def _digest_of_code(package):
+def _digest_of_code(package: str) -> str:
     """Return the digest of the kernels and of the versions that translate them."""
     versions = "".join(map(version_of, ("numba", "llvmlite"))).encode()
     return sha256(versions + _sources(package)).hexdigest()[:16]
 
 
 @cache
-def _sources(package):
+def _sources(package: str) -> bytes:
     """Return the digests of all source files of a package's machine code."""
     files = reached(_file_of(f"{package}.native"))
     files |= {Path(native_code.__file__).resolve()}
     return b"".join(code_digest(path.read_bytes()).encode() for path in sorted(files))
 
 
-def _file_of(module):
+def _file_of(module: str) -> Path:
     """Return the file of a module of this tree, or of an installed one, without importing it.
 
     The import of numba would take half a second.

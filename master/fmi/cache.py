@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 
-def cache_folder(kind):
+def cache_folder(kind: str) -> Path:
     """Return the folder of the user's cache for `kind` ("fmus", "unpacked"); create it if missing.
 
     The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
@@ -16,7 +16,7 @@ def cache_folder(kind):
     return folder
 
 
-def write_whole(path, content):
+def write_whole(path: Path, content: bytes) -> None:
     """Write bytes to a file. Other processes never see it incomplete.
 
     Raises

@@ -4,15 +4,15 @@ The phases, what they allow and the sentences are those of front/common.c. Of th
 only a step has a status. A misplaced call is logged and ignored, and a misplaced step is discarded.
 """
 
+from collections.abc import Callable
 from math import inf, isfinite, isnan
 from struct import Struct, error
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from pythonfmu.enums import Fmi2Status
 
 from .errors import BadInput
-from .slave import FieldSlave
+from .slave import FieldSlave, Fmi2Status
 
 
 class Phase(NamedTuple):
@@ -46,7 +46,7 @@ class CallOrder(FieldSlave):
 
     phase, reached, stop = INSTANTIATED, 0.0, inf
 
-    def __init__(self, **kwargs):
+    def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
         # rows of the table by value reference, the last one for seeds and products
         self.owner = np.full(self.first_text + len(self.string), -1)
@@ -54,11 +54,11 @@ class CallOrder(FieldSlave):
             first = self.first_references[v.name]
             self.owner[first : first + v.size] = k
 
-    def _reject(self, where, words):
+    def _reject(self, where: str, words: str) -> bool:
         self._fail(f"{where}: expected {words}", Fmi2Status.error)
         return False
 
-    def _moves(self, where, before, after):
+    def _moves(self, where: str, before: Phase, after: Phase) -> bool:
         """Go on from a phase to the next; return whether that is possible, and log it if not."""
         now = self.phase
         if now is not before:
@@ -66,7 +66,9 @@ class CallOrder(FieldSlave):
         self.phase = after
         return True
 
-    def setup_experiment(self, start_time, stop_time=None, tolerance=None):
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
         where, stop = "fmi2SetupExperiment", inf if stop_time is None else stop_time
         if not self._moves(where, INSTANTIATED, INSTANTIATED):
             return
@@ -76,19 +78,19 @@ class CallOrder(FieldSlave):
             return
         self.reached, self.stop = start_time, stop
 
-    def enter_initialization_mode(self):
+    def enter_initialization_mode(self) -> None:
         if self._moves("fmi2EnterInitializationMode", INSTANTIATED, INITIALIZING):
             super().enter_initialization_mode()
 
-    def exit_initialization_mode(self):
+    def exit_initialization_mode(self) -> None:
         if self._moves("fmi2ExitInitializationMode", INITIALIZING, STEPPING):
             super().exit_initialization_mode()
 
-    def terminate(self):
+    def terminate(self) -> None:
         if self._moves("fmi2Terminate", STEPPING, TERMINATED):
             super().terminate()
 
-    def do_step(self, current_time, step_size):
+    def do_step(self, current_time: float, step_size: float) -> bool:
         where, time, step = "fmi2DoStep", current_time, step_size
         if not self._moves(where, STEPPING, STEPPING):
             return False
@@ -106,7 +108,7 @@ class CallOrder(FieldSlave):
         self.reached = end
         return True
 
-    def _set(self, where, references, set_them):
+    def _set(self, where: str, references: list[int], set_them: Callable[[], None]) -> None:
         """Set variables; log the first one that may not be set, or that is none of this type."""
         may = np.array([v.kind in self.phase.kinds for v in self.table] + [True])
         try:
@@ -117,25 +119,25 @@ class CallOrder(FieldSlave):
         except IndexError:
             self._reject(where, f"variables of this type, got others among {len(references)}")
             return
-        reference = references[wrong[0]]
-        got = f"got the {self.table[self.owner[reference]].kind} of value reference"
+        reference = references[int(wrong[0])]
+        got = f"got the {self.table[int(self.owner[reference])].kind} of value reference"
         self._reject(where, f"{self.phase.settable} {self.phase.name}, {got} {reference}")
 
-    def set_real(self, vrs, values):
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
         self._set("fmi2SetReal", vrs, lambda: super(CallOrder, self).set_real(vrs, values))
 
-    def set_integer(self, vrs, values):
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
         self._set("fmi2SetInteger", vrs, lambda: super(CallOrder, self).set_integer(vrs, values))
 
-    def set_string(self, vrs, values):
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
         self._set("fmi2SetString", vrs, lambda: super(CallOrder, self).set_string(vrs, values))
 
     # state
 
-    def _get_fmu_state(self):
+    def _get_fmu_state(self) -> Any:
         return super()._get_fmu_state(), self.reached, self.phase
 
-    def _set_fmu_state(self, saved):
+    def _set_fmu_state(self, saved: Any) -> None:
         if saved is None:
             self._reject("fmi2SetFMUstate", "a state of this FMU, got none")
             return
@@ -143,11 +145,11 @@ class CallOrder(FieldSlave):
         super()._set_fmu_state(state)
 
     @classmethod
-    def _fmu_state_to_bytes(cls, saved):
+    def _fmu_state_to_bytes(cls, saved: Any) -> bytes:
         state, reached, phase = saved
         return super()._fmu_state_to_bytes(state) + PROGRESS.pack(reached, PHASES.index(phase))
 
-    def _fmu_state_from_bytes(self, data):
+    def _fmu_state_from_bytes(self, data: Any) -> Any:
         try:
             reached, phase = PROGRESS.unpack(bytes(data[-PROGRESS.size :]))
             return super()._fmu_state_from_bytes(data), reached, PHASES[phase]

@@ -11,51 +11,56 @@ their own. An entry links callees of several processes, so here these numbers ar
 
 import secrets
 from functools import cache, cached_property, partial
+from importlib import import_module
 from typing import Any
 
-from numba import _dynfunc  # pyright: ignore[reportAttributeAccessIssue]
-from numba.core import codegen
-from numba.core.bytecode import FunctionIdentity
-from numba.core.caching import CompileResultCacheImpl
-from numba.core.compiler import Compiler, CompileResult
+_dynfunc: Any = import_module("numba._dynfunc")
+bytecode: Any = import_module("numba.core.bytecode")
+caching: Any = import_module("numba.core.caching")
+compiler: Any = import_module("numba.core.compiler")
+JITCodeLibrary: Any = import_module("numba.core.codegen").JITCodeLibrary
 
-FunctionIdentity._unique_ids = iter(partial(secrets.randbits, 62), -1)  # pyright: ignore
+bytecode.FunctionIdentity._unique_ids = iter(partial(secrets.randbits, 62), -1)
 
-LLVM: Any = vars(codegen)["ll"]
+LLVM: Any = import_module("numba.core.codegen").ll
 """llvmlite, as numba imports it."""
 
 
-class EntryLibrary(codegen.JITCodeLibrary):
+class EntryLibrary(JITCodeLibrary):
     """Code that Python calls.
 
     callees : bitcode of all kernels inside it, each after its own callees, to its environments.
     """
 
-    environments: tuple = ()
+    _codegen: Any
+    _dynamic_globals: Any
+    _final_module: Any
+    _reload_init: Any
+    environments: tuple[Any, ...] = ()
     """Constants of numba for this code, without callees."""
 
-    def __init__(self, codegen, name):
-        super().__init__(codegen, name)
-        self.callees: dict[bytes, tuple] = {}
+    def __init__(self, codegen: Any, name: str):
+        JITCodeLibrary.__init__(self, codegen, name)
+        self.callees: dict[bytes, tuple[Any, ...]] = {}
 
-    def add_linking_library(self, library):
+    def add_linking_library(self, library: Any) -> None:
         """Add a library; a kernel is linked at the end, once, whatever calls it."""
         if isinstance(library, CalleeLibrary):
             self._reload_init.update(library._reload_init)
             self._dynamic_globals += library._dynamic_globals
             self.callees |= library.codes
         else:
-            super().add_linking_library(library)
+            JITCodeLibrary.add_linking_library(self, library)
 
-    def link_callees(self):
+    def link_callees(self) -> None:
         """Link all kernels inside it. LLVM leaves out what nothing calls yet: callers first."""
         for bitcode in reversed(self.callees):
             self._final_module.link_in(_parsed(bitcode), preserve=True)
 
-    def finalize(self):
+    def finalize(self) -> None:
         """Link, optimise and translate."""
         self.link_callees()
-        super().finalize()
+        JITCodeLibrary.finalize(self)
 
 
 class CalleeLibrary(EntryLibrary):
@@ -67,17 +72,24 @@ class CalleeLibrary(EntryLibrary):
         return self._get_module_for_linking().as_bitcode()
 
     @property
-    def codes(self) -> dict[bytes, tuple]:
+    def codes(self) -> dict[bytes, tuple[Any, ...]]:
         """Bitcode that an entry links, with its environments."""
         return self.callees | {self.bitcode: self.environments}
 
-    def link_callees(self):
+    def restore(self, codes: dict[bytes, tuple[Any, ...]]) -> None:
+        """Take over the `codes` that another process has saved."""
+        self.bitcode, self.environments = codes.popitem()
+        self.callees = codes
+        self._final_module = _parsed(self.bitcode)
+        self._finalize_final_module()
+
+    def link_callees(self) -> None:
         """Do nothing; the entry links them."""
 
-    def _optimize_functions(self, ll_module):
+    def _optimize_functions(self, ll_module: Any) -> None:
         """Simplify each function, so that entries have less to link and to optimise."""
         if not hasattr(LLVM, "create_pass_builder"):  # an old numba
-            super()._optimize_functions(ll_module)
+            JITCodeLibrary._optimize_functions(self, ll_module)
             return
         ll_module.data_layout = self._codegen._data_layout
         passes = _simplification()
@@ -86,36 +98,38 @@ class CalleeLibrary(EntryLibrary):
         for function in ll_module.functions:
             manager.run(function, passes)
 
-    def _optimize_final_module(self):
+    def _optimize_final_module(self) -> None:
         """Do nothing; the entry optimises it."""
 
-    def _finalize_final_module(self):
+    def _finalize_final_module(self) -> None:
         """Finish without translation to machine code."""
         self._finalize_dynamic_globals()
         self._finalized = True
 
 
 @cache
-def _parsed(bitcode):
+def _parsed(bitcode: bytes) -> Any:
     return LLVM.parse_bitcode(bitcode)
 
 
 @cache
-def _simplification():
+def _simplification() -> Any:
     """Return LLVM's passes of level 1 for any processor of this platform."""
     machine = LLVM.Target.from_triple(LLVM.get_process_triple()).create_target_machine()
     options = LLVM.create_pipeline_tuning_options(speed_level=1)
     return LLVM.create_pass_builder(machine, options)
 
 
-class CalleeCompiler(Compiler):
+class CalleeCompiler(compiler.Compiler):
     """numba's compiler of a kernel that other kernels call."""
 
-    def compile_extra(self, func):
+    state: Any
+
+    def compile_extra(self, func: Any) -> Any:
         context = self.state.targetctx
         self.state.flags.no_compile = True
         self.state.library = CalleeLibrary(context.codegen(), func.__qualname__)
-        made = super().compile_extra(func)
+        made = compiler.Compiler.compile_extra(self, func)
         made.library.finalize()
         made.library.environments = tuple(made._find_referenced_environments())
         made = made._replace(entry_point=_name_of(made.fndesc, made.environment))
@@ -123,43 +137,42 @@ class CalleeCompiler(Compiler):
         return made
 
 
-class EntryCompiler(Compiler):
+class EntryCompiler(compiler.Compiler):
     """numba's compiler of a kernel that Python calls; it registers the environments of callees."""
 
-    def compile_extra(self, func):
+    state: Any
+
+    def compile_extra(self, func: Any) -> Any:
         self.state.library = EntryLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
-        made = super().compile_extra(func)
+        made = compiler.Compiler.compile_extra(self, func)
         for environment in made._find_referenced_environments():
             made.codegen.set_env(environment.env_name, environment)
         return made
 
 
-class CalleeKept(CompileResultCacheImpl):
+class CalleeKept(caching.CompileResultCacheImpl):
     """Cached form of a callee on disk."""
 
     def check_cachable(self, cres: Any) -> bool:
         """Return whether the code is the same in every process."""
         return not cres.library.has_dynamic_globals
 
-    def reduce(self, cres: Any) -> tuple:
+    def reduce(self, cres: Any) -> tuple[Any, ...]:
         """Return all that a caller links."""
         library = cres.library
         cres.fndesc.typemap = cres.fndesc.calltypes = None  # large, and need not be pickled
         named = cres.fndesc, cres.environment, cres.signature, cres.reload_init
         return library.name, library.codes, *named
 
-    def rebuild(self, target_context, payload):
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
         """Return the callee that another process has saved."""
         name, codes, fndesc, environment, signature, reload_init = payload
         for again in reload_init:
             again()
         library = CalleeLibrary(target_context.codegen(), name)
-        library.bitcode, library.environments = codes.popitem()
-        library.callees = codes
-        library._final_module = _parsed(library.bitcode)
-        library._finalize_final_module()
-        unknown = dict.fromkeys(CompileResult._fields)
+        library.restore(codes)
+        unknown = dict.fromkeys(compiler.CompileResult._fields)
         known = dict(
             typing_context=target_context.typing_context,
             target_context=target_context,
@@ -173,10 +186,10 @@ class CalleeKept(CompileResultCacheImpl):
             reload_init=reload_init,
             referenced_envs=library.environments,
         )
-        return CompileResult(**(unknown | known))
+        return compiler.CompileResult(**(unknown | known))
 
 
-def _name_of(fndesc, environment):
+def _name_of(fndesc: Any, environment: Any) -> Any:
     """Return the name that numba uses for a kernel: a Python function without code."""
     module, name = fndesc.lookup_module(), fndesc.qualname
     return _dynfunc.make_function(module, name.split(".")[-1], "", 0, environment, ())

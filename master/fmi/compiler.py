@@ -32,7 +32,7 @@ class Platform(NamedTuple):
     folders: Mapping[str, str]
 
 
-def _zig(target, *options):
+def _zig(target: str, *options: str) -> tuple[str, ...]:
     """Return the command of zig, which contains the headers and libraries of all platforms.
 
     It is installed with `pip install ziglang`.
@@ -40,7 +40,7 @@ def _zig(target, *options):
     return ("zig", "cc", "-target", target, *options)
 
 
-def _zig_for_linux(processor):
+def _zig_for_linux(processor: str) -> tuple[str, ...]:
     """Return the command of zig with the oldest glibc and without its run-time library.
 
     The sin, cos and memcpy of that library would replace those of the system.

@@ -1,6 +1,7 @@
 """modelDescription.xml of FMI 2.0 with units, ranges, nominals and structure."""
 
 import hashlib
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -9,7 +10,8 @@ import numpy as np
 from .fields import VENDOR
 from .quantities import base_unit, is_known
 from .requirements import PACKAGES
-from .slave import PRODUCT, SEED, element_names, reserved
+from .slave import PRODUCT, SEED, FieldSlave, element_names, reserved
+from .variables import Variable
 
 AUTHOR = "the piston-cosim developers"
 COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
@@ -18,7 +20,9 @@ DATE = "2026-11-22T00:00:00Z"
 """Fixed date of the version, so that the same content gives the same file."""
 
 
-def model_description(slave, any_host, platforms=(), sums=""):
+def model_description(
+    slave: FieldSlave, any_host: bool, platforms: Sequence[str] = (), sums: str = ""
+) -> Element:
     """Return the XML tree of an FMU's model description. The GUID is the hash of its content.
 
     Parameters
@@ -60,11 +64,11 @@ def model_description(slave, any_host, platforms=(), sums=""):
     return root
 
 
-def head(slave):
+def head(slave: FieldSlave) -> dict[str, str]:
     """Return the attributes of the root, equal in FMI 2 and 3."""
     return {
         "modelName": slave.name,
-        "description": slave.description,
+        "description": slave.description or "",
         "author": AUTHOR,
         "version": version("piston-cosim"),
         "copyright": COPYRIGHT,
@@ -78,12 +82,12 @@ def head(slave):
 NO_DEPENDENCIES = {"dependencies": ""}
 
 
-def needs_tool(platforms):
+def needs_tool(platforms: Sequence[str]) -> str:
     """Return the attribute needsExecutionTool: true for an FMU that needs Python."""
     return str(not platforms).lower()
 
 
-def content_guid(root, sums=""):
+def content_guid(root: Element, sums: str = "") -> str:
     """Return the hash of a description, so that the same content has the same identifier.
 
     It ends with the sums of the model file of a native FMU.
@@ -91,7 +95,7 @@ def content_guid(root, sums=""):
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + sums + "}"
 
 
-def common_parts(root, slave):
+def common_parts(root: Element, slave: FieldSlave) -> None:
     """Add units, log categories and default experiment, equal in FMI 2 and 3."""
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     _types(root, slave.table)
@@ -106,14 +110,14 @@ def common_parts(root, slave):
     SubElement(root, "DefaultExperiment", given)
 
 
-def _units(parent, table):
+def _units(parent: Element, table: Sequence[Variable]) -> None:
     for unit in sorted({v.unit for v in table if v.type == "Real" and v.unit != "1"}):
         node = SubElement(parent, "Unit", {"name": unit})
         if is_known(unit):
             SubElement(node, "BaseUnit", base_unit(unit))
 
 
-def _types(root, table):
+def _types(root: Element, table: Sequence[Variable]) -> None:
     """Add a type for every choice."""
     chosen = [v for v in table if v.choices]
     if not chosen:
@@ -130,11 +134,11 @@ def _types(root, table):
             SubElement(node, "Item", {"name": name, "value": str(number)})
 
 
-def _type_name(v):
+def _type_name(v: Variable) -> str:
     return f"{v.name}_choice"
 
 
-def needs(any_host, platforms):
+def needs(any_host: bool, platforms: Sequence[str]) -> dict[str, str]:
     """Return the attributes that describe what an FMU needs of its host."""
     if platforms:
         return {"hosts": f"any on {', '.join(platforms)}"}
@@ -145,7 +149,9 @@ def needs(any_host, platforms):
     }
 
 
-def _vendor_annotations(parent, slave, any_host, platforms):
+def _vendor_annotations(
+    parent: Element, slave: FieldSlave, any_host: bool, platforms: Sequence[str]
+) -> None:
     """Add the requirements on the host.
 
     If there is no front, also add the first reserved reference of each seed and product.
@@ -164,7 +170,7 @@ def _vendor_annotations(parent, slave, any_host, platforms):
             )
 
 
-def _variables(parent, slave):
+def _variables(parent: Element, slave: FieldSlave) -> None:
     first = dict(
         zip((v.name for v in slave.table), np.cumsum([1, *(v.size for v in slave.table)]).tolist())
     )
@@ -185,7 +191,7 @@ def _variables(parent, slave):
             )
 
 
-def causality_attributes(v):
+def causality_attributes(v: Variable) -> dict[str, str]:
     """Return description, causality, variability and initial."""
     kind = {
         "parameter": {
@@ -207,9 +213,9 @@ def causality_attributes(v):
     return {"description": v.description, **kind}
 
 
-def type_attributes(v):
+def type_attributes(v: Variable) -> dict[str, str]:
     """Return start, unit, nominal and range."""
-    attributes = {}
+    attributes: dict[str, str] = {}
     if v.causality != "output":
         attributes["start"] = repr(float(v.start)) if v.type == "Real" else str(v.number(v.start))
     if v.choices:
@@ -224,7 +230,7 @@ def type_attributes(v):
     return attributes
 
 
-def dependencies(slave, places):
+def dependencies(slave: FieldSlave, places: Mapping[str, int]) -> dict[str, dict[str, str]]:
     """Return the attribute dependencies of each output by name: inputs of the derivatives.
 
     `places` contains the index or value reference of each variable by name.
@@ -234,7 +240,7 @@ def dependencies(slave, places):
     return {n: inputs if n in slave.derivative_outputs else NO_DEPENDENCIES for n in outputs}
 
 
-def _structure(parent, slave, any_host):
+def _structure(parent: Element, slave: FieldSlave, any_host: bool) -> None:
     """Add outputs and initial unknowns.
 
     Outputs depend on the inputs of the derivatives that the FMU offers. If these contain fields,

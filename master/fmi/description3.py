@@ -1,5 +1,6 @@
 """modelDescription.xml of FMI 3.0: whole arrays, value references by table row, terminals."""
 
+from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from .description import (
@@ -13,11 +14,15 @@ from .description import (
     needs_tool,
     type_attributes,
 )
+from .slave import FieldSlave
+from .variables import Variable
 
 TYPES = {"Real": "Float64", "Integer": "Int32", "String": "String", "Enumeration": "Enumeration"}
 
 
-def model_description_3(slave, platforms=(), sums=""):
+def model_description_3(
+    slave: FieldSlave, platforms: Sequence[str] = (), sums: str = ""
+) -> Element:
     """Return the XML tree of an FMU's model description for FMI 3.0.
 
     The instantiation token is the hash of its content. `platforms` and `sums` are those of an FMU
@@ -54,7 +59,7 @@ def model_description_3(slave, platforms=(), sums=""):
     return root
 
 
-def _variables(parent, table):
+def _variables(parent: Element, table: Sequence[Variable]) -> None:
     reference = {v.name: str(k) for k, v in enumerate(table)}
     for k, v in enumerate(table):
         attributes = causality_attributes(v) | type_attributes(v)
@@ -80,7 +85,7 @@ def _variables(parent, table):
     )
 
 
-def terminals(slave):
+def terminals(slave: FieldSlave) -> Element:
     """Return terminalsAndIcons.xml: the fields of the interface as one terminal, and the icon."""
     root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     picture = SubElement(root, "GraphicalRepresentation")

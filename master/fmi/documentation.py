@@ -1,11 +1,14 @@
 """Documentation inside an FMU: a page with requirements and interface, and licences."""
 
+from collections.abc import Sequence
 from html import escape
 from importlib.metadata import files
 from pathlib import Path
 
 from .description import AUTHOR, COPYRIGHT, LICENCE
 from .requirements import PACKAGES
+from .slave import FieldSlave
+from .variables import Variable
 
 OWN_LICENCE = Path(__file__).parents[2] / "LICENSE"
 ICON = Path(__file__).parent / "icon.png"
@@ -53,7 +56,9 @@ TITLES = {
 }
 
 
-def documentation(slave, any_host, platforms=()):
+def documentation(
+    slave: FieldSlave, any_host: bool, platforms: Sequence[str] = ()
+) -> dict[str, bytes]:
     """Return page and licences, path in the FMU to bytes.
 
     Parameters
@@ -74,7 +79,7 @@ def documentation(slave, any_host, platforms=()):
     )
     page = PAGE.format(
         title=escape(slave.name),
-        description=escape(slave.description),
+        description=escape(slave.description or ""),
         author=escape(AUTHOR),
         licence=LICENCE,
         needs=needs,
@@ -89,7 +94,7 @@ def documentation(slave, any_host, platforms=()):
     }
 
 
-def _of_pythonfmu():
+def _of_pythonfmu() -> dict[str, str]:
     """Return the licence of pythonfmu, a part of which is inside the FMU."""
     for file in files("pythonfmu") or ():
         if file.name.startswith("LICEN"):
@@ -97,7 +102,7 @@ def _of_pythonfmu():
     return {}
 
 
-def _table(table, causality):
+def _table(table: Sequence[Variable], causality: str) -> str:
     """Return the HTML table of the variables of a causality, empty if there are none."""
     rows = [_row(v) for v in table if v.causality == causality]
     if not rows:
@@ -109,7 +114,7 @@ def _table(table, causality):
     return f"<h2>{TITLES[causality]}</h2>\n<table>\n<tr>{heads}</tr>\n{body}\n</table>"
 
 
-def _row(v):
+def _row(v: Variable) -> str:
     start = f"{v.start:g}" if isinstance(v.start, int | float) else v.start
     bounds = ["" if limit is None else f"{limit:g}" for limit in (v.minimum, v.maximum)]
     limits = " to ".join(bounds) if any(bounds) and v.causality != "constant" else ""

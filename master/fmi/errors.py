@@ -27,7 +27,8 @@ class BadInput(ValueError):
 
 def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:
     """Return the results of a function for all items; raise `BadInput` with the faults of all."""
-    found, faults = [], []
+    found: list[Found] = []
+    faults: list[str] = []
     for item in items:
         try:
             found.append(function(item))
@@ -105,7 +106,7 @@ class Ticked(Discard):
     The step must be repeated up to there, so that other participants receive the tick.
     """
 
-    def __init__(self, name, time):
+    def __init__(self, name: str, time: float):
         super().__init__(f"{name}: a clock ticks at t = {time:.6g} s")
         self.name, self.time = name, time
 

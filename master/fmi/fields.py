@@ -1,8 +1,10 @@
 """Fields of an imported FMU: scalars `name[i,j]` gathered into arrays."""
 
 import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +55,10 @@ class UnitDefinition:
         return (value - self.offset) / self.factor
 
 
+Units = dict[str, UnitDefinition | None]
+"""Definitions by the name of the unit."""
+
+
 @dataclass(frozen=True)
 class Field:
     """Array (or scalar, shape ()) variable of an FMU.
@@ -66,8 +72,8 @@ class Field:
     """
 
     name: str
-    shape: tuple
-    references: tuple
+    shape: tuple[int, ...]
+    references: tuple[int, ...]
     type: str
     causality: str
     unit: str
@@ -78,12 +84,12 @@ class Field:
     description: str
     derivative_of: str | None = None
     definition: UnitDefinition | None = None
-    choices: dict[str, int] = field(default_factory=dict)
+    choices: dict[str, int] = field(default_factory=dict[str, int])
     native: str | None = None
     clocked: bool = False
 
     @cached_property
-    def size(self):
+    def size(self) -> int:
         return int(np.prod(self.shape))
 
     @property
@@ -97,12 +103,14 @@ class Field:
         return (0, 2 * half - 1) if str(kind).startswith("U") else (-half, half - 1)
 
     @property
-    def is_double(self):
+    def is_double(self) -> bool:
         """True if its values are 64-bit floats, which are passed by pointer."""
         return self.type == "Real" and self.native != "Float32"
 
 
-def gather_fields(description, sizes=None, elements=()):
+def gather_fields(
+    description: Any, sizes: Mapping[str, int] | None = None, elements: Collection[str] = ()
+) -> dict[str, Field]:
     """Return the fields of an FMPy model description.
 
     FMI 2.0 has no arrays. Variables `name[i,j]` become one array `name` if they fill a rectangle
@@ -130,7 +138,7 @@ def gather_fields(description, sizes=None, elements=()):
             for v in description.modelVariables
             if v.type in TYPES_3 and (events or v.type != "Clock")
         }
-    groups = {}
+    groups: dict[str, list[tuple[tuple[int, ...], Any]]] = {}
     for variable in description.modelVariables:
         match = ELEMENT.match(variable.name)
         base, index = (
@@ -139,7 +147,7 @@ def gather_fields(description, sizes=None, elements=()):
             else (variable.name, ())
         )
         groups.setdefault(base, []).append((index, variable))
-    fields = {}
+    fields: dict[str, Field] = {}
     for base, members in groups.items():
         members.sort(key=lambda member: member[0])
         variables = [variable for _, variable in members]
@@ -157,7 +165,7 @@ def base_of(name: str) -> str:
     return match["base"] if match else name
 
 
-def _definition(base):
+def _definition(base: Any) -> UnitDefinition | None:
     """Return the unit definition of an FMPy base unit; None if there is none."""
     if base is None:
         return None
@@ -172,7 +180,7 @@ def _definition(base):
     )
 
 
-def _shape(indices, variables):
+def _shape(indices: Sequence[tuple[int, ...]], variables: Sequence[Any]) -> tuple[int, ...] | None:
     """Return the shape of the array that sorted elements make, None if they make none."""
     if not indices[0]:
         return () if len(indices) == 1 else None
@@ -188,14 +196,14 @@ def _shape(indices, variables):
     return shape if first in (0, 1) and filled else None
 
 
-def _array(variable, units, sizes, events):
+def _array(variable: Any, units: Units, sizes: Mapping[str, int], events: bool) -> Field:
     """Return the field of an FMI 3 variable; `events` enables clocks."""
     shape = tuple(_extent(variable.name, dimension, sizes) for dimension in variable.dimensions)
     field = _described(variable.name, shape, [variable], TYPES_3[variable.type], units)
     return replace(field, native=variable.type, clocked=events and bool(variable.clocks))
 
 
-def _extent(name, dimension, sizes):
+def _extent(name: str, dimension: Any, sizes: Mapping[str, int]) -> int:
     """Return the length of a dimension: a number, or the value of a structural parameter."""
     start = dimension.start
     if start is None and dimension.variable is not None:
@@ -209,7 +217,9 @@ def _extent(name, dimension, sizes):
     return extent
 
 
-def _described(name, shape, variables, kind, units):
+def _described(
+    name: str, shape: tuple[int, ...], variables: Sequence[Any], kind: str, units: Units
+) -> Field:
     first = variables[0]
     definition = units.get(first.unit)
     if definition and first.relativeQuantity:
@@ -239,13 +249,13 @@ def _described(name, shape, variables, kind, units):
     )
 
 
-def _choices(variable):
+def _choices(variable: Any) -> dict[str, int]:
     """Return the items of an enumeration, name to value; empty if the FMU declares no type."""
     items = variable.declaredType.items if variable.declaredType else ()
     return {item.name: int(item.value) for item in items or ()}
 
 
-def _derivative_of(variable, shape):
+def _derivative_of(variable: Any, shape: tuple[int, ...]) -> str | None:
     """Return the name of the field that a variable is the time derivative of, or None."""
     if variable.derivative is None:
         return None

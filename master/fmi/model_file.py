@@ -70,7 +70,7 @@ def sums_of(file: bytes) -> str:
     return f"{words.sum(dtype=np.uint64):016x}{(words * weights).sum(dtype=np.uint64):016x}"
 
 
-def _row(slave, v: Variable):
+def _row(slave: FieldSlave, v: Variable) -> tuple[int, ...]:
     """Return type, position, size, causality, extents, number of choices."""
     extents = (*v.shape, 0, 0, 0)[:3]
     return (
@@ -83,6 +83,6 @@ def _row(slave, v: Variable):
     )
 
 
-def _range(v: Variable):
+def _range(v: Variable) -> tuple[float, float]:
     """Return the allowed range."""
     return -np.inf if v.minimum is None else v.minimum, np.inf if v.maximum is None else v.maximum

@@ -15,8 +15,9 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -129,7 +130,7 @@ KERNELS = 220
 
 def object_files(
     package: str,
-    platforms: list[str],
+    platforms: Sequence[str],
     kept: Path,
     progress: Callable[[str], object] = lambda text: None,
 ) -> dict[str, bytes]:
@@ -172,31 +173,36 @@ def object_files(
         return {name: (Path(scratch) / f"{name}.o").read_bytes() for name in platforms}
 
 
+def _binding() -> Any:
+    """Return llvmlite's module of LLVM, which only the compiling process imports."""
+    return import_module("llvmlite.binding")
+
+
 def module_text(package: str, part: Any) -> str:
     """Return the LLVM module of a package's entries; all other symbols are internal."""
     import numba
-    from llvmlite import binding
     from numba import types
-    from numba.core import compiler
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
 
     from .callees import CalleeCompiler, EntryLibrary
 
+    binding = _binding()
+    compiler: Any = import_module("numba.core.compiler")
     carray = numba.__dict__["carray"]
     numbers = types.CPointer(types.float64)
     counts = types.CPointer(types.int64)
-    flags: Any = compiler.Flags()
+    flags = compiler.Flags()
     flags.nrt = True
     flags.no_cpython_wrapper = True
     flags.no_cfunc_wrapper = True
     flags.error_model = "numpy"
     whole = None
-    names = []
+    names: list[str] = []
     for entry in part.entries:
         run = entry.kernel.callee
 
-        def call(real, integer, memory, numbers, lengths):
+        def call(real: Any, integer: Any, memory: Any, numbers: Any, lengths: Any) -> None:
             n = carray(lengths, 4)
             run(  # noqa: B023 - compiled before the next one comes
                 carray(real, n[REALS]),
@@ -206,7 +212,7 @@ def module_text(package: str, part: Any) -> str:
             )
 
         with global_compiler_lock:
-            made: Any = compiler.compile_extra(
+            made = compiler.compile_extra(
                 cpu_target.typing_context,
                 cpu_target.target_context,
                 call,
@@ -283,8 +289,7 @@ def _renamed(name: str, one: str) -> str:
 
 def translated(text: str, target: Target) -> bytes:
     """Return the object file of a module, which may use the symbols of `OPEN`."""
-    from llvmlite import binding
-
+    binding = _binding()
     machine = _machine(target)
     x86 = target.triple.startswith("x86_64")
     text = without_counting(text)
@@ -312,27 +317,24 @@ def without_counting(text: str) -> str:
     return text
 
 
-def _parsed(text, target):
+def _parsed(text: str, target: Target) -> Any:
     """Return the parsed module for a target."""
-    from llvmlite import binding
-
+    binding = _binding()
     module = binding.parse_assembly(text)
     module.triple = target.triple
     module.data_layout = str(_machine(target).target_data)
     return module
 
 
-def _level(level):
+def _level(level: int) -> Any:
     """Return LLVM's options for an optimisation level."""
-    from llvmlite import binding
-
+    binding = _binding()
     return binding.create_pipeline_tuning_options(speed_level=level)
 
 
-def _optimise(module, machine, level):
+def _optimise(module: Any, machine: Any, level: int) -> None:
     """Run LLVM's passes of an optimisation level."""
-    from llvmlite import binding
-
+    binding = _binding()
     builder = binding.create_pass_builder(machine, _level(level))
     builder.getModulePassManager().run(module, builder)
 
@@ -344,9 +346,8 @@ def open_symbols(module: Any) -> set[str]:
 
 
 @cache
-def _machine(target: Target):
-    from llvmlite import binding
-
+def _machine(target: Target) -> Any:
+    binding = _binding()
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
     return binding.Target.from_triple(target.triple).create_target_machine(
@@ -379,8 +380,7 @@ def _follow() -> None:
 
 def _report(phase: list[str]) -> None:
     """Print phase, time and share of compiled kernels every `REPORT` s."""
-    from numba.core import event
-
+    event: Any = import_module("numba.core.event")
     begin = time.monotonic()
     listener = event.RecordingListener()
     event.register("numba:compile", listener)

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
 from textwrap import dedent
-from typing import Any, TypeVar
+from typing import Any, TypeGuard, TypeVar, cast
 
 from pydantic import BaseModel, ValidationError
 
@@ -152,7 +152,8 @@ def _shown(value: Any) -> str:
     if isinstance(value, Mapping):
         return "a table"
     if isinstance(value, (list, tuple)):
-        return f"a list of {len(value)}" if len(value) > 3 else repr(list(value))
+        items = cast(Sequence[Any], value)
+        return f"a list of {len(items)}" if len(items) > 3 else repr(list(items))
     return repr(value)
 
 
@@ -189,7 +190,7 @@ def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Sc
 
     Parts of the location that name a type are skipped.
     """
-    found = []
+    found: list[Schema] = []
     for option in options(schema, node):
         if not place:
             found += [option] if "properties" in option else []
@@ -205,8 +206,8 @@ def _child(node: Schema, part: str | int) -> Schema | None:
     if isinstance(part, int):
         return node.get("items")
     own = node.get("properties", {}).get(part)
-    other = node.get("additionalProperties")
-    return own or (other if isinstance(other, Mapping) else None)
+    other: Any = node.get("additionalProperties")
+    return own or (other if _is_schema(other) else None)
 
 
 def options(schema: Schema, node: Schema) -> list[Schema]:
@@ -232,7 +233,7 @@ def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
             path=path,
             unit=next((unit for one in choices if (unit := _unit(one))), ""),
             default=_default(node),
-            allowed=" or ".join(dict.fromkeys(filter(None, map(_allowed, choices)))),
+            allowed=" or ".join(dict.fromkeys(text for one in choices if (text := _allowed(one)))),
             meaning=" ".join(node.get("description", "").split()).removesuffix("."),
             required=name in table.get("required", ()),
         )
@@ -245,14 +246,18 @@ def _inside(schema: Schema, node: Schema, path: str) -> Iterator[Key]:
     if "properties" in node:
         yield from _keys(schema, node, f"{path}.")
     for inner, part in ((node.get("additionalProperties"), ANY), (node.get("items"), EACH)):
-        if isinstance(inner, Mapping):
+        if _is_schema(inner):
             for one in options(schema, inner):
                 yield from _inside(schema, one, f"{path}.{part}")
 
 
+def _is_schema(value: object) -> TypeGuard[Schema]:
+    return isinstance(value, Mapping)
+
+
 def _unit(node: Schema) -> str:
     """Return the unit of a quantity or of a list of fixed length; "" if there is none."""
-    first = next(iter(node.get("prefixItems", ())), {})
+    first: Schema = next(iter(node.get("prefixItems", ())), node)
     unit = node.get("unit", first.get("unit", ""))
     return "" if unit == "1" else unit
 

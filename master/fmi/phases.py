@@ -1,7 +1,7 @@
 """Phases that take long, and the time that each is expected to take."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 
 from .cache import cache_folder, write_whole
@@ -52,7 +52,7 @@ UNDER_WAY: list[Phase] = []
 
 
 @contextmanager
-def phase(name: str, work: float = 1.0, typical: float = 5.0) -> Iterator[Phase]:
+def phase(name: str, work: float = 1.0, typical: float = 5.0) -> Generator[Phase, None, None]:
     """Add a phase to those under way, with the parameters of `Phase`."""
     this = Phase(name, work, typical)
     UNDER_WAY.append(this)

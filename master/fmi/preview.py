@@ -28,9 +28,9 @@ class Preview:
     a picture of the geometry, None if there is none.
     """
 
-    figures: list[Figure] = field(default_factory=list)
-    faults: list[str] = field(default_factory=list)
-    remarks: list[str] = field(default_factory=list)
+    figures: list[Figure] = field(default_factory=list[Figure])
+    faults: list[str] = field(default_factory=list[str])
+    remarks: list[str] = field(default_factory=list[str])
     draw: Callable[[Path], None] | None = None
 
     def figure(self, name: str) -> Figure | None:

@@ -4,9 +4,10 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib import import_module
 from math import isfinite
 from shutil import rmtree
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import core_schema
@@ -16,14 +17,13 @@ from .errors import BadInput
 
 
 @cache
-def registry():
+def registry() -> Any:
     """Return the pint registry with rpm and deg.
 
     pint caches its parsed definitions in the user's cache, which takes 0.03 s instead of 0.4 s.
     An unreadable cache is deleted.
     """
-    import pint
-
+    pint: Any = import_module("pint")
     made = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
     with suppress(OSError, RuntimeError):  # there is no place for a cache
         kept = cache_folder("units")
@@ -34,7 +34,7 @@ def registry():
     return made()
 
 
-def pint_unit(unit):
+def pint_unit(unit: str) -> str:
     """Convert a unit from FMI to pint: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
     return (
         "dimensionless"
@@ -49,7 +49,7 @@ SI = ("m", "kg", "N", "Pa", "J", "W", "K", "A", "V")
 WRITTEN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z]+)\s*")
 
 
-def _without_pint(value, unit):
+def _without_pint(value: Any, unit: str) -> float | None:
     """Return the SI value of a number or of a plain text such as "1 ms"; None for all others.
 
     pint gives the same bits but takes 0.3 s to import.
@@ -65,7 +65,7 @@ def _without_pint(value, unit):
     return float(number) if name == unit and name in SI else None
 
 
-def to_si(value: str | float, unit: str) -> float:
+def to_si(value: object, unit: str) -> float:
     """Convert a user's value to SI; see `_by_pint`."""
     plain = _without_pint(value, unit)
     if plain is None and not isinstance(value, bool) and isinstance(value, (str, int, float)):
@@ -79,7 +79,7 @@ EXAMPLES = {"m": "1 mm", "rad": "10 deg", "rad/s": "3000 rpm", "K": "90 degC", "
 """Example of a quantity by its SI unit; default: "1 UNIT"."""
 
 
-def _not_a_quantity(value, unit):
+def _not_a_quantity(value: object, unit: str) -> ValueError:
     """Return the error for a value that is not a finite quantity of the unit."""
     wanted = "a number" if unit == "1" else f"a quantity in {unit}"
     example = EXAMPLES.get(unit, f"1 {pint_unit(unit)}".replace("**", "^"))
@@ -87,7 +87,7 @@ def _not_a_quantity(value, unit):
 
 
 @cache
-def _by_pint(value, unit):
+def _by_pint(value: str | float, unit: str) -> float:
     """Convert a user's value to SI.
 
     Parameters
@@ -106,6 +106,7 @@ def _by_pint(value, unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
     ureg = registry()
     target = ureg.Unit(pint_unit(unit))
+    quantity: Any = None
     try:
         quantity = ureg.Quantity(value)
         compatible = quantity.is_compatible_with(target)
@@ -152,7 +153,7 @@ def base_unit(unit: str) -> dict[str, str]:
     return powers if base.magnitude == 1.0 else {"factor": repr(base.magnitude)} | powers
 
 
-def duration(name, text):
+def duration(name: str, text: str) -> float:
     """Return a positive time in seconds; raise `BadInput` with `name` if it is not."""
     try:
         seconds = to_si(text, "s")
@@ -210,12 +211,7 @@ class in_unit:
         return {**handler(schema), "type": written, "unit": self.unit}
 
 
-def Quantity(unit):
-    """Return the pydantic field type of a float in SI `unit`, read from text with a unit."""
-    return Annotated[float, in_unit(unit)]
-
-
-def short(value, unit, digits=3):
+def short(value: float, unit: str, digits: int = 3) -> str:
     """Return a value as text with a prefixed unit: 5.2e-6 m -> "5.2 um"."""
     if unit == "1":
         return f"{value:.{digits}g}"
@@ -227,6 +223,6 @@ def short(value, unit, digits=3):
     return one_micro(f"{compact:.{digits}g~P}")
 
 
-def one_micro(text):
+def one_micro(text: str) -> str:
     """Replace the Greek letter mu, which newer versions of pint write, by the micro sign."""
     return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")

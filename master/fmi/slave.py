@@ -23,17 +23,18 @@ bug sets it to error.
 import json
 import sys
 import traceback
+from collections.abc import ItemsView, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import numpy as np
-from pythonfmu import Fmi2Slave
-from pythonfmu.enums import Fmi2Status
+from pythonfmu import Fmi2Slave  # pyright: ignore[reportMissingTypeStubs]
+from pythonfmu.enums import Fmi2Status  # pyright: ignore[reportMissingTypeStubs]
 
 from .errors import BadInput, Discard
 from .state_bytes import is_sound, join, split
-from .variables import KINDS
+from .variables import KINDS, Variable
 
 COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: derivatives of an input over a step, seed and product of a
@@ -80,23 +81,27 @@ class FieldSlave(Fmi2Slave):
       optional.
     """
 
+    log: Any
+    log_queue: list[Any]
     name = "slave"
     description = ""
     state_type: Any = None
     slow_state: tuple[str, ...] = ()
     experiment = Experiment(stop=5e-3, step=5e-5)
     interpolates_inputs = False
-    derivative_inputs = ()
-    derivative_outputs = ()
+    derivative_inputs: Sequence[str] = ()
+    derivative_outputs: Sequence[str] = ()
 
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
+    def __init__(self, **kwargs: Any):
+        super().__init__(**kwargs)  # pyright: ignore[reportUnknownMemberType]
         self.modelName = self.name
         self.description = type(self).description
-        self.resources = Path(self.resources)
-        self.options = json.loads((self.resources / "build.json").read_text())
-        self.table = self.variables(self.options)
-        self.state = self.fault = self.started_with = None
+        self.resources: Path = Path(self.resources)
+        self.options: dict[str, Any] = json.loads((self.resources / "build.json").read_text())
+        self.table: list[Variable] = self.variables(self.options)
+        self.state: Any = None
+        self.fault: str | None = None
+        self.started_with: Any = None
         self.initialising = False
         self.shown: Any = None
         self.status = Fmi2Status.ok
@@ -107,19 +112,21 @@ class FieldSlave(Fmi2Slave):
     # methods of the participant
 
     @staticmethod
-    def variables(options):
+    def variables(options: dict[str, Any]) -> list[Variable]:
         """Return the variable table for the build `options`."""
         raise NotImplementedError
 
-    def start(self, values):
+    def start(self, values: dict[str, Any]) -> tuple[Any, Mapping[str, Any]]:
         """Return state and outputs at the start time, for the parameters and inputs in `values`."""
         raise NotImplementedError
 
-    def advance(self, state, values, time, step):
+    def advance(
+        self, state: Any, values: dict[str, Any], time: float, step: float
+    ) -> tuple[Any, Mapping[str, Any]]:
         """Return state and outputs at time + step [s]; inputs in `values` are those at its end."""
         raise NotImplementedError
 
-    def course(self, name):
+    def course(self, name: str) -> np.ndarray:
         """Return an input over the current step, as the importer described it.
 
         Eq. (Y1):  u(t + s) = u + u' s + u'' s^2/2 + u''' s^3/6,
@@ -133,7 +140,7 @@ class FieldSlave(Fmi2Slave):
         # the coefficients of Eq. (Y1), without the factorials
         return np.concatenate([self.views[name][None], self.views[reserved(COURSE, name)]])
 
-    def directional_derivative(self, seeds):
+    def directional_derivative(self, seeds: dict[str, np.ndarray]) -> Mapping[str, Any]:
         """Return the change of `derivative_outputs` at the end of the last step.
 
         `seeds` is the change of its inputs.
@@ -142,14 +149,15 @@ class FieldSlave(Fmi2Slave):
 
     # storage
 
-    def _lay_out(self):
+    def _lay_out(self) -> None:
         """Allocate storage, give every variable its view, and set the start values."""
-        self.views = {}
-        self.references = {}
+        self.views: dict[str, np.ndarray] = {}
+        self.references: dict[str, int] = {}
         real = [v for v in self.table if v.type == "Real"]
         shapes = {v.name: v.shape for v in real}
         self.real_count = sum(v.size for v in real)
         self.courses = [v.name for v in real if v.causality == "input" and self.interpolates_inputs]
+        extra: list[tuple[str, tuple[int, ...]]]
         extra = [(reserved(COURSE, n), (3, *shapes[n])) for n in self.courses]
         extra += [(reserved(SEED, n), shapes[n]) for n in self.derivative_inputs]
         extra += [(reserved(PRODUCT, n), shapes[n]) for n in self.derivative_outputs]
@@ -159,7 +167,7 @@ class FieldSlave(Fmi2Slave):
         self.integer = np.zeros(sum(v.size for v in integer), dtype=np.int64)
         self._lay_into(self.real, [(v.name, v.shape) for v in real] + extra)
         self._lay_into(self.integer, [(v.name, v.shape) for v in integer])
-        self.string = [v.start for v in self.table if v.type == "String"]
+        self.string: list[Any] = [v.start for v in self.table if v.type == "String"]
         self.references |= {
             v.name: k for k, v in enumerate(v for v in self.table if v.type == "String")
         }
@@ -198,7 +206,9 @@ class FieldSlave(Fmi2Slave):
         self.products_due = False
         self.all_references = list(range(len(self.real)))
 
-    def _lay_into(self, storage, entries):
+    def _lay_into(
+        self, storage: np.ndarray, entries: Iterable[tuple[str, tuple[int, ...]]]
+    ) -> None:
         offset = 0
         for name, shape in entries:
             size = int(np.prod(shape))
@@ -206,7 +216,7 @@ class FieldSlave(Fmi2Slave):
             self.views[name] = storage[offset : offset + size].reshape(shape)
             offset += size
 
-    def _values(self):
+    def _values(self) -> dict[str, Any]:
         """Return copies of all parameters and inputs: floats, ints, texts, arrays."""
         strings = dict(zip(self.read_texts, self.string))
         numbers = {
@@ -216,13 +226,13 @@ class FieldSlave(Fmi2Slave):
         chosen = {v.name: v.choices[numbers[v.name] - 1] for v in self.enumerations}
         return strings | numbers | chosen
 
-    def _publish(self, outputs):
+    def _publish(self, outputs: Mapping[str, Any]) -> None:
         for name, value in outputs.items():
             self.views[name][...] = value
 
     # methods that only the C front calls
 
-    def layout(self):
+    def layout(self) -> bytes:
         """Return the memory layout for the front (front.h).
 
         It contains addresses, lengths, courses, seeds, products and all variables.
@@ -264,7 +274,7 @@ class FieldSlave(Fmi2Slave):
         parts = [head, *map(np.ravel, blocks), np.ravel(entries)]
         return np.concatenate(parts).astype(np.int64).tobytes()
 
-    def verdict(self):
+    def verdict(self) -> tuple[int, list[tuple[int, str, str]]]:
         """Return status and messages (status, category, text) of the last call; clear both."""
         status = int(self.status)
         self.status = Fmi2Status.ok
@@ -272,7 +282,7 @@ class FieldSlave(Fmi2Slave):
         self.log_queue.clear()
         return status, messages
 
-    def update_products(self):
+    def update_products(self) -> None:
         """Compute the products for the stored seeds; set NaN and an error if that fails."""
         try:
             seeds = {name: view.copy() for name, view in self.seeds.items()}
@@ -285,7 +295,7 @@ class FieldSlave(Fmi2Slave):
 
     # methods that both call
 
-    def enter_initialization_mode(self):
+    def enter_initialization_mode(self) -> None:
         """Let outputs follow inputs until `exit_initialization_mode`; log a compilation."""
         kernels: Any = sys.modules.get(f"{__package__}.compiled")
         if kernels and (said := kernels.first_start()):
@@ -293,7 +303,7 @@ class FieldSlave(Fmi2Slave):
         self.initialising = True
         self.shown = None
 
-    def show_start(self):
+    def show_start(self) -> None:
         """Publish the outputs that follow from parameters and inputs in Initialization Mode.
 
         If these are rejected, the outputs do not change. The end of the initialisation reports why.
@@ -308,7 +318,7 @@ class FieldSlave(Fmi2Slave):
         except Exception:
             return
 
-    def exit_initialization_mode(self):
+    def exit_initialization_mode(self) -> None:
         """Check all parameter ranges and start the participant.
 
         A fault is logged, and every later step is discarded.
@@ -316,14 +326,14 @@ class FieldSlave(Fmi2Slave):
         self.initialising = False
         self.state = self._checked_start()
 
-    def _given(self):
+    def _given(self) -> tuple[Any, ...]:
         """Return all values that a start depends on, comparable."""
         return (
             *(self.views[v.name].tobytes() for v in self.table if v.name in self.given),
             tuple(self.string),
         )
 
-    def _checked_start(self):
+    def _checked_start(self) -> Any:
         """Return the start state and publish its outputs; None if parameters are rejected."""
         self.started_with = self._parameters()
         try:
@@ -338,38 +348,38 @@ class FieldSlave(Fmi2Slave):
             self._refuse(traceback.format_exc())
         return None
 
-    def _parameters(self):
+    def _parameters(self) -> tuple[Any, ...]:
         """Return the parameters that `start` depends on, comparable.
 
         A saved state with other parameters needs a new start.
         """
         return self.real[self.parameter_elements].tobytes(), self._settings()
 
-    def _settings(self):
+    def _settings(self) -> tuple[Any, ...]:
         """Return all texts, then the numbers of all choices."""
         return (*self.string, *(self.views[v.name].item() for v in self.enumerations))
 
-    def _refuse(self, text):
+    def _refuse(self, text: str) -> None:
         self.fault = text
         self._fail(text, Fmi2Status.error)
 
-    def _fail(self, text, status):
+    def _fail(self, text: str, status: Fmi2Status) -> None:
         self.status = status
         self.log(text, status)
 
-    def _range_faults(self):
+    def _range_faults(self) -> list[str]:
         """Return a sentence for each parameter and input that is out of range or not finite.
 
         Only the first such element of an array is reported.
         """
-        faults = []
+        faults: list[str] = []
         for v in self.table:
             if v.causality == "output" or v.type == "String":
                 continue
             faults += self._choice_faults(v) if v.choices else self._number_faults(v)
         return faults
 
-    def _number_faults(self, v):
+    def _number_faults(self, v: Variable) -> list[str]:
         """Return a sentence if an element of a number is out of range or not finite."""
         low = -LARGEST if v.minimum is None else max(v.minimum, -LARGEST)
         high = LARGEST if v.maximum is None else min(v.maximum, LARGEST)
@@ -380,11 +390,11 @@ class FieldSlave(Fmi2Slave):
         values = view.ravel()
         k = int(np.argmin((values >= low) & (values <= high)))
         if np.isfinite(values[k]):
-            return [v.fault(values[k])]
+            return [str(v.fault(values[k]))]
         unit = "" if v.unit == "1" else f" {v.unit}"
         return [f"{element_names(v)[k]}: expected a finite value, got {values[k]}{unit}"]
 
-    def _choice_faults(self, v):
+    def _choice_faults(self, v: Variable) -> list[str]:
         """Return a sentence if the number of a choice is invalid."""
         number = self.views[v.name].item()
         if 1 <= number <= len(v.choices):
@@ -392,7 +402,7 @@ class FieldSlave(Fmi2Slave):
         known = ", ".join(f"{k} {name}" for k, name in enumerate(v.choices, 1))
         return [f"{v.name}: expected {known}, got {number}"]
 
-    def do_step(self, current_time, step_size):
+    def do_step(self, current_time: float, step_size: float) -> bool:
         """Take a step; if it fails, log why, keep the state, return False (fmi2Discard)."""
         try:
             self._check_step(step_size)
@@ -408,7 +418,7 @@ class FieldSlave(Fmi2Slave):
                 self.views[reserved(COURSE, name)][...] = 0.0
         return False
 
-    def _check_step(self, step_size):
+    def _check_step(self, step_size: float) -> None:
         if self.fault:
             raise Discard(f"not initialised: {self.fault}")
         if not 0 < step_size < np.inf:
@@ -417,7 +427,7 @@ class FieldSlave(Fmi2Slave):
             if faults := self._choice_faults(v) if v.choices else self._number_faults(v):
                 raise Discard(faults[0])
 
-    def set_real(self, vrs, values):
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
         first = vrs[0]
         last = vrs[-1] + 1
         if vrs == self.all_references[first:last]:
@@ -426,7 +436,7 @@ class FieldSlave(Fmi2Slave):
             self.real[vrs] = values
         self.products_due = self.products_due or last > self.real_count
 
-    def get_real(self, vrs):
+    def get_real(self, vrs: list[int]) -> list[float]:
         self.show_start()
         first = vrs[0]
         last = vrs[-1] + 1
@@ -436,22 +446,22 @@ class FieldSlave(Fmi2Slave):
             return self.real[first:last].tolist()
         return self.real[vrs].tolist()
 
-    def set_integer(self, vrs, values):
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
         self.integer[self._places(vrs, self.first_integer)] = values
 
-    def get_integer(self, vrs):
+    def get_integer(self, vrs: list[int]) -> list[int]:
         self.show_start()
         return self.integer[self._places(vrs, self.first_integer)].tolist()
 
-    def set_string(self, vrs, values):
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
         for place, value in zip(self._places(vrs, self.first_text), values):
             self.string[place] = value
 
-    def get_string(self, vrs):
+    def get_string(self, vrs: list[int]) -> list[str]:
         return [self.string[place] for place in self._places(vrs, self.first_text)]
 
     @staticmethod
-    def _places(references, first):
+    def _places(references: list[int], first: int) -> list[int]:
         """Return the positions in the storage of a type whose value references begin at `first`."""
         places = [reference - first for reference in references]
         if min(places, default=0) < 0:
@@ -460,10 +470,10 @@ class FieldSlave(Fmi2Slave):
 
     # state
 
-    def _get_fmu_state(self):  # pyright: ignore[reportIncompatibleMethodOverride]
+    def _get_fmu_state(self) -> Any:
         return self.real[: self.real_count].copy(), self._settings(), self.state
 
-    def _set_fmu_state(self, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
+    def _set_fmu_state(self, saved: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
         texts = len(self.string)
         self.string[:] = settings[:texts]
@@ -478,7 +488,7 @@ class FieldSlave(Fmi2Slave):
             state = self._restored(state)
         self.state = state
 
-    def _restored(self, members):
+    def _restored(self, members: Any) -> Any:
         """Return the state with these members; log and return None if they do not fit the model."""
         own = {} if self.state is None else _members(self.state)
         if _layout(members) != _layout(own):
@@ -487,13 +497,13 @@ class FieldSlave(Fmi2Slave):
         return _assembled(self.state_type, numbers)
 
     @classmethod
-    def _fmu_state_to_bytes(cls, saved):  # pyright: ignore[reportIncompatibleMethodOverride]
+    def _fmu_state_to_bytes(cls, saved: Any) -> bytes:  # pyright: ignore[reportIncompatibleMethodOverride]
         real, settings, state = saved
         arrays = {"": real} | ({} if state is None else _members(state))
         head = {"settings": settings, "started": state is not None}
         return join(head | ({"slow": cls.slow_state} if cls.slow_state else {}), arrays)
 
-    def _fmu_state_from_bytes(self, data):  # pyright: ignore[reportIncompatibleMethodOverride]
+    def _fmu_state_from_bytes(self, data: Any) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return the saved state in bytes; raise `BadInput` for other or damaged bytes."""
         try:
             head, arrays = split(bytes(data))
@@ -508,7 +518,7 @@ class FieldSlave(Fmi2Slave):
             )
         return real, settings, state
 
-    def _may_be_settings(self, settings):
+    def _may_be_settings(self, settings: tuple[Any, ...]) -> bool:
         """Return whether these may be the `_settings` of another instance."""
         numbers = settings[len(self.string) :]
         return list(map(type, settings)) == list(map(type, self._settings())) and all(
@@ -516,14 +526,14 @@ class FieldSlave(Fmi2Slave):
         )
 
 
-def _layout(members):
+def _layout(members: Mapping[str, np.ndarray]) -> dict[str, tuple[Any, ...]]:
     """Return type and shape of each array by name."""
     return {name: (array.dtype, array.shape) for name, array in members.items()}
 
 
-def _members(state, path=""):
+def _members(state: Any, path: str = "") -> dict[str, np.ndarray]:
     """Return the arrays of a state by name, nested ones as `field.name`."""
-    members = {}
+    members: dict[str, np.ndarray] = {}
     for name, value in _named(state):
         if isinstance(value, tuple):
             members |= _members(value, f"{path}{name}.")
@@ -532,14 +542,14 @@ def _members(state, path=""):
     return members
 
 
-def _named(state):
+def _named(state: object) -> ItemsView[str, Any]:
     """Return names and values of the members of a named tuple or a dataclass."""
     if isinstance(state, tuple):
-        return state._asdict().items()  # pyright: ignore[reportAttributeAccessIssue]
+        return cast(Any, state)._asdict().items()
     return vars(state).items()
 
 
-def _assembled(kind, members, path=""):
+def _assembled(kind: Any, members: Mapping[str, Any], path: str = "") -> Any:
     """Return the state with these `_members`."""
     values = {
         name: _assembled(hint, members, f"{path}{name}.")
@@ -550,7 +560,7 @@ def _assembled(kind, members, path=""):
     return kind(**values)
 
 
-def element_names(variable):
+def element_names(variable: Variable) -> list[str]:
     """Return the FMI names of a variable's scalars: `name`, or `name[i,j]`, 1-based, C order."""
     if not variable.shape:
         return [variable.name]

@@ -17,7 +17,7 @@ import json
 import zlib
 from collections.abc import Mapping
 from math import prod
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -50,9 +50,10 @@ def _taken_apart(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray], by
     if not packed.eof:
         raise ValueError("no state of a slave")
     end = LENGTH + int.from_bytes(whole[:LENGTH], "little")
-    head = json.loads(whole[LENGTH:end])
-    if not isinstance(head, dict) or "arrays" not in head:
+    given = json.loads(whole[LENGTH:end])
+    if not isinstance(given, dict) or "arrays" not in given:
         raise ValueError("no state of a slave")
+    head = cast(dict[str, Any], given)
     arrays: dict[str, np.ndarray] = {}
     for name, dtype, shape in head.pop("arrays"):
         array = np.frombuffer(whole, dtype, prod(shape), end).reshape(shape).copy()

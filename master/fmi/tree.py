@@ -5,6 +5,7 @@ import io
 import json
 import sys
 import tokenize
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
@@ -12,6 +13,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from .cache import cache_folder, write_whole
 
@@ -43,7 +45,7 @@ def slave_class(path: str) -> type:
 
 
 @contextmanager
-def _as_installed():
+def _as_installed() -> Generator[None, None, None]:
     """Inside an FMU, give this tree the name of the installed one, which is hidden meanwhile."""
     if ROOT == INSTALLED:
         yield
@@ -61,19 +63,19 @@ def _as_installed():
         sys.modules.update(hidden)
 
 
-def _names(package):
+def _names(package: str) -> list[str]:
     """Return the loaded modules of a package, including itself."""
     return [name for name in sys.modules if name == package or name.startswith(package + ".")]
 
 
-def _remove_modules(package):
+def _remove_modules(package: str) -> dict[str, ModuleType]:
     """Remove a package from the loaded modules; return them, name to module."""
     return {name: sys.modules.pop(name) for name in _names(package)}
 
 
-def reached(file):
+def reached(file: Path) -> set[Path]:
     """Return the set of the file and all files that its relative imports reach."""
-    reached = set()
+    reached: set[Path] = set()
     waiting = [file]
     while waiting:
         path = waiting.pop()
@@ -84,9 +86,10 @@ def reached(file):
 
 
 @cache
-def _imported(file):
+def _imported(file: Path) -> list[Path]:
     """Return the files that a file's relative imports name."""
-    found = []
+    found: list[Path] = []
+    level: int
     for level, module, names in _relative_imports(file.read_bytes()):
         package = file.parents[level - 1].joinpath(*module.split("."))
         if (one := package.with_name(package.name + ".py")).is_file():
@@ -97,10 +100,10 @@ def _imported(file):
     return [path.resolve() for path in found if path.is_file()]
 
 
-def _cached(find):
+def _cached(find: Callable[[bytes], Any]) -> Callable[[bytes], Any]:
     """Cache the results of a function of a source, because parsing takes a fifth of a start."""
 
-    def known(source):
+    def known(source: bytes) -> Any:
         kept = None
         with suppress(OSError, ValueError):
             name = sha256(_OWN_SOURCE + source).hexdigest()[:24]
@@ -116,7 +119,7 @@ def _cached(find):
 
 
 @_cached
-def _relative_imports(source):
+def _relative_imports(source: bytes) -> list[list[Any]]:
     """Return level, module and names of each relative import of a source."""
     return [
         [node.level, node.module or "", [alias.name for alias in node.names]]
@@ -126,7 +129,7 @@ def _relative_imports(source):
 
 
 @_cached
-def code_digest(source):
+def code_digest(source: bytes) -> str:
     """Return the digest of a source's code, without comments, docstrings and empty lines."""
     lines = source.decode().split("\n")
     for token in tokenize.tokenize(io.BytesIO(source).readline):
@@ -135,9 +138,9 @@ def code_digest(source):
             lines[row - 1] = lines[row - 1][:column]
     tree = ast.parse(source)
     for node in (tree, *_statements(tree)):
-        first = next(iter(getattr(node, "body", ())), None)
+        first: Any = next(iter(getattr(node, "body", ())), None)
         if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-            begin, end = first.lineno - 1, first.end_lineno
+            begin, end = first.lineno - 1, first.end_lineno or 0
             before = lines[begin].encode()[: first.col_offset]
             after = lines[end - 1].encode()[first.end_col_offset :]
             if not (before.strip() or after.strip()):
@@ -146,7 +149,7 @@ def code_digest(source):
     return sha256(code.encode()).hexdigest()
 
 
-def _statements(node):
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
     """Yield all statements below a node of a syntax tree."""
     for name in ("body", "handlers", "orelse", "finalbody", "cases"):
         for inner in getattr(node, name, ()):
