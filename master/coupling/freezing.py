@@ -3,6 +3,8 @@
 The bytes contain everything that further steps depend on. Equal content has equal bytes.
 """
 
+from collections.abc import Iterable
+
 from ..participants.plain import NotPlain, pack, unpack
 from .methods.explicit import Growth
 from .methods.krylov import Pairs, RecycledGmres
@@ -19,6 +21,7 @@ from .methods.secants import (
     Rings,
 )
 from .step_control import StepControl
+from .stepping import Stepper
 
 REMEMBERED = (
     Ageing,
@@ -39,13 +42,13 @@ REMEMBERED = (
 """Classes of the memories of methods and step control; a new one must be listed here."""
 
 
-def freeze(stepper):
+def freeze(stepper: Stepper) -> bytes:
     """Return a stepper as bytes.
 
     They contain the states of all participants, the accepted vectors, the memory of the method and
     step control.
     """
-    states = {}
+    states: dict[str, bytes] = {}
     for name, participant in stepper.interface.participants.items():
         saved = participant.save()
         states[name] = participant.serialise(saved)
@@ -54,13 +57,14 @@ def freeze(stepper):
     return pack(whole, remembered(stepper))
 
 
-def remembered(stepper):
+def remembered(stepper: Stepper) -> tuple[type, ...]:
     """Return the classes of the memories of a stepper, including those of other packages."""
-    own = (getattr(part, "remembered", ()) for part in (stepper.method, stepper.control))
+    parts = (stepper.method, stepper.control)
+    own: Iterable[tuple[type, ...]] = (getattr(part, "remembered", ()) for part in parts)
     return (*REMEMBERED, *(kind for kinds in own for kind in kinds))
 
 
-def thaw(stepper, data):
+def thaw(stepper: Stepper, data: bytes) -> None:
     """Restore a started stepper and its participants from the bytes of `freeze`.
 
     Raises NotPlain if the bytes are those of another system.

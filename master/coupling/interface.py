@@ -110,7 +110,8 @@ def _places(parts: Sequence[slice]) -> slice | np.ndarray:
     """Return the indices of parts of the vector: a slice if the parts are contiguous."""
     if all(one.stop == other.start for one, other in zip(parts, parts[1:])):
         return slice(parts[0].start, parts[-1].stop) if parts else slice(0, 0)
-    return np.concatenate([np.arange(part.start, part.stop) for part in parts])
+    places: list[np.ndarray] = [np.arange(part.start, part.stop) for part in parts]
+    return np.concatenate(places)
 
 
 class Interface:

@@ -19,9 +19,12 @@ creates energy. A macro step that is not accepted is rejected and halved, as if 
 from collections.abc import Mapping
 
 from ..fmi.errors import BadInput
+from ..participants.participant import Participant
 from .stepping import EnergyCreated
 from .wiring import Port
 from .work import Exchange
+
+Participants = Mapping[str, Participant]
 
 LIMIT = 0.1
 """Largest spurious energy over the energy exchanged and stored, an assumption. The shipped cases
@@ -61,7 +64,7 @@ class Ledger:
         self.size = 0.0
         self.lost = 0.0
 
-    def check(self, participants: Mapping, exchange: Exchange) -> None:
+    def check(self, participants: Participants, exchange: Exchange) -> None:
         """Raise EnergyCreated if the spurious energy of the last step exceeds its limit."""
         amounts = self._read(participants)
         created = sum(amounts.values()) - self.lost
@@ -74,7 +77,7 @@ class Ledger:
                 f"limit {allowed:.3g} J"
             )
 
-    def add(self, participants: Mapping, exchange: Exchange) -> None:
+    def add(self, participants: Participants, exchange: Exchange) -> None:
         """Count the last step of the participants."""
         amounts = self._read(participants)
         for name, amount in amounts.items():
@@ -91,16 +94,16 @@ class Ledger:
         taken = {f"energy_taken_{name}_j": amount for name, amount in self.taken.items()}
         return taken | {"energy_created_share_max": self.largest}
 
-    def _whole(self, participants, exchange):
+    def _whole(self, participants: Participants, exchange: Exchange) -> float:
         held = (float(participants[name].get(port)) for name, port in self.sizes)
         return max(exchange.passed + sum(held), REMEMBERED * self.size)
 
-    def _read(self, participants):
+    def _read(self, participants: Participants) -> dict[str, float]:
         return {name: float(participants[name].get(port)) for name, port in self.ports}
 
 
 def ledger(
-    ports: list[Port], sizes: list[Port], conjugates: int, participants: Mapping
+    ports: list[Port], sizes: list[Port], conjugates: int, participants: Participants
 ) -> Ledger | None:
     """Return the ledger of a case, None if fewer than two participants report their energy.
 

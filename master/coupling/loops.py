@@ -115,9 +115,11 @@ def _iterated(one: Loop) -> Loop:
 def _explicit(one: Loop, own: Part, system: System) -> Loop:
     """Look for a step with which a loop that cannot be iterated is weak."""
     unable = f"{', '.join(one.component.fixed)} cannot restore a saved state"
+    step, gain = system.step, one.gain
     for halvings in range(MOST_HALVINGS + 1):
-        step = system.step / 2**halvings
-        gain = one.gain if not halvings else _gain(_matrix(own, system.begin, step))
+        if halvings:
+            step = system.step / 2**halvings
+            gain = _gain(_matrix(own, system.begin, step))
         if gain <= WEAK:
             return replace(one, step=step, why=unable)
     smallest = short(step, "s")
@@ -132,7 +134,7 @@ def _matrix(own: Part, begin: float, step: float) -> np.ndarray:
     probed = ProbedStep(own.of(MacroStep(interface, begin, step, saved)))
     probed.evaluate(interface.read())
     scale = interface.nominal[interface.feedback]
-    columns = []
+    columns: list[np.ndarray] = []
     for k in np.flatnonzero(interface.feedback):
         change = np.zeros(interface.size)
         change[k] = interface.nominal[k]

@@ -1,8 +1,8 @@
 """Memory of a coupled FMU without Python: rows of named tuples, see `master.fmi.block`."""
 
-from collections import namedtuple
+from collections.abc import Iterable
 from math import inf
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,13 @@ Number = Annotated[Array, "1"]
 
 NOWHERE = -1
 
+
+def numbers_of(names: Iterable[str]) -> Any:
+    """Return a named tuple of the numbers of names, from 0 on, as floats for kernels."""
+    fields = [(name, float) for name in names]
+    return NamedTuple("Numbers", fields)._make(map(float, range(len(fields))))
+
+
 SENTENCES = {
     **iteration.SENTENCES,
     "no_halving": "t = {a} s, step {b} s, and no halving is left",
@@ -29,10 +36,10 @@ SENTENCES = {
     "other_state": DAMAGED_STATE,
     "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
 }
-FAULT = namedtuple("Fault", SENTENCES)(*map(float, range(len(SENTENCES))))
+FAULT = numbers_of(SENTENCES)
 """Numbers of the coupling's sentences."""
 WIRE_SENTENCES = ("worst", "must_be_finite", "out_of_range")
-ON_WIRE = namedtuple("OnWire", WIRE_SENTENCES)(*map(float, range(len(WIRE_SENTENCES))))
+ON_WIRE = numbers_of(WIRE_SENTENCES)
 """Numbers of the sentences of a wire, after its first one."""
 
 # ---- what is given

@@ -1,6 +1,6 @@
 """First part of the memory of a coupled FMU without Python, and unsupported features."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from math import inf, prod
 from typing import Any
@@ -70,7 +70,9 @@ def _named(wire: Any) -> str:
     return f"wire {' -> '.join(ends)}"
 
 
-def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping[str, int]):
+def coupled_inside(
+    slave: Coupled, insides: Mapping[str, Inside], codes: Mapping[str, int]
+) -> Inside:
     """Return the model of a native coupled FMU.
 
     Parameters
@@ -125,14 +127,16 @@ def coupled_inside(slave: Coupled, insides: Mapping[str, Inside], codes: Mapping
     return Inside(slave, part, memory_of({"given": row_of(given)}, lengths))
 
 
-def _matrix(rows):
+def _matrix(rows: Sequence[tuple[Any, ...]]) -> np.ndarray:
     """Return rows of numbers as one array."""
     return np.array([np.array(row, float) for row in rows]).reshape(len(rows), -1 if rows else 0)
 
 
-def _participants(insides, codes, wires):
+def _participants(
+    insides: Mapping[str, Inside], codes: Mapping[str, int], wires: int
+) -> list[ParticipantRow]:
     """Return the row of every participant."""
-    rows = []
+    rows: list[ParticipantRow] = []
     end = filled = standing = 0
     sentence = len(SENTENCES) + len(WIRE_SENTENCES) * wires
     for name, inside in insides.items():
@@ -209,7 +213,7 @@ def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> l
     names = list(insides)
     ports = getattr(slave.inside, causality)
     kind = SEED if causality == "input" else PRODUCT
-    rows = []
+    rows: list[ExposedRow] = []
     for v in slave.table:
         if v.causality != causality:
             continue
@@ -230,7 +234,7 @@ def _exposed(slave: Coupled, insides: Mapping[str, Inside], causality: str) -> l
 
 def _sentences(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> tuple[str, ...]:
     """Return the sentences of the coupling, of the wires and of all participants."""
-    of_wires = []
+    of_wires: list[str] = []
     for wire in wires:
         v = _target(wire, insides)
         unit = "" if v.unit == "1" else f" {v.unit}"

@@ -68,7 +68,7 @@ def objections(system: System, method: Method) -> dict[str, str]:
     """
     if not isinstance(method, Newton) or method.differences:
         return {}
-    reasons = {}
+    reasons: dict[str, str] = {}
     for name in rolled_back(system):
         participant = system.participants[name]
         inputs = [w.target[1] for w in system.wires if w.target[0] == name]

@@ -1,6 +1,6 @@
 """How participants start together, and are closed."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -165,7 +165,7 @@ class Start:
 
 
 @contextmanager
-def closing(participants: Iterable[Participant]) -> Iterator[None]:
+def closing(participants: Iterable[Participant]) -> Generator[None, None, None]:
     """Close all participants at the end.
 
     A fault during closing is raised after all are closed, unless another one came before.

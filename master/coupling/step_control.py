@@ -60,7 +60,7 @@ class StepControl:
     step: float = 0.0
     error: float = 0.0
     at_smallest: int = 0
-    past: list[tuple[float, np.ndarray]] = field(default_factory=list)
+    past: list[tuple[float, np.ndarray]] = field(default_factory=list[tuple[float, np.ndarray]])
 
     def length(self, remaining: float) -> tuple[float, bool]:
         """Return the next macro step [s], and whether it ends the remaining time.

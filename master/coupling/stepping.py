@@ -16,6 +16,8 @@ from .step_control import StepControl
 from .vector import extrapolate, moved
 from .wiring import HeldWire, System, carry
 
+Judge = Callable[[float, Solution], None]
+
 
 class StepFailed(Stopped):
     """Macro step that does not converge after all halvings: the run stops."""
@@ -37,7 +39,7 @@ class Counters:
     steps: int = 0
     halved_steps: int = 0
     rejected_steps: int = 0
-    iterations: list[int] = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list[int])
     residual_evaluations: int = 0
     jacobian_evaluations: int = 0
     derivative_products: int = 0
@@ -126,7 +128,7 @@ class Stepper:
         held: Sequence[HeldWire] = (),
         *,
         begin: float = 0.0,
-        judge: Callable[[float, Solution], None] | None = None,
+        judge: Judge | None = None,
         clocks: Sequence[HeldWire] = (),
     ):
         self.interface = Interface(
@@ -139,7 +141,7 @@ class Stepper:
         self.method = method if self.interface.size else Explicit()
         self.halvings = halvings
         self.observer = observer or Observer()
-        self.judge = judge or (lambda time, solution: None)
+        self.judge: Judge = judge or (lambda time, solution: None)
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []

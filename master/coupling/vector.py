@@ -39,7 +39,7 @@ class Evaluation(NamedTuple):
 
 
 @compilable
-def _put(to, positions, what):
+def _put(to: Array, positions: Positions, what: Array):
     for k in range(len(positions)):
         to[positions[k]] = what[k]
 

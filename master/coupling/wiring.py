@@ -130,7 +130,7 @@ class System:
     begin: float = 0.0
     period: float = 0.0
     earliest: float = 0.0
-    masks: Mapping[str, list[list[int]]] = field(default_factory=dict)
+    masks: Mapping[str, list[list[int]]] = field(default_factory=dict[str, list[list[int]]])
     clocks: tuple[HeldWire, ...] = ()
     record_interval: float = 0.0
 

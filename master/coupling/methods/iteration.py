@@ -105,7 +105,7 @@ def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
 
 
 @compilable
-def update(derivative, step, answer: Answer, rules, layout: Layout, pairs: Pairs):
+def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layout, pairs: Pairs):
     """Return the Newton update at an evaluation, see `converge`."""
     at = answer.at
     size = len(at.used)
@@ -147,7 +147,15 @@ def failure_of(outputs: Array, history: Array, most: int):
 
 
 @compilable
-def converge(evaluate, derivative, step, guess: Array, rules, layout: Layout, pairs: Pairs):
+def converge(
+    evaluate: Any,
+    derivative: Any,
+    step: Any,
+    guess: Array,
+    rules: Any,
+    layout: Layout,
+    pairs: Pairs,
+):
     """Return the fixed point of a macro step by Newton's iteration.
 
     Eq. (Q1):  (I - J) dx = G(x) - x,   J = dG/dx,   G(x): the feedback wires evaluated at x
@@ -172,7 +180,7 @@ def converge(evaluate, derivative, step, guess: Array, rules, layout: Layout, pa
     """
     history = np.empty(rules.max_iterations)
     first = np.zeros(0)
-    answer = evaluate(step, guess)
+    answer: Answer = evaluate(step, guess)
     history[0] = answer.measure
     count = 1
     products = 0

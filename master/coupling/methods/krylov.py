@@ -87,7 +87,7 @@ class KrylovSolution(NamedTuple):
 
 
 @compilable
-def minimise(product, system, right: Array, goal: Goal, pairs: Pairs, most: int):
+def minimise(product: Any, system: Any, right: Array, goal: Goal, pairs: Pairs, most: int):
     """Return the solution of A x = right within `goal`, or the best of `most` products.
 
     The least residual r_k in the space of k products needs no solve: the Hessenberg matrix has
@@ -201,7 +201,7 @@ def pairs_in_use(pairs: Pairs):
     """
     gram = pairs.gram
     kept = len(gram)
-    rows = (int(pairs.oldest[0]) - 1 - np.arange(kept)) % kept
+    rows: Array = (int(pairs.oldest[0]) - 1 - np.arange(kept)) % kept
     known = 0
     while known < kept and gram[rows[known], rows[known]] > 0.0:  # not if NaN
         known += 1
@@ -216,7 +216,7 @@ def pairs_in_use(pairs: Pairs):
     for row in rows[used:]:
         keep(gram[:, row], np.zeros(kept))
         for table in (gram, pairs.images, pairs.differences):
-            keep(table[row], np.zeros(table.shape[1]))
+            keep(table[row], np.zeros(len(table[row])))
     return inverse
 
 

@@ -60,8 +60,8 @@ class PairMemory:
     """Memory of pairs by macro step; now, past : of the running and of accepted macro steps."""
 
     way: Any
-    now: list[Pair] = field(default_factory=list)
-    past: list[Any] = field(default_factory=list)
+    now: list[Pair] = field(default_factory=list[Pair])
+    past: list[Any] = field(default_factory=list[Any])
 
     @property
     def empty(self) -> bool:
@@ -281,8 +281,6 @@ class AgeingMemory:
         """Return the answer to the residual r and the unexplained rest: (-X a, r - V a)."""
         if self.rings is None:
             return np.zeros_like(r), r
-        from scipy.linalg import cho_factor, cho_solve  # slow to import
-
         known = slice(min(self.count, self.way.kept))
         v = self.rings.residual_changes[known]
         steps = self.rings.steps[known]
@@ -290,7 +288,7 @@ class AgeingMemory:
         matrix = self.rings.products[known, known] * np.exp(-self.way.drift * apart)
         matrix[np.diag_indices_from(matrix)] += self.way.noise
         aged = np.exp(-self.way.drift * (self.step - steps)) * (v @ r)
-        a = cho_solve(cho_factor(matrix), aged)  # Eq. (Q6)
+        a = np.linalg.solve(matrix, aged)  # Eq. (Q6)
         return -(a @ self.rings.changes[known]), r - a @ v
 
     def close(self) -> None:
