@@ -7,10 +7,9 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from pythonfmu.enums import Fmi2Status
 
 from ..fmi.errors import Discard
-from ..fmi.slave import FieldSlave
+from ..fmi.slave import FieldSlave, Fmi2Status
 from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
@@ -93,7 +92,7 @@ class Options:
 
 
 def _read_wire(entry: Mapping[str, Any]) -> Wire:
-    tuples = {key: tuple(entry[key]) for key in ("source", "target", "shape")}
+    tuples: dict[str, Any] = {key: tuple(entry[key]) for key in ("source", "target", "shape")}
     return Wire(**{**entry, **tuples})
 
 
@@ -119,13 +118,16 @@ and to a percent and more of one that is far smaller.
 """
 
 
+Again = Callable[[dict[str, Any]], tuple[CoupledState, dict[str, Any]]]
+
+
 @dataclass(frozen=True)
 class LastMacroStep:
     """The last step, or the start: what it was given, what came out, and how to take it again."""
 
-    values: Mapping[str, Any]
-    outputs: Mapping[str, Any]
-    again: Callable[[Mapping[str, Any]], tuple[CoupledState, dict[str, Any]]]
+    values: dict[str, Any]
+    outputs: dict[str, Any]
+    again: Again
 
 
 class Coupled(FieldSlave):
@@ -142,7 +144,7 @@ class Coupled(FieldSlave):
     description = "Participants of a co-simulation, coupled inside"
     state_type = CoupledState
 
-    def __init__(self, **kwargs):
+    def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
         self.inside = Options.read(self.options)
         self.name = self.modelName = self.inside.name
@@ -160,14 +162,14 @@ class Coupled(FieldSlave):
         return tuple(real) if self.derivative_inputs else ()
 
     @staticmethod
-    def variables(options):
+    def variables(options: dict[str, Any]):
         """Return the variables that were chosen at export."""
         return list(Options.read(options).variables)
 
-    def start(self, values):
+    def start(self, values: dict[str, Any]):
         """Start every participant; raise BadInput if one cannot start."""
         options = self.inside
-        parameters: dict[str, dict] = {name: {} for name in options.participants}
+        parameters: dict[str, dict[str, Any]] = {name: {} for name in options.participants}
         for exposed, (owner, name) in (options.parameter | options.input).items():
             parameters[owner][name] = values[exposed]
         participants = {
@@ -190,11 +192,11 @@ class Coupled(FieldSlave):
         )
         return self._reached(values, self.start)
 
-    def _slave(self, name, code, path):
+    def _slave(self, name: str, code: str, path: str) -> Any:
         tree = import_module(f"{code}.master.fmi.tree")
         return tree.slave_class(path)(instance_name=name, resources=str(self.resources / name))
 
-    def advance(self, state, values, time, step):
+    def advance(self, state: CoupledState, values: dict[str, Any], time: float, step: float):
         """Take macro steps up to time + step; if one fails, discard all and keep the state."""
         if state is not self.standing:
             thaw(self.stepper, state.data.tobytes())
@@ -213,9 +215,13 @@ class Coupled(FieldSlave):
                 self.stepper.advance(before, after - before)
         except StepFailed as failure:
             raise Discard(str(failure)) from None
-        return self._reached(values, lambda given: self.advance(state, given, time, step))
 
-    def _reached(self, values, again):
+        def again(given: dict[str, Any]):
+            return self.advance(state, given, time, step)
+
+        return self._reached(values, again)
+
+    def _reached(self, values: dict[str, Any], again: Again) -> tuple[CoupledState, dict[str, Any]]:
         """Return the present state and outputs, and note how to repeat the step."""
         self._pass_on()
         self.standing = self._state()
@@ -232,7 +238,7 @@ class Coupled(FieldSlave):
                     self.log(f"{name}: {message.msg}", Fmi2Status.warning)
             queue.clear()
 
-    def directional_derivative(self, seeds):
+    def directional_derivative(self, seeds: dict[str, np.ndarray]):
         """Return the change of all real outputs of the last step for a change of its inputs.
 
         The step, or the start, is repeated with changed inputs.
@@ -279,7 +285,7 @@ class Coupled(FieldSlave):
         """Return everything that a further step depends on."""
         return CoupledState(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
 
-    def _restored(self, members):
+    def _restored(self, members: dict[str, Any]):
         """Return the state with these members, which everything inside has taken over."""
         try:
             state = CoupledState(**members)
