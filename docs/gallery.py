@@ -23,6 +23,11 @@ def cases():
     return list(tomllib.loads(TABLE.read_text()))
 
 
+def studies():
+    """Return the names of the comparisons with published studies."""
+    return sorted(path.parent.name for path in (ROOT / "models/measured").glob("*/README.md"))
+
+
 def measured():
     """Return case -> variant -> its summary and its processor time."""
     return json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
@@ -159,17 +164,26 @@ def page():
             f"<code>piston-cosim run {case} --only {entry['variants'][0]}</code>"
             "</figcaption></figure>"
         )
+    lines += ["</div>", "", "## Published studies", "", '<div class="gallery">']
+    for study in studies():
+        if (shown := picture(f"measured/{study}")) is not None:
+            lines.append(
+                f'<figure><a href="../studies/{study}/"><img src="../pictures/models/{shown[0]}" '
+                f'alt="{shown[1]}" loading="lazy"></a><figcaption>'
+                f'<a href="../studies/{study}/"><strong>{study}</strong></a><br>{shown[1]}'
+                "</figcaption></figure>"
+            )
     return "\n".join([*lines, "</div>", ""])
 
 
 def picture(case):
-    """Return path and caption of the first picture of the page of a case."""
+    """Return path and caption of the first picture of the page of a case, None without one."""
     import re
 
     text = (ROOT / "models" / case / "README.md").read_text()
     match = re.search(r"!\[([^\]]*)\]\(([^)]+\.png)\)", text)
     if match is None:
-        raise ValueError(f"models/{case}/README.md: expected at least one picture, got none")
+        return None
     path = (ROOT / "models" / case / match[2]).resolve()
     return path.relative_to((ROOT / "models").resolve()).as_posix(), match[1]
 

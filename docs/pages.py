@@ -29,6 +29,7 @@ TEXTS = {
     "models/engine/README.md": "tutorials/engine.md",
     "models/numerical_example/PAPER.md": "cases/paper.md",
     **{f"models/{case}/README.md": f"cases/{case}.md" for case in gallery.cases()},
+    **{f"models/measured/{study}/README.md": f"studies/{study}.md" for study in gallery.studies()},
 }
 """File of the repository -> page of the site."""
 
@@ -49,9 +50,10 @@ def on_config(config):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     config.repo_url = project.get("urls", {}).get("Repository") or "source/"
     config.repo_name = f"{project['name']} {project['version']}"
+    accuracy = next(entry["Accuracy"] for entry in config.nav if "Accuracy" in entry)
+    accuracy.append({"Published studies": [f"studies/{name}.md" for name in gallery.studies()]})
     measured = sorted(path.name for path in (ROOT / "docs/measurements").glob("*.md"))
     if measured:
-        accuracy = next(entry["Accuracy"] for entry in config.nav if "Accuracy" in entry)
         accuracy.append({"Measurements": [f"measurements/{name}" for name in measured]})
     return config
 

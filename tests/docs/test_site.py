@@ -158,10 +158,12 @@ def test_every_case_and_notebook_shows_a_picture(site):
     wanted = ["index.html", "gallery/index.html", "theory/index.html"]
     wanted += [f"cases/{name}/index.html" for name in cases]
     wanted += [f"notebooks/{name}/index.html" for name in notebooks]
+    studies = [path.parent.name for path in (ROOT / "models/measured").glob("*/*.png")]
+    wanted += [f"studies/{name}/index.html" for name in studies]
     counts = {name: (folder / name).read_text().count("<img") for name in wanted}
     assert [name for name, count in counts.items() if count == 0] == []
     assert len(cases) >= 13 and len(notebooks) == 5
-    assert counts["gallery/index.html"] == len(cases)
+    assert counts["gallery/index.html"] == len(cases) + len(studies)
 
 
 def test_every_page_of_the_navigation_leads_to_the_next(site):
