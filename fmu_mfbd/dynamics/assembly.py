@@ -292,19 +292,7 @@ def with_inertia(model: BodyModel) -> BodyModel:
 def assemble(
     piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
 ) -> PistonInBore:
-    """Return the model of a piston on a tied pin.
-
-    Parameters
-    ----------
-    piston, block
-        Reduced bodies.
-    options : BuildOptions
-    parameters : Parameters
-
-    Returns
-    -------
-    PistonInBore
-    """
+    """Return the model of a piston on a tied pin."""
     setup = setup_of(ReducedBodies(piston, block, None, None), options, parameters)
     model = assembled(setup, settings_of(parameters))
     tied = model.parts._replace(surfaces=pins_in_block(()))
@@ -339,7 +327,7 @@ def assemble_floating(
 
     `pin` holds its own parameters, `bosses` those of a flexible piston, `axis` those of a pin with
     shapes. `crank` holds those of each film of the crank, `small_end` is a flexible eye, and
-    `crank_shells` are flexible shells of the crank's films. The others are as in `assemble`.
+    `crank_shells` are flexible shells of the crank's films.
     """
     assert options.floating_pin
     reduced = ReducedBodies(piston, block, bosses, small_end, crank_shells or {})
