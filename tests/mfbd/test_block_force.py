@@ -14,19 +14,21 @@ from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import of_modes, of_shapes
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import turned
 
-from .test_crank_films import (
+from .pin_models import (
     MAIN,
     OFFSET,
+    PARAMETERS,
     SETS,
+    SPEED,
     UNBALANCE,
+    all_that_yields,
     crank_model,
-    derivative,
     rough_inputs,
     rough_way,
+    tied_model,
 )
-from .test_floating_pin import PARAMETERS, SPEED, tied_model
+from .test_crank_films import derivative
 from .test_motion_in_space import Points, load_on, space_bodies
-from .test_small_end import all_that_yields
 
 INERTIA = Parameters().crank_inertia
 

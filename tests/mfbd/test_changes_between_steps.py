@@ -14,12 +14,9 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
 )
 from piston_cosim.fmu_mfbd.dynamics.thermal_growth import Radii, thermal_opening
 
-from .test_crank_films import crank_model, rough_inputs
-from .test_floating_pin import PARAMETERS, random_inputs
+from .pin_models import PARAMETERS, all_that_yields, crank_model, rough_inputs
 from .test_model import STEP, inputs
-from .test_motion_in_space import rough_inputs as space_inputs
 from .test_motion_in_space import space_model
-from .test_small_end import all_that_yields
 
 WARM, HOT = 293.15, 393.15
 USUAL = Parameters()
@@ -112,10 +109,9 @@ OTHER = dict(
 )
 HARD = dataclasses.replace(PARAMETERS, **OTHER)
 FLEXIBLE = {
-    "pin that bends": (all_that_yields, random_inputs),
-    "crank": (
-        lambda p=PARAMETERS: crank_model(yielding=True, **{n: getattr(p, n) for n in TUNABLE}),
-        rough_inputs,
+    "pin that bends": all_that_yields,
+    "crank": lambda p=PARAMETERS: crank_model(
+        yielding=True, **{name: getattr(p, name) for name in TUNABLE}
     ),
 }
 
@@ -135,25 +131,24 @@ def test_damping_acts_from_the_next_step_on(built):
 
 @pytest.mark.parametrize("name", FLEXIBLE)
 def test_damping_of_pin_and_shells_acts_from_the_next_step_on(name):
-    make, given = FLEXIBLE[name]
-    model, other = make(), make(HARD)
-    state, _ = model.start(0.3, 2e-6, 1e-4, given(model, 0, 0.0))
+    model, other = FLEXIBLE[name](), FLEXIBLE[name](HARD)
+    state, _ = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0, 0.0))
     for k in range(3):
-        state, _ = model.advance(state, given(model, k), STEP)
-    usual = model.advance(state, given(model, 3), STEP)[1]
+        state, _ = model.advance(state, rough_inputs(model, k), STEP)
+    usual = model.advance(state, rough_inputs(model, 3), STEP)[1]
     model.damp(damped(OTHER))
-    ends = [one.advance(state, given(one, 3), STEP)[1] for one in (model, other)]
+    ends = [one.advance(state, rough_inputs(one, 3), STEP)[1] for one in (model, other)]
     same(*ends)
     model.damp(damped({}, PARAMETERS))
-    same(model.advance(state, given(model, 3), STEP)[1], usual)
+    same(model.advance(state, rough_inputs(model, 3), STEP)[1], usual)
     assert np.abs(ends[0]["modal_velocity"] - usual["modal_velocity"]).max() > 0.0
 
 
 def test_a_piston_in_space_grows_and_takes_a_damping():
     """It has no modes, so that damping changes nothing."""
     model = space_model()
-    given = space_inputs(3, False)
-    state, _ = model.start(0.3, 2e-6, 1e-4, space_inputs(0, False))
+    given = rough_inputs(model, 3)
+    state, _ = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0))
     cold = model.advance(state, given, STEP)[1]
     model.damp(damped(OTHER))
     hot = model.advance(state, dataclasses.replace(given, piston_temperature=HOT), STEP)[1]

@@ -9,72 +9,38 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
-from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions, CrankBearing
+from piston_cosim.fmu_mfbd.dynamics.assembly import faults
+from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs
-from piston_cosim.fmu_mfbd.dynamics.parameters import (
-    BigEndParameters,
-    MainBearingParameters,
-    PinParameters,
-)
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
-from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants, diameters, opening_of
+from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
 from piston_cosim.fmu_mfbd.options import Common
 from piston_cosim.fmu_mfbd.variables import variables
 
-from .test_floating_pin import (
+from .pin_models import (
     CENTRE,
-    GRID,
+    MAIN,
+    OFFSET,
+    OWN,
     PARAMETERS,
+    SETS,
     SPEED,
-    STEP,
+    UNBALANCE,
+    Springs,
     bodies,
+    crank_model,
+    crank_options,
     floating_model,
     options,
-    products_by_differences,
-    shells_of,
-    yielding_bodies,
+    rough_inputs,
+    rough_way,
 )
-from .test_small_end import MODES, small_end
 
-BIG_END = BigEndParameters(big_end_radius=24e-3, big_end_clearance=25e-6)
-MAIN = MainBearingParameters(
-    main_bearing_radius=27e-3, main_bearing_clearance=30e-6, crank_mass=4.0
-)
-OWN = {"big_end": BIG_END, "main_bearing": MAIN}
-RADII = {"big_end": 24e-3, "main_bearing": 27e-3}
-GRIDS = {"big_end": (20, 5), "main_bearing": (16, 4)}
-UNBALANCE = -0.12
-OFFSET = 1e-3
-"""Of the pin from the skirt's axis, as `options` has it."""
-SETS = [("big_end",), ("main_bearing",), ("big_end", "main_bearing")]
 of_each_set = pytest.mark.parametrize("names", SETS, ids="+".join)
-
-
-def crank_options(names, modes=0):
-    bearings = tuple(CrankBearing(name, GRIDS[name], 30e-3, modes=modes) for name in names)
-    return dataclasses.replace(options(True), crank_bearings=bearings)
-
-
-def crank_model(names=("big_end", "main_bearing"), yielding=False, young=1.0, **changes):
-    parameters = dataclasses.replace(PARAMETERS, crank_unbalance=UNBALANCE, **changes)
-    piston, block = bodies()
-    bosses = eye = None
-    shells = {}
-    if yielding:
-        piston, block, bosses = yielding_bodies()
-        eye = small_end()
-        shells = {name: small_end(young, GRIDS[name], RADII[name]) for name in names}
-    own = {name: OWN[name] for name in names}
-    pin = PinParameters()
-    built = crank_options(names, MODES if yielding else 0)
-    films = dict(crank=own, small_end=eye, crank_shells=shells)
-    return assemble_floating(piston, block, built, parameters, pin, bosses, **films)
 
 
 class Points:
@@ -223,72 +189,6 @@ def test_inertia_of_an_upright_rod_by_hand(names):
     np.testing.assert_allclose(M, M.T, rtol=1e-15)
 
 
-def forces_on(model, seed, size):
-    rng = np.random.default_rng(seed)
-    return tuple(
-        PinForces(10 * size * rng.random(one.shape), size * rng.random(one.shape))
-        for one in model.grids
-    )
-
-
-def rough_inputs(model, seed, size=50.0, speed=SPEED):
-    rng = np.random.default_rng(seed)
-    push, drag = size * rng.random(GRID), -0.1 * size * rng.random(GRID)
-    rings = RingForce(40.0, -60.0, 0.3)
-    return Inputs(speed, 5e5, push, drag, rings, pins=forces_on(model, seed + 100, size))
-
-
-def rough_way(model, steps):
-    state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0, 0.0))
-    for k in range(steps):
-        state, out = model.advance(state, rough_inputs(model, k, speed=SPEED + k), STEP)
-    return state, out
-
-
-@pytest.mark.parametrize("yielding", [False, True])
-@pytest.mark.parametrize("steps", [1, 6])
-@of_each_set
-def test_derivative_of_all_films_against_differences(names, steps, yielding):
-    """As of a crank without films."""
-    model = crank_model(names, yielding)
-    state, _ = rough_way(model, steps)
-    products = products_by_differences(model, state, rough_inputs(model, 50))
-    assert {f"{name}.film_thickness" for name in names} <= products.keys()
-
-
-@pytest.mark.parametrize("yielding", [False, True])
-@of_each_set
-def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(names, yielding):
-    """Eq. (G4) against the resultants, with forces as rough as they come."""
-    _, out = rough_way(crank_model(names, yielding), 5)
-    for name in ("skirt", "boss_left", "boss_right", "small_end", *names):
-        assert out[f"{name}.interface_work_error"] <= 1e-13
-
-
-def test_shells_of_the_crank_yield_by_their_springs_and_open_their_films():
-    """Crank at rest, steady forces, critical damping, as of the eye: the gap opens by the
-    deflection that each modal force gives its spring. 400 us leave 1 % of the slowest mode.
-    """
-    critical = dict(damping_ratio=1.0, high_frequency_damping_ratio=1.0)
-    model = crank_model(yielding=True, **critical)
-    inputs = dataclasses.replace(rough_inputs(model, 3), crank_speed=0.0)
-    state, _ = model.start(0.3, 0.0, 0.0, inputs)
-    for _ in range(400):
-        state, out = model.advance(state, inputs, 1e-6)
-    for k, name in enumerate(OWN, 3):
-        shell = small_end(1.0, GRIDS[name], RADII[name])
-        force = np.einsum("ij,ijk->k", inputs.pins[k].pressure, shell.outward)
-        force = force - np.einsum("ij,ijk->k", inputs.pins[k].circumferential, shell.onward)
-        opened = shell.outward @ (force / shell.omega**2)
-        surface, own = model.pins[k], shells_of(model)[k]
-        more = out[f"{name}.film_thickness"] - surface.clearance
-        more = more - opening_of(surface, own.own_place())
-        np.testing.assert_allclose(more, opened, atol=2e-2 * np.abs(opened).max())
-        ways = ("across", "along") if name == "big_end" else ("x", "y")
-        shown = [out[f"{name}_widening_{way}"] for way in ways]
-        np.testing.assert_allclose(shown, diameters(more), atol=1e-12)
-
-
 def test_stiff_shells_of_the_crank_are_rigid_ones():
     """The rest is the millionth of what the softer shells give."""
     rigid = rough_way(crank_model(yielding=True, young=1e12), 6)[1]
@@ -374,98 +274,16 @@ def test_what_drive_and_films_do_is_what_the_bodies_hold(names):
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
 
 
-class Bushes:
-    """Springs in place of all films: F = -K d in every shell, and on the skirt. Each film's force
-    is found by Newton's method on the model's own derivative, in the directions springs know.
-    """
-
-    def __init__(self, model, stiffness, skirt=5e7):
-        self.model = model
-        self.per_cell = [2 * stiffness / np.prod(one.shape) for one in model.grids]
-        self.skirt = skirt / np.prod(GRID)
-        film = model.film_surfaces[0].skirt
-        sine = np.sin(film.angle)[:, None] + np.zeros(GRID)
-        none = [np.zeros(one.shape) for one in model.grids]
-        self.seeds = [(sine, none), (film.height[None, :] * sine, none)]
-        for k, surface in enumerate(model.pins):
-            for axis in surface.outward:
-                here = [one.copy() for one in none]
-                here[k] += axis[:, None]
-                self.seeds.append((0 * sine, here))
-
-    def lacking(self, out, amounts):
-        push, pins = self.forces(amounts)
-        gaps = [out[f"{one.prefix}film_thickness"] for one in self.model.grids]
-        parts = [self.skirt * (1e-4 - out["skirt.film_thickness"]) - push]
-        sizes = zip(self.per_cell, self.model.pins, gaps, pins)
-        parts += [c * (surface.clearance - gap) - one for c, surface, gap, one in sizes]
-        return parts
-
-    def forces(self, amounts):
-        base = np.full(GRID, self.skirt * 5e-5)
-        push = base + sum(a * one for a, (one, _) in zip(amounts, self.seeds))
-        pins = [np.zeros(one.shape) for one in self.model.grids]
-        for amount, (_, parts) in zip(amounts, self.seeds):
-            pins = [one + amount * part for one, part in zip(pins, parts)]
-        return push, pins
-
-    def projected(self, parts):
-        """By the directions, which are orthogonal but for the skirt's two."""
-        out = []
-        for on_skirt, on_pins in self.seeds:
-            pairs = zip(parts, [on_skirt, *on_pins])
-            out.append(sum(np.sum(a * b) for a, b in pairs))
-        return np.array(out)
-
-    def given(self, amounts, gas, speed):
-        push, pins = self.forces(amounts)
-        films = tuple(PinForces(one, 0 * one) for one in pins)
-        return Inputs(speed, gas, push, np.zeros(GRID), pins=films)
-
-    def run(self, steps, gas, speed=SPEED, angle=0.3):
-        model = self.model
-        amounts = np.zeros(len(self.seeds))
-        state, out = model.start(angle, 2e-6, 1e-4, self.given(amounts, gas, speed))
-        way = []
-        for _ in range(steps):
-            for _ in range(10):
-                end, out = model.advance(state, self.given(amounts, gas, speed), STEP)
-                lack = self.projected(self.lacking(out, amounts))
-                columns = []
-                for seed in self.seeds:
-                    films = tuple(PinForces(one, 0 * one) for one in seed[1])
-                    got = model.directional_derivative(seed[0], 0 * seed[0], pins=films)
-                    parts = [seed[0] + self.skirt * got["skirt.film_thickness"]]
-                    for c, grid, one in zip(self.per_cell, model.grids, seed[1]):
-                        parts.append(one + c * got[f"{grid.prefix}film_thickness"])
-                    columns.append(self.projected(parts))
-                change = np.linalg.solve(np.array(columns).T, lack)
-                amounts = amounts + change
-                if np.abs(change).max() <= 1e-9 * np.abs(amounts).max():
-                    break
-            state = end
-            way.append(out)
-        return way
-
-
 @of_each_set
 def test_a_crank_without_play_is_the_limit_of_stiff_films(names):
     """Springs K in the crank's films as in the pin's, against the same without play at the crank:
     apart by what the springs give, which halves with every doubling.
     """
-    steps = 8
     compared = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
-    apart = []
-    for stiffness in (64e9, 128e9, 256e9):
-        fixed = Bushes(floating_model(), stiffness).run(steps, 6e5)
-        loose = Bushes(crank_model(names), stiffness).run(steps, 6e5)
-        apart.append(
-            [
-                max(abs(a[name] - b[name]) for a, b in zip(loose, fixed))
-                / max(abs(b[name]) for b in fixed)
-                for name in compared
-            ]
-        )
+    apart = [
+        Springs(crank_model(names), k).apart(Springs(floating_model(), k), 8, compared)
+        for k in (64e9, 128e9, 256e9)
+    ]
     rates = np.array(apart)
     assert rates[-1].max() < 2e-2
     np.testing.assert_allclose(rates[:-1] / rates[1:], 2.0, rtol=0.2)
@@ -477,10 +295,8 @@ def test_loads_of_a_rigid_slider_crank_in_closed_form():
     by a couple (the rod is no two points), the main bearing the crank's unbalance besides. Springs
     of 2e12 N/m: 10 kN move them by 5 nm.
     """
-    skirt = 5e9
-    model = crank_model(crank_offset=OFFSET)
-    gas, steps = 3e6, 14
-    way = Bushes(model, 2e12, skirt).run(steps, gas)
+    gas = 3e6
+    way = Springs(crank_model(crank_offset=OFFSET), 2e12, skirt=5e9).run(14, gas)
     p = PARAMETERS
     r, L, w = p.crank_radius, p.rod_length, SPEED
     area = np.pi * 55e-3**2

@@ -38,7 +38,6 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import window_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
-from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
 from piston_cosim.fmu_mfbd.native import uncovered
@@ -46,10 +45,19 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
 
-from .test_floating_pin import CENTRE, GRID, PARAMETERS, SPEED, STEP
-from .test_floating_pin import bodies as flat_bodies
+from .differences import products_by_differences, rough_change
+from .pin_models import (
+    CENTRE,
+    GRID,
+    OFFSET,
+    PARAMETERS,
+    SPEED,
+    STEP,
+    rough_inputs,
+    rough_way,
+)
+from .pin_models import bodies as flat_bodies
 
-OFFSET = 1e-3
 MASS = 1.39
 S = MASS * np.array([*CENTRE, 2e-3])
 J = np.array([[4.1e-3, -2e-4, 3e-4], [-2e-4, 3.7e-3, -1.5e-4], [3e-4, -1.5e-4, 3.98e-3]])
@@ -301,36 +309,12 @@ def test_an_instant_by_hand():
     np.testing.assert_allclose(lack.held, [-2.0, 0.0, 0.0], atol=1e-9)
 
 
-def test_what_rod_gas_and_eye_do_has_a_potential():
-    """A standing crank, gas, stops in touch, no damper: what moves the piston across the plane
-    derives from an energy, that is, its slopes by position are symmetric.
-    """
-    model = space_model(SYMMETRIC, **NO_DAMPER, pin_tilt_play=2e-4, pin_axial_play=5e-6)
-    mechanism = model.bodies.mechanism
-    bodies = model.bodies._replace(
-        mechanism=mechanism._replace(friction=PinFriction(0.0, 1.0, 0.0)), pin_offset=0.0
-    )
-    position = np.array([0.0, 0.0, 10e-6, 4e-4, -3e-4])
-    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.zeros(3))
-
-    def lack(q):
-        now = Motion(q, np.zeros(5), np.zeros(5))
-        return imbalance(bodies, load, now, CrankMotion(0.4, 0.0, 0.0)).residual[2:]
-
-    h = 1e-8
-    slope = [(lack(position + h * e) - lack(position - h * e)) / (2 * h) for e in np.eye(5)[2:]]
-    np.testing.assert_allclose(slope, np.transpose(slope), rtol=1e-6, atol=1e-3)
-    assert abs(slope[0][1]) > 1e3 and abs(slope[0][2]) > 1e3
-
-
-def rough_inputs(seed, symmetric, size=50.0):
-    """Rough forces on the film's grid; even about the plane of the crank, z = 0, if symmetric."""
-    rng = np.random.default_rng(seed)
-    push, drag = size * rng.random(GRID), -0.1 * size * rng.random(GRID)
-    if symmetric:
-        mirrored = (8 - np.arange(16)) % 16  # theta -> pi - theta
-        push, drag = ((one + one[mirrored]) / 2 for one in (push, drag))
-    return Inputs(SPEED, 5e5, push, drag, RingForce(40.0, -60.0, 0.3))
+def even_inputs(model, seed):
+    """Rough forces that are even about the plane of the crank, z = 0: theta -> pi - theta."""
+    rough = rough_inputs(model, seed)
+    mirrored = (8 - np.arange(16)) % 16
+    push, drag = ((f + f[mirrored]) / 2 for f in (rough.pressure_force, rough.friction_force))
+    return dataclasses.replace(rough, pressure_force=push, friction_force=drag)
 
 
 NAMES = (
@@ -361,11 +345,11 @@ def test_symmetric_loads_give_the_piston_in_its_plane():
     """
     lobes = (BoreOrder(2, 20e-6, 0.0),)
     flat, space = flat_model(lobes), space_model(SYMMETRIC, lobes)
-    ends = [one.start(0.3, 2e-6, 1e-4, rough_inputs(0, True)) for one in (flat, space)]
+    ends = [one.start(0.3, 2e-6, 1e-4, even_inputs(one, 0)) for one in (flat, space)]
     most = np.zeros(3)
     for k in range(40):
         ends = [
-            model.advance(state, rough_inputs(k, True), STEP)
+            model.advance(state, even_inputs(model, k), STEP)
             for model, (state, _) in zip((flat, space), ends)
         ]
         most = np.maximum(most, np.abs(ends[1][0].position[2:]))
@@ -377,38 +361,6 @@ def test_symmetric_loads_give_the_piston_in_its_plane():
     assert most.max() < 1e-14
 
 
-def rough_way(model, steps, symmetric=False):
-    state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(0, symmetric, 0.0))
-    for k in range(steps):
-        state, out = model.advance(state, rough_inputs(k, symmetric), STEP)
-    return state, out
-
-
-def test_mirrored_loads_give_the_mirrored_motion():
-    """Forces and centre of mass mirrored about the plane of the crank: z, roll and yaw change sign,
-    the motion in the plane stays.
-    """
-    mirror = np.diag([1.0, 1.0, -1.0])
-    other = InSpace(-SKEWED.first_moment_z, mirror @ J @ mirror)
-    around = (8 - np.arange(16)) % 16
-    ends = []
-    for space, rows in ((SKEWED, np.arange(16)), (other, around)):
-        model = space_model(space)
-        state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(0, False, 0.0))
-        for k in range(10):
-            one = rough_inputs(k, False)
-            given = dataclasses.replace(
-                one,
-                pressure_force=one.pressure_force[rows],
-                friction_force=one.friction_force[rows],
-            )
-            state, out = model.advance(state, given, STEP)
-        ends.append(state.position)
-    assert np.abs(ends[0][2:]).min() > 1e-9
-    sign = np.array([1, 1, -1, -1, -1])
-    np.testing.assert_allclose(ends[1] * sign, ends[0], rtol=1e-9)
-
-
 @pytest.mark.parametrize("steps", [1, 6])
 def test_derivative_against_differences(steps):
     """Central differences of a step, once of backward Euler and once not, in a bore with lobes;
@@ -416,30 +368,8 @@ def test_derivative_against_differences(steps):
     """
     model = space_model(orders=(BoreOrder(2, 20e-6, 0.4),), pin_tilt_play=0.0)
     state, _ = rough_way(model, steps)
-    base = rough_inputs(50, False)
-    rng = np.random.default_rng(1)
-    to_push, to_drag = rng.standard_normal((2, *GRID))
-    to_rings = RingForce(0.3, -0.2, 0.005)
-    ends = [
-        model.advance(
-            state,
-            dataclasses.replace(
-                base,
-                pressure_force=base.pressure_force + e * to_push,
-                friction_force=base.friction_force + e * to_drag,
-                rings=RingForce(*(a + e * b for a, b in zip(base.rings, to_rings))),
-            ),
-            STEP,
-        )[1]
-        for e in (1.0, -1.0)
-    ]
-    model.advance(state, base, STEP)
-    found = model.directional_derivative(to_push, to_drag, to_rings)
-    for name, change in found.items():
-        slope = (np.asarray(ends[0][name]) - ends[1][name]) / 2
-        np.testing.assert_allclose(
-            change, slope, rtol=1e-6, atol=1e-6 * np.abs(slope).max(), err_msg=name
-        )
+    base = rough_inputs(model, 50)
+    products_by_differences(model, state, base, rough_change(model, base), STEP, 1e-6)
 
 
 def test_power_on_the_grid_is_that_in_the_coordinates():
@@ -479,28 +409,6 @@ def test_free_flight_under_a_force_at_the_skirt():
     M = [[1.89, y, -x], [y, 4.1e-3 + pin, 0.0], [-x, 0.0, 3.7e-3 + pin]]
     wanted = np.linalg.solve(M, force) * ((50e-5) ** 2 / 2 + 1e-10)
     np.testing.assert_allclose(state.position[2:], wanted, rtol=1e-9)
-
-
-def test_swing_on_the_eyes_spring():
-    """The eye a spring without play or damper, z free: roll swings about the centre of mass of
-    piston and pin, w^2 = k/J_c, J_c = J_xx + pin - S_y^2/(m + m_pin). 200 steps a period: backward
-    Euler's two cost 2 (w h)^2/2 = 1e-3 of the amplitude, and the others (w h)^2/12 of the phase.
-    """
-    still = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
-    keeping = dataclasses.replace(PARAMETERS, spectral_radius=1.0)
-    model = standing(keeping, FLAT, **NO_DAMPER, pin_tilt_play=0.0, pin_tilt_stiffness=3e4)
-    pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
-    J_c = 4.1e-3 + pin - (MASS * CENTRE[1]) ** 2 / 1.89
-    omega = np.sqrt(3e4 / J_c)
-    step = 2 * np.pi / omega / 200
-    start = np.array([0.0, 0.0, -MASS * CENTRE[1] / 1.89 * 1e-4, 1e-4, 0.0])
-    state, _ = model.start_moving(0.0, start, np.zeros(5), still)
-    way = []
-    for _ in range(200):
-        state, _ = model.advance(state, still, step)
-        way.append(state.position[3])
-    wanted = 1e-4 * np.cos(omega * step * np.arange(1, 201))
-    np.testing.assert_allclose(way, wanted, atol=2e-3 * 1e-4)
 
 
 def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
@@ -846,7 +754,7 @@ def test_the_table_of_variables_has_its_own():
     assert own | {"pin_tilt_play", "pin_cross_inertia"} <= space - flat
     assert own | {"force_on_block_z", "moment_on_block_x"} <= space and flat <= space
     model = space_model()
-    _, out = model.start(0.3, 0.0, 0.0, rough_inputs(0, False))
+    _, out = model.start(0.3, 0.0, 0.0, rough_inputs(model, 0))
     told = {
         one.name.split("[")[0] for one in variables(options(SKEWED)) if one.causality == "output"
     }

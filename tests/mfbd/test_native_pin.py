@@ -17,10 +17,17 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import save
 
-from .test_floating_pin import GRID, MODES, PARAMETERS, PIN_GRID, bodies, yielding_bodies
+from .pin_models import (
+    GRID,
+    MODES,
+    PARAMETERS,
+    PIN_GRID,
+    SHELL_MODES,
+    bodies,
+    small_end,
+    yielding_bodies,
+)
 from .test_native_bodies import side_by_side
-from .test_small_end import MODES as MODES_OF_SHELL
-from .test_small_end import small_end
 
 VALUES = {
     name: value
@@ -50,9 +57,7 @@ def built(tmp_path):
         pin = FloatingPin(PIN_GRID, 25e-3, 36e-3)
         if yields:
             piston, block, bosses = yielding_bodies()
-            crank = tuple(
-                replace(one, shell=f"{one.name}.npz", modes=MODES_OF_SHELL) for one in crank
-            )
+            crank = tuple(replace(one, shell=f"{one.name}.npz", modes=SHELL_MODES) for one in crank)
             for one in crank:
                 save(tmp_path / one.shell, small_end(1.0, one.grid, shell_radii[one.name]))
             eye = small_end()

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs
-from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
@@ -31,46 +29,25 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
 )
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import MOST, HollowPin, free_beam, section
 
-from .test_floating_pin import (
-    GRID,
+from .pin_models import (
+    AXIS,
+    CRITICAL,
     PARAMETERS,
+    PIN,
     PIN_GRID,
+    STEEL,
     STEP,
+    Springs,
+    bending_model,
+    bending_options,
     bodies,
     floating_model,
     options,
-    products_by_differences,
-    random_inputs,
-    rough_way,
+    rough_inputs,
     shells_of,
-    yielding_bodies,
 )
 
-STEEL = {"young": 206e9, "poisson": 0.3}
-PIN = HollowPin(mass=0.5, length=86e-3, radius=18e-3, bore_radius=9.4e-3, **STEEL)
-"""Of data_sheet, with the bore that leaves its mass to steel."""
-AXIS = AxisParameters(pin_bore_radius=PIN.bore_radius)
 BOSS, EYE = 25e-3, 36e-3
-
-
-def bending_options(shapes):
-    plain = options(True)
-    assert plain.floating_pin
-    pin = dataclasses.replace(plain.floating_pin, pin_shapes=shapes)
-    return dataclasses.replace(plain, floating_pin=pin)
-
-
-def bending_model(shapes=4, parameters=PARAMETERS, **axis):
-    own = dataclasses.replace(AXIS, **axis)
-    built = bending_options(shapes)
-    return assemble_floating(*bodies(), built, parameters, PinParameters(), axis=own)
-
-
-def bending_in_bosses():
-    """A pin that bends in bosses that yield."""
-    piston, block, bosses = yielding_bodies()
-    built = bending_options(3)
-    return assemble_floating(piston, block, built, PARAMETERS, PinParameters(), bosses, AXIS)
 
 
 @pytest.mark.parametrize(("bore", "share"), [(0.0, 7.8 / 8.8), (0.9999, 2.6 / 4.9)])
@@ -221,7 +198,7 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
 def test_a_relieved_shell_by_hand():
     """Wider by 8 um at its ends, four rows: at 3/4 and 1/4 of the way to them, 4.5 and 0.5 um."""
     plain, wide = bending_model(2), bending_model(2, boss_relief=8e-6)
-    inputs = random_inputs(plain, 3)
+    inputs = rough_inputs(plain, 3)
     gaps = []
     for model in (plain, wide):
         state, _ = model.start(0.3, 2e-6, 1e-4, inputs)
@@ -264,95 +241,20 @@ def test_rows_of_the_shapes_by_hand():
     np.testing.assert_allclose(M[COORDINATES:], np.eye(COORDINATES + 2)[COORDINATES:] * 3.0)
 
 
-class RowSprings:
-    """In place of the pin's films: springs of K [N/m] a shell, even along it, on the gap of every
-    row; even springs on the skirt. `forces`: what they answer to the model's outputs.
-    """
-
-    def __init__(self, stiffness, skirt=5e7):
-        self.per_cell = [2 * one / np.prod(PIN_GRID) for one in stiffness]
-        self.skirt = skirt / np.prod(GRID)
-
-    def stacked(self, out, model):
-        """Forces on all cells, those of the skirt first."""
-        parts = [self.skirt * (1e-4 - out["skirt.film_thickness"]).ravel()]
-        for one, grid, surface in zip(self.per_cell, model.grids, model.pins):
-            gap = out[f"{grid.prefix}film_thickness"]
-            parts.append((one * (surface.clearance - gap)).ravel())
-        return np.concatenate(parts)
-
-    def changes(self, got, model):
-        """Likewise by changes of the gaps."""
-        parts = [-self.skirt * got["skirt.film_thickness"].ravel()]
-        for one, grid in zip(self.per_cell, model.grids):
-            parts.append(-one * got[f"{grid.prefix}film_thickness"].ravel())
-        return np.concatenate(parts)
+def standing(model, stiffness, steps=15, gas=6e5, step=2e-4):
+    """Springs of an engine at rest after some steps, and its outputs."""
+    springs = Springs(model, stiffness, by_row=True)
+    *_, out = springs.run(steps, gas, 0.0, (0.3, 0.0, 0.0), step)
+    return springs, out
 
 
-def split(stacked):
-    """Forces of skirt and pin from all cells."""
-    skirt, *pins = np.split(stacked, np.prod(GRID) + np.arange(3) * np.prod(PIN_GRID))
-    none = np.zeros(PIN_GRID)
-    return skirt.reshape(GRID), tuple(PinForces(one.reshape(PIN_GRID), none) for one in pins)
-
-
-def directions(model):
-    """All fields of force that springs can answer with: two of the skirt, two of every row."""
-    skirt = model.film_surfaces[0].skirt
-    sine = np.sin(skirt.angle)[:, None] * np.ones(GRID)
-    rows = [(0, one) for one in (sine, sine * skirt.height[None, :])]
-    for k, surface in enumerate(model.pins, start=1):
-        for row in np.eye(PIN_GRID[1]):
-            rows += [(k, np.outer(one, row)) for one in surface.outward]
-    sizes = [np.prod(GRID), *[np.prod(PIN_GRID)] * 3]
-    out = []
-    for where, field in rows:
-        parts = [np.zeros(size) for size in sizes]
-        parts[where] = field.ravel()
-        out.append(np.concatenate(parts))
-    return np.array(out)
-
-
-def standing(model, springs, steps=15, gas=6e5, step=2e-4):
-    """Outputs of an engine at rest, its pin on springs, after some steps; each is solved by
-    Newton's method on the model's own derivative.
-    """
-    seeds = directions(model)
-    forces = np.zeros(seeds.shape[1])
-    none = np.zeros(GRID)
-
-    def given():
-        push, pins = split(forces)
-        return Inputs(0.0, gas, push, none, pins=pins)
-
-    state, out = model.start(0.3, 0.0, 0.0, given())
-    matrix = np.zeros(0)
-    for count in range(steps):
-        for _ in range(8):
-            end, out = model.advance(state, given(), step)
-            lack = springs.stacked(out, model) - forces
-            if np.abs(lack).max() <= 1e-9 * np.abs(forces).max():
-                break
-            if count < 3:  # as the integrator begins; the gaps are as linear later
-                columns = []
-                for seed in seeds:
-                    push, pins = split(seed)
-                    got = model.directional_derivative(push, none, pins=pins)
-                    columns.append(seed - springs.changes(got, model))
-                matrix = np.array(columns).T
-            amounts, *_ = np.linalg.lstsq(matrix, lack, rcond=None)
-            forces = forces + seeds.T @ amounts + (lack - matrix @ amounts)
-        state = end
-    return out, forces
-
-
-CRITICAL = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_damping_ratio=1.0)
-
-
-def rows_of(model, forces):
+def rows_of(springs):
     """Force on the pin by row along y [N], and z of the rows [m], film by film."""
     up, z = [], []
-    for one, surface, shell in zip(split(forces)[1], model.pins, shells_of(model)):
+    model = springs.model
+    for one, surface, shell in zip(
+        springs.inputs(springs.forces).pins, model.pins, shells_of(model)
+    ):
         up.append(-(shell.axes @ surface.outward @ one.pressure)[1])
         z.append(surface.axis[:, 0] / model.bodies.shapes.slope[0])
     return up, z
@@ -364,10 +266,9 @@ def test_a_lopsided_pin_tilts_by_the_angle_of_its_springs():
     z^2 over the eye: tilt = B S_1/(S_0 (S_2 + S_e) - S_1^2), the sum of K_row in a row of four its
     quarter. What the piston still swings turns the pin by 2e-5 of it.
     """
-    model = bending_model(1, CRITICAL)
     stiff = 4e8, 2e8, 5e8
-    out, forces = standing(model, RowSprings(stiff))
-    up, z = rows_of(model, forces)
+    springs, out = standing(bending_model(1, CRITICAL), stiff)
+    up, z = rows_of(springs)
     bosses = up[0].sum() + up[1].sum()
     left, right = (np.array(one) for one in z[:2])
     np.testing.assert_allclose(right, EYE / 2 + BOSS * (np.arange(4) + 0.5) / 4, rtol=1e-12)
@@ -386,8 +287,8 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
     Six shapes miss 1 % more.
     """
     model = bending_model(8, CRITICAL)
-    out, forces = standing(model, RowSprings((2e6, 2e6, 4e6)), steps=10, gas=2e5, step=5e-3)
-    up, _ = rows_of(model, forces)
+    springs, out = standing(model, (2e6, 2e6, 4e6), steps=10, gas=2e5, step=5e-3)
+    up, _ = rows_of(springs)
     eye = up[2].sum()
     assert eye > 1e3
     assert np.ptp(up[2]) < 2e-2 * abs(up[2]).mean()
@@ -395,7 +296,7 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
     assert abs(out["pin_tilt_y"]) < 1e-9
     # what the pin stores is half the work of its load, through the displacement of its rows
     bent = model.bodies.bent(model._last.now.position)
-    pairs = zip(split(forces)[1], model.pins, shells_of(model))
+    pairs = zip(springs.inputs(springs.forces).pins, model.pins, shells_of(model))
     rows = [-(shell.axes @ surface.outward @ one.pressure).T for one, surface, shell in pairs]
     ways = [surface.axis @ bent for surface in model.pins]
     work = sum(np.sum(force * way) for force, way in zip(rows, ways)) / 2
@@ -404,11 +305,10 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
 
 def test_a_stiff_pin_is_the_rigid_one():
     """Young's modulus times 10 at a time: what bending does under stiff springs falls with it."""
-    springs = RowSprings((4e9, 4e9, 8e9))
 
     def way(model):
-        _, forces = standing(model, springs, steps=12)
-        return np.concatenate(rows_of(model, forces)[0])
+        springs, _ = standing(model, (4e9, 4e9, 8e9), steps=12)
+        return np.concatenate(rows_of(springs)[0])
 
     rigid = way(bending_model(1, CRITICAL))
     apart = [
@@ -417,80 +317,6 @@ def test_a_stiff_pin_is_the_rigid_one():
     ]
     assert apart[0] < 0.05 * np.abs(rigid).max()
     np.testing.assert_allclose(np.divide(apart[:-1], apart[1:]), 10.0, rtol=0.1)
-
-
-def test_even_loads_leave_a_pin_that_tilts_parallel():
-    """The same bits of motion as without shapes, and a tilt of 0."""
-    even = PinForces(*(np.outer(np.arange(PIN_GRID[0]), np.ones(PIN_GRID[1])) for _ in range(2)))
-    ends = []
-    for model in (floating_model(pin_inertia=PIN.spin_inertia()), bending_model(1)):
-        given = dataclasses.replace(random_inputs(model, 3), pins=(even,) * 3)
-        state, _ = model.start(0.3, 2e-6, 1e-4, given)
-        for _ in range(4):
-            state, out = model.advance(state, given, STEP)
-        ends.append(out)
-    plain, tilting = ends
-    assert abs(tilting["pin_tilt_x"]) < 1e-15 and abs(tilting["pin_tilt_y"]) < 1e-15
-    for name, value in plain.items():
-        np.testing.assert_allclose(tilting[name], value, rtol=1e-10, atol=1e-15, err_msg=name)
-
-
-@pytest.mark.parametrize("make", [bending_model, bending_in_bosses])
-@pytest.mark.parametrize("steps", [1, 5])
-def test_derivative_of_all_films_against_differences(steps, make):
-    """As of a pin without shapes."""
-    model = make()
-    state, _ = rough_way(model, steps)
-    assert np.abs(model.bodies.bent(state.position)).min() > 1e-9
-    products = products_by_differences(model, state, random_inputs(model, 50))
-    rows = products["boss_left.film_thickness"][0]
-    assert np.ptp(rows) > 1e-3 * np.abs(rows).max()
-
-
-@pytest.mark.parametrize("make", [bending_model, bending_in_bosses])
-def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(make):
-    model = make()
-    state, out = rough_way(model, 5)
-    assert np.abs(model.bodies.bent(state.position)).min() > 1e-9
-    for name in ("skirt", "boss_left", "boss_right", "small_end"):
-        assert out[f"{name}.interface_work_error"] <= 1e-13
-
-
-def test_newton_on_the_exact_tangent_needs_as_few_passes_as_without_shapes():
-    """With rough forces, three or four a step."""
-    counts = []
-    for model in (floating_model(), bending_model(6)):
-        rough_way(model, 6)
-        counts.append(model.residual_evaluations)
-    plain, bent = counts
-    assert bent <= plain + 6
-
-
-def test_the_bodies_account_holds_a_tilting_pin():
-    """A free pin under a steady lopsided force: what the film gave is what it moves with, to the
-    share 1/steps that backward Euler keeps of a start from rest.
-    """
-    model = bending_model(1)
-    first = np.zeros(PIN_GRID)
-    first[:, 0] = 5.0 * np.cos(2 * np.pi * np.arange(PIN_GRID[0]) / PIN_GRID[0])
-    none = PinForces(0 * first, 0 * first)
-    pins = PinForces(first, 0 * first), none, none
-    at_rest = random_inputs(model, 1, 0.0, gas=0.0)
-    given = dataclasses.replace(at_rest, crank_speed=0.0, pins=pins)
-    state, _ = model.start(0.0, 0.0, 0.0, given)
-    for _ in range(3):
-        state, out = model.advance(state, given, 1e-6)
-    tilt = model.bodies.bent(state.velocity)[0, 0]
-    push = -5.0 * PIN_GRID[0] / 2
-    axis = model.pins[0].axis
-    assert axis is not None
-    at_first_row = axis[0, 0]
-    assert tilt == pytest.approx(push * at_first_row / 0.5 * 3e-6, rel=1e-6)
-    moved = out["kinetic_energy"]
-    still = state.velocity.copy()
-    still[COORDINATES:] = 0.0
-    rest = still @ model.inertia @ still / 2
-    assert moved - rest == pytest.approx(0.5 * tilt**2 / 2, rel=1e-9)
 
 
 def test_what_a_pin_cannot_be_is_told():

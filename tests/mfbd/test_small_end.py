@@ -7,13 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble_floating, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs
-from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
@@ -26,11 +24,10 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     PinResultants,
     diameters,
-    opening_of,
     shell_angles,
 )
 from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedShell, ShellFilm
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.reduction.shell import (
     film_shell,
     held_shell,
@@ -39,21 +36,18 @@ from piston_cosim.fmu_mfbd.reduction.shell import (
 )
 
 from .conftest import tube
-from .test_floating_pin import (
-    GRID,
+from .pin_models import (
     PARAMETERS,
     PIN_GRID,
     bodies,
+    eye_model,
     floating_model,
     options,
-    products_by_differences,
-    random_inputs,
+    rough_inputs,
     rough_way,
-    shells_of,
+    small_end,
     stiff_is_rigid,
-    yielding_bodies,
 )
-from .test_pin_shapes import AXIS, bending_options
 
 YOUNG, POISSON, DENSITY = 206e9, 0.3, 7850.0
 STEEL = (YOUNG, POISSON, DENSITY)
@@ -213,37 +207,6 @@ def test_an_eye_that_is_not_where_its_film_is_and_a_cut_that_holds_nothing_are_t
         held_shell(loose)
 
 
-MODES = 4
-
-
-def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
-    """Four modes of no symmetry, `young` times as stiff."""
-    rng = np.random.default_rng(11)
-    a = shell_angles(grid[0])
-    wave = np.array([np.cos(n * a + p) for n, p in ((2, 0.5), (1, -0.8), (3, 0.2), (0, 0))]).T
-    along = 1 + 0.2 * rng.standard_normal((grid[1], MODES))
-    outward = wave[:, None] * along
-    omega = np.sqrt(young) * np.array([1.7e4, 2.6e4, 4e4, 9e4])
-    return ReducedShell(omega, outward, 0.3 * np.roll(outward, 2, axis=0), radius)
-
-
-def eye_model(young=1.0, parameters=PARAMETERS):
-    """A rigid piston and pin, an eye that yields."""
-    return assemble_floating(
-        *bodies(), options(True), parameters, PinParameters(), small_end=small_end(young)
-    )
-
-
-def all_that_yields(parameters=PARAMETERS):
-    """A pin that bends in bosses and an eye that yield."""
-    piston, block, bosses = yielding_bodies()
-    built = bending_options(3)
-    pin = PinParameters()
-    return assemble_floating(
-        piston, block, built, parameters, pin, bosses, AXIS, small_end=small_end()
-    )
-
-
 def test_rows_of_the_eye_by_hand():
     """Eq. (D40), and pressure on slopes in place of as much friction: the other rows are those of a
     rigid eye.
@@ -279,36 +242,6 @@ def test_widening_of_an_eye_by_hand():
     np.testing.assert_allclose(diameters(six), [2.0, 2.0], rtol=1e-12)
 
 
-def test_modes_of_a_standing_eye_yield_by_their_springs():
-    """Crank at rest, forces that stay, critical damping: each mode ends where its spring holds the
-    modal force of its film; the film's gap opens by its shape, the others do not. 400 us leave 1e-2
-    of the slowest mode.
-    """
-    critical = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_damping_ratio=1.0)
-    model = eye_model(parameters=critical)
-    rng = np.random.default_rng(3)
-    push = 20 * rng.random(GRID)
-    pins = tuple(PinForces(300 * rng.random(PIN_GRID), rng.random(PIN_GRID)) for _ in model.pins)
-    at_rest = Inputs(0.0, 2e5, push, 0 * push, pins=pins)
-    state, _ = model.start(0.3, 0.0, 0.0, at_rest)
-    for _ in range(400):
-        state, out = model.advance(state, at_rest, 1e-6)
-    shapes = small_end()
-    force = np.einsum("ij,ijk->k", pins[2].pressure, shapes.outward)
-    force = force - np.einsum("ij,ijk->k", pins[2].circumferential, shapes.onward)
-    wanted = force / shapes.omega**2
-    found = out["small_end_modal_coordinate"]
-    np.testing.assert_allclose(found, wanted, rtol=1.2e-2)
-    # half the work of a load that grows, to the squares of what is still under way
-    assert out["elastic_energy"] == pytest.approx(force @ wanted / 2, rel=2e-2)
-    for k, name in enumerate(("boss_left", "boss_right", "small_end")):
-        surface, shell = model.pins[k], shells_of(model)[k]
-        more = out[f"{name}.film_thickness"] - surface.clearance
-        more = more - opening_of(surface, shell.own_place())
-        opened = shapes.outward @ found if k == 2 else np.zeros(PIN_GRID)
-        np.testing.assert_allclose(more, opened, atol=1e-15)
-
-
 def test_the_account_holds_the_modes_of_an_eye():
     """An eye at rest under a steady pressure, without damping, three steps of 1 us: modal velocity
     is push times time, less (omega t)^2/2 and so 4 % at most; its kinetic energy is 3/4 of the
@@ -318,7 +251,7 @@ def test_the_account_holds_the_modes_of_an_eye():
     model = eye_model(parameters=free_of)
     none = PinForces(np.zeros(PIN_GRID), np.zeros(PIN_GRID))
     pressed = PinForces(np.random.default_rng(4).random(PIN_GRID), np.zeros(PIN_GRID))
-    at_rest = random_inputs(model, 1, 0.0, gas=0.0)
+    at_rest = rough_inputs(model, 1, 0.0, gas=0.0)
     given = dataclasses.replace(at_rest, crank_speed=0.0, pins=(none, none, pressed))
     state, _ = model.start(0.0, 0.0, 0.0, given)
     work = 0.0
@@ -335,37 +268,6 @@ def test_the_account_holds_the_modes_of_an_eye():
     assert out["kinetic_energy"] - rest == pytest.approx(found @ found / 2, rel=1e-9)
     assert out["elastic_energy"] < 0.1 * out["kinetic_energy"]
     assert found @ found / 2 == pytest.approx(0.75 * work, rel=0.1)
-
-
-@pytest.mark.parametrize("make", [eye_model, all_that_yields])
-@pytest.mark.parametrize("steps", [1, 5])
-def test_derivative_of_all_films_against_differences(steps, make):
-    """As of rigid shells."""
-    model = make()
-    state, _ = rough_way(model, steps)
-    assert np.abs(model.bodies.in_eye(state.position)).min() > 1e-9
-    products_by_differences(model, state, random_inputs(model, 50))
-
-
-@pytest.mark.parametrize("make", [eye_model, all_that_yields])
-def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(make):
-    """Eq. (G4) against the resultants, with forces as rough as they come: 1e-12 asked, 1e-13
-    found.
-    """
-    model = make()
-    state, out = rough_way(model, 5)
-    assert np.abs(model.bodies.in_eye(state.velocity)).min() > 1e-6
-    for name in ("skirt", "boss_left", "boss_right", "small_end"):
-        assert out[f"{name}.interface_work_error"] <= 1e-13
-
-
-def test_newton_on_the_exact_tangent_needs_as_few_passes_as_with_a_rigid_eye():
-    counts = []
-    for model in (floating_model(), eye_model()):
-        rough_way(model, 6)
-        counts.append(model.residual_evaluations)
-    rigid, yielding = counts
-    assert yielding <= rigid + 6
 
 
 def test_a_stiff_eye_is_the_rigid_one():
