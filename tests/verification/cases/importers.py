@@ -251,6 +251,35 @@ seen_in_table("fmuCheck.linux64", "-k", "cs", "-h", step, "-n", 0, "-s", count *
         source="download a release of FMUComplianceChecker",
         program="fmuCheck.linux64",
     ),
+    "MasterSim": Importer(
+        None,
+        """
+import csv, subprocess, tempfile
+project = Path(tempfile.mkdtemp()) / "engine.msim"
+project.write_text(f'''
+tEnd {count * step!r} s
+hMax {step!r} s
+hStart {step!r} s
+hMin 1e-9 s
+hFallBackLimit 1e-9 s
+hOutputMin {step / 2!r} s
+adjustStepSize no
+MasterMode GAUSS_JACOBI
+ErrorControlMode NONE
+maxIterations 1
+simulator 0 0 engine #000000 "{fmu}"
+''')
+done = subprocess.run(["mastersim", "-x", project], capture_output=True, text=True)
+assert done.returncode == 0, done.stdout + done.stderr
+table = (project.with_suffix("") / "results" / "values.csv").read_text().splitlines()
+for row in csv.DictReader(table, delimiter="\\t"):
+    of = {column.split(" ")[0]: value for column, value in row.items() if column}
+    keep(of["Time"], [of["engine." + name] for name in names])
+seen(rows)""",
+        ("2.0",),
+        source="download a release of MasterSim",
+        program="mastersim",
+    ),
     "Python alone (ctypes)": Importer(
         None,
         """
@@ -286,11 +315,8 @@ seen(rows)""",
 }
 """Name -> importer of co-simulation FMUs on Linux."""
 
-ELSEWHERE = {
-    "MasterSim": "download a release of MasterSim",
-    "VDMCheck": "download a release of FMI-VDM-Model, needs Java",
-}
-"""Importers and checkers without a package, and where to get them."""
+ELSEWHERE = {"VDMCheck": "download a release of FMI-VDM-Model, needs Java"}
+"""Checkers without a package, and where to get them."""
 
 LACKING = """
 from importlib.util import find_spec
