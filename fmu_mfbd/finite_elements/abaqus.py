@@ -1,7 +1,6 @@
 """Abaqus input files: nodes, tetrahedra, sets and surfaces of parts and their instances.
 
-meshio 5.3.5 is not used: it fails 5 of the 6 tests in tests/mfbd that read Abaqus decks. It ignores
-instances and surfaces, and loses the sets of included files.
+meshio 5.3.5 is not used: it ignores instances and surfaces, and loses the sets of included files.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Nastran bulk data: nodes, tetrahedra and matrix entries in small, large and free fields.
 
-meshio 5.3.5 is not used: it fails 8 of the 9 tests in tests/mfbd that read Nastran decks. It
-ignores coordinate systems and the nodes after a continuation that begins with blanks.
+meshio 5.3.5 is not used: it ignores coordinate systems and the nodes after a continuation that
+begins with blanks.
 """
 
 import re

@@ -6,7 +6,9 @@ import meshio
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
+from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, outer_faces
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 INNER, OUTER = 24e-3, 28e-3
@@ -28,6 +30,14 @@ def tube(cells, low, high, inner, outer):
     return np.stack(
         [radius * np.sin(angle), height, radius * np.cos(angle)], axis=1
     ), place.ravel()[tets]
+
+
+def clamped_box(cells, size, axis=1, young=7e10, density=2700.0):
+    """Mesh of a box and its elastic body, held at the end where a coordinate is 0."""
+    points, tets = box_mesh(cells, size)
+    mesh = Mesh(points, tets, {})
+    _, K, M = assembled(mesh, young, 0.3, density)
+    return mesh, Elastic(K, M, np.flatnonzero(points[:, axis] == 0.0))
 
 
 def write(path, points, tets, surfaces):

@@ -6,7 +6,6 @@ import scipy.linalg as la
 
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
-    each_direction,
     rigid_motions,
     stiffness,
 )
@@ -70,32 +69,6 @@ def test_mean_held_body_is_the_constrained_problem(plate, surfaces):
         null.T @ (K @ null), null.T @ (M @ null), eigvals_only=True, subset_by_index=(0, 3)
     )
     np.testing.assert_allclose(omega**2, exact, rtol=1e-7)
-
-
-def test_mean_tie_is_softer_than_the_rigid_one(plate):
-    points, K, M, area = plate
-    share = np.asarray(area.sum(axis=1)).ravel()
-    load = np.zeros(3 * len(points))
-    load[3 * np.flatnonzero(points[:, 1] == 0.05) + 1] = 1.0
-    rigid = Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
-    mean = MeanElastic(K, M, mean_conditions(points, [share]), rigid_motions(points))
-    assert mean.solve(load) @ load > rigid.solve(load[rigid.free]) @ load[rigid.free] > 0
-
-
-def test_stiff_springs_approach_the_clamp_and_soft_ones_do_not(plate):
-    points, K, M, area = plate
-    clamp = orthonormal_modes(
-        *(lambda body: (body, craig_bampton(body, 2)))(
-            Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
-        )
-    )[1]
-    lowest = []
-    for total in (1e14, 1e7):
-        body = Elastic(K + each_direction(area * (total / area.sum())), M, np.empty(0, int))
-        lowest.append(orthonormal_modes(body, craig_bampton(body, 2))[1][0])
-    assert lowest[0] == pytest.approx(clamp[0], rel=1e-3)
-    # a rigid block on springs, bending freely: below sqrt(k/m)
-    assert lowest[1] < np.sqrt(1e7 / (2700 * 0.03 * 0.05 * 0.02))
 
 
 def test_characteristic_constraint_modes_are_guyan_modes(plate):

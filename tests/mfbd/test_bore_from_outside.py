@@ -18,7 +18,7 @@ from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
 from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
-from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
+from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
@@ -26,6 +26,7 @@ from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.master.fmi.errors import BadInput
 
+from .differences import products_by_differences
 from .test_model import SPEED, STEP, forces, without_modes
 
 SKEW = {"crank_offset": 1e-3, "top_ring_height": 19e-3, "second_ring_height": 14e-3}
@@ -159,43 +160,22 @@ def test_derivatives_with_a_bore_from_outside_are_differences(reduced):
         now = Inputs(SPEED, 5e5, *forces(model, n), carrier=MOVING, bore_deflection=field)
         state, _ = model.advance(state, now, STEP)
 
-    def at(direction, e):
-        dpush, ddrag, rings, dcarrier, dfield = direction
-        inputs = Inputs(
-            SPEED,
-            5e5,
-            push + e * dpush,
-            drag + e * ddrag,
-            RingForce(*(e * np.array(rings))),
-            carrier=Carrier(*(np.array(MOVING) + e * dcarrier)),
-            bore_deflection=field + e * dfield,
-        )
-        return model.advance(state, inputs, STEP)[1]
-
-    still = RingForce(0.0, 0.0, 0.0)
-    directions = [
-        (0 * push, 0 * drag, still, np.zeros(4), 1e-7 * rng.standard_normal((10, 15))),
-        (
-            rng.random(push.shape),
-            0.1 * rng.random(push.shape),
-            RingForce(3.0, -7.0, 0.2),
-            rng.random(4),
-            1e-7 * rng.standard_normal((10, 15)),
-        ),
-    ]
-    names = (*ON_BLOCK, *ON_FLEXIBLE_BLOCK, "film_thickness", "sliding_velocity")
-    for direction, within in zip(directions, (1e-9, 3e-4)):
-        up, down = at(direction, 1.0), at(direction, -1.0)
-        at(direction, 0.0)
-        found = model.directional_derivative(*direction[:4])
-        found["film_thickness"] = (
-            found["film_thickness"] + model.widened(direction[-1])["film_thickness"]
-        )
-        assert set(names) <= set(found)
-        for name in names:
-            difference = (np.asarray(up[name]) - down[name]) / 2
-            size = np.abs(difference).max() + 1e-300
-            np.testing.assert_allclose(found[name], difference, atol=within * size, err_msg=name)
+    base = Inputs(SPEED, 5e5, push, drag, carrier=MOVING, bore_deflection=field)
+    bent = dataclasses.replace(
+        Inputs(0.0, 0.0, 0 * push, 0 * drag),
+        bore_deflection=1e-7 * rng.standard_normal((10, 15)),
+    )
+    everything = dataclasses.replace(
+        bent,
+        pressure_force=rng.random(push.shape),
+        friction_force=0.1 * rng.random(push.shape),
+        rings=RingForce(3.0, -7.0, 0.2),
+        carrier=Carrier(*rng.random(4)),
+    )
+    for change, within in ((bent, 1e-9), (everything, 3e-4)):
+        products = products_by_differences(model, state, base, change, STEP, within)
+        names = (*MOTION, *ON_BLOCK, *ON_FLEXIBLE_BLOCK, "film_thickness", "sliding_velocity")
+        assert set(names) == products.keys()
 
 
 RIGID = {

@@ -95,10 +95,13 @@ def nastran(source, style, system="", points=None):
 
 @pytest.mark.parametrize("style", ["blank", "marked", "free", "large"])
 def test_nastran(source, tmp_path, style):
+    """Some programs leave BEGIN BULK out."""
     path = tmp_path / "piston.bdf"
-    path.write_text("\n".join(nastran(source, style)))
-    assert_same(read_mesh(path, {}), source, 1e-10)  # ten digits
-    assert list(read_raw(path).labels) == list(number(np.arange(len(source.points))))
+    lines = nastran(source, style)
+    for text in (lines, lines[lines.index("BEGIN BULK") + 1 :]):
+        path.write_text("\n".join(text))
+        assert_same(read_mesh(path, {}), source, 1e-10)  # ten digits
+        assert list(read_raw(path).labels) == list(number(np.arange(len(source.points))))
 
 
 def test_nastran_in_a_turned_system_and_an_included_file(source, tmp_path):
@@ -126,9 +129,9 @@ def test_nastran_in_a_turned_system_and_an_included_file(source, tmp_path):
 # Abaqus
 
 
-def abaqus_part(source, points, sets=True):
+def abaqus_part(source, points, sets=True, shell="STRI65"):
     """Nodes, elements and sets of a part: a set of nodes, a set of shells, a surface by sides."""
-    lines = ["*Node"]
+    lines = ["****** N O D E S ******", "*Node"]
     lines += [
         f"{number(row)}, {x!r}, {y!r}, {z!r}" for row, (x, y, z) in enumerate(points.tolist())
     ]
@@ -143,7 +146,7 @@ def abaqus_part(source, points, sets=True):
         "*Nset, nset=Crown",
         *(", ".join(map(str, nodes[k : k + 16])) for k in range(0, len(nodes), 16)),
     ]
-    lines += ["*Element, type=STRI65, elset=pin_bore"]
+    lines += [f"*Element, type={shell}, elset=pin_bore"]
     lines += [
         ", ".join(map(str, (500000 + k, *nodes)))
         for k, nodes in enumerate(number(source.faces["pin_bore"]).tolist())
@@ -191,9 +194,9 @@ def assembly(source, tmp_path, solids=("Piston-1",)):
     points = placed_part(source, SHIFT, CENTRE, turn)
     part = abaqus_part(source, points)
     (tmp_path / "mesh").mkdir(exist_ok=True)
-    (tmp_path / "mesh/elements.inp").write_text("\n".join(part[len(points) + 1 :]))
+    (tmp_path / "mesh/elements.inp").write_text("\n".join(part[len(points) + 2 :]))
     (tmp_path / "mesh/nodes.inp").write_text(
-        "\n".join([*part[: len(points) + 1], "*Include, input=elements.inp"])
+        "\n".join([*part[: len(points) + 2], "*Include, input=elements.inp"])
     )
     lines = ["*Heading", " made in a test", "** PARTS", "*Part, name=Unused"]
     lines += abaqus_part(source, 2.0 * source.points, sets=False)
@@ -214,9 +217,11 @@ def assembly(source, tmp_path, solids=("Piston-1",)):
     return path
 
 
-def test_abaqus_flat(source, tmp_path):
+@pytest.mark.parametrize("shell", ["STRI65", "CPS6"])
+def test_abaqus_flat(source, tmp_path, shell):
+    """gmsh writes surfaces as plane stress elements."""
     path = tmp_path / "piston.inp"
-    path.write_text("\n".join(abaqus_part(source, source.points)))
+    path.write_text("\n".join(abaqus_part(source, source.points, shell=shell)))
     mesh = read_mesh(path, dict.fromkeys(SURFACES))
     assert_same(mesh, source)
     assert list(mesh.labels) == list(number(np.arange(len(source.points))))

@@ -9,13 +9,13 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import SurfaceOptions
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
 
-SPEED = 314.0
-STEP = np.pi / 180 / SPEED
+from .differences import products_by_differences, rough_change
+from .test_model import SPEED, STEP
+
 AROUND, ALONG = 16, 12
 BANDS = (SurfaceOptions("lower", 0, 5), SurfaceOptions("upper", 5, ALONG))
 GROOVE = (SurfaceOptions("lower", 0, 5), SurfaceOptions("upper", 6, ALONG))
@@ -101,31 +101,11 @@ def test_derivative_of_all_films_against_differences(built, surfaces):
     """Central differences of the step, smooth and nearly affine: 1e-7 holds with unit changes."""
     model = built(surfaces)
     state, _ = steps(model, surfaces)
-    push, drag = (stacked(field, surfaces) for field in loads(50))
-    rng = np.random.default_rng(1)
-    to_push, to_drag = rng.standard_normal((2, len(push)))
-    rings = RingForce(0.3, -0.2, 0.005)
-    ends = [
-        model.advance(
-            state,
-            Inputs(
-                SPEED,
-                5e5,
-                push + e * to_push,
-                drag + e * to_drag,
-                RingForce(*(e * np.array(rings))),
-            ),
-            STEP,
-        )[1]
-        for e in (1.0, -1.0)
-    ]
-    model.advance(state, Inputs(SPEED, 5e5, push, drag), STEP)
-    products = model.directional_derivative(to_push, to_drag, rings)
+    base = Inputs(SPEED, 5e5, *(stacked(field, surfaces) for field in loads(50)))
+    change = rough_change(model, base)
+    products = products_by_differences(model, state, base, change, STEP, 1e-7)
     fields = {f"{s.name}.{f}" for s in surfaces for f in ("film_thickness", "sliding_velocity")}
     assert products.keys() == fields | set(MOTION)
-    for name, product in products.items():
-        difference = (ends[0][name] - ends[1][name]) / 2
-        assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
 
 
 def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(built):

@@ -18,7 +18,6 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
 )
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
@@ -149,21 +148,3 @@ def test_aspect_ratio_by_hand():
     corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
     for points, expected in ((regular, 1.0), (corner, 2.0)):
         assert aspect_ratios(points, np.array([[0, 1, 2, 3]])) == pytest.approx(expected, rel=1e-14)
-
-
-def test_missing_surface_and_linear_elements(bodies, tmp_path):
-    import meshio
-
-    with pytest.raises(
-        MeshFault, match="surface 'belt' is missing or empty .the file names crown, pin_bore, skirt"
-    ):
-        read_mesh(bodies[0] / "piston.msh", {"skirt": None, "belt": None})
-    meshio.write(
-        tmp_path / "shell.msh",
-        meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]),
-        file_format="gmsh22",
-    )
-    with pytest.raises(MeshFault, match="shell.msh: expected 10-node tetrahedra, got 1 triangle"):
-        read_mesh(tmp_path / "shell.msh", {})
-    with pytest.raises(MeshFault, match="expected a body of 5 mm to 5 m, got 36 m; set mesh_unit"):
-        read_mesh(bodies[0] / "piston.msh", {}, scale=1000.0 * 36 / 56)

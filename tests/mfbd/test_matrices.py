@@ -9,13 +9,15 @@ import scipy.sparse as sp
 from scipy.io import mmwrite
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
-from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.finite_elements.matrices import read_matrix
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled, read_matrix
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
 from piston_cosim.master.fmi.errors import BadInput
 
+from .test_decks import abaqus_part, nastran, number
+
 UNITS = {"stiffness_unit": "1 N/mm", "mass_unit": "1 t"}
-GAP = 10  # node numbers of the text formats run 10, 20, ..., as after a renumbering
+MATERIAL = (75e9, 0.33, 2700.0)
+FILES = {"stiffness": "K.mtx", "mass": "M.mtx"}
 
 
 @pytest.fixture(scope="module")
@@ -23,18 +25,14 @@ def original(coarse):
     """Mesh of the small block, its matrices in N/mm and t, and its reduced body."""
     folder, options = coarse
     mesh = read_mesh(folder / "block.msh", {"bore": None, "bolts": None})
-    K, M = (
-        stiffness(mesh.points, mesh.tets, 75e9, 0.33) / 1e3,
-        consistent_mass(mesh.points, mesh.tets, 2700.0) / 1e3,
-    )
-    return mesh, K, M
+    _, K, M = assembled(mesh, *MATERIAL)
+    return mesh, K / 1e3, M / 1e3
 
 
-def reduced(table, folder, monkeypatch):
+def reduced(table, folder, monkeypatch, name="block"):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
-    return np.load(
-        reduced_bodies({"grid": [16, 12], "block": table}, folder, lambda text: None)["block"]
-    )
+    files = reduced_bodies({"grid": [16, 12], name: table}, folder, lambda text: None)
+    return np.load(files[name])
 
 
 @pytest.fixture(scope="module")
@@ -47,11 +45,30 @@ def from_mesh(coarse, tmp_path_factory):
         )
 
 
+def write_pair(folder, *matrices):
+    """Stiffness and mass in Matrix Market files."""
+    for name, matrix in zip(FILES.values(), matrices, strict=True):
+        mmwrite(folder / name, matrix, symmetry="symmetric")
+
+
+def write_nodes(folder, mesh, names=(), scale=1.0, order=None, **sets):
+    """A CSV of nodes in some order, with sets: surfaces of the mesh by name, or given nodes."""
+    sets |= {name: mesh.nodes(name) for name in names}
+    lines = ["node,x,y,z" + ",sets" * bool(sets)]
+    for k in range(len(mesh.points)) if order is None else order:
+        cells = [f"{number(k)}", *(f"{scale * x:.12g}" for x in mesh.points[k])]
+        if sets:
+            cells.append(" ".join(name for name, nodes in sets.items() if k in nodes))
+        lines.append(",".join(cells))
+    (folder / "nodes.csv").write_text("\n".join(lines) + "\n")
+    return {"mesh": "nodes.csv", **FILES}
+
+
 def write_labels(path, matrix, lower=True):
     """Abaqus' matrix input format: one triangle, node numbers with gaps, a heading."""
     part = sp.tril(matrix).tocoo() if lower else matrix.tocoo()
     lines = [
-        f"{GAP * (r // 3 + 1)},{r % 3 + 1}, {GAP * (c // 3 + 1)},{c % 3 + 1}, {v:.17e}"
+        f"{number(r // 3)},{r % 3 + 1}, {number(c // 3)},{c % 3 + 1}, {v:.17e}"
         for r, c, v in zip(part.row, part.col, part.data)
     ]
     path.write_text("** matrix of a test\n" + "\n".join(lines) + "\n")
@@ -65,50 +82,32 @@ def write_dmig(path, matrix, name, large=True):
         rows, values = (
             part[lower.indptr[c] : lower.indptr[c + 1]] for part in (lower.indices, lower.data)
         )
-        node, direction = GAP * (c // 3 + 1), c % 3 + 1
+        node, direction = number(c // 3), c % 3 + 1
         if large:
             lines.append(f"DMIG*   {name:<16}{node:>16}{direction:>16}")
             lines += [
-                f"*       {GAP * (r // 3 + 1):>16}{r % 3 + 1:>16}{v:>16.9E}".replace("E", "D")
+                f"*       {number(r // 3):>16}{r % 3 + 1:>16}{v:>16.9E}".replace("E", "D")
                 for r, v in zip(rows, values)
             ]
         else:
-            entries = [f"{GAP * (r // 3 + 1)},{r % 3 + 1},{v:.9e},0." for r, v in zip(rows, values)]
+            entries = [f"{number(r // 3)},{r % 3 + 1},{v:.9e},0." for r, v in zip(rows, values)]
             lines.append(f"DMIG,{name},{node},{direction},,{entries[0]}")
             lines += [f",{','.join(entries[k : k + 2])}" for k in range(1, len(entries), 2)]
     path.write_text("\n".join(lines) + "\n")
 
 
+def in_file(mesh):
+    """Nodes in millimetres, thrust along the file's z, pin along -x."""
+    x, y, z = 1e3 * mesh.points.T
+    return np.stack([-z, y, x], axis=1)
+
+
 def write_inp(path, mesh):
-    """Abaqus mesh with gaps between its node numbers, in millimetres, thrust along the file's z,
-    pin along -x.
-    """
-    lines = ["*NODE, NSET=ALL"]
-    lines += [
-        f"{GAP * k}, {-1e3 * z:.12g}, {1e3 * y:.12g}, {1e3 * x:.12g}"
-        for k, (x, y, z) in enumerate(mesh.points, 1)
-    ]
-    lines += ["*ELEMENT, TYPE=C3D10"]
-    lines += [
-        f"{k}, " + ", ".join(str(GAP * (n + 1)) for n in nodes)
-        for k, nodes in enumerate(mesh.tets, 1)
-    ]
+    """Abaqus mesh with both surfaces as sets of nodes."""
+    lines = abaqus_part(mesh, in_file(mesh), sets=False)
     for name in ("bore", "bolts"):
-        lines += [f"*NSET, NSET={name}", *(f"{GAP * (n + 1)}," for n in mesh.nodes(name))]
+        lines += [f"*NSET, NSET={name}", *(f"{number(n)}," for n in mesh.nodes(name))]
     path.write_text("\n".join(lines) + "\n")
-
-
-def write_bdf(path, mesh):
-    """Nastran mesh with the same numbers, units and axes, large and free fields mixed."""
-    lines = ["BEGIN BULK"]
-    for k, (x, y, z) in enumerate(mesh.points * 1e3, 1):
-        lines += [f"GRID*   {GAP * k:>16}{'':>16}{-z:>16.9f}{y:>16.9f}*", f"*       {x:>16.9f}"]
-    for k, nodes in enumerate(GAP * (mesh.tets + 1), 1):
-        lines += [
-            f"CTETRA,{k},1," + ",".join(map(str, nodes[:6])) + ",+",
-            "+," + ",".join(map(str, nodes[6:])),
-        ]
-    path.write_text("\n".join([*lines, "ENDDATA", ""]))
 
 
 BY_GEOMETRY = {
@@ -118,7 +117,7 @@ BY_GEOMETRY = {
 
 
 def turned_to_file(matrix):
-    """The matrix with the vectors of `write_inp`'s axes."""
+    """The matrix with vectors in the axes of `in_file`."""
     turn = np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]])  # file = turn @ body
     whole = sp.kron(sp.identity(matrix.shape[0] // 3), turn)
     return whole @ matrix @ whole.T
@@ -157,7 +156,8 @@ def test_round_trip(kind, original, from_mesh, coarse, tmp_path, monkeypatch):
     table = {"mesh": str(coarse[0] / "block.msh"), "modes": 10, "stations": 24, **UNITS, **names}
     if "labels" in kind or "dmig" in kind:
         write_inp(tmp_path / "block.inp", mesh)
-        write_bdf(tmp_path / "block.bdf", mesh)
+        deck = nastran(mesh, "free", points=in_file(mesh))
+        (tmp_path / "block.bdf").write_text("\n".join(deck))
         table |= {"mesh": "block.inp", "mesh_unit": "1 mm", "axes": ["z", "y", "-x"]}
         table |= {"mesh": "block.bdf", "surfaces": BY_GEOMETRY} if "commas" in kind else {}
         K, M = turned_to_file(K), turned_to_file(M)
@@ -184,23 +184,10 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
     """
     mesh, K, M = original
     order = np.random.default_rng(0).permutation(len(mesh.points))
-    lines = ["node,x,y,z,sets"]
-    for k in order:
-        sets = " ".join(name for name in ("bore", "bolts") if k in mesh.nodes(name))
-        lines.append(
-            f"{GAP * (k + 1)},{','.join(f'{1e3 * x:.12g}' for x in mesh.points[k])},{sets}"
-        )
-    (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
-    for name, matrix in (("K.mtx", K), ("M.mtx", M)):
+    table = write_nodes(tmp_path, mesh, ("bore", "bolts"), 1e3, order)
+    for name, matrix in zip(FILES.values(), (K, M)):
         write_labels(tmp_path / name, matrix)
-    table = {
-        "mesh": "nodes.csv",
-        "mesh_unit": "1 mm",
-        "stiffness": "K.mtx",
-        "mass": "M.mtx",
-        "modes": 10,
-        "stations": 24,
-    }
+    table |= {"mesh_unit": "1 mm", "modes": 10, "stations": 24}
     table |= UNITS
     imported = reduced(table | {"basis": "craig_bampton"}, tmp_path, monkeypatch)
     exact = reduced(
@@ -227,37 +214,16 @@ def test_piston_of_nodes_alone_has_its_gas_force(coarse, tmp_path, monkeypatch):
     faces' own error.
     """
     folder, options = coarse
-    mesh = read_mesh(folder / "piston.msh", {"skirt": None, "crown": None, "pin_bore": None})
-    for name, matrix in (
-        ("K.mtx", stiffness(mesh.points, mesh.tets, 75e9, 0.33)),
-        ("M.mtx", consistent_mass(mesh.points, mesh.tets, 2700.0)),
-    ):
-        mmwrite(tmp_path / name, matrix, symmetry="symmetric")
-    lines = ["node,x,y,z,sets"]
-    for k, point in enumerate(mesh.points):
-        sets = " ".join(name for name in ("skirt", "crown", "pin_bore") if k in mesh.nodes(name))
-        lines.append(f"{k},{','.join(f'{x:.12g}' for x in point)},{sets}")
-    (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
-    table = {
-        "mesh": "nodes.csv",
-        "stiffness": "K.mtx",
-        "mass": "M.mtx",
-        "stiffness_unit": "1 N/m",
-        "mass_unit": "1 kg",
-        "basis": "craig_bampton",
-        "modes": 12,
-    }
-    imported = np.load(
-        reduced_bodies({"grid": [16, 12], "piston": table}, tmp_path, lambda text: None)["piston"]
-    )
-    exact = np.load(
-        reduced_bodies(
-            {"grid": [16, 12], "piston": options["piston"] | {"basis": "craig_bampton"}},
-            folder,
-            lambda text: None,
-        )["piston"]
-    )
+    surfaces = ("skirt", "crown", "pin_bore")
+    mesh = read_mesh(folder / "piston.msh", dict.fromkeys(surfaces))
+    _, *matrices = assembled(mesh, *MATERIAL)
+    write_pair(tmp_path, *matrices)
+    chosen = {"basis": "craig_bampton", "modes": 12}
+    table = write_nodes(tmp_path, mesh, surfaces) | chosen
+    table |= {"stiffness_unit": "1 N/m", "mass_unit": "1 kg"}
+    imported = reduced(table, tmp_path, monkeypatch, "piston")
+    own = options["piston"] | {"mesh": str(folder / "piston.msh")} | chosen
+    exact = reduced(own, tmp_path, monkeypatch, "piston")
     np.testing.assert_allclose(imported["omega"], exact["omega"], rtol=1e-9)
     crown = exact["shapes"][:, 1][mesh.nodes("crown")]
     assert (
@@ -317,28 +283,13 @@ def test_faults_of_dmig(tmp_path):
 )
 def test_units_that_cannot_be(change, message, original, tmp_path, monkeypatch):
     mesh, K, M = original
-    lines = ["node,x,y,z"] + [
-        f"{k},{','.join(f'{1e3 * x:.12g}' for x in point)}" for k, point in enumerate(mesh.points)
-    ]
-    (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
-    mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
-    mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")
+    write_pair(tmp_path, K, M)
     scale = 1e3 if "mesh_unit" in change else 1.0
-    table = {
-        "mesh": "nodes.csv",
-        "mesh_unit": "1 mm",
-        "stiffness": "K.mtx",
-        "mass": "M.mtx",
-        **UNITS,
-        "surfaces": {
-            "bore": {"shape": "cylinder"}
-            | {
-                key: f"{value * scale} mm"
-                for key, value in (("radius", 28.025), ("lower", 50), ("upper", 155))
-            },
-            "bolts": {"shape": "plane", "height": f"{50 * scale} mm"},
-        },
-    } | change
+    cylinder = {"radius": 28.025, "lower": 50, "upper": 155}
+    cylinder = {key: f"{value * scale} mm" for key, value in cylinder.items()}
+    bolts = {"shape": "plane", "height": f"{50 * scale} mm"}
+    table = write_nodes(tmp_path, mesh, scale=1e3) | {"mesh_unit": "1 mm", **UNITS}
+    table |= {"surfaces": {"bore": {"shape": "cylinder"} | cylinder, "bolts": bolts}} | change
     with pytest.raises(BadInput, match=message):
         reduced(table, tmp_path, monkeypatch)
 
@@ -354,9 +305,8 @@ def test_held_or_misordered_matrices_are_refused(original, tmp_path, monkeypatch
         ),
     )
     wrong = np.random.default_rng(0).permutation(K.shape[0])
-    mmwrite(tmp_path / "K.mtx", K[wrong][:, wrong])
-    mmwrite(tmp_path / "M.mtx", M)
-    table = {"mesh": "block.inp", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS}
+    write_pair(tmp_path, K[wrong][:, wrong], M)
+    table = {"mesh": "block.inp", **FILES, **UNITS}
     with pytest.raises(BadInput, match="mtx: expected no resistance to rigid"):
         reduced(table, tmp_path, monkeypatch)
 
@@ -364,16 +314,7 @@ def test_held_or_misordered_matrices_are_refused(original, tmp_path, monkeypatch
 def test_supports_in_one_line_are_refused(original, tmp_path, monkeypatch):
     mesh, K, M = original
     line = np.flatnonzero(np.isclose(mesh.points[:, 0], 0.0) & np.isclose(mesh.points[:, 2], 36e-3))
-    lines, bore = ["node,x,y,z,sets"], mesh.nodes("bore")
-    for k, point in enumerate(mesh.points):
-        position = ",".join(f"{x:.12g}" for x in point)
-        lines.append(f"{k},{position},{'bolts' * (k in line)} {'bore' * (k in bore)}")
-    (tmp_path / "nodes.csv").write_text("\n".join(lines) + "\n")
-    mmwrite(tmp_path / "K.mtx", K, symmetry="symmetric")
-    mmwrite(tmp_path / "M.mtx", M, symmetry="symmetric")
+    table = write_nodes(tmp_path, mesh, ("bore",), bolts=line) | UNITS
+    write_pair(tmp_path, K, M)
     with pytest.raises(BadInput, match=f"got {len(line)} that leave 1 rigid motions"):
-        reduced(
-            {"mesh": "nodes.csv", "stiffness": "K.mtx", "mass": "M.mtx", **UNITS},
-            tmp_path,
-            monkeypatch,
-        )
+        reduced(table, tmp_path, monkeypatch)

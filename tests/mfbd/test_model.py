@@ -12,6 +12,8 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, LateralMoti
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
 
+from .differences import products_by_differences, rough_change
+
 SPEED = 314.0
 STEP = np.pi / 180 / SPEED
 
@@ -102,27 +104,7 @@ def test_directional_derivative_against_differences(which, request):
     state, _ = run(model)
     base = inputs(model, 50)
     base = dataclasses.replace(base, rings=RingForce(40.0, -60.0, 0.3))
-    rng = np.random.default_rng(1)
-    dF, df = rng.standard_normal((2, *model.film_surfaces[0].skirt.gap.shape))
-    dring = np.array([0.3, -0.2, 0.005])
-    ends = [
-        model.advance(
-            state,
-            dataclasses.replace(
-                base,
-                pressure_force=base.pressure_force + e * dF,
-                friction_force=base.friction_force + e * df,
-                rings=RingForce(*(base.rings + e * dring)),
-            ),
-            STEP,
-        )[1]
-        for e in (1.0, -1.0)
-    ]
-    model.advance(state, base, STEP)
-    response = model.directional_derivative(dF, df, RingForce(*dring))
-    for name, product in response.items():
-        difference = (ends[0][name] - ends[1][name]) / 2
-        assert np.abs(product - difference).max() <= 1e-7 * np.abs(difference).max()
+    products_by_differences(model, state, base, rough_change(model, base), STEP, 1e-7)
 
 
 @pytest.mark.parametrize("which", ["model", "followers"])

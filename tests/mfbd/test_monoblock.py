@@ -35,9 +35,11 @@ from piston_cosim.fmu_mfbd.reduction.monoblock import (
     readings,
     reduce_monoblock,
 )
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
+
+from .pin_models import rigid_piston
 
 MESH = find_case("flexible_twin").parent / "block.msh.xz"
 YOUNG, POISSON, DENSITY = 110e9, 0.26, 7200.0
@@ -355,34 +357,12 @@ VALUES = {
 FILM = (24, 10)
 
 
-def piston():
-    no = np.zeros(0)
-    return ReducedPiston(
-        mass=1.39,
-        S=1.39 * np.array([-5e-4, 26.5e-3]),
-        I0=3e-3 + 1.39 * (26.5e-3**2 + 5e-4**2),
-        T=np.zeros((2, 0)),
-        b=no,
-        B=np.zeros((0, 0)),
-        g=no,
-        G=np.zeros((0, 0)),
-        omega=no,
-        kind=no.astype(int),
-        gas_force=no,
-        radial=np.zeros((240, 0)),
-        axial=np.zeros((240, 0)),
-        radius=54.95e-3,
-        skirt_lower=-45.5e-3,
-        skirt_upper=37.3e-3,
-        pin_offset=5e-4,
-    )
-
-
 def cylinder(block, grid=None):
     known = {key: value for key, value in VALUES.items() if key != "crank_speed"}
     given = BlockOptions("", len(block.omega), bore_from_outside=BoreGrid(*grid) if grid else None)
     options = BuildOptions(FILM, PistonOptions("", 0, 5e-4), given, mounted=bool(grid))
-    return assemble(piston(), block, options, Parameters(**known))
+    piston = rigid_piston(FILM, np.array([-5e-4, 26.5e-3]), 5e-4)
+    return assemble(piston, block, options, Parameters(**known))
 
 
 @pytest.mark.parametrize(("grid", "within"), [((24, 24), 1e-6), ((16, 16), 0.02)])

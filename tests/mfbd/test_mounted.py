@@ -11,13 +11,14 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce, block_force
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
-from piston_cosim.fmu_mfbd.dynamics.model import ON_BLOCK, Inputs
+from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, end_accelerations, imbalance
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 
+from .differences import products_by_differences
 from .test_floating_frame import SKEW, richardson
 from .test_model import SPEED, STEP, forces
 
@@ -183,44 +184,17 @@ def test_derivatives_with_the_motion_of_the_block_are_differences(mounted):
     """Central differences of the last step; what the tangent leaves out is 2 w c1 = 1e-4 here."""
     before, _ = taken(mounted, MOVING)
     push, drag = forces(mounted, 3)
+    base = Inputs(SPEED, 5e5, push, drag, carrier=MOVING)
+    still = Inputs(0.0, 0.0, 0.0 * push, 0.0 * drag)
+    directions = [dataclasses.replace(still, carrier=Carrier(*(1e-3 * one))) for one in np.eye(4)]
     rng = np.random.default_rng(8)
-    names = (
-        *ON_BLOCK,
-        "film_thickness",
-        "sliding_velocity",
-        "lateral_velocity",
-        "rocking_velocity",
+    everything = dataclasses.replace(
+        still,
+        pressure_force=rng.random(push.shape),
+        friction_force=0.1 * rng.random(push.shape),
+        rings=RingForce(3.0, -7.0, 0.2),
+        carrier=Carrier(*rng.random(4)),
     )
-    directions = [
-        (0.0 * push, 0.0 * drag, RingForce(0.0, 0.0, 0.0), 1e-3 * one) for one in np.eye(4)
-    ]
-    directions.append(
-        (
-            rng.random(push.shape),
-            0.1 * rng.random(push.shape),
-            RingForce(3.0, -7.0, 0.2),
-            rng.random(4),
-        )
-    )
-
-    def at(direction, e):
-        dpush, ddrag, rings, dcarrier = direction
-        inputs = Inputs(
-            SPEED,
-            5e5,
-            push + e * dpush,
-            drag + e * ddrag,
-            RingForce(*(e * np.array(rings))),
-            carrier=Carrier(*(np.array(MOVING) + e * dcarrier)),
-        )
-        return mounted.advance(before, inputs, STEP)[1]
-
-    for direction in directions:
-        e = 1e-1 if direction[0].any() else 1e3
-        up, down = at(direction, e), at(direction, -e)
-        at(direction, 0.0)
-        found = mounted.directional_derivative(*direction)
-        for name in names:
-            difference = (np.asarray(up[name]) - down[name]) / (2 * e)
-            size = np.abs(difference).max()
-            np.testing.assert_allclose(found[name], difference, atol=3e-4 * size, err_msg=name)
+    for change, size in [(one, 1e3) for one in directions] + [(everything, 1e-1)]:
+        products = products_by_differences(mounted, before, base, change, STEP, 3e-4, size)
+        assert {*ON_BLOCK, *MOTION, "film_thickness", "sliding_velocity"} == products.keys()

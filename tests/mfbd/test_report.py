@@ -6,13 +6,10 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
-    consistent_mass,
     corner_stress,
     nodal_stress,
-    stiffness,
     von_mises,
 )
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.mode_tables import (
     mass_properties,
     mode_table,
@@ -28,7 +25,8 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     load,
 )
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.tests.verification.cases.bodies import box_mesh
+
+from .conftest import clamped_box
 
 
 @pytest.fixture(scope="module")
@@ -77,12 +75,8 @@ def test_stress_of_a_pulled_bar(tmp_path):
     """Uniform tension held at one end in its own direction only would be exact; with a clamped end
     the middle is (St. Venant).
     """
-    points, tets = box_mesh((12, 2, 2), (0.3, 0.02, 0.02))
-    body = Elastic(
-        stiffness(points, tets, 2e11, 0.3),
-        consistent_mass(points, tets, 7800.0),
-        np.flatnonzero(points[:, 0] == 0.0),
-    )
+    mesh, body = clamped_box((12, 2, 2), (0.3, 0.02, 0.02), 0, 2e11, 7800.0)
+    points, tets = mesh.points, mesh.tets
     end = np.flatnonzero(points[:, 0] == 0.3)
     load = np.zeros((len(points), 3))
     load[end, 0] = 1000.0 / len(end)

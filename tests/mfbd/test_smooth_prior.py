@@ -6,7 +6,6 @@ import scipy.sparse as sp
 
 from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.build import reduced_bodies
-from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy
 from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
@@ -21,7 +20,8 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     surface_answers,
 )
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.tests.verification.cases.bodies import box_mesh
+
+from .conftest import clamped_box
 
 ANGLE = np.radians(np.arange(0.0, 360.0, 30.0))
 HEIGHT = np.linspace(-9e-3, 9e-3, 5)
@@ -97,12 +97,7 @@ def test_equal_springs_yield_to_the_patterns_of_the_prior():
 @pytest.fixture(scope="module")
 def plate():
     """A clamped plate whose degrees of freedom stand for the points of a surface."""
-    points, tets = box_mesh((3, 5, 2), (0.03, 0.05, 0.02))
-    body = Elastic(
-        stiffness(points, tets, 7e10, 0.3),
-        consistent_mass(points, tets, 2700.0),
-        np.flatnonzero(points[:, 1] == 0.0),
-    )
+    _, body = clamped_box((3, 5, 2), (0.03, 0.05, 0.02))
     size = len(body.free)
     chosen = np.random.default_rng(3).permutation(size)[:60]
     radial = sp.csr_matrix((np.ones(60), (np.arange(60), chosen)), (60, size))

@@ -5,9 +5,8 @@ import pytest
 import scipy.sparse as sp
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
-from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic, of_unit_energy, pressure_modes
+from piston_cosim.fmu_mfbd.reduction.bases import of_unit_energy, pressure_modes
 from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.training import (
@@ -18,8 +17,8 @@ from piston_cosim.fmu_mfbd.reduction.training import (
 )
 from piston_cosim.fmu_mfbd.truncations import truncations
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.tests.verification.cases.bodies import box_mesh
 
+from .conftest import clamped_box
 from .test_truncation import GRID, film_forces, results
 
 AROUND, ALONG = 8, 3
@@ -28,12 +27,7 @@ AROUND, ALONG = 8, 3
 @pytest.fixture(scope="module")
 def plate():
     """A clamped plate and forces at 24 of its degrees of freedom, pressure and friction."""
-    points, tets = box_mesh((3, 4, 2), (0.03, 0.05, 0.02))
-    body = Elastic(
-        stiffness(points, tets, 7e10, 0.3),
-        consistent_mass(points, tets, 2700.0),
-        np.flatnonzero(points[:, 1] == 0.0),
-    )
+    _, body = clamped_box((3, 4, 2), (0.03, 0.05, 0.02))
     points = AROUND * ALONG
     chosen = np.random.default_rng(3).permutation(len(body.free))[: 2 * points]
     spread = sp.csr_matrix(

@@ -286,54 +286,6 @@ def test_accelerations_are_those_of_newton_and_euler(bodies):
     assert o["rocking_velocity"] == near(want["rocking"] * 1e-9, rel=1e-4)
 
 
-def test_gas_turns_the_piston_about_an_offset_pin(bodies):
-    """Gas alone, crank at rest, massless rod: the gas acts on the skirt's axis, at -d from A, along
-    -y. A cannot move along y without moving sideways: with the rod upright (xi = 0) it stays, and
-    I0 al - S_y x'' = G d, m x'' - S_y al = 0.
-    """
-    slave = bodies(
-        crank_speed=0.0,
-        crank_offset=PIN_OFFSET,
-        start_crank_angle=0.0,
-        rod_mass=0.0,
-        rod_inertia=0.0,
-        pin_mass=0.0,
-        gas_pressure=1e6,
-    )
-    gas = 1e6 * pi * BORE**2
-    assert slave.do_step(0.0, 1e-9)
-    inertia = PISTON["I0"] - PISTON["S"][1] ** 2 / PISTON["mass"]
-    rocking = gas * PIN_OFFSET / inertia
-    assert slave.views["rocking_velocity"].item() == near(rocking * 1e-9, rel=1e-4)
-    lateral = PISTON["S"][1] * rocking / PISTON["mass"]
-    assert slave.views["lateral_velocity"].item() == near(lateral * 1e-9, rel=1e-4)
-
-
-def test_gas_acts_on_the_axis_of_the_bore(bodies):
-    """As before, A 50 um towards thrust of where it stands concentric, the crank moved with it so
-    that the rod stays upright: the arm is d + 50 um. At 1 MPa on 37 mm the 50 um are worth
-    0.215 N m; without the offset they are all there is.
-    """
-    lateral = 50e-6
-    inertia = PISTON["I0"] - PISTON["S"][1] ** 2 / PISTON["mass"]
-    for offset, moment in ((PIN_OFFSET, 3.6557143), (0.0, 0.21504202)):
-        slave = bodies(
-            {"piston": {"pin_offset": f"{offset} m"}},
-            piston=dict(pin_offset=offset),
-            crank_speed=0.0,
-            crank_offset=offset + lateral,
-            start_lateral_displacement=lateral,
-            start_crank_angle=0.0,
-            rod_mass=0.0,
-            rod_inertia=0.0,
-            pin_mass=0.0,
-            gas_pressure=1e6,
-        )
-        assert slave.do_step(0.0, 1e-9)
-        turning = slave.views["rocking_velocity"].item() / 1e-9
-        assert turning * inertia == near(moment, rel=1e-4)
-
-
 @pytest.mark.parametrize("degrees, side", [(30, -181.47237), (60, -150.83006), (90, 25.33294)])
 def test_rigid_slider_crank(bodies, degrees, side):
     """Crank 28.8 mm, rod 110 mm, piston 0.315 kg, rod 0.35 kg with 6e-4 kg m2 and its centre 30 mm

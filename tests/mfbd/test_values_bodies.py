@@ -129,12 +129,6 @@ def test_block_on_springs(reduce):
     assert np.count_nonzero(np.abs(frequencies / (2.0 * expected) - 1.0) < 1e-2) == 2
 
 
-def test_modes_off_are_left_out_by_their_number(reduce):
-    whole = reduce("block", modes=6, stations=12)
-    part = reduce("block", modes=6, stations=12, modes_off=[1, 4])
-    np.testing.assert_array_equal(part["omega"], whole["omega"][[1, 2, 4, 5]])
-
-
 def test_bore_ends_and_stations(reduce):
     body = reduce("block", modes=0, stations=12, bore_lower="60 mm", bore_upper="148 mm")
     assert body["heights"] == pytest.approx(np.linspace(60e-3, 148e-3, 12), rel=1e-12)
