@@ -14,6 +14,7 @@ from ..fmi.variables import Variable
 from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
 from .methods import method_of
+from .methods.krylov import RecycledGmres
 from .starting import start
 from .stepping import StepFailed, Stepper
 from .vector import macro_step_end
@@ -284,6 +285,20 @@ class Coupled(FieldSlave):
     def _state(self):
         """Return everything that a further step depends on."""
         return CoupledState(np.frombuffer(freeze(self.stepper), dtype=np.uint8))
+
+    def _get_fmu_state(self) -> Any:
+        """Return the state without earlier products, which this instance forgets too.
+
+        A step from the saved state then has the same bits as the next step of this instance.
+        """
+        if self.state is not None:
+            if self.state is not self.standing:
+                thaw(self.stepper, self.state.data.tobytes())
+            gmres = getattr(self.stepper.memory, "krylov", self.stepper.memory)
+            if isinstance(gmres, RecycledGmres):
+                gmres.pairs = None
+            self.state = self.standing = self._state()
+        return super()._get_fmu_state()
 
     def _restored(self, members: dict[str, Any]):
         """Return the state with these members, which everything inside has taken over."""

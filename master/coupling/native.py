@@ -76,6 +76,9 @@ def remember(real: np.ndarray, memory: np.ndarray, time: float, step: float):
 
 # ---- start and step
 
+WAS_SAVED = 2
+"""Position in the numbers of a step: 1 if a state was saved or restored since the last step."""
+
 
 @compiled
 def load(system: System, contents: np.ndarray, p: int):
@@ -141,19 +144,25 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 
 
 @compiled
-def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, time: float, step: float):
-    """Advance to time + step, as `Coupled.advance`; return False and keep the state if it fails."""
+def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """Advance as `Coupled.advance`; return False and keep the state if it fails.
+
+    numbers : length of the step, its begin [s], and `WAS_SAVED`, after which the step uses no
+    earlier products, because a saved state has none.
+    """
     parts = parts_of(memory)
     if not is_state(parts.state, parts.before):
         refuse(parts.faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return False
+    if numbers[WAS_SAVED] != 0.0:
+        forget_products(state_of(memory))
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)
     exposed = given_of(memory).exposed
     carry(real, integer, system, exposed.parameters, INWARD)  # tunable ones may have changed
     carry(real, integer, system, exposed.inputs, INWARD)
-    if reach(memory, time, step):
+    if reach(memory, numbers[1], numbers[0]):
         save(system)
         return True
     keep(parts.state, parts.before)
@@ -185,13 +194,11 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Take a communication step; numbers : its length and its begin [s]."""
+    """Take a communication step; numbers : as of `go_on`."""
     parts_of(memory).faults[0] = 0.0
-    step = numbers[0]
-    time = numbers[1]
-    if go_on(real, integer, memory, time, step):
+    if go_on(real, integer, memory, numbers):
         carry(real, integer, system_of(memory), given_of(memory).exposed.outputs, OUTWARD)
-        remember(real, memory, time, step)
+        remember(real, memory, numbers[1], numbers[0])
 
 
 @compiled
@@ -229,7 +236,10 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastM
         return begin(real, integer, memory)
     parts = parts_of(memory)
     keep(parts.state, parts.before)
-    return go_on(real, integer, memory, last.time, last.step)
+    numbers = np.zeros(4)
+    numbers[0] = last.step
+    numbers[1] = last.time
+    return go_on(real, integer, memory, numbers)
 
 
 @compiled

@@ -167,7 +167,7 @@ class CoupledState(NamedTuple):
     """State between macro steps.
 
     standing : variables and states of all participants; times, past : accepted vectors, the oldest
-    first, of which the first `known` are valid.
+    first, of which the first `known` are valid; pairs : the last member, which a saved state omits.
     """
 
     standing: Annotated[Array, "standing"]
@@ -235,8 +235,7 @@ def is_state(row: np.ndarray, other: np.ndarray):
     if not _has_lengths(row, other):
         return False
     state = state_from(row)
-    is_known = 1.0 <= state.known[0] <= len(state.times)
-    return is_known and 0.0 <= state.pairs.oldest[0] < max(len(state.pairs.gram), 1)
+    return 1.0 <= state.known[0] <= len(state.times)
 
 
 @compiled

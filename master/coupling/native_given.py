@@ -14,7 +14,7 @@ from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
 from .coupled import LENIENCE, NUDGE, Coupled
-from .methods.krylov import KEPT
+from .methods.krylov import KEPT, Pairs
 from .methods.newton import Newton
 from .native_block import (
     NOWHERE,
@@ -124,7 +124,8 @@ def coupled_inside(
         faults=ROOM,
     )
     part = native.PART._replace(faults=_sentences(options.wires, insides))
-    return Inside(slave, part, memory_of({"given": row_of(given)}, lengths))
+    unsaved = room(Pairs, **n)
+    return Inside(slave, part, memory_of({"given": row_of(given)}, lengths, unsaved))
 
 
 def _matrix(rows: Sequence[tuple[Any, ...]]) -> np.ndarray:

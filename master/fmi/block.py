@@ -65,7 +65,7 @@ of the entry `size`), then the positions of the parts."""
 def memory_of(
     given: Mapping[str, np.ndarray],
     lengths: Mapping[str, int],
-    state: tuple[str, ...] = ("state",),
+    unsaved: int = 0,
 ) -> np.ndarray:
     """Return the first part of a memory: the head and the given parts.
 
@@ -74,15 +74,14 @@ def memory_of(
     given : mapping
         Parts by name, in order.
     lengths : mapping
-        Lengths of the parts after them. One of them is named faults.
-    state : tuple of str
-        Consecutive parts that form the state.
+        Lengths of the parts after them. Two of them are named state and faults.
+    unsaved : int
+        Length of the end of the state that a saved state omits.
     """
     sizes = {name: part.size for name, part in given.items()} | dict(lengths)
     begins = np.cumsum([PARTS_FROM + len(sizes) + 1, *sizes.values()])
     first = dict(zip(sizes, begins))
-    of_state = sum(sizes[name] for name in state)
-    head = [begins[-1], first[state[0]], of_state, first["faults"], *begins]
+    head = [begins[-1], first["state"], sizes["state"] - unsaved, first["faults"], *begins]
     return np.concatenate([head, *given.values()])
 
 

@@ -334,14 +334,43 @@ def test_state_is_whole(native):
         two._fmu.deSerializeFMUstate(bytes(damaged))
 
 
-def test_a_state_holds_only_the_pairs_in_use(native):
-    """Four directions of rigid bodies need at most 10 pairs of two vectors of 240 unknowns, 38 kB;
-    all 80 would have 307 kB. Variables, film and accepted vectors have 40 kB.
+@pytest.mark.parametrize("is_native", [True, False])
+def test_saved_state_omits_earlier_products_and_repeats_the_same_bits(exported, is_native):
+    """The step after a save has the bits of the repeated step, which has no earlier products.
+
+    With modes, a step that has them has other bits: a host that never saves keeps them.
     """
-    one = started(native)
+    path = exported(FOUR_MODES, native=is_native)
+    never, saving, other = started(path), started(path), started(path, {})
+    names = [name for name in outputs_of(never) if name not in COUNTS]
+    for k in range(1, 12):
+        saved = saving.save()
+        step(never, k)
+        step(saving, k)
+    after = [saving.get(name) for name in names]
+    whole = saving.serialise(saved)
+    saving.restore(saved)
+    other.restore(other._fmu.deSerializeFMUstate(whole))
+    for one in (saving, other):
+        step(one, 11)
+        assert [one.get(name) for name in names] == after
+    assert [never.get(name) for name in names] != after
+
+
+LARGEST_STATE = 300_000
+"""Bytes, as the issue asks; 171 and 215 kB were seen."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("modes", [(0, 0), (48, 80)])
+def test_state_of_the_numerical_example_is_small(native_engine, modes):
+    """On its 40 x 40 cells, rigid and with its modes. 80 search directions would have 4.1 MB."""
+    bodies = zip(("piston", "block"), modes)
+    changes = [(f"participants.bodies.build.{body}.modes", count) for body, count in bodies]
+    one = started(native_engine([40, 40], changes))
     for k in range(1, 41):
         step(one, k)
-    assert len(one.serialise(one.save())) < 80_000
+    assert len(one.serialise(one.save())) < LARGEST_STATE
 
 
 def test_a_refused_step_says_why_and_leaves_everything_as_it_was(both):
@@ -423,6 +452,8 @@ def test_a_host_in_c_with_an_empty_environment_and_a_read_only_folder(
     one = started(native, {"crank_speed": 628.0})
     for k in range(4):
         one.set("crank_speed", 628.0 * (1 - 100 * (k * STEP)))
+        if k == 3:
+            one.save()  # as the host
         one.step(k * STEP, STEP)
     assert force == one.get("side_force") != 0.0
     assert product != 0.0 and same == 1.0

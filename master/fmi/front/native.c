@@ -37,6 +37,7 @@ typedef struct {
     double *shown, *started;            /* variables of the last published outputs; of the last start */
     int64_t *shown_integer, *started_integer;
     int is_shown, has_state, was_started;
+    int was_saved;                      /* whether a state was saved or restored since the last step */
     uint64_t remarked;                  /* logged warnings, one bit each */
     char refused[LONGEST];              /* why there is no state, empty if there is one */
     Pool *pool;
@@ -339,7 +340,7 @@ static int range_faults(Native *N, int only_changing, char *text)
 /* Run an entry and append its faults to `text`; return whether it succeeded. */
 static int run(Native *N, Entering *entry, double step, double time, char *text, const char *between)
 {
-    double numbers[4] = {step, time, 0.0, 0.0};
+    double numbers[4] = {step, time, N->was_saved, 0.0};
     N->memory[N->first_fault] = N->memory[N->first_fault + 1] = 0.0;
     if (pool_run(N->pool, entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
         append(text, "there is not enough memory for a step");
@@ -439,7 +440,9 @@ int slave_step(Instance *I, double time, double step)
     } else if (!range_faults(N, 1, text)) {
         char refused[LONGEST] = "";
         double when[FAULT_NUMBERS] = {0.0, 0.0, 0.0, time + step, 0.0, 0.0};
-        if (run(N, native_advance, step, time, refused, "; ")) {
+        int is_done = run(N, native_advance, step, time, refused, "; ");
+        N->was_saved = 0;
+        if (is_done) {
             log_remark(I);
             return OK;
         }
@@ -615,6 +618,7 @@ int slave_get_state(Instance *I, void **state)
     char *at = *state = *state ? *state : malloc(saved_size(N));
     if (!at)
         return no_memory(I);
+    N->was_saved = 1;
     *(Saved *)at = head_of(N);
     memcpy(at += sizeof(Saved), N->real, real_bytes(N));
     int64_t *integer = memset(at += real_bytes(N), 0, integer_bytes(N));
@@ -654,6 +658,7 @@ int slave_set_state(Instance *I, void *state)
     N->has_state = has_state && status == OK;
     at += real_bytes(N) + integer_bytes(N);
     memcpy(N->memory + N->first_state, at, (size_t)N->states * sizeof(double));
+    N->was_saved = 1;
     return status;
 }
 
