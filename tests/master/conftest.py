@@ -12,11 +12,7 @@ import pytest
 from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 
-
-def variable(shape, nominal, causality):
-    return SimpleNamespace(
-        shape=shape, nominal=nominal, unit="1", causality=causality, type="Real", description=""
-    )
+from .toys import variable
 
 
 @dataclass
@@ -93,18 +89,14 @@ PADS = 7
 def pair():
     """Participants and wires of PADS masses on films, started at h = 10 um."""
     h = 1e-5 * np.linspace(0.6, 1.4, PADS)
-    mass = Mass(
-        "mass",
-        {"film": variable((PADS,), 1e-5, "output"), "force": variable((PADS,), 1.0, "input")},
-        np.array([h, 0 * h]),
-        {"film": h.copy(), "force": 0 * h},
-    )
-    film = Film(
-        "film",
-        {"film": variable((PADS,), 1e-5, "input"), "force": variable((PADS,), 1.0, "output")},
-        h.copy(),
-        {"film": h.copy(), "force": 0 * h},
-    )
+
+    def fields(of_film, of_force):
+        film = variable("film", of_film, shape=(PADS,), nominal=1e-5)
+        return {"film": film, "force": variable("force", of_force, shape=(PADS,))}
+
+    begin = {"film": h.copy(), "force": 0 * h}
+    mass = Mass("mass", fields("output", "input"), np.array([h, 0 * h]), begin)
+    film = Film("film", fields("input", "output"), h.copy(), dict(begin))
     wires = (
         Wire(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
         Wire(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
@@ -180,12 +172,10 @@ def affine():
 
     def fields(letter, shapes, nominal, causality):
         unit = "m" if letter in "uw" else "N"
+        given = ((f"{letter}{k}", *size) for k, size in enumerate(zip(shapes, nominal)))
         return {
-            f"{letter}{k}": SimpleNamespace(
-                **vars(variable(shape, nominal[k], causality))
-                | {"name": f"{letter}{k}", "unit": unit, "minimum": None, "maximum": None},
-            )
-            for k, shape in enumerate(shapes)
+            name: variable(name, causality, shape=shape, nominal=size, unit=unit)
+            for name, shape, size in given
         }
 
     def make(matrix, offset, tolerance=0.1, shapes=None, nominal=None, stop=1.0, step=1.0, **given):

@@ -4,35 +4,23 @@ The tank is at the end of a cycle where `flow` takes the level of its beginning;
 y = sin(pi t/2), a cycle of 4 s in steps of 1 s.
 """
 
-import os
-import signal
 import zlib
-from functools import partial
 
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.fmi.state_bytes import join, slow_members, split, with_members
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
 from piston_cosim.master.runs.extrapolation import FARTHEST, extrapolated
-from piston_cosim.master.runs.run import run
+
+from . import toys
+from .toys import TOYS, at
 
 CYCLE = 4
 
 
 def tree(tolerance=1e-3):
-    return {
-        "title": "Tank",
-        "time": {"period": f"{CYCLE} s", "step": "1 s", "until_periodic": tolerance},
-        "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
-        "wires": [
-            {"from": "echo.w0", "to": "plant.u0"},
-            {"from": "plant.y0", "to": "echo.v0"},
-        ],
-        "coupling": {"order": ["plant", "echo"], "method": "constant", "relaxation": 1.0},
-    }
+    return TOYS | {"time": {"period": f"{CYCLE} s", "step": "1 s", "until_periodic": tolerance}}
 
 
 def tank(affine, flow, slow=("level",)):
@@ -62,9 +50,8 @@ def tank(affine, flow, slow=("level",)):
     return system
 
 
-def go(system, output, tolerance=1e-3, watch=lambda *args: None, **given):
-    whole = tree(tolerance)
-    return run(system, check_case(whole, "case.toml"), whole, output, watch, **given)
+def go(system, output, tolerance=1e-3, **given):
+    return toys.go(system, output, tree=tree(tolerance), **given)
 
 
 def ends(output):
@@ -122,21 +109,14 @@ def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
     assert low[-1] == pytest.approx(high[-1] - 0.02, abs=1e-12)
 
 
-def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path):
-    def interrupt(at, time, *others):
-        if time == at:
-            os.kill(os.getpid(), signal.SIGINT)
-
+@pytest.mark.parametrize("instant", [6.0, 9.0, 13.0])
+def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path, instant):
     whole = go(tank(affine, slow_flow), tmp_path / "whole.h5")
-    for at in (6.0, 9.0, 13.0):
-        output = tmp_path / f"{at}.h5"
-        with pytest.raises(Interrupted):
-            go(tank(affine, slow_flow), output, watch=partial(interrupt, at))
-        begin_at = Checkpoint.read(Checkpoint.path(output))
-        resumed = go(tank(affine, slow_flow), output, begin_at=begin_at)
-        for key in ("periods", "extrapolated_periods", "period_distance"):
-            assert resumed[key] == whole[key]
-        assert ends(output).tolist() == ends(tmp_path / "whole.h5").tolist()
+    output = tmp_path / "run.h5"
+    resumed = toys.go_on(lambda: tank(affine, slow_flow), output, at(instant), tree=tree())
+    for key in ("periods", "extrapolated_periods", "period_distance"):
+        assert resumed[key] == whole[key]
+    assert ends(output).tolist() == ends(tmp_path / "whole.h5").tolist()
 
 
 @pytest.mark.parametrize(
@@ -154,6 +134,8 @@ def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path):
         (([-1.0], [-1.5]), ([-0.5], [-0.5]), [-1.5 - FARTHEST * 0.5]),
         # nothing changes
         (([1.0], [1.0]), ([0.5], [0.0]), [1.0]),
+        # cycles that do not follow one another: g(x) = x/2 + 1 stays at 2, here from 0 and 4
+        (([1.0], [3.0]), ([1.0], [-1.0]), [2.0]),
     ],
 )
 def test_extrapolation_by_hand(ends, changes, expected):
@@ -185,9 +167,3 @@ def test_slow_members_of_bytes():
 )
 def test_other_states_have_no_slow_members(data):
     assert slow_members(data) == {}
-
-
-def test_the_secant_of_two_cycles_that_do_not_follow_one_another():
-    """g(x) = x/2 + 1 stays at 2: from x = 0 and 4, where g = 1 and 3 and f = 1 and -1."""
-    ends, changes = np.array([[1.0], [3.0]]), np.array([[1.0], [-1.0]])
-    assert extrapolated(tuple(ends), tuple(changes)) == pytest.approx([2.0], rel=1e-15)

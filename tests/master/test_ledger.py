@@ -9,31 +9,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.coupling import ledger as ledgers
 from piston_cosim.master.coupling.ledger import EnergyCreated, Ledger, ledger
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.coupling.work import Exchange
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.runs.run import run
 
-TREE = {
-    "title": "Toys",
+from . import toys as toy
+from .toys import TOYS
+
+TREE = TOYS | {
     "time": {"stop": "4 s", "step": "1 s"},
     "participants": {
         "plant": {"fmu": "plant.fmu", "role": "bodies"},
         "echo": {"fmu": "echo.fmu", "role": "lubrication"},
     },
-    "wires": [
-        {"from": "echo.w0", "to": "plant.u0", "conjugate": "plant.y0"},
-        {"from": "plant.y0", "to": "echo.v0"},
-    ],
-    "coupling": {
-        "order": ["plant", "echo"],
-        "method": "constant",
-        "relaxation": 1.0,
-        "halvings": 4,
-    },
+    "wires": [TOYS["wires"][0] | {"conjugate": "plant.y0"}, TOYS["wires"][1]],
+    "coupling": TOYS["coupling"] | {"halvings": 4},
 }
 
 
@@ -64,7 +56,7 @@ def limit(monkeypatch):
 
 
 def go(affine, made, output):
-    return run(toys(affine, made), check_case(TREE, "case.toml"), TREE, output)
+    return toy.go(toys(affine, made), output, tree=TREE)
 
 
 def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):

@@ -14,6 +14,8 @@ from scipy.linalg import expm
 
 import piston_cosim as pc
 
+from .toys import variable
+
 TROLLEY, LOAD, ROPE, GRAVITY, FRICTION = 10.0, 4.0, 2.0, 9.81, 3.0
 """[kg], [kg], [m], [m/s2], [N s/m]."""
 CRANE = (  # trolley's position and velocity, load's angle and rate; force in, position out
@@ -37,21 +39,6 @@ CONTROLLER = (  # lead filter of 0.2 s: force = -20 N/m (position + 2 s (positio
 )
 
 
-def field(name, causality):
-    return SimpleNamespace(
-        name=name,
-        shape=(),
-        nominal=1.0,
-        unit="1",
-        causality=causality,
-        type="Real",
-        description="",
-        minimum=None,
-        maximum=None,
-        derivative_of=None,
-    )
-
-
 class Linear:
     """dx/dt = A x + B u with u held, exactly; y = C x + D u whenever it is read."""
 
@@ -62,7 +49,7 @@ class Linear:
     def __init__(self, name, matrices, begin):
         self.name, self.x, self.u = name, np.array(begin), 0.0
         self.a, self.b, self.c, self.d = matrices
-        self.fields = {"u": field("u", "input"), "y": field("y", "output")}
+        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
 
     def enter(self, parameters, start_time, stop_time):
         pass

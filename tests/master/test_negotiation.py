@@ -6,7 +6,6 @@ Eq. (X10):  x1 = (x0 + H g u) / (1 + H),   y = x1:   dy/du = H g / (1 + H) over 
 """
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,13 +17,11 @@ from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.fmi.errors import Discard, ParticipantFault
 from piston_cosim.master.participants.derivatives import DIFFERENT, SILENT, Differenced, objection
 
+from .toys import variable
+
 H = 0.1
 GAIN = 3.0
 SLOPE = H * GAIN / (1 + H)
-
-
-def variable(causality):
-    return SimpleNamespace(shape=(), nominal=1.0, unit="1", causality=causality, type="Real")
 
 
 class Cell:
@@ -35,7 +32,7 @@ class Cell:
     name, has_derivatives, can_redo = "cell", True, True
 
     def __init__(self, answer=SLOPE, respond=lambda u, count: GAIN * u, start=0.0):
-        self.fields = {"u": variable("input"), "y": variable("output")}
+        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
         self.state = np.array([start, 0.0])
         self.values = {"u": np.array(0.0), "y": np.array(start)}
         self.answer = answer
@@ -169,7 +166,7 @@ def test_an_input_with_little_influence_is_tried_by_itself():
     class Two(Cell):
         def __init__(self, forgets):
             super().__init__()
-            self.fields["v"] = variable("input")
+            self.fields["v"] = variable("v", "input")
             self.values["v"] = np.array(0.0)
             self.forgets = forgets
 

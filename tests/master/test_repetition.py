@@ -4,12 +4,10 @@ x = sin(pi t/2) + 10^(-t/4), a period of 4 s in steps of 1 s: the second term fa
 each. Beginning and end of period k differ by 0.9 10^-k.
 """
 
-import os
-import signal
 from copy import copy
+from functools import partial
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pytest
 
@@ -17,23 +15,19 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs import run as run_module
-from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
 from piston_cosim.master.runs.envelopes import Envelopes
 from piston_cosim.master.runs.repetition import Repetition, repetition
-from piston_cosim.master.runs.run import run
 
-TREE = {
-    "title": "Toys",
+from . import toys as toy
+from .toys import TOYS, at, contents, fall
+
+TREE = TOYS | {
     "time": {"period": "4 s", "step": "1 s", "until_periodic": "1e-3"},
-    "participants": {"plant": {"fmu": "plant.fmu"}, "echo": {"fmu": "echo.fmu"}},
-    "wires": [
-        {"from": "echo.w0", "to": "plant.u0"},
-        {"from": "plant.y0", "to": "echo.v0"},
-    ],
-    "coupling": {"order": ["plant", "echo"], "method": "constant", "relaxation": 1.0},
     "record": {"fields": ["plant.y0"], "every": 2, "checkpoint_every": 3},
     "summary": {"high": "max echo.w0", "mean": "mean plant.y0", "end": "last echo.w0"},
 }
+go = partial(toy.go, tree=TREE)
+go_on = partial(toy.go_on, tree=TREE)
 
 
 def x(t):
@@ -51,10 +45,6 @@ def distance(period):
 def toys(affine):
     """Maker of fresh toys, always the same."""
     return lambda **given: affine([[0.0]], x, 1e-9, **{"stop": 80.0, "period": 4.0} | given)
-
-
-def go(system, output, tree=TREE, watch=lambda *args: None, **given):
-    return run(system, check_case(tree, "case.toml"), tree, output, watch, **given)
 
 
 def test_periods_are_run_until_one_repeats_the_one_before(toys, tmp_path):
@@ -100,7 +90,7 @@ def test_results_and_summary_are_of_the_last_period_and_the_file_holds_all(toys,
 def test_a_last_period_without_an_instant_has_no_recorded_fields(toys, tmp_path):
     """The checks of a film would look for the largest pressure among no rows."""
     tree = TREE | {"record": TREE["record"] | {"every": 1000}}
-    go(toys(), tmp_path / "run.h5", tree)
+    go(toys(), tmp_path / "run.h5", tree=tree)
     with Results(tmp_path / "run.h5") as results:
         assert results.recorded == []
         assert results.whole.recorded == ["plant.y0"]
@@ -110,7 +100,7 @@ def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
     """Numbers are of the last one all the same."""
     time = TREE["time"] | {"least_periods": 5}
     tree = TREE | {"time": time, "record": TREE["record"] | {"periods": 2}}
-    summary = go(toys(), tmp_path / "run.h5", tree)
+    summary = go(toys(), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["steps"]) == (5, 20)
     assert summary["mean"] == pytest.approx(x(np.arange(17.0, 21.0)).mean(), rel=1e-9)
     with Results(tmp_path / "run.h5") as results:
@@ -125,7 +115,7 @@ def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
 def test_a_fixed_stop_says_that_the_run_has_not_settled(toys, tmp_path, stop, periods):
     """The last period ends at the stop time; of 10 s it begins at 6 s. All is shown."""
     tree = TREE | {"time": {"stop": f"{stop} s", "step": "1 s", "period": "4 s"}}
-    summary = go(toys(stop=stop), tmp_path / "run.h5", tree)
+    summary = go(toys(stop=stop), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["periodic"], summary["steps"]) == (periods, False, stop)
     assert summary["settled"].startswith("Not periodic: ")
     assert summary["settled"].endswith(
@@ -143,7 +133,7 @@ def test_a_fixed_stop_says_that_the_run_has_not_settled(toys, tmp_path, stop, pe
 
 def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
     tree = TREE | {"time": TREE["time"] | {"most_periods": 2}}
-    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
+    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["periodic"]) == (2, False)
     assert summary["settled"] == (
         f"Not periodic: the relative change between the last two of 2 periods is {distance(2):.2g} "
@@ -154,7 +144,7 @@ def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
 
 def test_the_stop_time_ends_a_run_that_is_not_yet_periodic(toys, tmp_path):
     tree = TREE | {"time": TREE["time"] | {"stop": "8 s"}}
-    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree)
+    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["periodic"]) == (2, False)
     assert summary["settled"].endswith(". Increase or remove time.stop")
 
@@ -170,7 +160,7 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
     tree = TREE | {"time": TREE["time"] | {"most_periods": 7}}
     said = []
     system = affine([[0.0]], wandering, 1e-9, stop=28.0, period=4.0)
-    summary = go(system, tmp_path / "run.h5", tree, log=said.append)
+    summary = go(system, tmp_path / "run.h5", tree=tree, log=said.append)
     distances = []
     for k in range(7):
         values = wandering(4.0 * k + np.arange(5.0))
@@ -186,34 +176,18 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
 @pytest.mark.parametrize("instant", [3.0, 4.0, 5.0, 10.0])
 def test_an_interrupted_run_goes_on_in_its_period(toys, tmp_path, instant):
     """At 4 s a period ends: what was asked for then is done after the first step of the next."""
-
-    def interrupt(time, *others):
-        if time == instant:
-            os.kill(os.getpid(), signal.SIGINT)
-
     whole = go(toys(), tmp_path / "whole.h5")
-    output = tmp_path / "run.h5"
-    with pytest.raises(Interrupted):
-        go(toys(), output, watch=interrupt)
-    resumed = go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
-    same_results(tmp_path / "whole.h5", output)
+    resumed = go_on(toys, tmp_path / "run.h5", at(instant))
+    assert contents(tmp_path / "whole.h5") == contents(tmp_path / "run.h5")
     for key in ("periods", "period_distance", "steps", "mean", "high"):
         assert resumed[key] == whole[key]
 
 
 @pytest.mark.parametrize("instant", [5.0, 6.0, 9.0])
 def test_a_run_that_is_killed_goes_on_from_its_checkpoint(toys, tmp_path, instant):
-
-    def fall(time, *others):
-        if time == instant:
-            raise KeyboardInterrupt
-
     whole = go(toys(), tmp_path / "whole.h5")
-    output = tmp_path / "run.h5"
-    with pytest.raises(KeyboardInterrupt):
-        go(toys(), output, watch=fall)
-    resumed = go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
-    same_results(tmp_path / "whole.h5", output)
+    resumed = go_on(toys, tmp_path / "run.h5", at(instant, fall), stopped=KeyboardInterrupt)
+    assert contents(tmp_path / "whole.h5") == contents(tmp_path / "run.h5")
     assert resumed["period_distance"] == whole["period_distance"]
 
 
@@ -233,27 +207,14 @@ def largest(path):
 
 def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, toys, tmp_path):
     """The largest value falls from period to period, and is between two recorded instants."""
-
-    def fall(time, *others):
-        if time == 15.0:
-            raise KeyboardInterrupt
-
-    go(toys(), tmp_path / "whole.h5")
     output = tmp_path / "run.h5"
-    with pytest.raises(KeyboardInterrupt):
-        go(toys(), output, watch=fall)
-    go(toys(), output, begin_at=Checkpoint.read(Checkpoint.path(output)))
+    go(toys(), tmp_path / "whole.h5")
+    go_on(toys, output, at(15.0, fall), stopped=KeyboardInterrupt)
     stored, of_steps = largest(tmp_path / "whole.h5")
     assert largest(output) == (stored, of_steps)
     assert stored == of_steps == x(13.0) < x(9.0)
     with Results(output) as results:
         assert results.last.dataset("plant.y0")[:].max() < stored
-
-
-def same_results(one, other):
-    with h5py.File(one, "r") as first, h5py.File(other, "r") as second:
-        for name in ("time", "echo/w0", "plant/y0", "fields/plant/y0", "coupling/iterations"):
-            assert first[name][:].tolist() == second[name][:].tolist()
 
 
 def standing(**values):
@@ -304,4 +265,4 @@ def test_refused_values(entries, fault):
 
 def test_runs_without_a_period_say_nothing_of_it(toys, tmp_path):
     tree = TREE | {"time": {"stop": "4 s", "step": "1 s"}}
-    assert "settled" not in go(toys(stop=4.0, period=0.0), tmp_path / "run.h5", tree)
+    assert "settled" not in go(toys(stop=4.0, period=0.0), tmp_path / "run.h5", tree=tree)

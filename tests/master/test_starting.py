@@ -1,7 +1,5 @@
 """Start loops, participants that step at the same time, and what is said at the end of a run."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -11,20 +9,7 @@ from piston_cosim.master.coupling.wiring import System, Wire
 from piston_cosim.master.fmi.errors import BadInput, Discard, ParticipantFault
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant
 
-
-def field(name, causality):
-    return SimpleNamespace(
-        name=name,
-        shape=(),
-        nominal=1.0,
-        unit="1",
-        causality=causality,
-        type="Real",
-        description="",
-        minimum=None,
-        maximum=None,
-        derivative_of=None,
-    )
+from .toys import variable
 
 
 class Follower:
@@ -33,7 +18,7 @@ class Follower:
     def __init__(self, name, follows, events=None, refuse=None):
         self.name = name
         self.follows = follows
-        self.fields = {"u": field("u", "input"), "y": field("y", "output")}
+        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
         self.u = 0.0
         self.events = [] if events is None else events
         self.refuse = refuse

@@ -11,23 +11,9 @@ from piston_cosim.master.case.values import given_values
 from piston_cosim.master.case.wires import wire_of
 from piston_cosim.master.fmi.errors import BadInput
 
+from .toys import variable
+
 SEQUENTIAL = SimpleNamespace(order=["film", "body"], parallel=False)
-
-
-def field(name, causality, unit="m", shape=(4, 4), **more):
-    return SimpleNamespace(
-        **{
-            "name": name,
-            "causality": causality,
-            "unit": unit,
-            "shape": shape,
-            "nominal": 1e-5,
-            "type": "Real",
-            "minimum": None,
-            "maximum": None,
-        }
-        | more
-    )
 
 
 @pytest.fixture
@@ -35,19 +21,24 @@ def participants():
     def participant(name, *fields):
         return SimpleNamespace(name=name, fields={f.name: f for f in fields}, declares_units=True)
 
+    gap = {"shape": (4, 4), "unit": "m", "nominal": 1e-5}
+    speed = variable("speed", "parameter", unit="rad/s", maximum=100.0)
     return {
-        "body": participant(
-            "body",
-            field("film_thickness", "output"),
-            field("speed", "parameter", "rad/s", (), maximum=100.0),
-        ),
+        "body": participant("body", variable("film_thickness", "output", **gap), speed),
         "film": participant(
             "film",
-            field("film_thickness", "input"),
-            field("coarse", "input", shape=(2, 4)),
-            field("other", "input", "Pa"),
+            variable("film_thickness", "input", **gap),
+            variable("coarse", "input", **gap | {"shape": (2, 4)}),
+            variable("other", "input", **gap | {"unit": "Pa"}),
         ),
     }
+
+
+def wired(participants, coupling=SEQUENTIAL, target="film.film_thickness", **given):
+    """The wire from the body's film thickness, and its faults."""
+    faults = []
+    table = WireTable(**{"from": "body.film_thickness", "to": target}, **given)
+    return wire_of(table, participants, coupling, faults), faults
 
 
 @pytest.mark.parametrize(
@@ -60,55 +51,33 @@ def participants():
     ],
 )
 def test_wiring_faults(participants, target, words):
-    faults = []
-    wire_of(
-        WireTable(**{"from": "body.film_thickness", "to": target}), participants, SEQUENTIAL, faults
-    )
+    _, faults = wired(participants, target=target)
     assert len(faults) == 1
     assert words in faults[0]
 
 
 def test_tolerances_in_the_field_s_unit_or_of_its_nominal(participants):
-    def tolerance(value):
-        wire = WireTable(
-            **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": value}
-        )
-        return wire_of(wire, participants, SEQUENTIAL, []).tolerance
-
-    assert tolerance("1 nm") == pytest.approx(1e-9, rel=1e-14)
-    assert tolerance(1e-3) == pytest.approx(1e-8, rel=1e-14)
-    faults = []
-    wire = WireTable(
-        **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": "1 Pa"}
-    )
-    wire_of(wire, participants, SEQUENTIAL, faults)
-    assert "tolerance" in faults[0]
+    for given, tolerance in (("1 nm", 1e-9), (1e-3, 1e-8)):
+        wire, _ = wired(participants, tolerance=given)
+        assert wire.tolerance == pytest.approx(tolerance, rel=1e-14)
 
 
 @pytest.mark.parametrize(
-    "coupling, tolerance",
+    "order, parallel, tolerance",
     [
-        (
-            SimpleNamespace(order=["film", "body"], parallel=False),
-            1e-11,
-        ),  # against the order: 1e-6 nominals of 1e-5 m
-        (
-            SimpleNamespace(order=["body", "film"], parallel=False),
-            np.inf,
-        ),  # along it: handed over as it is, not measured
-        (SimpleNamespace(order=["body", "film"], parallel=True), 1e-11),
+        (["film", "body"], False, 1e-11),  # against the order: 1e-6 nominals of 1e-5 m
+        (["body", "film"], False, np.inf),  # along it: handed over as it is, not measured
+        (["body", "film"], True, 1e-11),
     ],
 )
-def test_wires_along_the_order_are_measured_only_if_asked(participants, coupling, tolerance):
-    ends = {"from": "body.film_thickness", "to": "film.film_thickness"}
-    assert wire_of(WireTable(**ends), participants, coupling, []).tolerance == pytest.approx(
-        tolerance, rel=1e-14
-    )
-    assert wire_of(
-        WireTable(**ends, tolerance="2 nm"), participants, coupling, []
-    ).tolerance == pytest.approx(2e-9, rel=1e-14)
-    asked = wire_of(WireTable(**ends, residual_relative_tolerance=1e-3), participants, coupling, [])
-    assert (asked.tolerance, asked.residual_relative_tolerance) == (0.0, 1e-3)
+def test_wires_along_the_order_are_measured_only_if_asked(participants, order, parallel, tolerance):
+    coupling = SimpleNamespace(order=order, parallel=parallel)
+    wire, _ = wired(participants, coupling)
+    assert wire.tolerance == pytest.approx(tolerance, rel=1e-14)
+    wire, _ = wired(participants, coupling, tolerance="2 nm")
+    assert wire.tolerance == pytest.approx(2e-9, rel=1e-14)
+    wire, _ = wired(participants, coupling, residual_relative_tolerance=1e-3)
+    assert (wire.tolerance, wire.residual_relative_tolerance) == (0.0, 1e-3)
 
 
 def test_parameter_faults_name_value_unit_and_range(participants):
@@ -124,14 +93,16 @@ def test_parameter_faults_name_value_unit_and_range(participants):
     assert "sped: expected speed, got unknown parameter" in faults[1]
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -1e-3, "-1 nm"])
-def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance):
-    faults = []
-    wire = WireTable(
-        **{"from": "body.film_thickness", "to": "film.film_thickness", "tolerance": tolerance}
-    )
-    wire_of(wire, participants, SEQUENTIAL, faults)
-    assert "tolerance: expected a positive value, got" in faults[0]
+@pytest.mark.parametrize(
+    "tolerance, words",
+    [
+        *((one, "tolerance: expected a positive value, got") for one in (0.0, -1e-3, "-1 nm")),
+        ("1 Pa", "tolerance: expected"),
+    ],
+)
+def test_a_tolerance_that_nothing_can_meet_is_a_fault(participants, tolerance, words):
+    _, faults = wired(participants, tolerance=tolerance)
+    assert words in faults[0]
 
 
 def fed(*ends):
