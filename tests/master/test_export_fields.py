@@ -2,7 +2,6 @@
 
 import csv
 
-import h5py
 import numpy as np
 import pytest
 
@@ -13,7 +12,8 @@ from piston_cosim.master.results.fields_export import (
     read_block,
     write_csv,
 )
-from piston_cosim.master.results.file import Results
+
+from .by_hand import write_results
 
 TIMES = np.array([0.0, 0.1, 0.2])
 PRESSURE = np.arange(60.0).reshape(3, 5, 4)
@@ -21,17 +21,12 @@ PRESSURE = np.arange(60.0).reshape(3, 5, 4)
 
 @pytest.fixture
 def results(tmp_path):
-    with h5py.File(tmp_path / "run.h5", "w") as file:
-        file["time"] = TIMES
-        file["fields/time"] = TIMES
-        for name, values, unit in (
-            ("ehd/pressure", PRESSURE, "Pa"),
-            ("ehd/asperity_pressure", 2 * PRESSURE, "Pa"),
-            ("bodies/sliding_velocity", -PRESSURE, "m/s"),
-        ):
-            file[f"fields/{name}"] = values
-            file[f"fields/{name}"].attrs["unit"] = unit
-    return Results(tmp_path / "run.h5")
+    fields = {
+        "ehd.pressure": (PRESSURE, "Pa"),
+        "ehd.asperity_pressure": (2 * PRESSURE, "Pa"),
+        "bodies.sliding_velocity": (-PRESSURE, "m/s"),
+    }
+    return write_results(tmp_path / "run.h5", TIMES, fields=fields, instants=TIMES)
 
 
 def test_sum_and_product(results):

@@ -7,7 +7,6 @@ import json
 import re
 from dataclasses import replace
 
-import h5py
 import numpy as np
 import pytest
 
@@ -17,12 +16,12 @@ from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import agreement, read_measured
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.report import Special, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
 
 from .browser import Browser, found, pace
+from .by_hand import coupling, write_results
 
 AROUND, ALONG, INSTANTS = 8, 5, 19
 TREE = {
@@ -107,35 +106,25 @@ def written(path, factor=1.0, grid=(AROUND, ALONG), instants=INSTANTS):
     mask = np.ones(grid, int)
     mask[around // 2, 0] = 0
     fields = {
-        "ehd/pressure": ("Pa", turn * 1e6 * 10.0 ** (-4 * cells)),
-        "ehd/film_fraction": ("1", (1.2 - 0.3 * cells) * np.ones((instants, 1, 1))),
-        "bodies/film_thickness": ("m", turn * 1e-6 * (2 + 18 * cells)),
+        "ehd/pressure": (turn * 1e6 * 10.0 ** (-4 * cells), "Pa"),
+        "ehd/film_fraction": ((1.2 - 0.3 * cells) * np.ones((instants, 1, 1)), "1"),
+        "bodies/film_thickness": (turn * 1e-6 * (2 + 18 * cells), "m"),
     }
-    with h5py.File(path, "w") as file:
-        file.attrs.update(
-            {
-                "title": "t",
-                "case": json.dumps(TREE),
-                "versions": json.dumps({"piston-cosim": "0"}),
-                "summary": json.dumps({"steps": steps, "halved_steps": 0, "thinnest": 2e-6}),
-                "masks": json.dumps({"ehd": mask.tolist()}),
-            }
-        )
-        file["time"] = angle / 300.0
-        for name, (unit, of) in SERIES.items():
-            file[name] = of(angle)
-            file[name].attrs.update({"unit": unit, "description": name})
-        for name, (unit, of) in FILM.items():
-            file[name] = of((1.5 + np.sin(angle)) * factor)
-            file[name].attrs.update({"unit": unit, "description": name})
-        for name in ("iterations", "derivative_products", "residual"):
-            file[f"coupling/{name}"] = np.full(steps + 1, 0.5)
-            file[f"coupling/{name}"].attrs.update({"unit": "1", "description": name})
-        file["fields/time"] = at / 300.0
-        for name, (unit, values) in fields.items():
-            file[f"fields/{name}"] = values
-            file[f"fields/{name}"].attrs.update({"unit": unit, "description": name})
-    return Results(path)
+    series = {name: (of(angle), unit) for name, (unit, of) in SERIES.items()}
+    swell = (1.5 + np.sin(angle)) * factor
+    series |= {name: (of(swell), unit) for name, (unit, of) in FILM.items()}
+    return write_results(
+        path,
+        angle / 300.0,
+        series | coupling(steps + 1),
+        fields,
+        at / 300.0,
+        title="t",
+        case=TREE,
+        versions={"piston-cosim": "0"},
+        summary={"steps": steps, "halved_steps": 0, "thinnest": 2e-6},
+        masks={"ehd": mask.tolist()},
+    )
 
 
 def page_of_runs(case, runs, folder, **changes):

@@ -19,6 +19,8 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.report import checks, cursor_of, nearest, write_report
 from piston_cosim.master.runs.console import print_summary
 
+from .by_hand import coupling, write_results
+
 TREE = {
     "title": "Two </script> signals",
     "time": {"stop": "1 s", "step": "10 ms"},
@@ -52,28 +54,19 @@ def results(tmp_path):
     path, time = tmp_path / "run.h5", np.linspace(0.0, 1.0, STEPS + 1)
     turn = 2 * np.pi * time
     signals = {"x": (-1e-3 * np.sin(turn), "m"), "y": (np.cos(turn), "N"), "z": (np.cos(turn), "N")}
-    with h5py.File(path, "w") as file:
-        file.attrs.update(
-            {
-                "title": "t",
-                "case": json.dumps(TREE),
-                "versions": json.dumps({"piston-cosim": "0"}),
-                "summary": json.dumps({"steps": STEPS, "halved_steps": 0}),
-            }
-        )
-        file["time"] = time
-        for name, (values, unit) in signals.items():
-            file[f"a/{name}"] = values
-            file[f"a/{name}"].attrs.update({"unit": unit, "description": name})
-        for name in ("iterations", "derivative_products", "residual"):
-            file[f"coupling/{name}"] = np.full(STEPS + 1, 0.5)
-            file[f"coupling/{name}"].attrs.update({"unit": "1", "description": name})
-        file["fields/time"] = time[::4]
-        file["fields/a/map"] = time[::4, None, None] * 100.0 + np.arange(12.0).reshape(4, 3)
-        file["fields/a/map"].attrs.update({"unit": "Pa", "description": "map"})
-    opened = Results(path)
-    yield opened
-    opened.close()
+    moving = time[::4, None, None] * 100.0 + np.arange(12.0).reshape(4, 3)
+    said = {"versions": {"piston-cosim": "0"}, "summary": {"steps": STEPS, "halved_steps": 0}}
+    with write_results(
+        path,
+        time,
+        {f"a.{name}": one for name, one in signals.items()} | coupling(STEPS + 1),
+        {"a.map": (moving, "Pa")},
+        time[::4],
+        title="t",
+        case=TREE,
+        **said,
+    ) as opened:
+        yield opened
 
 
 def test_page_holds_the_fields(case, results, tmp_path):

@@ -3,10 +3,8 @@ option.
 """
 
 import io
-import json
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pytest
 from rich.console import Console
@@ -30,7 +28,6 @@ from piston_cosim.master.results.compare import (
     agreement,
     score,
 )
-from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.instants import instant
 from piston_cosim.master.results.judgement import (
     Window,
@@ -43,6 +40,8 @@ from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
 from piston_cosim.tests.verification.cases import rows
 from piston_cosim.tests.verification.cases.checks import Check
 
+from .by_hand import write_results
+
 TREE = {
     "title": "Four strokes",
     "time": {"stop": "720 deg", "step": "1 deg", "angular_speed": "a.speed"},
@@ -52,24 +51,17 @@ TREE = {
 }
 TIME = [0.0, 1.0, 2.0, 3.0, 4.0]
 SERIES = {
-    "x": ([0.0, 3.0, 3.0, 1.0, 1.0], "m"),
-    "y": ([2.0, 4.0, -1.0, -3.0, 5.0], "N"),
-    "z": ([1.0, 1.0, 0.0, 0.0, 1.0], "N"),
+    "a.x": ([0.0, 3.0, 3.0, 1.0, 1.0], "m"),
+    "a.y": ([2.0, 4.0, -1.0, -3.0, 5.0], "N"),
+    "a.z": ([1.0, 1.0, 0.0, 0.0, 1.0], "N"),
 }
 
 
 @pytest.fixture
 def results(tmp_path):
     """Three series of five rows, by hand."""
-    with h5py.File(tmp_path / "run.h5", "w") as file:
-        file.attrs.update({"title": "t", "case": json.dumps(TREE)})
-        file["time"] = TIME
-        for name, (values, unit) in SERIES.items():
-            file[f"a/{name}"] = values
-            file[f"a/{name}"].attrs.update({"unit": unit, "description": name})
-    opened = Results(tmp_path / "run.h5")
-    yield opened
-    opened.close()
+    with write_results(tmp_path / "run.h5", TIME, SERIES, title="t", case=TREE) as opened:
+        yield opened
 
 
 def case_with(**tables):

@@ -1,7 +1,5 @@
 """A run judged: every limit from both sides, on results made by hand."""
 
-import json
-
 import h5py
 import numpy as np
 import pytest
@@ -19,6 +17,8 @@ from piston_cosim.master.engine.oil_balance import oil_balance
 from piston_cosim.master.engine.places import thinnest_position
 from piston_cosim.master.engine.verdicts import euler_error, verdicts
 from piston_cosim.master.results.file import Results
+
+from .by_hand import write_results
 
 PATH = find_case("data_sheet")
 ROUGHNESS = 0.54e-6
@@ -65,23 +65,24 @@ def made(folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, tree
     }
     gap = np.full((2, 40, 40), 1e-5)
     gap[1, 30, 9] = film  # cell 31 of 40 has its centre on 270 deg
-    with h5py.File(folder / "run.h5", "w") as file:
-        said = {"steps": 10, "unconverged_steps": 0, "interface_work_imbalance": 0.0} | summary
-        said["periods"] = int(periods)
-        period = {"length": 4 * np.pi / 100.0, "shown": 0, "turning": ["bodies.crank_angle"]}
-        said = {"case": tree, "summary": said, "period": period}
-        file.attrs.update({name: json.dumps(one) for name, one in said.items()})
-        file["time"] = (angle - angle[0]) / 100.0
-        file["fields/time"] = file["time"][-73:-71] if periods >= 1 else file["time"][:2]
-        file["fields/bodies/film_thickness"] = gap
-        if field is not None:
-            file["fields/ehd/pressure"], file["fields/ehd/film_fraction"] = field
-        file["fields"].visititems(lambda _, one: one.attrs.update(unit="m", description=""))
-        for name, (values, unit) in columns.items():
-            early = 1.0 if name == "bodies/crank_angle" else 0.5 if "minimum" in name else 2.0
-            file[name] = values * np.where(begins, 1.0, early)
-            file[name].attrs.update({"unit": unit, "description": name})
-    return Results(folder / "run.h5")
+    for name, (values, unit) in columns.items():
+        early = 1.0 if name == "bodies/crank_angle" else 0.5 if "minimum" in name else 2.0
+        columns[name] = values * np.where(begins, 1.0, early), unit
+    fields = {"bodies/film_thickness": (gap, "m")}
+    if field is not None:
+        fields |= {"ehd/pressure": (field[0], "Pa"), "ehd/film_fraction": (field[1], "1")}
+    said = {"steps": 10, "unconverged_steps": 0, "interface_work_imbalance": 0.0} | summary
+    time = (angle - angle[0]) / 100.0
+    return write_results(
+        folder / "run.h5",
+        time,
+        columns,
+        fields,
+        time[-73:-71] if periods >= 1 else time[:2],
+        case=tree,
+        summary=said | {"periods": int(periods)},
+        period={"length": 4 * np.pi / 100.0, "shown": 0, "turning": ["bodies.crank_angle"]},
+    )
 
 
 def missed(share, **of_bodies):
@@ -267,16 +268,16 @@ def test_contact_share_of_the_last_period_by_hand(tmp_path):
     """Power 1 W for 1 s, then 3 W for 1 s: shares 0.5 and 0.2 since the start are 0.5 J and 0.8 J
     of contact, 0.3 J of the last period's 3 J.
     """
-    with h5py.File(tmp_path / "run.h5", "w") as file:
-        tree = {"participants": {"ehd": {"role": "lubrication"}}}
-        period = {"length": 1.0, "shown": 1, "turning": []}
-        file.attrs.update({"case": json.dumps(tree), "period": json.dumps(period)})
-        file["time"] = [0.0, 1.0, 2.0]
-        file["ehd/friction_power"] = [0.0, 1.0, 3.0]
-        file["ehd/boundary_friction_share"] = [0.0, 0.5, 0.2]
-        for one in file["ehd"].values():
-            one.attrs.update({"unit": "1", "description": ""})
-    with Results(tmp_path / "run.h5") as results:
+    with write_results(
+        tmp_path / "run.h5",
+        [0.0, 1.0, 2.0],
+        {
+            "ehd.friction_power": ([0.0, 1.0, 3.0], "W"),
+            "ehd.boundary_friction_share": ([0.0, 0.5, 0.2], "1"),
+        },
+        case={"participants": {"ehd": {"role": "lubrication"}}},
+        period={"length": 1.0, "shown": 1, "turning": []},
+    ) as results:
         assert results.time.tolist() == [0.0, 1.0]
         assert contact_share(results, "ehd") == pytest.approx(0.1, rel=1e-12)
 
