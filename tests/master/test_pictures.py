@@ -24,14 +24,42 @@ from piston_cosim.master.results.pictures import (
 )
 from piston_cosim.master.results.recorded import Envelope, RecordedField, Series
 
+FIELD = np.eye(4)
+
+
+def run(field=FIELD, there=None, **more):
+    """A run that has recorded a field."""
+    usual = {"recorded": ["ehd.pressure"], "ports": [], "time": np.array([0.0, 0.5, 1.0])}
+    given = {"case": {"participants": {}}, "there": lambda port: there}
+    given["field"] = lambda port, instant: RecordedField(field, 0.0, "Pa", "")
+    return SimpleNamespace(**usual | given | more)
+
+
+def case_of(*pictures, axes=NEUTRAL):
+    return SimpleNamespace(pictures=pictures, axes_of=lambda port: axes, window={})
+
+
+def map_of(results, axes=NEUTRAL, time="0 s"):
+    """The panel of the map of a run's pressure."""
+    picture = Picture(file="a.png", title="", kind="map", fields=["ehd.pressure"], time=time)
+    return draw_maps(case_of(axes=axes), picture, {"base": results}).axes[0]
+
+
+def lines_of(y, x="b.crank_angle", units=None, **runs):
+    """The figure of curves {port: (values, unit)} of runs."""
+    picture = Picture(file="a.png", title="", kind="lines", x=x, y=y, units=units or {})
+    held = {
+        label: {port: Series(np.array(values), unit, "") for port, (values, unit) in own.items()}
+        for label, own in runs.items()
+    }
+    runs = {label: SimpleNamespace(series=own.get) for label, own in held.items()}
+    return draw_lines(case_of(), picture, runs)
+
 
 def test_a_map_of_an_envelope_says_of_which_steps_it_is():
     for every_step, words in ((True, "all steps"), (False, "recorded instants")):
         envelope = Envelope(3e6 * np.eye(4), "max", "Pa", "", every_step)
-        results = SimpleNamespace(envelope=lambda port, one=envelope: one, there=lambda port: None)
-        picture = SimpleNamespace(fields=["ehd.pressure"], time="envelope", units={})
-        case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
-        panel = draw_maps(case, picture, {"base": results}).axes[0]
+        panel = map_of(run(envelope=lambda port, one=envelope: one), time="envelope")
         assert panel.get_title() == f"base, extremes of {words} of the last period"
         assert panel.images[0].get_array().max() == 3e6
 
@@ -50,15 +78,7 @@ def test_an_envelope_belongs_to_a_map(kind):
     "field, lines", [(np.ones((5, 4)), False), (np.arange(20.0).reshape(5, 4), True)]
 )
 def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(field, 0.0, "1", "film fraction"),
-        there=lambda port: None,
-        case={"participants": {}},
-        time=np.array([0.0, 1.0]),
-    )
-    picture = SimpleNamespace(fields=["ehd.film_fraction"], time="0 s", units={})
-    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
-    panel = draw_maps(case, picture, {"flexible": results}).axes[0]
+    panel = map_of(run(field))
     drawn = [
         len(path.vertices) for collection in panel.collections for path in collection.get_paths()
     ]
@@ -74,20 +94,13 @@ SKIRT = Axes(
 
 @pytest.mark.parametrize("axes", [SKIRT, NEUTRAL])
 def test_axes_say_what_the_case_says_and_nothing_else(axes):
-    field = np.arange(20.0).reshape(5, 4)
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
-        there=lambda port: None,
-        case={"participants": {}},
-        time=np.array([0.0, 1.0]),
-    )
+    results = run(np.arange(20.0).reshape(5, 4))
+    panel = map_of(results, axes)
     picture = SimpleNamespace(
         fields=["heat.flux"], time="0 s", units={}, angles=("0 deg", "180 deg"), height=0.5
     )
-    case = SimpleNamespace(axes_of=lambda port: axes)
-    panel = draw_maps(case, picture, {"base": results}).axes[0]
     words = " ".join(label.get_text() for label in panel.get_xticklabels())
-    section = draw_sections(case, picture, {"base": results}).axes[0]
+    section = draw_sections(case_of(axes=axes), picture, {"base": results}).axes[0]
     along = section.lines[0].get_xdata()
     if axes is SKIRT:
         assert (panel.get_xlabel(), panel.get_ylabel()) == ("angle [deg]", "height / skirt length")
@@ -105,15 +118,7 @@ def test_a_cut_out_stays_blank_and_a_wide_range_is_logarithmic():
     field = 10.0 ** np.arange(20.0).reshape(5, 4)[::-1]
     there = np.ones((5, 4), bool)
     there[0, 3] = False  # the largest: it must not set the scale either
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(field, 0.0, "Pa", ""),
-        there=lambda port: there,
-        time=np.array([0.0, 1.0]),
-        case={"participants": {}},
-    )
-    picture = SimpleNamespace(fields=["ehd.pressure"], time="0 s", units={})
-    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
-    image = draw_maps(case, picture, {"base": results}).axes[0].images[0]
+    image = map_of(run(field, there)).images[0]
     shown = image.get_array()
     assert shown.mask.T.tolist() == (~there).tolist()
     assert isinstance(image.norm, LogNorm)
@@ -160,18 +165,10 @@ def test_a_turn_is_closed():
 )
 def test_pictures_that_cannot_be_drawn_are_left_out_with_a_word(field, time, why):
     picture = Picture(file="map.png", title="Map", kind="map", fields=[field], time=time)
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
-        case={"participants": {}},
-        time=np.array([0.0, 0.5, 1.0]),
-        period=0.0,
-        there=lambda port: None,
-        recorded=["ehd.pressure", "ehd.film_fraction"],
-        ports=[],
-        envelope={"ehd.pressure": Envelope(np.eye(4), "max", "Pa", "", every_step=True)}.get,
-    )
-    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
-    runs = {"base": results}
+    envelope = {"ehd.pressure": Envelope(np.eye(4), "max", "Pa", "", every_step=True)}.get
+    recorded = ["ehd.pressure", "ehd.film_fraction"]
+    runs = {"base": run(recorded=recorded, envelope=envelope, period=0.0)}
+    case = case_of(picture)
     assert left_out(case, runs) == ({"map.png": why} if why else {})
     assert len(list(figures(case, runs))) == (why is None)
 
@@ -193,16 +190,7 @@ def test_units_have_one_micro_sign(unit, wanted, shown):
 def test_a_long_title_goes_on_in_a_second_line():
     title = "Pressure, film thickness and film fraction where the side force is largest " * 2
     picture = Picture(file="map.png", title=title, kind="map", fields=["ehd.pressure"], time="1 s")
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(np.eye(4), 0.0, "Pa", ""),
-        there=lambda port: None,
-        case={"participants": {}},
-        time=np.array([0.0, 0.5, 1.0]),
-        recorded=["ehd.pressure"],
-        ports=[],
-    )
-    case = SimpleNamespace(pictures=[picture], axes_of=lambda port: NEUTRAL)
-    ((_, figure),) = figures(case, {"base": results})
+    ((_, figure),) = figures(case_of(picture), {"base": run()})
     figure.canvas.draw()
     drawn = figure._suptitle.get_window_extent()
     assert drawn.x0 >= 0.0 and drawn.x1 <= figure.bbox.width
@@ -222,20 +210,19 @@ def test_pictures_of_every_type_are_small(tmp_path, kind, begins, paper):
         "b.crank_angle": Series(angle, "rad", ""),
         "b.force": Series(np.sin(angle) + 0.1 * np.sin(37 * angle), "N", ""),
     }
-    results = SimpleNamespace(
-        field=lambda port, instant: RecordedField(np.cos(2 * around) + along**2, 0.0, "Pa", ""),
-        there=lambda port: there,
-        recorded=["a.x", "a.y"],
-        case={"participants": {}},
-        time=np.array([0.0, 1.0]),
-        series=held.get,
-    )
+    field = np.cos(2 * around) + along**2
+    results = run(field, there, recorded=["a.x", "a.y"], series=held.get)
     pictures = [
         Picture(file="map.png", title="Map", kind="map", fields=["a.x", "a.y"], time="0 s"),
         Picture(file="line.png", title="Line", kind="lines", x="b.crank_angle", y=[["b.force"]]),
     ]
-    case = SimpleNamespace(pictures=pictures, axes_of=lambda port: SKIRT, window={})
-    files = draw(case, {"flexible": results, "rigid": results}, tmp_path, kind, paper)
+    files = draw(
+        case_of(*pictures, axes=SKIRT),
+        {"flexible": results, "rigid": results},
+        tmp_path,
+        kind,
+        paper,
+    )
     assert [file.name for file in files] == [f"{name}.{kind or 'png'}" for name in ("map", "line")]
     for file in files:
         assert file.read_bytes().startswith(begins)
@@ -244,10 +231,8 @@ def test_pictures_of_every_type_are_small(tmp_path, kind, begins, paper):
 
 @pytest.mark.parametrize("y, to_scale", [("m", True), ("N", False)])
 def test_a_way_in_a_plane_is_drawn_to_scale(y, to_scale):
-    held = {"a.x": Series(np.array([0.0, 2.0]), "m", ""), "a.y": Series(np.ones(2), y, "")}
-    picture = Picture(file="orbit.png", title="Orbit", kind="lines", x="a.x", y=[["a.y"]])
-    results = SimpleNamespace(series=held.get)
-    (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
+    held = {"a.x": ([0.0, 2.0], "m"), "a.y": ([1.0, 1.0], y)}
+    (panel,) = lines_of([["a.y"]], "a.x", r=held).axes
     assert (panel.get_aspect() == 1.0) == to_scale
 
 
@@ -255,11 +240,8 @@ def test_curves_of_one_variable_of_four_films_are_told_apart():
     """By their participants' names, each in a style of its own; a fourth one was left out."""
     films = ("skirt", "small_end", "big_end", "main")
     ports = [f"{film}.minimum_film_thickness" for film in films]
-    held = {port: Series(np.arange(2.0), "m", "") for port in ports}
-    held["main.time"] = Series(np.array([0.0, 1.0]), "s", "")
-    picture = Picture(file="films.png", title="Films", kind="lines", x="main.time", y=[ports])
-    results = SimpleNamespace(series=held.get)
-    (panel,) = draw_lines(SimpleNamespace(window={}), picture, {"r": results}).axes
+    held = {port: ([0.0, 1.0], "m") for port in ports} | {"main.time": ([0.0, 1.0], "s")}
+    (panel,) = lines_of([ports], "main.time", r=held).axes
     legend = [text.get_text() for text in panel.get_legend().get_texts()]
     assert legend[2] == "big end" and panel.get_ylabel() == "minimum film thickness [m]"
     assert len({*legend}) == 4 and len({line.get_linestyle() for line in panel.get_lines()}) == 4
@@ -267,26 +249,18 @@ def test_curves_of_one_variable_of_four_films_are_told_apart():
 
 def test_crank_angles_are_ticked_every_quarter_and_curves_of_zeros_left_out():
     """Two panels with the same runs share one legend. The second port of the first is zero."""
-    angle = np.radians([0.0, 360.0])
     held = {
-        "b.crank_angle": Series(angle, "rad", ""),
-        "b.force": Series(np.array([1.0, 2.0]), "N", ""),
-        "b.nothing": Series(np.zeros(2), "N", ""),
-        "b.power": Series(np.array([3.0, 4.0]), "W", ""),
+        "b.crank_angle": ([0.0, 2 * np.pi], "rad"),
+        "b.force": ([1.0, 2.0], "N"),
+        "b.nothing": ([0.0, 0.0], "N"),
+        "b.power": ([3.0, 4.0], "W"),
     }
-    picture = Picture(
-        file="force.png",
-        title="Force",
-        kind="lines",
-        x="b.crank_angle",
-        y=[["b.force", "b.nothing"], ["b.power"], ["b.nothing"]],
-        units={"b.crank_angle": "deg"},
-    )
-    results = SimpleNamespace(series=held.get)
-    zero = SimpleNamespace(series=(held | {"b.power": held["b.nothing"]}).get)
-    figure = draw_lines(SimpleNamespace(window={}), picture, {"r": results, "zero": zero})
+    y = [["b.force", "b.nothing"], ["b.power"], ["b.nothing"]]
+    units = {"b.crank_angle": "deg"}
+    zero = held | {"b.power": held["b.nothing"]}
+    figure = lines_of(y, units=units, r=held, zero=zero)
     assert [len(panel.lines) for panel in figure.axes] == [2, 1, 2]  # the last is zero in all runs
-    figure = draw_lines(SimpleNamespace(window={}), picture, {"r": results})
+    figure = lines_of(y, units=units, r=held)
     assert [len(panel.lines) for panel in figure.axes] == [1, 1, 1]
     assert [panel.get_legend() is not None for panel in figure.axes] == [True, False, False]
     words = [label.get_text() for label in figure.axes[-1].get_xticklabels()]

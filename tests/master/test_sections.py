@@ -45,10 +45,6 @@ UNITS = {
     "elastic_energy": "J",
     "piston_velocity": "m/s",
     "piston_position": "m",
-    "friction_torque": "N.m",
-    "friction_power": "W",
-    "minimum_film_thickness": "m",
-    "maximum_pressure": "Pa",
 }
 
 
@@ -69,6 +65,16 @@ def run(angles, **ports):
         envelope=lambda port: None,
         series=series.__getitem__,
     )
+
+
+def add(results, **series):
+    """Let a run know more {participant: {port: (values, unit)}}."""
+    known = dict(zip(results.ports, map(results.series, results.ports)))
+    for name, ports in series.items():
+        for port, (values, unit) in ports.items():
+            known[f"{name}.{port}"] = Series(np.array(values), unit, "")
+    results.ports, results.series = list(known), known.__getitem__
+    return results
 
 
 def skin(name, skirt):
@@ -122,9 +128,7 @@ def test_a_motored_run_without_gas_has_dead_centres_and_no_row_of_gas(gas):
 def test_strokes_of_another_cylinder_stand_where_its_own_crank_angle_says():
     """It fires when the first one stands at 180 deg."""
     both = run([-360.0, 360.0], cylinder_pressure=[0.0, 1e6])
-    series = dict(zip(both.ports, map(both.series, both.ports)))
-    series["rear.crank_angle"] = Series(np.radians([-540.0, 180.0]), "rad", "")
-    both.ports, both.series = list(series), series.__getitem__
+    add(both, rear={"crank_angle": (np.radians([-540.0, 180.0]), "rad")})
     own = own_strokes({"a": both}, "rear")
     assert own is not None
     assert [(one.begin, one.end, one.name) for one in own] == [
@@ -133,9 +137,8 @@ def test_strokes_of_another_cylinder_stand_where_its_own_crank_angle_says():
         (0, 180, "compression"),
         (180, 360, "expansion"),
     ]
-    late = run([-360.0, 360.0])
-    series = dict(series) | {"rear.crank_angle": Series(np.radians([0.0, 720.0]), "rad", "")}
-    late.ports, late.series = list(series), series.__getitem__
+    late = run([-360.0, 360.0], cylinder_pressure=[0.0, 1e6])
+    add(late, rear={"crank_angle": (np.radians([0.0, 720.0]), "rad")})
     assert own_strokes({"a": both, "b": late}, "rear") is None
 
 
@@ -195,10 +198,7 @@ def test_coefficient_of_friction_over_load_and_speed():
         "radial_force_thrust_side": [900.0, 30.0],
         "radial_force_anti_thrust_side": [-100.0, 0.0],
     }
-    series = {f"ehd.{name}": Series(np.array(own), "N", "") for name, own in forces.items()}
-    old = results.series
-    results.series = lambda port: series.get(port) or old(port)
-    results.ports += list(series)
+    add(results, ehd={name: (own, "N") for name, own in forces.items()})
     drawn = sections._stribeck({"r": results}, "bodies", "ehd")
     ((curve,),) = (chart.curves for chart in drawn)
     assert curve.x == pytest.approx([4.5]) and curve.y == pytest.approx([0.02])
@@ -214,19 +214,13 @@ def bearing_run():
     """Results of a shell: the axial friction force is round-off, the friction is a torque."""
     results = run([0.0, 90.0], piston_velocity=[1.0, 2.0])
     of_film = {
-        "friction_force_hydrodynamic": [1e-16, -1e-16],
-        "friction_torque": [0.2, 0.3],
-        "friction_power": [20.0, 30.0],
-        "minimum_film_thickness": [2e-6, 3e-6],
-        "maximum_pressure": [25.8e6, 1e6],
+        "friction_force_hydrodynamic": ([1e-16, -1e-16], "1"),
+        "friction_torque": ([0.2, 0.3], "N.m"),
+        "friction_power": ([20.0, 30.0], "W"),
+        "minimum_film_thickness": ([2e-6, 3e-6], "m"),
+        "maximum_pressure": ([25.8e6, 1e6], "Pa"),
     }
-    series = {
-        f"ehd.{name}": Series(np.array(own), UNITS.get(name, "1"), "")
-        for name, own in of_film.items()
-    }
-    old = results.series
-    results.series = lambda port: series.get(port) or old(port)
-    results.ports += list(series)
+    add(results, ehd=of_film)
     results.there = lambda port: None
     field = {"ehd.pressure": np.array([[[1e6, 22.5e6]], [[2e6, 3e6]]])}
     results.recorded, results.dataset = list(field), field.__getitem__
@@ -281,30 +275,26 @@ def engine(surfaces=(), names=("front", "rear")):
     for k, name in enumerate(names):
         build = {"grid": [8, 10], "film_surfaces": list(surfaces)}
         parts[name] = {"role": "bodies", "build": build}
-        series |= {
-            f"{name}.crank_angle": Series(np.radians([0.0, 90.0]), "rad", ""),
-            f"{name}.side_force": Series(np.array([0.0, 100.0 * (k + 1)]), "N", ""),
-            f"{name}.side_force_demand": Series(np.array([0.0, 100.0]), "N", ""),
-            f"{name}.piston_position": Series(np.array([0.2, 0.1]), "m", ""),
-            f"{name}.lateral_displacement": Series(np.array([0.0, 1e-6]), "m", ""),
-            f"{name}.rocking_angle": Series(np.zeros(2), "rad", ""),
+        series[name] = {
+            "crank_angle": ([0.0, np.pi / 2], "rad"),
+            "side_force": ([0.0, 100.0 * (k + 1)], "N"),
+            "side_force_demand": ([0.0, 100.0], "N"),
+            "piston_position": ([0.2, 0.1], "m"),
+            "lateral_displacement": ([0.0, 1e-6], "m"),
+            "rocking_angle": ([0.0, 0.0], "rad"),
         }
         for surface in [one["name"] for one in surfaces] or [""]:
             film, dot = f"{name}_{surface or 'film'}", f"{surface}." if surface else ""
             parts[film] = {"role": "lubrication", "parameters": {"bore_radius": "50 mm"}}
-            series[f"{film}.friction_power"] = Series(np.full(2, 10.0), "W", "")
+            series[film] = {"friction_power": ([10.0, 10.0], "W")}
             gap = f"{name}.{dot}film_thickness"
             wires.append({"from": gap, "to": f"{film}.film_thickness"})
             recorded += [gap, f"{film}.pressure"]
-    return of_one_period(
-        case={"participants": parts, "wires": wires},
-        summary={},
-        time=np.array([0.0, 1e-3]),
-        instants=np.array([0.0, 1e-3]),
-        ports=list(series),
-        recorded=recorded,
-        series=series.__getitem__,
-    )
+    time = np.array([0.0, 1e-3])
+    case = {"participants": parts, "wires": wires}
+    held = of_one_period(case=case, summary={}, time=time, instants=time, ports=[], series=None)
+    held.recorded = recorded
+    return add(held, **series)
 
 
 def test_each_cylinder_is_named():
