@@ -106,16 +106,6 @@ def test_a_case_changed_leaves_the_first_as_it_was():
         case["no.such"]
 
 
-def test_faults_of_a_case_are_told_together():
-    with pytest.raises(pc.BadInput) as told:
-        pc.open_case("numerical_example", {"coupling.halvings": -1, "time.speed": 3})
-    assert len(told.value.faults) == 2
-    with pytest.raises(pc.BadInput, match="viscosity: expected a table"):
-        pc.open_case("numerical_example", {"participants.oil.viscosity": "1 Pa s"})
-    with pytest.raises(pc.BadInput, match="variant: expected one of flexible, rigid,"):
-        pc.open_case("numerical_example", variant="soft")
-
-
 def test_a_run_is_that_of_the_command(oscillator, here):
     subprocess.run(
         [sys.executable, "-m", "piston_cosim", "run", "two_mass_oscillator", "--only", "hermite"]
@@ -150,16 +140,6 @@ def test_an_exception_in_progress_ends_the_run(here):
         pc.open_case("two_mass_oscillator").run("run.h5", refuse)
     assert not (here / "run.h5").exists()
     assert (here / "run.h5.partial").exists()
-
-
-def test_files_that_are_no_results_are_told(here):
-    (here / "a.h5").write_text("no")
-    for name, words in (
-        ("a.h5", "h5: expected the results file of a run, got"),
-        ("b.h5", "no such file"),
-    ):
-        with pytest.raises(pc.BadInput, match=words):
-            pc.open_results(name)
 
 
 def test_results_as_xarray_have_named_dimensions(skirt):

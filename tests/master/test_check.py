@@ -7,7 +7,6 @@ import pytest
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.reading import case_names
 from piston_cosim.master.commands.check import command
-from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.mark.parametrize("name", case_names())
@@ -57,8 +56,6 @@ def test_a_parameter_out_of_range_is_the_only_fault(key, value):
 def test_a_case_that_is_no_case_says_why():
     found = check("numerical_example", [("time.stopp", "1 s"), ("coupling.order", ["ehd"])])
     assert any("unknown key 'stopp'; did you mean 'stop'" in line for line in found.faults)
-    with pytest.raises(BadInput, match="name of a case"):
-        check("nothing_here")
 
 
 def test_the_command(tmp_path, capsys):
@@ -66,5 +63,3 @@ def test_the_command(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "no faults" in printed and "swept volume 1368.5 cm^3" in printed
     assert (tmp_path / "look.png").exists()
-    with pytest.raises(BadInput, match="rod_length: expected more than crank_radius"):
-        command("data_sheet", set_=["rod_length=50 mm"], picture=tmp_path / "look.png")

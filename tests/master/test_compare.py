@@ -5,14 +5,9 @@ import pytest
 
 from piston_cosim.master.commands.results.compare import print_scores
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.compare import Row, Score, read_measured, score
+from piston_cosim.master.results.compare import Row, Score, read_measured
 
 X = np.linspace(0.0, 4 * np.pi, 721)
-
-
-def test_nothing_in_common_is_bad_input():
-    with pytest.raises(BadInput, match="reference: expected three points that"):
-        score(X, X, X + 100.0, X)
 
 
 def test_measured_file_names_ports_and_units(tmp_path):
@@ -24,9 +19,6 @@ def test_measured_file_names_ports_and_units(tmp_path):
     with pytest.raises(BadInput) as caught:
         read_measured(path)
     assert len(caught.value.faults) == 2
-    path.write_text("a.angle [deg], a.shift [um]\n0, 1\n0, 3\n")
-    with pytest.raises(BadInput, match="rising"):
-        read_measured(path)
 
 
 @pytest.mark.parametrize("unit, told", [("rad", "phase [deg]"), ("s", "phase [s]")])

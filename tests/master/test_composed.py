@@ -80,7 +80,6 @@ def test_files_of_the_extended_case_are_those_of_its_folder(child):
 @pytest.mark.parametrize(
     "old, new, fault",
     [
-        ("../base", "../nobody", "case: expected a file"),
         ("../base", "../child", "extends: expected another case, got '../child'"),
         ('["summary"', '["monitor.film"', "without: expected a key of ../base, got 'monitor.film'"),
         (

@@ -8,7 +8,7 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from piston_cosim.master.case.changes import key_parts, whole_key
+from piston_cosim.master.case.changes import whole_key
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
 from piston_cosim.master.case.reading import case_names, find_case, read_tree
@@ -83,8 +83,6 @@ def test_a_path_chooses_a_table_and_a_word_what_contains_it(found):
     assert not is_table and chosen[0].name == "radial_clearance"
     assert all("clearance" in f"{key.path} {key.meaning}".lower() for key in chosen)
     assert "ovality" in {key.name for key in chosen_keys(found, "profile")[0]}  # a synonym
-    with pytest.raises(BadInput, match="viscousity'; did you mean 'viscosity'"):
-        chosen_keys(found, "viscousity")
     with pytest.raises(BadInput, match="did you mean 'clearance'"):
         chosen_keys(found, "clearence")
 
@@ -123,20 +121,6 @@ def test_short_names(short, whole):
     assert whole_key(read_tree(PATH), short, FOLDER) == whole
 
 
-@pytest.mark.parametrize(
-    "short, message",
-    [
-        ("radial_clearence", "radial_clearence: expected a key of the"),
-        ("modes", "modes: expected a dotted path, got a name"),
-        ("tolerance", "tolerance: expected a dotted path, got a"),
-        ("nothing_like_it_anywhere", "nothing_like_it_anywhere: expected a key of"),
-    ],
-)
-def test_short_names_that_are_none(short, message):
-    with pytest.raises(BadInput, match=message):
-        key_parts(read_tree(PATH), short, FOLDER)
-
-
 def test_short_names_in_a_file(tmp_path):
     text = PATH.read_text().replace(
         '"participants.bodies.build.piston.modes" = 0', '"piston.modes" = 0', 1
@@ -153,41 +137,18 @@ def test_tables_that_a_case_may_have_are_made(tmp_path):
     begin, end = text.index("[record]"), text.index("[monitor]")
     (tmp_path / "case.toml").write_text(text[:begin] + text[end:])
     assert read_tree(tmp_path / "case.toml", [("record.every", 3)])["record"] == {"every": 3}
-    with pytest.raises(BadInput, match=r"role: expected a table participants\.bodie"):
-        read_tree(tmp_path / "case.toml", [("participants.bodie.role", "bodies")])
 
 
 @pytest.mark.parametrize(
-    "key, value, message",
+    "key, message",
     [
-        (
-            "participants.bodies.parameters.radial_clearence",
-            "9 um",
-            "radial_clearence: expected one of",
-        ),
-        (
-            "participants.bodies.build.piston.mode",
-            3,
-            "mode: expected one of mesh_unit, axes, origin, mesh, reduced, rigid,",
-        ),
-        ("participants.ehd.build.oill", "x", "oill: expected one of grid, surface,"),
-        ("viscosity", "12 bar", r"viscosity: expected a quantity in Pa\.s, got"),
-        ("bore_radius", "2 km", r"bore_radius: expected 0\.001 to 1 m, got 2 km"),
-        ("wires.0.from", "bodies.film_thicknes", "film_thickness: expected one of"),
-        ("pictures.0.x", "bodies.crank_angl", r"png: expected one of bodies\.film_thickness,"),
-        ("pictures.3.fields", ["ehd.presure"], "png: expected one of"),
-        ("time.stop", "7 bar", "time.stop"),
-        ("coupling.metod", "newton", "metod: expected one of method,"),
+        ("participants.bodies.parameters.radial_clearence", "radial_clearence: expected one of"),
+        ("participants.bodies.build.piston.mode", "mode: expected one of mesh_unit,"),
     ],
 )
-def test_what_is_wrong_shows_before_anything_is_reduced(key, value, message):
+def test_what_is_wrong_shows_before_anything_is_reduced(key, message):
     def never(line):
         raise AssertionError(line)
 
     with pytest.raises(BadInput, match=message):
-        open_system(check_case(read_tree(PATH, [(key, value)]), PATH), FOLDER, never)
-
-
-def test_case_names_that_are_near():
-    with pytest.raises(BadInput, match="case: expected a file, a folder with"):
-        find_case("numerical_exampel")
+        open_system(check_case(read_tree(PATH, [(key, 3)]), PATH), FOLDER, never)

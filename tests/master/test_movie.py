@@ -4,6 +4,7 @@ import pytest
 from PIL import Image
 
 from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results import movie
 from piston_cosim.master.results.movie import PER_SECOND, write_movie
 from piston_cosim.master.results.pictures import draw_values
@@ -47,3 +48,9 @@ def test_every_chosen_instant_is_a_frame(case, results, tmp_path, monkeypatch):
 def test_without_fields_those_of_the_case(case, results, tmp_path):
     assert len(write_movie(case, results, [], 2, tmp_path / "run.gif")) == 2
     assert (tmp_path / "run.gif").stat().st_size > 1000
+
+
+def test_a_run_without_maps_needs_fields(results, tmp_path):
+    case = check_case({k: v for k, v in TREE.items() if k != "pictures"}, "case.toml")
+    with pytest.raises(BadInput, match=r"expected one of bodies\.film_thickness,"):
+        write_movie(case, results, [], 5, tmp_path / "a.gif")

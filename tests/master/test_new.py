@@ -62,8 +62,6 @@ def test_the_case_is_sound_and_marks_its_estimates(tmp_path):
     assert text.count("our estimate: ") >= 12 and "# mass: given;" in text
     tree = read_tree(tmp_path / "own" / "case.toml")
     assert tree["participants"]["bodies"]["parameters"]["crank_radius"] == "43 mm"
-    with pytest.raises(BadInput, match="own: expected a new or empty folder, got an"):
-        write_case(made, tmp_path / "own")
 
 
 ENGINES = {
@@ -105,42 +103,10 @@ def test_a_mesh_brings_its_skirt(tmp_path):
     assert (tmp_path / "own" / "piston.msh.xz").is_file()
 
 
-@pytest.mark.parametrize(
-    "given, message",
-    [
-        ({}, "expected a value in mm, got nothing"),
-        (SQUARE | {"bore": "86 kg"}, "expected 20 to 600 mm, got '86 kg'"),
-        (SQUARE | {"bore": "5"}, "expected 20 to 600 mm, got '5'"),
-        (SQUARE | {"rod": "44"}, r"expected more than 45\.15 mm, 1\.05 times"),
-        (SQUARE | {"compression": "1"}, "expected 2 to 30, got '1'"),
-        (SQUARE | {"skirt_above": "50"}, "expected less than the compression height,"),
-        (SQUARE | {"rod_centre": "150"}, "expected less than the rod, 143 mm, got 150"),
-    ],
-)
-def test_what_is_refused(given, message):
-    with pytest.raises(BadInput, match=message):
-        engine(given)
-
-
-def test_a_peak_below_compression_is_refused():
-    with pytest.raises(
-        BadInput, match=r"expected 21\.8 bar of compression to 873 bar"
-    ):  # 10.5^1.33 - 1
-        engine(SQUARE, "10 bar")
-    with pytest.raises(BadInput, match="--peak-pressure"):
-        engine(SQUARE, "10 m")
-
-
 def test_the_command(tmp_path, capsys):
     command(tmp_path / "own", sizes=Sizes(bore="86", stroke="86", rod="143"))
     printed = capsys.readouterr().out
     assert "no faults" in printed and "499.56 cm^3" in printed and "piston-cosim run" in printed
-    with pytest.raises(BadInput, match="no such file|expected gmsh"):
-        command(
-            tmp_path / "other",
-            sizes=Sizes(bore="86", stroke="86", rod="143"),
-            step=tmp_path / "no.step",
-        )
 
 
 @pytest.mark.parametrize(

@@ -64,11 +64,6 @@ def test_a_change_reaches_into_a_list():
             read_tree(PATH, [(key, 1)])
 
 
-def test_unknown_study_names_those_there_are():
-    with pytest.raises(BadInput, match="modes, choice, grid"):
-        study_points(PATH, [], "mode")
-
-
 def test_distance_from_the_reference(tmp_path):
     case, study, points = study_points(PATH, [], "step")
     summary = dict.fromkeys((*Cost._fields, *case.summary), 1.0)

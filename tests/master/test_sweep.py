@@ -59,21 +59,6 @@ def test_axis_of_a_range_and_of_a_list(tree):
     assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
 
 
-@pytest.mark.parametrize(
-    "text, message",
-    [
-        ("grid=1..2:2", "grid: expected a dotted path, got a name of"),
-        ("no_such=1..2:2", "no_such: expected a key of the case, got an"),
-        ("crank_speed=1rpm..2:2", "units of one kind"),
-        ("crank_speed", "KEY=LOW..HIGH:COUNT"),
-        ("crank_speed=1rpm..2rpm:1", "expected 2 to 100000 values in a range, got"),
-    ],
-)
-def test_bad_axes_say_what_is_wrong(tree, text, message):
-    with pytest.raises(BadInput, match=message):
-        parse_axis(text, tree)
-
-
 def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()
