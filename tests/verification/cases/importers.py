@@ -63,11 +63,12 @@ def seen(what):
 def seen_in_table(*command):
     import csv, subprocess, tempfile
     table = Path(tempfile.mkdtemp()) / "out.csv"
-    words = [str(table) if word == "TABLE" else str(word) for word in command]
+    words = [str(word).replace("TABLE", str(table)) for word in command]
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    for row in csv.DictReader(table.read_text().splitlines()):
-        keep(row["time"], [row[name] for name in names])
+    last_rows = {{row["time"]: row for row in csv.DictReader(table.read_text().splitlines())}}
+    for time, row in last_rows.items():
+        keep(time, [row[name] for name in names])
     seen(rows)
 """
 
@@ -279,6 +280,15 @@ seen(rows)""",
         ("2.0",),
         source="download a release of MasterSim",
         program="mastersim",
+    ),
+    "OMSimulator": Importer(
+        None,
+        """
+seen_in_table("OMSimulator", f"--stopTime={count * step!r}", f"--stepSize={step!r}",
+              f"--intervals={count}", "--resultFile=TABLE", fmu)""",
+        ("2.0",),
+        source="pip install OMSimulator",
+        program="OMSimulator",
     ),
     "Python alone (ctypes)": Importer(
         None,
