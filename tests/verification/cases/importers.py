@@ -188,26 +188,6 @@ one.terminate()
 one.free_instance()""",
         source="pip install fmuloader",
     ),
-    "OMSimulator": Importer(
-        "OMSimulator",
-        """
-from OMSimulator import OMSimulator
-oms = OMSimulator()
-made = (oms.newModel("m"), oms.addSystem("m.s", oms.system_wc), oms.addSubModel("m.s.one", fmu))
-for status in made:
-    assert status == 0, status
-oms.setStopTime("m", count * step)
-oms.setFixedStepSize("m.s", step)
-for status in (oms.instantiate("m"), oms.initialize("m")):
-    assert status == 0, status
-for k in range(count + 1):
-    if k:
-        assert oms.stepUntil("m", k * step) == 0
-    keep(k * step, [oms.getReal("m.s.one." + name)[0] for name in names])
-seen(rows)""",
-        ("2.0",),
-        source="pip install OMSimulator, which fetches its program from build.openmodelica.org",
-    ),
     "PyFMI": Importer(
         "PyFMI",
         """
@@ -287,7 +267,7 @@ seen(rows)""",
 seen_in_table("OMSimulator", f"--stopTime={count * step!r}", f"--stepSize={step!r}",
               f"--intervals={count}", "--resultFile=TABLE", fmu)""",
         ("2.0",),
-        source="pip install OMSimulator",
+        source="pip install OMSimulator, or build it",
         program="OMSimulator",
     ),
     "Python alone (ctypes)": Importer(
