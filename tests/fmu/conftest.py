@@ -11,13 +11,16 @@ import fmpy
 import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
-from piston_cosim.master.fmi.builder_native import (
-    build_native_fmu,
-    too_old,
-)
 from piston_cosim.master.fmi.compiler import compiler
 
+from .counter import library
+from .counter import make as make_counter
+from .runs import EXAMPLE, build_of, export, make, needs_compiler, small_tree
+
+__all__ = ["library"]
+
 HERE = Path(__file__).parent
+STOP = ("time.stop", "12 deg")
 
 
 @pytest.fixture(scope="session")
@@ -27,70 +30,34 @@ def fmu():
 
 
 @pytest.fixture(scope="session")
-def native_fmu():
+def native_fmu(make_native):
     """The same without Python; the first time its kernels are compiled, some minutes."""
-    return native_film([12, 10])
-
-
-def native_film(grid, version="2.0", **options):
-    """A native lubrication FMU for this machine."""
-    return native("fmu_ehd", {"grid": grid} | options, Path("."), version=version)
-
-
-def native(package, options, folder, **more):
-    """A native FMU, for this machine unless others are named."""
-    if not compiler():
-        pytest.skip("no C compiler, or not Linux on x86-64")
-    if too_old():
-        pytest.skip(too_old()[0])
-    return build_native_fmu(package, options, folder, **more)
+    return make_native([12, 10])
 
 
 def rigid_bodies(grid):
     """Build table of the numerical example's bodies, rigid, and its folder."""
-    from piston_cosim.master.case.checked import check_case
-    from piston_cosim.master.case.reading import find_case, read_tree
+    return build_of(small_tree(grid=grid), EXAMPLE, "bodies")[1:]
 
-    path = find_case("numerical_example")
-    build = check_case(read_tree(path), path).participants["bodies"].build | {"grid": grid}
-    return build | {part: build[part] | {"modes": 0} for part in ("piston", "block")}, path.parent
+
+@pytest.fixture(scope="session")
+def make_native():
+    """Builds a native film on a grid."""
+    return lambda grid, **more: make("fmu_ehd", {"grid": grid}, Path("."), True, **more)
 
 
 @pytest.fixture(scope="session")
 def native_bodies():
-    """Builds rigid bodies without Python, on a grid; the first time their kernels are compiled,
-    some minutes.
-    """
-    return lambda grid, **more: native("fmu_mfbd", *rigid_bodies(grid), **more)
+    """Builds rigid bodies without Python, on a grid."""
+    return lambda grid, **more: make("fmu_mfbd", *rigid_bodies(grid), True, **more)
 
 
 @pytest.fixture(scope="session")
 def native_engine():
     """Builds the numerical example, rigid, as one FMU without Python, on a grid."""
-
-    def make(grid, changes=(), version="2.0", platforms=("linux64",)):
-        from piston_cosim.master.case.checked import check_case
-        from piston_cosim.master.case.export import export_fmu
-        from piston_cosim.master.case.reading import find_case, read_tree
-
-        if platforms and not compiler():
-            pytest.skip("no C compiler, or not Linux on x86-64")
-        if platforms and too_old():
-            pytest.skip(too_old()[0])
-        path = find_case("numerical_example")
-        small = [
-            *((f"participants.{name}.build.grid", grid) for name in ("bodies", "ehd")),
-            *((f"participants.bodies.build.{body}.modes", 0) for body in ("piston", "block")),
-        ]
-        tree = read_tree(path, [*small, ("time.stop", "12 deg"), *changes])
-        return export_fmu(check_case(tree, path), path.parent, print, version, platforms)
-
-    return make
-
-
-@pytest.fixture(scope="session")
-def make_native():
-    return native_film
+    return lambda grid, changes=(), **more: export(
+        small_tree(STOP, *changes, grid=grid), native=True, **more
+    )
 
 
 @pytest.fixture(scope="session")
@@ -99,11 +66,18 @@ def bodies_fmu():
     return build_fmu("fmu_mfbd", *rigid_bodies([12, 10]))
 
 
+@pytest.fixture
+def folder(tmp_path, library):
+    """A folder with a.fmu and b.fmu, two counters."""
+    for name in "ab":
+        make_counter(tmp_path / f"{name}.fmu", library)
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def host(tmp_path_factory):
     """A compiled host that is not Python."""
-    if not compiler():
-        pytest.skip("no C compiler")
+    needs_compiler(native=False)
     program = tmp_path_factory.mktemp("host") / "host"
     subprocess.run(
         [compiler(), "-Wall", "-Wextra", "-o", str(program), str(HERE / "host.c"), "-ldl"],

@@ -1,10 +1,33 @@
-"""Runs of cases in the process of the tests."""
+"""Cases on coarse grids, their runs in the process of the tests, and their FMUs."""
+
+import pytest
 
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.reading import read_tree
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import build_native_fmu, too_old
+from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
+
+EXAMPLE = find_case("numerical_example")
+
+
+def coarse(*changes, grid=(12, 10), modes=0):
+    """Return changes of a case with one film: cells, and modes of both bodies unless None."""
+    bodies = ("piston", "block") if modes is not None else ()
+    return [
+        *((f"participants.{name}.build.grid", list(grid)) for name in ("bodies", "ehd")),
+        *((f"participants.bodies.build.{body}.modes", modes) for body in bodies),
+        *changes,
+    ]
+
+
+def small_tree(*changes, **sizes):
+    """Return the tree of the numerical example, rigid unless `modes` are given; see `coarse`."""
+    return read_tree(EXAMPLE, coarse(*changes, **sizes))
 
 
 def run_tree(origin, tree, output):
@@ -21,6 +44,54 @@ def run_text(folder, text, changes=(), output=None):
     return run_tree(path, read_tree(path, changes), output or folder / "o.h5")
 
 
+def values_of(results, *names):
+    """Return values of recorded curves, one array for each name."""
+    found = [results.series(name).values for name in names]
+    return found if len(names) > 1 else found[0]
+
+
+def is_sound(results, energy=True):
+    """Assert that oil and work of every film are kept to round-off and every step converged."""
+    errors = [name for name in results.ports if name.endswith("interface_work_error")]
+    films = [name for name in results.ports if name.endswith("mass_imbalance")]
+    assert len(errors) == len(films) > 0
+    for name in (*errors, *films):
+        assert results.series(name).values.max() <= 1e-12, name
+    assert results.summary["unconverged_steps"] == 0
+    assert abs(results.summary["interface_work_imbalance"]) <= 1e-5
+    assert not energy or results.summary["energy_created_share_max"] < 0.05
+
+
 def reached(one):
     """Return the end of the last step of an instance [s], where its next step begins."""
     return one.get("time") if one.version == "3" else one._reached(0.0)
+
+
+def build_of(tree, path, name):
+    """Return package, build table and folder of a participant."""
+    table = check_case(tree, path).participants[name]
+    return table.package, table.build, path.parent
+
+
+def needs_compiler(native=True):
+    """Skip a test where nothing can be compiled."""
+    if not compiler():
+        pytest.skip("no C compiler, or not Linux on x86-64")
+    if native and too_old():
+        pytest.skip(too_old()[0])
+
+
+def make(package, options, folder, native=False, version="2.0", **more):
+    """Return an FMU of a package, native or in Python."""
+    if native:
+        needs_compiler()
+        return build_native_fmu(package, options, folder, version=version, **more)
+    return build_fmu(package, options, folder, version=version, **more)
+
+
+def export(tree, path=EXAMPLE, native=False, version="2.0"):
+    """Return the coupled FMU of a tree, native or in Python."""
+    if native:
+        needs_compiler()
+    platforms = ["linux64"] if native else ()
+    return export_fmu(check_case(tree, path), path.parent, print, version, platforms)

@@ -6,15 +6,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fmpy import fmi2
+
+from piston_cosim.master.fmi.compiler import compiler_of
 
 STEP, STEPS = 5e-5, 3
 CELL = ("nodal_pressure_force[3,4]", "film_thickness[3,4]")
 
 
-def ask(host, *fmus, before=(), **environment):
-    """Exit code, lines of numbers and error text of the host; `before` starts it."""
+def ask(host, *fmus, before=(), only=None, **environment):
+    """Exit code, lines of numbers and error text of the host; `before` starts it. The environment
+    is `only`, if given, else that of the tests without Python's, and what is given.
+    """
     arguments = [str(a) for fmu in fmus for a in fmu]
     run = subprocess.run(
         [*before, str(host), repr(STEP), str(STEPS), *arguments],
@@ -22,7 +27,9 @@ def ask(host, *fmus, before=(), **environment):
         text=True,
         cwd="/",
         timeout=300,
-        env={
+        env=only
+        if only is not None
+        else {
             k: v
             for k, v in (os.environ | environment).items()
             if v is not None and (k in environment or not k.startswith(("PYTHON", "VIRTUAL_ENV")))
@@ -62,6 +69,8 @@ def in_python(arguments):
     one.exitInitializationMode()
     for n in range(STEPS + 1):
         one.setReal([given], [value * (1 - 100 * (n * STEP))])
+        if n == STEPS:
+            one.getFMUstate()  # as the host
         one.doStep(n * STEP, STEP)
     result = one.getReal([wanted])[0], one.getDirectionalDerivative([wanted], [seed], [1.0])[0]
     one.terminate()
@@ -80,26 +89,53 @@ def test_both_fmus_in_one_host_without_python(host, film, bodies):
         assert product != 0 and size > 1000 and repeated == 1
 
 
-def test_host_finds_the_interpreter_it_is_told(host, film, tmp_path):
-    marker = tmp_path / "asked"
-    wrapper = tmp_path / "my python"
+@pytest.mark.parametrize("kind", ["film", "coupled"])
+def test_a_native_fmu_in_an_empty_environment_and_a_read_only_folder(
+    host, native_fmu, native_engine, unpack, tmp_path, kind
+):
+    """No Python, no PATH, no HOME; the bits of a host in Python."""
+    place = unpack(native_fmu if kind == "film" else native_engine([12, 10]), tmp_path / "a place")
+    given = ("film_thickness[3,4]", 2e-5, *CELL)
+    if kind == "coupled":
+        given = ("crank_speed", 628.0, "side_force", "crank_speed")
+    arguments = place.arguments(*given)
+    place.folder.chmod(0o555)
+    code, ((output, product, size, repeated),), errors = ask(host, arguments, only={})
+    assert code == 0, errors
+    assert (output, product) == in_python(arguments)
+    assert output != 0.0 and product != 0.0 and size > 1000 and repeated == 1
+
+
+@pytest.mark.parametrize("setting", ["PISTON_COSIM_PYTHON", "VIRTUAL_ENV"])
+def test_host_finds_the_interpreter_it_is_told(host, film, tmp_path, setting):
+    """By name, or as that of an active environment, which comes before the recorded one."""
+    marker, folder = tmp_path / "asked", tmp_path / "my environment"
+    wrapper = folder / "bin/python"
+    wrapper.parent.mkdir(parents=True)
     wrapper.write_text(f"#!/bin/sh\ntouch '{marker}'\nexec {sys.executable} \"$@\"\n")
     wrapper.chmod(0o755)
-    code, _, errors = ask(host, film, PISTON_COSIM_PYTHON=str(wrapper))
+    told = wrapper if setting == "PISTON_COSIM_PYTHON" else folder
+    code, _, errors = ask(host, film, **{setting: str(told)})
     assert code == 0, errors
     assert marker.exists()
 
 
+def bare_python(folder):
+    """A Python without packages."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
+    return folder / "bin" / "python"
+
+
+LACKING = "numpy, scipy, numba missing; run: {} -m pip install numpy scipy numba"
+
+
 def test_missing_packages_are_a_clean_refusal_with_the_pip_line(host, film, tmp_path):
-    subprocess.run(
-        [sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "bare")], check=True
-    )
-    bare = tmp_path / "bare" / "bin" / "python"
+    bare = bare_python(tmp_path / "bare")
     (tmp_path / "python.txt").write_text(str(bare))
     settings = {"PATH": str(bare.parent), "PISTON_COSIM_CACHE": str(tmp_path)}
     code, _, errors = ask(host, film, **settings)
     assert code == 1
-    assert f"numpy, scipy, numba missing; run: {bare} -m pip install numpy scipy numba" in errors
+    assert LACKING.format(bare) in errors
 
 
 @pytest.mark.parametrize("name", ["with blank", "Kolben-Öl-油", "per%20cent"])
@@ -173,19 +209,8 @@ def test_a_read_only_unzip_folder(host, fmu, unpack, stranger, tmp_path):
     assert code == 0, errors
 
 
-def test_the_python_of_an_active_environment_comes_before_the_recorded_one(host, film, tmp_path):
-    marker = tmp_path / "asked"
-    (tmp_path / "bin").mkdir()
-    wrapper = tmp_path / "bin" / "python"
-    wrapper.write_text(f"#!/bin/sh\ntouch '{marker}'\nexec {sys.executable} \"$@\"\n")
-    wrapper.chmod(0o755)
-    code, _, errors = ask(host, film, VIRTUAL_ENV=str(tmp_path))
-    assert code == 0, errors
-    assert marker.exists()
-
-
 def test_an_environment_without_the_packages_is_passed_over(host, film, tmp_path):
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(tmp_path)], check=True)
+    bare_python(tmp_path)
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     code, _, errors = ask(host, film, VIRTUAL_ENV=str(tmp_path), PATH=path)
     assert code == 0, errors
@@ -216,8 +241,7 @@ def test_a_python_in_the_host_that_lacks_packages_is_told_in_one_sentence(film, 
     it.
     """
     folder, identifier, location, *_, guid = map(str, film)
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(tmp_path)], check=True)
-    bare = tmp_path / "bin" / "python"
+    bare = bare_python(tmp_path)
     done = subprocess.run(
         [str(bare), "-I", "-c", EMBEDDED, folder, identifier, location, guid],
         capture_output=True,
@@ -225,5 +249,64 @@ def test_a_python_in_the_host_that_lacks_packages_is_told_in_one_sentence(film, 
         cwd="/",
     )
     assert done.returncode == 0, done.stderr
-    told = f"numpy, scipy, numba missing; run: {bare} -m pip install numpy scipy numba"
-    assert done.stdout.strip() == f"False instantiate: {told}"
+    assert done.stdout.strip() == f"False instantiate: {LACKING.format(bare)}"
+
+
+# ---- other machines
+
+MACHINES = {
+    "aarch64-linux": ("so", ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]),
+    "win64": ("dll", ["wine"]),
+}
+"""Platform -> suffix of its libraries, and what runs its programs here."""
+DRIVER = Path(__file__).parent / "native_driver.c"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("platform", MACHINES)
+@pytest.mark.parametrize(
+    "kind, steps, first",
+    [
+        ("fmu_ehd", "200", ("film_thickness", "sliding_velocity", "nodal_pressure_force")),
+        ("fmu_mfbd", "120", ("nodal_pressure_force", "nodal_friction_force", "film_thickness")),
+    ],
+)
+def test_other_machines_say_the_same(
+    make_native, native_bodies, unpack, tmp_path, platform, kind, steps, first
+):
+    """The same host program, compiled for the machine, under an emulator: the bits of the film; of
+    the bodies to the last digits of other C libraries' sin, tanh and hypot.
+    """
+    ending, emulator = MACHINES[platform]
+    compile_for, film = compiler_of(platform), kind == "fmu_ehd"
+    if compile_for is None or shutil.which(emulator[0]) is None:
+        pytest.skip(f"{platform}: needs its C compiler and {emulator[0]}")
+    make, answers = make_native if film else native_bodies, []
+    for command, compile_with, folder, suffix in (
+        ([], ["cc"], "linux64", "so"),
+        (emulator, compile_for, platform, ending),
+    ):
+        place = unpack(make([12, 10], platforms=[folder]), tmp_path / folder)
+        program = tmp_path / f"driver-{folder}.exe"
+        links = ["-lm"] if folder == "win64" else ["-lm", "-ldl"]
+        numbers = [] if film else ["-DNUMBERS"]
+        command_line = [*compile_with, *numbers, "-o", str(program), str(DRIVER), *links]
+        subprocess.run(command_line, check=True)
+        references = [place.references[f"{name}[1,1]"] for name in first]
+        library = place.folder / "binaries" / folder / f"{kind}.{suffix}"
+        words = [program, library, place.location, place.description.guid, 120, steps, *references]
+        done = subprocess.run(
+            [*command, *map(str, words)],
+            capture_output=True,
+            timeout=500,
+            env={**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")},
+        )
+        assert done.returncode == 0, done.stderr
+        answers.append(done.stdout.replace(b"\r", b""))
+    assert answers[0].count(b"\n") == int(steps)
+    if film:
+        assert answers[0] == answers[1]
+        return
+    own, there = (np.array([float(one.split()[1]) for one in a.splitlines()]) for a in answers)
+    assert np.ptp(own) > 1e-3 * own.max()  # the piston moves
+    assert np.abs(own - there).max() <= 1e-12 * np.abs(own).max()

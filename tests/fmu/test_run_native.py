@@ -1,39 +1,29 @@
 """`run` with participants of machine code: the same steps as with those in Python, by the same
-master.
+master. What machine code does not cover is rejected ahead.
 """
 
-import h5py
+import importlib
+
 import numpy as np
 import pytest
 
+from piston_cosim.master.api.fmus import build_fmu as build_of_case
+from piston_cosim.master.case import export as exporting
 from piston_cosim.master.case.ahead import faults_ahead
 from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.machine_code import native_choice
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi import builder_native
-from piston_cosim.master.fmi.builder_native import library_name
-from piston_cosim.master.fmi.compiler import compiler, this_platform
+from piston_cosim.master.fmi.builder_native import build_native_fmu, library_name
+from piston_cosim.master.fmi.compiler import this_platform
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.runs.run import run
 
 from .films import PATH as DATA_SHEET
 from .films import several_films
+from .runs import EXAMPLE, needs_compiler, run_tree, small_tree
 
-PATH = find_case("numerical_example")
-SMALL = [
-    *((f"participants.{name}.build.grid", [12, 10]) for name in ("bodies", "ehd")),
-    *((f"participants.bodies.build.{body}.modes", 4) for body in ("piston", "block")),
-    ("time.stop", "30 deg"),
-    ("participants.bodies.parameters.crank_offset", "1 mm"),
-    ("participants.ehd.parameters.film_fraction_lower_edge", 0.6),
-    ("participants.ehd.parameters.roughness_rms", "1.5 um"),
-    ("wires.0.tolerance", "0.01 nm"),
-    ("wires.1.tolerance", 1e-8),
-]
-"""Flexible, beside the axis, little oil, surfaces that touch."""
-SPEED = {"points": [[0.0, 6000.0], [360.0, 6000.0]], "angle_unit": "deg", "speed_unit": "rpm"}
-"""A table of crank speed over angle."""
 COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
 ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.energy_error")
 """The last one of the rigid block of the twin, 1e-17 J."""
@@ -43,67 +33,18 @@ the bodies' products, so the tolerance is a hundredth of the case's.
 """
 
 
-def case_of(*changes, path=PATH, small=SMALL):
-    tree = read_tree(path, [*small, *changes])
-    return check_case(tree, path), tree
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """Runs with machine code and with Python: summary and recorded scalars."""
-    if not compiler() or builder_native.too_old():
-        pytest.skip("no C compiler, an old numba, or not Linux")
-
-    def by(native):
-        case, tree = case_of(("native", native))
-        file = tmp_path_factory.mktemp("run") / "run.h5"
-        system = open_system(case, PATH.parent, lambda text: None)
-        names = [participant.path.name for participant in system.participants.values()]
-        summary = run(system, case, tree, file)
-        with h5py.File(file) as results:
-            curves = {
-                f"{owner}.{name}": values[()]
-                for owner in ("bodies", "ehd")
-                for name, values in results[owner].items()
-                if isinstance(values, h5py.Dataset) and values.ndim == 1
-            }
-        return names, summary, curves
-
-    return by(True), by(False)
-
-
-def test_participants_are_machine_code_where_the_case_says_so(finished):
-    (native, *_), (python, *_) = finished
-    assert [("-native-" in name) for name in native] == [True, True]
-    assert [("-native-" in name) for name in python] == [False, False]
-
-
-def test_a_run_takes_as_many_evaluations(finished):
-    (_, native, _), (_, python, _) = finished
-    assert {name: native[name] for name in COUNTS} == {name: python[name] for name in COUNTS}
-
-
-def test_curves_agree(finished):
-    (_, _, native), (_, _, python) = finished
-    assert native.keys() == python.keys()
-    assert len(native) > 30
-    for name in native.keys() - {"bodies.interface_work_error", "ehd.mass_imbalance"}:
-        size = max(np.ptp(python[name]), np.abs(python[name]).max())
-        assert np.abs(native[name] - python[name]).max() <= AGREES * size, name
-
-
-def ended(tree, path, file):
-    """Summary of a run, and its recorded scalars, by participant and name."""
-    case = check_case(tree, path)
-    summary = run(open_system(case, path.parent, lambda text: None), case, tree, file)
-    with h5py.File(file) as results:
-        curves = {
-            f"{owner}.{name}": values[()]
-            for owner in case.participants
-            for name, values in results[owner].items()
-            if isinstance(values, h5py.Dataset) and values.ndim == 1
-        }
-    return summary, curves
+def hard():
+    """Flexible, beside the axis, little oil, surfaces that touch."""
+    tree = small_tree(
+        ("time.stop", "30 deg"),
+        ("participants.bodies.parameters.crank_offset", "1 mm"),
+        ("participants.ehd.parameters.film_fraction_lower_edge", 0.6),
+        ("participants.ehd.parameters.roughness_rms", "1.5 um"),
+        ("wires.0.tolerance", "0.01 nm"),
+        ("wires.1.tolerance", 1e-8),
+        modes=4,
+    )
+    return tree, EXAMPLE
 
 
 def twin():
@@ -121,48 +62,113 @@ def two_films():
     return several_films((12, 12), "20 deg", [(1, 5), (7, 12)]), DATA_SHEET
 
 
-@pytest.mark.parametrize("make", [twin, two_films])
-def test_cases_of_more_than_one_film_run_as_in_python(make, tmp_path, finished):
-    """The same steps and linearisations; curves as those of one film are."""
+@pytest.mark.parametrize("make, scalars", [(hard, 30), (twin, 60), (two_films, 60)])
+def test_a_run_takes_as_many_evaluations_and_its_curves_agree(make, scalars, tmp_path):
+    needs_compiler()
     tree, path = make()
-    native = ended(tree | {"native": True}, path, tmp_path / "native.h5")
-    python = ended(tree | {"native": False}, path, tmp_path / "python.h5")
-    assert native[0]["unconverged_steps"] == 0
-    assert {name: native[0][name] for name in COUNTS} == {name: python[0][name] for name in COUNTS}
-    assert native[1].keys() == python[1].keys() and len(python[1]) > 60
-    for name in native[1]:
-        if name.endswith(ROUND_OFF_BY_ITSELF):
-            continue
-        a, b = native[1][name], python[1][name]
-        size = max(np.ptp(b), np.abs(b).max())
-        assert np.abs(a - b).max() <= AGREES * size, name
-
-
-def test_what_is_not_covered_is_said_with_all_that_is_wrong():
-    case, _ = case_of(
-        ("native", ["bodies", "ehd", "piston"]),
-        ("participants.ehd.build.grid", [193, 10]),
-        ("participants.bodies.build.grid", [193, 10]),
-        ("participants.bodies.build.motion_in_space", {}),
-        ("participants.bodies.build.block.bore_from_outside", {}),
-        ("participants.bodies.build.floating_pin.pin_shapes", 5),
+    native, python = (
+        run_tree(path, tree | {"native": native}, tmp_path / f"{native}.h5")
+        for native in (True, False)
     )
-    faults = faults_ahead(case, PATH.parent)
-    assert any("unknown participant 'piston'" in f for f in faults)
-    assert any("participants.ehd.build.grid: expected at most 192" in fault for fault in faults)
-    for name in ("motion_in_space", "block.bore_from_outside", "floating_pin.pin_shapes"):
-        assert any(f"participants.bodies.build.{name}: expected" in fault for fault in faults)
+    assert native.summary["unconverged_steps"] == 0
+    assert {name: native.summary[name] for name in COUNTS} == {
+        name: python.summary[name] for name in COUNTS
+    }
+    curves, other = (one.structured() for one in (python, native))
+    names = curves.dtype.names
+    assert other.dtype.names == names and len(names) > scalars
+    for name in names:
+        a, b = other[name], curves[name]
+        if not name.endswith(ROUND_OFF_BY_ITSELF):
+            size = max(np.ptp(b), np.abs(b).max())
+            assert np.abs(a - b).max() <= AGREES * size, name
 
 
-def test_a_stroke_without_room_is_said_before_anything_is_built():
-    stroke = ("participants.ehd.parameters.stroke", "0.5 m")
-    case, _ = case_of(("native", True), stroke, ("participants.ehd.parameters.oil_supply", "bore"))
-    with pytest.raises(
-        BadInput, match="participants.ehd.parameters.stroke: expected at most .*, got 0.5 m"
+def test_participants_are_machine_code_where_the_case_says_so():
+    needs_compiler()
+    for native in (True, False):
+        case = check_case(small_tree(("native", native)), EXAMPLE)
+        participants = open_system(case, EXAMPLE.parent, print).participants.values()
+        assert [("-native-" in one.path.name) for one in participants] == [native, native]
+
+
+BODIES = {"motion_in_space": {}, "block.bore_from_outside": {}, "floating_pin.pin_shapes": 5}
+OF_BODIES = [
+    "motion_in_space: expected nothing in a native FMU, got",
+    "block.bore_from_outside: expected nothing in a native FMU, got",
+    "floating_pin.pin_shapes: expected 0 in a native FMU, got 5",
+]
+CHANGES = [(f"participants.bodies.build.{name}", value) for name, value in BODIES.items()]
+WIDE = [(f"participants.{name}.build.grid", [193, 10]) for name in ("bodies", "ehd")]
+
+
+def rejected(make, *arguments, **named):
+    with pytest.raises(BadInput) as refusal:
+        make(*arguments, **named)
+    return str(refusal.value)
+
+
+def test_what_is_not_covered_is_rejected_before_anything_is_made(monkeypatch):
+    """By a build of one participant, by an export and by a run, with its place in the case. The
+    mask of a film comes from the mesh of its body.
+    """
+    bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
+    monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))
+    monkeypatch.setattr(exporting, "open_system", lambda *_: pytest.fail("a system was opened"))
+    for words, option in zip(OF_BODIES, BODIES.items()):
+        head, _, last = option[0].partition(".")
+        options = {head: {last: option[1]} if last else option[1]}
+        build = dict(options=options, platforms=["linux64"])
+        assert words in rejected(build_of_case, "numerical_example", "bodies", **build)
+    for grid, platform, words in (
+        ([193, 8], "linux64", "grid: expected at most 192"),
+        ([8, 8], "beos", "platform: expected one of linux64"),
     ):
-        open_system(case, PATH.parent, print)
-    plenty, _ = case_of(("native", True), stroke)
-    assert not faults_ahead(plenty, PATH.parent)
+        build = dict(options={"grid": grid}, platforms=[platform])
+        assert words in rejected(build_of_case, "numerical_example", "ehd", **build)
+        film = ("fmu_ehd", {"grid": grid}, EXAMPLE.parent)
+        assert words in rejected(build_native_fmu, *film, platforms=[platform])
+    of_coupling = [
+        ("coupling.method", "iqn_ils"),
+        ("coupling.differences", True),
+        ("wires.0.relative_tolerance", 1e-3),
+    ]
+    case = check_case(small_tree(*CHANGES, *of_coupling), EXAMPLE)
+    said = rejected(export_fmu, case, EXAMPLE.parent, print, "2.0", ["linux64", "beos"])
+    for words in (
+        "platform: expected one of linux64",
+        "coupling.method: expected newton in a native FMU",
+        "coupling.differences: expected false in a native FMU",
+        "relative_tolerance: expected 0 in a native FMU, got 0.001",
+        *(f"participants.bodies.build.{words}" for words in OF_BODIES),
+    ):
+        assert words in said
+    run = check_case(small_tree(*CHANGES, *WIDE, ("native", ["bodies", "ehd", "piston"])), EXAMPLE)
+    faults = "\n".join(faults_ahead(run, EXAMPLE.parent))
+    for words in (
+        "unknown participant 'piston'",
+        "participants.ehd.build.grid: expected at most 192",
+        *(f"participants.bodies.build.{words}" for words in OF_BODIES),
+    ):
+        assert words in faults
+
+
+def test_a_stroke_without_room_is_said_before_anything_is_compiled(monkeypatch):
+    monkeypatch.setattr(exporting, "pack_native_fmu", lambda *_, **__: pytest.fail("compiled"))
+    parameters = "participants.ehd.parameters"
+    stroke, supply = (f"{parameters}.stroke", "0.3 m"), (f"{parameters}.oil_supply", "bore")
+    case = check_case(small_tree(("native", True), stroke, supply), EXAMPLE)
+    for said in (
+        rejected(open_system, case, EXAMPLE.parent, print),
+        rejected(export_fmu, case, EXAMPLE.parent, print, "2.0", ["linux64"]),
+    ):
+        assert "ehd.parameters.stroke: expected at most 0.162 m" in said and "got 0.3 m" in said
+    plenty = check_case(small_tree(("native", True), stroke), EXAMPLE)
+    assert not faults_ahead(plenty, EXAMPLE.parent)
+
+
+SPEED = {"points": [[0.0, 6000.0], [360.0, 6000.0]], "angle_unit": "deg", "speed_unit": "rpm"}
+"""A table of crank speed over angle."""
 
 
 def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
@@ -175,10 +181,8 @@ def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
     assert chosen(("native", False)) == set()
     assert chosen(("participants.bodies.build.speed", SPEED)) == {"bodies", "ehd"}
     assert chosen(("participants.bodies.build.motion_in_space", {})) == {"ehd"}
-    wide = [(f"participants.{name}.build.grid", [193, 8]) for name in ("bodies", "ehd")]
-    assert chosen(*wide) == {"bodies"}
+    assert chosen(*WIDE) == {"bodies"}
 
 
 def chosen(*changes):
-    case, _ = case_of(*changes)
-    return native_choice(case, PATH.parent, {})[0]
+    return native_choice(check_case(small_tree(*changes), EXAMPLE), EXAMPLE.parent, {})[0]
