@@ -71,7 +71,7 @@ def command(
     if missed:
         names = list(dict.fromkeys(name for row in missed.values() for name in row))
         console.print(_shown(missed, "what the modes leave out of the deflection", names))
-    tell(f"table    {studies.write_table(said, folder / 'study.csv')}")
+    tell(f"table    {sweeps.write_table([row.record() for row in said], folder / 'study.csv')}")
     for picture in draw(checked, runs, folder, format):
         tell(f"picture  {picture}")
 

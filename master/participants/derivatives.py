@@ -116,8 +116,14 @@ def scales(
 class RepeatedStep:
     """Derivative by repeating the last step, for participants that know where it began."""
 
-    _begin: Any
-    _last_step: tuple[float, float]
+    participant: Any
+    _begin: Any = None
+    _last_step = (0.0, 0.0)
+
+    def restore(self, saved: Any) -> None:
+        """Restore a saved state, where the next step begins."""
+        self._begin = saved
+        self.participant.restore(saved)
 
     def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
         """Return the directional derivative of the last step by a difference."""
@@ -129,21 +135,11 @@ class RepeatedStep:
             self._begin = begin
 
 
-class Differenced(Wrapper):
+class Differenced(RepeatedStep, Wrapper):
     """Participant with derivatives by differences of its steps, even if it offers others."""
 
     has_derivatives = False
     derive = None
-
-    def __init__(self, participant: Participant):
-        super().__init__(participant)
-        self._begin: Any = None
-        self._last_step = (0.0, 0.0)
-
-    def restore(self, saved: Any) -> None:
-        """Restore a saved state, where the next step begins."""
-        self._begin = saved
-        self.participant.restore(saved)
 
     def step(self, time: float, step: float) -> None:
         """Take a step [s]."""
@@ -153,9 +149,6 @@ class Differenced(Wrapper):
     def begin_step(self, time: float, step: float) -> None:
         self._last_step = time, step
         self.participant.begin_step(time, step)
-
-    def derivative(self, seeds: Mapping[str, np.ndarray], products: Iterable[str]) -> Fields:
-        return difference(self.participant, self._begin, self._last_step, seeds, products)
 
 
 def objection(

@@ -1,7 +1,6 @@
 """Participant with several steps in a macro step, between which its inputs vary."""
 
 from math import ceil
-from typing import Any
 
 import numpy as np
 
@@ -52,8 +51,6 @@ class Substeps(RepeatedStep, FieldByField, Wrapper):
         super().__init__(participant)
         self.length, self.fixed = length, fixed
         self._courses: dict[str, np.ndarray] = {}
-        self._begin: Any = None
-        self._last_step: Any = None
 
     def __repr__(self):
         return repr(self.participant)
@@ -96,8 +93,3 @@ class Substeps(RepeatedStep, FieldByField, Wrapper):
                 self.participant.set_course(name, shifted(course, at))
             else:
                 self.participant.set(name, shifted(course, at + length)[0])
-
-    def restore(self, saved):
-        """Restore a saved state, where the next macro step begins."""
-        self._begin = saved
-        self.participant.restore(saved)

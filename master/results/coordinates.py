@@ -12,9 +12,8 @@ import numpy as np
 from ..case.schema import Case
 from ..case.shown import NEUTRAL
 from ..coupling.wiring import port_of
+from .instants import CRANK_ANGLE
 
-CRANK_ANGLE = "crank_angle"
-"""Output with the crank angle, of the participant whose speed converts angles to times."""
 INSTANT = "instant"
 """Name of the time of fields, next to that of scalars."""
 

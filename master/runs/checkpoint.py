@@ -173,8 +173,7 @@ def code_files(tree, folder, key):
 
 def source_hashes(tree, folder):
     """Return the SHA-256 of the Python files that a case names: participant -> text."""
-    files = code_files(tree, folder, "file")
-    return {name: sha256(path.read_bytes()).hexdigest() for name, path in files.items()}
+    return {name: _hash(path) for name, path in code_files(tree, folder, "file").items()}
 
 
 def check_code(checkpoint, say):
@@ -195,8 +194,7 @@ def check_code(checkpoint, say):
     for key, expected in (("file", checkpoint.sources), ("fmu", checkpoint.fmus)):
         for name, path in code_files(checkpoint.tree, checkpoint.folder, key).items():
             try:
-                content = sha256(path.read_bytes()).hexdigest() if key == "file" else None
-                same = (content or _content_hash(path)) == expected.get(name)
+                same = (_hash if key == "file" else _content_hash)(path) == expected.get(name)
             except (OSError, zipfile.BadZipFile) as error:
                 faults.append(f"participants.{name}.{key}: {file_fault(path, error)}")
                 continue
@@ -217,6 +215,10 @@ def fingerprints(participants):
     """Return the SHA-256 of the content of every participant's FMU, by participant."""
     paths = {name: getattr(p, "path", None) for name, p in participants.items()}
     return {name: _content_hash(path) for name, path in paths.items() if path is not None}
+
+
+def _hash(path):
+    return sha256(path.read_bytes()).hexdigest()
 
 
 def _content_hash(path):

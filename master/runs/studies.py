@@ -1,6 +1,5 @@
 """Studies: runs of one case compared with a reference run, with the cost of each."""
 
-import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -157,14 +156,3 @@ def _order(size, values):
 
 def _curve(results, x, y):
     return results.series(x).values, results.series(y).values
-
-
-def write_table(rows, path):
-    """Write the rows as CSV, with empty cells for unfinished runs."""
-    records = [row.record() for row in rows]
-    names = list(dict.fromkeys(name for record in records for name in record))
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, names, restval="")
-        writer.writeheader()
-        writer.writerows(records)
-    return path

@@ -5,9 +5,9 @@ The runs use local processes or any other executor.
 
 import csv
 import hashlib
+import io
 import itertools
 import json
-import os
 import tomllib
 from collections.abc import Callable
 from concurrent.futures import as_completed
@@ -22,6 +22,7 @@ from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
 from ..fmi.builder import build_fmu
+from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import one_micro, registry
 from .lock import sole_writer
@@ -263,12 +264,13 @@ def _sweep(points, case_folder, folder, executor, watch):
         k = waiting[future]
         rows[k] = _row(future)
         with writing(table):
-            _replace(runs / f"{points[k].name}.json", json.dumps(rows[k]))
-            _write_table(table, points, rows)
+            write_whole(runs / f"{points[k].name}.json", json.dumps(rows[k]).encode())
+            write_table([_record(points[n], rows[n]) for n in sorted(rows)], table)
         watch(points[k].values | rows[k], len(rows), len(points))
+    records = [_record(point, rows[k]) for k, point in enumerate(points)]
     with writing(table):
-        _write_table(table, points, rows)
-    return [_record(point, rows[k]) for k, point in enumerate(points)]
+        write_table(records, table)
+    return records
 
 
 def table_for(folder, points):
@@ -319,19 +321,15 @@ def _record(point, row):
     return point.values | {"results": f"runs/{point.name}.h5"} | row
 
 
-def _write_table(path, points, rows):
-    records = [_record(points[k], rows[k]) for k in sorted(rows)]
-    names = list(dict.fromkeys(name for record in records for name in record))
-    text = [names] + [[record.get(name, "") for name in names] for record in records]
-    with open(f"{path}.new", "w", newline="") as file:
-        csv.writer(file).writerows(text)
-    os.replace(f"{path}.new", path)
-
-
-def _replace(path, text):
-    fresh = path.with_suffix(".new")
-    fresh.write_text(text)
-    os.replace(fresh, path)
+def write_table(records, path):
+    """Write dicts as CSV, with empty cells for missing entries."""
+    names = dict.fromkeys(name for record in records for name in record)
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, names, restval="")
+    writer.writeheader()
+    writer.writerows(records)
+    write_whole(path, text.getvalue().encode())
+    return path
 
 
 def unfinished(points: list[Point], folder: Path) -> list[Point]:

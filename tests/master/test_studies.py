@@ -15,8 +15,8 @@ from piston_cosim.master.runs.studies import (
     observed_orders,
     study_points,
     study_rows,
-    write_table,
 )
+from piston_cosim.master.runs.sweep import write_table
 
 PATH = find_case("numerical_example")
 
@@ -79,7 +79,7 @@ def test_distance_from_the_reference(tmp_path):
         # the range is read at grid points
         assert table[1].distances[port] == pytest.approx(expected, rel=1e-3)
         assert table[-1].distances[port] == 0.0
-    with open(write_table(table, tmp_path / "s.csv")) as file:
+    with open(write_table([row.record() for row in table], tmp_path / "s.csv")) as file:
         written = list(csv.DictReader(file))
     assert [row["status"] for row in written] == ["failed", *["done"] * (len(rows) - 1)]
     assert written[0]["wall_time_s"] == "" and written[1]["wall_time_s"] == "1.0"

@@ -111,7 +111,7 @@ def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp
         def refused(*given):
             raise full
 
-        patch.setattr("pathlib.Path.write_text", refused)
+        patch.setattr("pathlib.Path.write_bytes", refused)
         with pytest.raises(CannotWrite, match="sweep.csv cannot be written: No space left"):
             sweep(points, PATH.parent, tmp_path, Here())
     assert unfinished(points, tmp_path) == points[1:]
