@@ -49,11 +49,9 @@ class Browser:
         For its profile.
     width, height : int
         Of the page [CSS pixels].
-    flags : sequence of str
-        More of its command line.
     """
 
-    def __init__(self, folder: Path, width: int = 1200, height: int = 900, flags=()):
+    def __init__(self, folder: Path, width: int = 1200, height: int = 900):
         self.events: list[dict] = []
         self._count = 0
         self._rest = b""
@@ -65,7 +63,7 @@ class Browser:
         # the protocol's two pipes are its descriptors 3 and 4, whichever they are here
         asked, told = (_above(one) for one in (asked, told))
         self._process = subprocess.Popen(
-            [sys.executable, "-c", HANDED, str(asked), str(told), program, *FLAGS, *flags]
+            [sys.executable, "-c", HANDED, str(asked), str(told), program, *FLAGS]
             + [f"--user-data-dir={folder}", f"--window-size={width},{height}", "about:blank"],
             pass_fds=(asked, told),
             stderr=subprocess.DEVNULL,
@@ -145,14 +143,7 @@ class Browser:
 
     def key(self, name: str):
         """Press a key: Tab, an arrow by its name, or a letter."""
-        codes = {
-            "Tab": 9,
-            "Enter": 13,
-            "ArrowLeft": 37,
-            "ArrowUp": 38,
-            "ArrowRight": 39,
-            "ArrowDown": 40,
-        }
+        codes = {"Tab": 9, "Enter": 13, "ArrowRight": 39}
         given = {"key": name, "windowsVirtualKeyCode": codes.get(name, ord(name[0]))}
         letters = "\r" if name == "Enter" else name if len(name) == 1 else ""
         text = {"text": letters} if letters else {"code": name}

@@ -105,7 +105,6 @@ def test_the_conda_recipe_needs_what_the_package_needs():
     extra = project["optional-dependencies"]["xarray"]
     said = [line.strip(" -").replace(" ", "") for line in constrained.splitlines() if line]
     assert said == extra
-    assert f'version: "{project["version"]}"' in recipe
     ((name, target),) = project["scripts"].items()
     assert f"- {name} = {target}" in recipe
 

@@ -142,13 +142,6 @@ def test_commands_in_documents_are_there_with_their_options():
     assert wrong == []
 
 
-def test_the_citation_names_the_version_that_is_built():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    citation = (ROOT / "CITATION.cff").read_text()
-    assert f"\nversion: {project['version']}\n" in citation
-    assert f"\nlicense: {project['license']}\n" in citation
-
-
 def test_the_shell_completes_every_command():
     script = app.generate_completion(shell="bash")
     names = {name for command in COMMANDS for name in command.split()}

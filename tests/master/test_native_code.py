@@ -36,6 +36,20 @@ attributes #0 = { nounwind }
 """
 
 
+def engine(text, *others):
+    """The machine code of a module, linked with others."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    module = binding.parse_assembly(text)
+    for other in others:
+        module.link_in(binding.parse_assembly(other))
+    module.verify()
+    machine = binding.Target.from_default_triple().create_target_machine()
+    made = binding.create_mcjit_compiler(module, machine)
+    made.finalize_object()
+    return made
+
+
 def test_the_kernels_that_are_there_twice_are_known():
     assert all(hasattr(blocks, name) or hasattr(modal_field, name) for name in TWICE)
 
@@ -48,17 +62,11 @@ def test_one_of_two_versions_is_called(wide):
     begin = text.index('.wide"(')
     marked = text[:begin] + text[begin:].replace("ret i32 7", "ret i32 8", 1)
     marked = marked.replace("external hidden global i32", f"internal global i32 {wide}")
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    machine = binding.Target.from_default_triple().create_target_machine()
-    module = binding.parse_assembly(marked)
-    module.verify()
-    with binding.create_mcjit_compiler(module, machine) as engine:
-        engine.finalize_object()
+    with engine(marked) as made:
         kind = CFUNCTYPE(c_int32, POINTER(c_double), c_double)
         numbers = np.array([3.0])
         place = numbers.ctypes.data_as(POINTER(c_double))
-        assert kind(engine.get_function_address("outside"))(place, 0.1) == 7 + wide
+        assert kind(made.get_function_address("outside"))(place, 0.1) == 7 + wide
         assert numbers[0] == 3.0 * 0.1
 
 
@@ -98,15 +106,8 @@ def test_references_are_counted_and_the_last_one_frees():
     freed = []
     free = CFUNCTYPE(None, POINTER(c_int64))(lambda at: freed.append(at.contents.value))
     binding.add_symbol("NRT_MemInfo_call_dtor", cast(free, c_void_p).value)
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    machine = binding.Target.from_default_triple().create_target_machine()
-    module = binding.parse_assembly(text)
-    module.link_in(binding.parse_assembly(COUNTING))
-    module.verify()
-    with binding.create_mcjit_compiler(module, machine) as engine:
-        engine.finalize_object()
-        run = CFUNCTYPE(None, POINTER(c_int64))(engine.get_function_address("outside"))
+    with engine(text, COUNTING) as made:
+        run = CFUNCTYPE(None, POINTER(c_int64))(made.get_function_address("outside"))
         for count, left, of_freed in ((2, 1, []), (1, 0, [0])):
             block = c_int64(count)
             run(byref(block))

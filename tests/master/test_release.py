@@ -8,7 +8,8 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+VERSION = PROJECT["version"]
 CHANGELOG = (ROOT / "CHANGELOG.md").read_text()
 LARGEST, LONGEST = 15_000, 25
 """Bytes of the changelog, and words of an entry."""
@@ -25,6 +26,10 @@ LARGEST, LONGEST = 15_000, 25
 def test_the_version_is_the_same_everywhere(file, before):
     match = re.search(before + r"(\d+\.\d+\.\d+)", (ROOT / file).read_text())
     assert match and match[1] == VERSION
+
+
+def test_the_citation_has_the_license():
+    assert f"\nlicense: {PROJECT['license']}\n" in (ROOT / "CITATION.cff").read_text()
 
 
 def test_the_changelog_begins_with_the_version():

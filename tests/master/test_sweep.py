@@ -84,10 +84,21 @@ class Here(Executor):
         return future
 
 
+def nothing(*given):
+    return {}
+
+
+def replace(monkeypatch, run, truncation=nothing, measures=nothing):
+    """Let points run so, and nothing be built."""
+    others = {"runs.run.run": run, "engine.truncation.state_truncation": truncation}
+    others |= {"engine.headlines.measures": measures, "case.system.open_system": nothing}
+    for name, function in others.items():
+        monkeypatch.setattr(f"piston_cosim.master.{name}", function)
+
+
 def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp_path, monkeypatch):
     """Once the disk has no room for one of two points, and then for the sweep's own rows."""
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
-    package = "piston_cosim.master"
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def run(system, case, tree, path):
@@ -96,10 +107,7 @@ def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp
         return {"steps": 3}
 
     freed = []
-    monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
-    monkeypatch.setattr(f"{package}.runs.run.run", run)
-    monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", lambda *given: {})
-    monkeypatch.setattr(f"{package}.engine.headlines.measures", lambda *given: {})
+    replace(monkeypatch, run)
     first, second = sweep(points, PATH.parent, tmp_path, Here())
     assert (first["status"], second["status"]) == ("done", "failed")
     path = tmp_path / "runs" / f"{points[1].name}.h5"
@@ -126,11 +134,8 @@ def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):
         asked.append(given[:3])
         return {"truncation_error_piston": 0.1}
 
-    package = "piston_cosim.master"
-    monkeypatch.setattr(f"{package}.case.system.open_system", lambda *given: "system")
-    monkeypatch.setattr(f"{package}.runs.run.run", lambda *given: {"steps": 3})
-    monkeypatch.setattr(f"{package}.engine.truncation.state_truncation", truncation)
-    monkeypatch.setattr(f"{package}.engine.headlines.measures", lambda *given: {"slap_energy_j": 2})
+    measured = {"slap_energy_j": 2}
+    replace(monkeypatch, lambda *given: {"steps": 3}, truncation, lambda *given: measured)
     row = run_point(tree, str(PATH.parent), str(tmp_path / "run.h5"))
     expected = {"slap_energy_j": 2, "steps": 3, "truncation_error_piston": 0.1}
     assert row == {"status": "done", "message": ""} | expected
