@@ -162,6 +162,8 @@ def test_the_section_shows_gaps_and_pressures_of_the_file(seen):
             points = points[1:-1] if line["kind"] == "load" else points  # without its ends
             read = (points[:, 0] - float(line["wall"])) / float(line["gain"])
             assert read == pytest.approx(own[: len(read)], abs=0.006 / abs(float(line["gain"])))
+            heights = (8 + 256 - points[:, 1]) / 256
+            assert heights == pytest.approx((np.arange(len(own)) + 0.5) / len(own), abs=1e-4)
 
 
 def test_bodies_are_where_recover_puts_them(seen, tmp_path):
