@@ -294,41 +294,6 @@ def test_products_of_remembered_pairs():
     assert np.diag(gram) == pytest.approx(np.ones(80), abs=1e-13)
 
 
-def turned(k):
-    """The k-th of matrices that stretch two directions, 31 and 6 times; each turns in a plane."""
-    ways = np.zeros((2, 90))
-    ways[0, :2] = np.cos(0.02 * k), np.sin(0.02 * k)
-    ways[1, 2:4] = np.cos(0.04 * k), np.sin(0.04 * k)
-    return np.eye(90) + ways.T @ np.diag([30.0, 5.0]) @ ways
-
-
-def products_of_turned(solves):
-    """Products of each of so many solves, right sides in both planes; the memory after them."""
-    gmres, rng, found = Gmres(50), np.random.default_rng(3), []
-    for k in range(solves):
-        right = np.zeros(90)
-        right[:4] = rng.standard_normal(4)
-        solved = gmres.solve(turned(k).__matmul__, right, within(*np.full(90, 0.03)))
-        assert np.abs(right - turned(k) @ solved.x).max() <= 0.03
-        found.append(solved.products)
-    return np.array(found), gmres
-
-
-def test_no_more_pairs_are_used_than_their_directions_need(monkeypatch):
-    """Eq. (Q11): four directions, 1.3 x 4 + 4 = 9.2 pairs, ten. All 80 would hold matrices of 30
-    solves ago against that of now, and cost a third more products.
-    """
-    few, gmres = products_of_turned(60)
-    images, _, gram, oldest = gmres.pairs
-    rows = (int(oldest[0]) - 1 - np.arange(10)) % 80
-    assert len(krylov.pairs_in_use(gmres.pairs)) == 10 == np.count_nonzero(gram.any(axis=0))
-    np.testing.assert_allclose(gram[np.ix_(rows, rows)], images[rows] @ images[rows].T, atol=1e-13)
-    monkeypatch.setattr(krylov, "PER_DIRECTION", 100.0)
-    many, gmres = products_of_turned(60)
-    assert len(krylov.pairs_in_use(gmres.pairs)) == 80
-    assert few[30:].sum() < 0.8 * many[30:].sum()  # 78 and 107
-
-
 def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
     # loose coupling of x = -x/2 + 3 is the plain iteration, an evaluation a step: 0, 3, 3/2, 9/4
     system = affine([[-0.5]], lambda t: 3.0, 1e-6)
