@@ -46,15 +46,9 @@ def test_every_equation_has_a_label_of_its_own(texts):
     assert {label for label, times in count.items() if times > 1} == set()
 
 
-def test_every_equation_stands_where_it_is_computed(texts):
+def test_every_equation_is_defined_and_stands_where_it_is_computed(texts):
     labels = {label for text in texts.values() for label in defined(text)}
-    assert labels - {label for text in texts.values() for label in computed(text)} == set()
-
-
-def test_every_equation_that_is_named_is_defined(texts):
-    labels = {label for text in texts.values() for label in defined(text)}
-    named = {label for text in texts.values() for label in computed(text)}
-    assert named - labels == set()
+    assert labels == {label for text in texts.values() for label in computed(text)}
 
 
 def test_every_citation_can_be_looked_up(texts):
