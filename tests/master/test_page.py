@@ -15,6 +15,7 @@ from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.compare import agreement, read_measured
+from piston_cosim.master.results.fields_export import cylinder_cells
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.report import Special, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
@@ -134,26 +135,12 @@ def page_of_runs(case, runs, folder, **changes):
 
 
 def tube(name, radius, height, motion=None):
-    """A closed tube of about the size of the shipped bodies: 2300 points, 4600 triangles, 60 modes
+    """A tube of about the size of the shipped bodies: 2300 points, 4600 triangles, 60 modes
     of waves around and along; the stress that of a wave.
     """
-    around, along, instants, modes = 64, 36, 361, 60
-    angle = 2 * np.pi * np.arange(around) / around
-    y = np.linspace(-height / 2, height / 2, along)
-    rows = [np.column_stack([np.sin(angle), 0 * angle + at / radius, np.cos(angle)]) for at in y]
-    points = radius * np.vstack([*rows, [[0, y[0] / radius, 0]], [[0, y[-1] / radius, 0]]])
-    k, j = np.meshgrid(np.arange(around), np.arange(along - 1))
-    a, b = (j * around + k).ravel(), (j * around + (k + 1) % around).ravel()
-    ring = np.arange(around)
-    beside, last, count = (ring + 1) % around, (along - 1) * around, len(points)
-    triangles = np.vstack(
-        [
-            np.column_stack([a, b, b + around]),
-            np.column_stack([a, b + around, a + around]),
-            np.column_stack([beside, ring, np.full(around, count - 2)]),
-            np.column_stack([last + ring, last + beside, np.full(around, count - 1)]),
-        ]
-    )
+    instants, modes = 361, 60
+    points, cells = cylinder_cells((64, 36), radius, (-height / 2, height / 2))
+    triangles = np.vstack([cells[:, :3], cells[:, [0, 2, 3]]])
     around_points = np.arctan2(points[:, 0], points[:, 2])
     waves = np.stack([np.cos(m * around_points + points[:, 1]) for m in range(modes)], axis=-1)
     outwards = points * [1, 0, 1] / radius
