@@ -24,7 +24,6 @@ class Toy:
     state: np.ndarray
     values: dict = field(default_factory=dict)
     has_derivatives: bool = True
-    refuse: int = 0
     steps: int = 0
 
     def set(self, name, value):
@@ -43,10 +42,6 @@ class Toy:
         pass
 
     def step(self, time, step):
-        self.steps += 1
-        if self.refuse > 0 and step > 0.6e-4:
-            self.refuse -= 1
-            raise Discard(f"{self.name}: refused on purpose")
         self._advance(step)
 
 
