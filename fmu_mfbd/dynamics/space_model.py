@@ -50,14 +50,14 @@ from .step import StepInputs, StepResult, tied
 from .system import NO_RINGS, RingForce, StepProblem
 
 PASSES = 60
-"""Most iterations of Newton's method; its tangent is exact, three are usual."""
+"""Most iterations of Newton's method; four are usual."""
 
 NO_MODES = np.zeros(0)
 """Modal coordinates of rigid bodies."""
 
 
 class SpaceSolution(NamedTuple):
-    """End of a step: load, motion, residual, evaluations and last change.
+    """End of a step: load, motion, residual, evaluations, tangents and last change.
 
     Evaluations are 0 if the equations were not solved. The change is that of accelerations [m/s2,
     rad/s2].
@@ -67,6 +67,7 @@ class SpaceSolution(NamedTuple):
     end: Motion
     lack: SpaceImbalance
     evaluations: int
+    tangents: int
     change: float
 
 
@@ -178,7 +179,7 @@ class PistonInSpace(PistonInBore):
             torque=lack.torque - on_grids.on_slopes * upright.lever,
             pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
             evaluations=solved.evaluations,
-            tangents=solved.evaluations,
+            tangents=solved.tangents,
             change=solved.change,
         )
         return tied(instant)
@@ -254,14 +255,16 @@ class PistonInSpace(PistonInBore):
     ) -> SpaceSolution:
         """Solve Eq. (D27) for the accelerations at the end of a step, by Newton's method.
 
-        If the next change is no smaller than a change, that change is halved, as in
-        `piston_motion.end_accelerations`.
+        If the next change is no smaller than a change, that change is halved, and where changes
+        fall slowly the tangent is recomputed, as in `piston_motion.end_accelerations`.
         """
         predicted = predict(c, before, auxiliary)
         acceleration = before.acceleration.copy()
         change = np.inf
         step = np.zeros(COORDINATES)
         share = 1.0
+        slope = None
+        tangents = 0
         for evaluation in range(1, PASSES + 1):
             end = Motion(
                 predicted.position + c.to_position * acceleration,
@@ -269,22 +272,26 @@ class PistonInSpace(PistonInBore):
                 acceleration,
             )
             lack = imbalance(self.bodies, load, end, crank)
-            slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
+            if slope is None:
+                slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
+                tangents += 1
             fresh = np.linalg.solve(slope, lack.residual)
             size = np.abs(acceleration).max()
             left = np.abs(fresh).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
-                return SpaceSolution(load, end, lack, evaluation, left)
+                return SpaceSolution(load, end, lack, evaluation, tangents, left)
             if left > (1 - share / 4) * change:
                 share /= 2
                 acceleration = acceleration + share * step
                 continue
+            if left > 0.1 * change:
+                slope = None
             step = fresh
             share = 1.0
             change = left
             acceleration = acceleration - step
-        return SpaceSolution(load, end, lack, 0, change)
+        return SpaceSolution(load, end, lack, 0, tangents, change)
 
     def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> None:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
