@@ -6,11 +6,10 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
+    PlainValidator,
+    WithJsonSchema,
     model_validator,
 )
-from pydantic_core import core_schema
 
 from ..master.fmi.option_classes import with_meanings
 from ..master.fmi.quantities import in_unit, to_si
@@ -60,25 +59,6 @@ ERROR_RANGE = (1e-4, 0.5)
 """Range of the expected error that determines the number of modes [-]."""
 
 
-class ModeCount:
-    """Pydantic field: number of modes, or the error that chooses it, as a float."""
-
-    @classmethod
-    def __get_pydantic_core_schema__(
-        cls, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(_mode_count)
-
-    @classmethod
-    def __get_pydantic_json_schema__(
-        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        low, high = ERROR_RANGE
-        number = {"type": "integer", "minimum": 0, "maximum": MOST_MODES}
-        error = {"type": ["number", "string"], "unit": "1", "ge": low, "le": high}
-        return {"anyOf": [number, error]}
-
-
 def _mode_count(value: Any) -> int | float:
     """Return a number of modes, or a float for an error."""
     low, high = ERROR_RANGE
@@ -99,6 +79,21 @@ def _mode_count(value: Any) -> int | float:
     if not low <= error <= high:
         raise ValueError(expected)
     return error
+
+
+ModeCount = Annotated[
+    int | float,
+    PlainValidator(_mode_count),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "integer", "minimum": 0, "maximum": MOST_MODES},
+                {"type": ["number", "string"], "unit": "1"} | dict(zip(("ge", "le"), ERROR_RANGE)),
+            ]
+        }
+    ),
+]
+"""Number of modes, or the error that chooses it, as a float."""
 
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
@@ -232,7 +227,7 @@ class Body(PlacedMesh):
     """Results file of the earlier run for `trained`. It must hold both nodal forces on the same
     grid.
     """
-    modes: Annotated[int | float, ModeCount] = 60
+    modes: ModeCount = 60
     """Number of modes, or the largest expected relative error of the deflection, e.g. "1 %". 0:
     rigid. An error requires smooth_pressure_modes or trained. `trained` adds its modes to this
     number.
@@ -411,6 +406,17 @@ class Block(Body):
                 raise ValueError("stations: expected nothing with bore_from_outside, got a value")
             self.stations = self.bore_from_outside.axial
         return self
+
+
+def either(first: str, second: str) -> Any:
+    """Return a validator of an option class that needs exactly one of two keys."""
+
+    def validate(table: Any) -> Any:
+        if (getattr(table, first) is None) == (getattr(table, second) is None):
+            raise ValueError(f"expected either {first} or {second}, got both or neither")
+        return table
+
+    return model_validator(mode="after")(validate)
 
 
 def missing_keys(keys: list[str], context: str) -> str:

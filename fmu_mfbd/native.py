@@ -15,14 +15,7 @@ from ..master.fmi.noted import refuse, remark
 from .dynamics.assembly import assembled, with_inertia
 from .dynamics.block_force import force_change
 from .dynamics.carrier import FIXED, carrier_from
-from .dynamics.contradictions import (
-    FAULTS,
-    GIVEN_TWICE,
-    NO_ANGLE,
-    NOT_SOLVED,
-    OTHER_STATE,
-    check,
-)
+from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.parameters import Settings
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
@@ -30,6 +23,7 @@ from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.slider_crank import CrankMotion
 from .dynamics.state import motion_of, step_coefficients
 from .dynamics.step import (
+    FIELDS,
     GAS,
     START_PASSES,
     StepInputs,
@@ -154,41 +148,30 @@ def put_films(real, places, thickness, sliding):
 
 
 _, rings_from = packed(RingForce)
+_, step_inputs_from = packed(StepInputs, *FIELDS)
 
 
 @compiled
 def inputs_of(real, places):
     """Return `StepInputs`."""
-    return StepInputs(
-        real[places.crank_speed],
-        real[places.load_torque],
-        real[places.gas_pressure],
-        real[places.crankcase_pressure],
-        real[places.land_pressure],
+    return step_inputs_from(
+        get_each(real, places.inputs),
         forces_at(real, places.skirt),
         pin_forces_at(real, places.pins),
         rings_from(get_each(real, places.rings)),
         carrier_from(get_each(real, places.carrier)),
-        real[places.piston_temperature],
-        real[places.bore_temperature],
     )
 
 
 @compiled
 def seeds_of(real, places):
     """Return the seeds as `StepInputs`; the block's motion is not among them."""
-    return StepInputs(
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
+    return step_inputs_from(
+        np.zeros(len(places.inputs)),
         forces_at(real, places.skirt_tangent),
         pin_forces_at(real, places.pins_tangent),
         rings_from(get_each(real, places.rings_seed)),
         FIXED,
-        0.0,
-        0.0,
     )
 
 
@@ -230,19 +213,19 @@ def solve(real, integer, memory, c, before, crank, time):
     """
     faults = part(memory, PART_OF.faults)
     if not np.isfinite(crank.angle):
-        refuse(faults, NO_ANGLE, 0.0, 0.0, crank.angle, 0.0, 0.0)
+        refuse(faults, FAULT.no_angle, 0.0, 0.0, crank.angle, 0.0, 0.0)
         return
     given = given_of(memory)
     model = model_of(memory)
     inputs = inputs_of(real, given.places)
     if is_gas_twice(model, inputs):
-        remark(faults, GIVEN_TWICE)
+        remark(faults, FAULT.gas_twice)
     others = others_at(model, inputs, crank)
     step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
     instant = instant_of(model, step, inputs)
     now = instant.now
     if now.evaluations == 0:
-        refuse(faults, NOT_SOLVED, 0.0, 0.0, crank.angle, now.change, 0.0)
+        refuse(faults, FAULT.not_solved, 0.0, 0.0, crank.angle, now.change, 0.0)
         return
     result = result_of(model, before, step, time, instant, inputs)
     publish(real, integer, given, model, result)
@@ -301,7 +284,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     faults = part(memory, PART_OF.faults)
     faults[0] = 0.0
     if not is_state(part(memory, PART_OF.state), part(memory, PART_OF.begun)):
-        refuse(faults, OTHER_STATE, 0.0, 0.0, 0.0, 0.0, 0.0)
+        refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     step = numbers[0]
     state = state_of(memory)

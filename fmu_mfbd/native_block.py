@@ -55,6 +55,7 @@ class VariablePlaces(NamedTuple):
     """Positions among the variables, `NOWHERE` if there is none.
 
     settings, scalars, pin_scalars : of `Settings`, `Scalars` and `PinScalars`, in their order;
+    inputs : of the numbers of `StepInputs`;
     rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
     mounted block; motion : of the derivatives `model.MOTION`.
     """
@@ -64,13 +65,8 @@ class VariablePlaces(NamedTuple):
     pin_scalars: Vector
     gas_source: int
     crank_free: int
-    gas_pressure: int
-    crankcase_pressure: int
-    land_pressure: int
     crank_speed: int
-    load_torque: int
-    piston_temperature: int
-    bore_temperature: int
+    inputs: Vector
     rings: Vector
     rings_seed: Vector
     carrier: Vector

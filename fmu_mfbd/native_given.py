@@ -20,7 +20,7 @@ from .dynamics.pin_instant import PinScalars
 from .dynamics.piston_motion import RIGID
 from .dynamics.response import StepEnd
 from .dynamics.state import PistonState
-from .dynamics.step import Linearisation
+from .dynamics.step import FIELDS, Linearisation, StepInputs
 from .native_block import (
     NOWHERE,
     FieldPlaces,
@@ -112,13 +112,8 @@ def _places(slave) -> VariablePlaces:
         pin_scalars=each(PinScalars._fields),
         gas_source=place("gas_source"),
         crank_free=place("crank_free"),
-        gas_pressure=place("gas_pressure"),
-        crankcase_pressure=place("crankcase_pressure"),
-        land_pressure=place("land_pressure"),
         crank_speed=place("crank_speed"),
-        load_torque=place("load_torque"),
-        piston_temperature=place("piston_temperature"),
-        bore_temperature=place("bore_temperature"),
+        inputs=each(name for name in StepInputs._fields if name not in FIELDS),
         rings=each(RINGS),
         rings_seed=each(RINGS, SEED),
         carrier=each(BLOCK),

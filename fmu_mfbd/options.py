@@ -30,6 +30,7 @@ from .body_options import (
     Pressure,
     Surface,
     Time,
+    either,
     missing_keys,
 )
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
@@ -47,10 +48,10 @@ class Table(BaseModel):
     strokes: Literal[2, 4] = 4
     """Number of strokes of a cycle."""
 
+    _source = either("file", "points")
+
     @model_validator(mode="after")
-    def _source(self):
-        if (self.file is None) == (self.points is None):
-            raise ValueError("expected either file or points, got both or neither")
+    def _long(self):
         if self.points is not None and len(self.points) < 2:
             raise ValueError(f"points: expected at least two points, got {len(self.points)}")
         return self
@@ -81,11 +82,7 @@ class Speed(Table):
     speed_unit: Annotated[AngularSpeed, Field(gt=0)]
     """Unit of the second column, the crank speed."""
 
-    @model_validator(mode="after")
-    def _over(self):
-        if (self.time_unit is None) == (self.angle_unit is None):
-            raise ValueError("expected either time_unit or angle_unit, got both or neither")
-        return self
+    _over = either("time_unit", "angle_unit")
 
 
 class FilmSurface(BaseModel):
@@ -189,11 +186,7 @@ class RoundShell(ElasticShell):
     surfaces: dict[Literal["bore", "held"], Surface] = {}
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
 
-    @model_validator(mode="after")
-    def _source(self):
-        if (self.mesh is None) == (self.ring is None):
-            raise ValueError("expected either mesh or ring, got both or neither")
-        return self
+    _source = either("mesh", "ring")
 
 
 class BearingShell(RoundShell):

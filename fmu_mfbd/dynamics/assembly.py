@@ -26,7 +26,7 @@ from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston,
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions, FloatingPin
 from .clearance import machined, surfaces
-from .contradictions import FAULTS, ROD_TOO_SHORT, Fit, check, pin_radius
+from .contradictions import FAULT, FAULTS, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .modal_damping import ModalSprings, modal_springs
@@ -492,7 +492,7 @@ def faults(
     fit = fit_of(piston, block, options, bosses, shell_radii)
     check(fit, settings_of(parameters, *(crank or {}).values()), lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
-    if noted[1] == ROD_TOO_SHORT and out:
+    if noted[1] == FAULT.rod_too_short and out:
         return out
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")

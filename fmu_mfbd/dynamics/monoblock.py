@@ -38,24 +38,24 @@ class Cylinder(NamedTuple):
 
     Parameters
     ----------
-    x, y, moment : float
+    force_x, force_y, moment : float
         All of its forces in its plane, and of bore and deck their moment about the crank axis [N],
         [N m].
-    bearing_x, bearing_y : float
-        Of the crank on its main bearings, part of x and y [N].
-    bore : ndarray, shape (angles, stations)
-        Of film and gas on the bore, outwards [N].
-    deck : float
-        Of gas on the deck along y [N].
+    bearing_force_x, bearing_force_y : float
+        Of the crank on its main bearings, part of the forces above [N].
+    force_on_bore : ndarray, shape (angles, stations)
+        Of film and gas, outwards [N].
+    force_on_deck : float
+        Of gas along y [N].
     """
 
-    x: float
-    y: float
+    force_x: float
+    force_y: float
     moment: float
-    bearing_x: float
-    bearing_y: float
-    bore: np.ndarray
-    deck: float
+    bearing_force_x: float
+    bearing_force_y: float
+    force_on_bore: np.ndarray
+    force_on_deck: float
 
 
 class CylinderMotion(NamedTuple):
@@ -114,13 +114,14 @@ class Mounting:
 
 
 class Rule(NamedTuple):
-    """Step of every coordinate: its effect on velocity and position at the end, and all factors.
+    """Step of every coordinate: its effect on the end of the step, and all factors.
 
     Of coordinates with inertia the unknown is the end acceleration, of the others the position.
     """
 
     to_velocity: np.ndarray
     to_position: np.ndarray
+    to_auxiliary: np.ndarray
     factors: tuple[np.ndarray, np.ndarray]
 
 
@@ -173,15 +174,15 @@ class MountedMonoblock:
     def total(self, cylinders: list[Cylinder]) -> np.ndarray:
         """Return F, shape (6 + k,), of all cylinders, or of a change of their forces."""
         body = self.body
-        x, y, moment = np.array([(one.x, one.y, one.moment) for one in cylinders]).T
+        x, y, moment = np.array([(one.force_x, one.force_y, one.moment) for one in cylinders]).T
         z = body.cylinder_z
         # Eq. (U31)
         rigid = [x.sum(), y.sum(), 0.0, -(z @ y), z @ x, moment.sum()]
         modal = sum(
-            np.einsum("cs,csk->k", one.bore, radial)
-            + one.deck * deck
-            + one.bearing_x * bearing[0]
-            + one.bearing_y * bearing[1]
+            np.einsum("cs,csk->k", one.force_on_bore, radial)
+            + one.force_on_deck * deck
+            + one.bearing_force_x * bearing[0]
+            + one.bearing_force_y * bearing[1]
             for one, radial, deck, bearing in zip(cylinders, body.radial, body.deck, body.bearing)
         )
         return np.concatenate([rigid, modal])
@@ -210,9 +211,7 @@ class MountedMonoblock:
         lack = force - self.damping @ velocity - self.stiffness @ position
         unknown = la.lu_solve(rule.factors, lack)
         acceleration = np.where(self.static, 0.0, unknown)
-        share = np.full(self.size, modal.to_auxiliary)
-        share[:RIGID_MOTIONS] = rigid.to_auxiliary
-        auxiliary = auxiliary + share * acceleration
+        auxiliary = auxiliary + rule.to_auxiliary * acceleration
         steps = before.steps + 1
         if steps < FIRST_STEPS:
             auxiliary[RIGID_MOTIONS:] = 0.0
@@ -284,12 +283,14 @@ class MountedMonoblock:
         key = (step, begins)
         if key not in self._rules:
             rigid, modal = self._coefficients(step, begins)
-            to_velocity = np.full(self.size, modal.to_velocity)
-            to_position = np.full(self.size, modal.to_position)
-            to_velocity[:RIGID_MOTIONS] = rigid.to_velocity
-            to_position[:RIGID_MOTIONS] = rigid.to_position
+            to_velocity, to_position, to_auxiliary = (
+                np.where(
+                    np.arange(self.size) < RIGID_MOTIONS, getattr(rigid, name), getattr(modal, name)
+                )
+                for name in ("to_velocity", "to_position", "to_auxiliary")
+            )
             to_velocity[self.static] = 1 / step
             to_position[self.static] = 1.0
             moved = self.mass + self.damping * to_velocity + self.stiffness * to_position
-            self._rules = {key: Rule(to_velocity, to_position, la.lu_factor(moved))}
+            self._rules = {key: Rule(to_velocity, to_position, to_auxiliary, la.lu_factor(moved))}
         return self._rules[key]

@@ -410,7 +410,7 @@ def pushed(
     share = 1.0 / max(1e-300, *map(abs, (*change[:-1], *change.across)))
 
     def residual(share: float) -> np.ndarray:
-        changed = SpaceLoad(*(one + share * more for one, more in zip(load, change)))
+        changed = SpaceLoad._make(one + share * more for one, more in zip(load, change))
         return imbalance(bodies, changed, now, crank).residual
 
     return (residual(share) - residual(-share)) / (2 * share)

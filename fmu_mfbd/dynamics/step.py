@@ -99,6 +99,10 @@ class StepInputs(NamedTuple):
     bore_temperature: float
 
 
+FIELDS = ("skirt", "pins", "rings", "carrier")
+"""Members of `StepInputs` that are not numbers."""
+
+
 class StepResult(NamedTuple):
     """End of a step: motion and films, outputs, and what the next step and derivatives need."""
 

@@ -153,14 +153,6 @@ class FilmState(NamedTuple):
     power_size: float
 
 
-class LineWork(NamedTuple):
-    """Part of a line in `FilmState.axial_force` [N], `.power` and `.power_size` [W]."""
-
-    axial_force: float
-    power: float
-    power_size: float
-
-
 def bore_splines(
     heights: np.ndarray,
     radial: np.ndarray,
@@ -526,30 +518,17 @@ def film_now(
     for i in range(len(thickness)):
         for j in range(thickness.shape[1]):
             thickness[i, j] += skirt.gap[i, j]
-        line = _work(
-            forces.pressure[i],
-            forces.friction[i],
-            opening_rate[i],
-            sliding_velocity[i],
-            slope[i],
-            guided_velocity,
-        )
-        axial_force += line.axial_force
-        power += line.power
-        power_size += line.power_size
+        lifting = 0.0
+        working = 0.0
+        size = 0.0
+        for j in range(thickness.shape[1]):
+            push = forces.pressure[i, j]
+            normal = push * (opening_rate[i, j] + guided_velocity * slope[i, j])
+            tangential = forces.friction[i, j] * sliding_velocity[i, j]
+            lifting += push * slope[i, j]
+            working += normal + tangential
+            size += abs(normal) + abs(tangential)
+        axial_force += lifting
+        power += working
+        power_size += size
     return FilmState(thickness, sliding_velocity, axial_force, power, power_size)
-
-
-@compiled
-def _work(push, drag, opening_rate, sliding_velocity, slope, guided_velocity):
-    """Return the part of a line in axial force and power, see `film_now`."""
-    axial_force = 0.0
-    power = 0.0
-    power_size = 0.0
-    for j in range(len(push)):
-        normal = push[j] * (opening_rate[j] + guided_velocity * slope[j])
-        tangential = drag[j] * sliding_velocity[j]
-        axial_force += push[j] * slope[j]
-        power += normal + tangential
-        power_size += abs(normal) + abs(tangential)
-    return LineWork(axial_force, power, power_size)

@@ -77,21 +77,9 @@ class Monoblock(FieldSlave):
 
     def _cylinders(self, values: dict[str, Any]) -> list[Cylinder]:
         """Return the forces of each cylinder."""
-        out = []
-        for k in range(1, self.options["cylinders"] + 1):
-            numbers = {name: float(values[f"cylinder_{k}.{name}"]) for name in FORCES}
-            out.append(
-                Cylinder(
-                    x=numbers["force_x"],
-                    y=numbers["force_y"],
-                    moment=numbers["moment"],
-                    bearing_x=numbers["bearing_force_x"],
-                    bearing_y=numbers["bearing_force_y"],
-                    bore=values[f"cylinder_{k}.{ON_BORE}"],
-                    deck=numbers["force_on_deck"],
-                )
-            )
-        return out
+        names = Cylinder._fields
+        each = range(1, self.options["cylinders"] + 1)
+        return [Cylinder(*(values[f"cylinder_{k}.{name}"] for name in names)) for k in each]
 
     def _shown(self, before: BlockState, now: BlockState) -> dict[str, Any]:
         """Return the outputs at the end of a step."""

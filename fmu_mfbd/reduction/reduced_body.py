@@ -334,18 +334,41 @@ class MissingShapes:
     left_axial: np.ndarray
 
 
+def no_modes(*points: int) -> dict[str, np.ndarray]:
+    """Return the fields of a body without modes, on a surface of these numbers of points."""
+    none, table = np.zeros(0), np.zeros((*points, 0))
+    return dict(omega=none, kind=none.astype(int), radial=table, axial=table)
+
+
+def no_modes_in_motion(points: int) -> dict[str, np.ndarray]:
+    """Return the fields of a piston without modes, on a skirt of this number of points."""
+    none, square = np.zeros(0), np.zeros((0, 0))
+    moving = dict(T=np.zeros((2, 0)), b=none, B=square, g=none, G=square, gas_force=none)
+    return moving | no_modes(points)
+
+
 ReducedBody = ReducedPiston | ReducedBlock
-Part = TypeVar(
-    "Part",
-    bound=ReducedPiston
-    | ReducedBlock
+
+
+def without_modes(body: ReducedBody) -> ReducedBody:
+    """Return a reduced body as of a reduction to 0 modes."""
+    *points, _ = body.radial.shape
+    if isinstance(body, ReducedPiston):
+        return replace(body, **no_modes_in_motion(*points))
+    return replace(body, **no_modes(*points))
+
+
+AnyPart = (
+    ReducedBody
     | ReducedMonoblock
     | ReducedBosses
     | ReducedShell
     | Anatomy
     | MeshProperties
-    | MissingShapes,
+    | MissingShapes
 )
+"""Part of a reduced body's file."""
+Part = TypeVar("Part", bound=AnyPart)
 
 
 def mode_classes(body: ReducedBody) -> np.ndarray | None:
@@ -381,16 +404,7 @@ def load(part: type[Part], path: Path) -> Part:
     return part(**{name: v if v.ndim else v.item() for name, v in arrays.items()})
 
 
-def save(
-    path: Path,
-    *parts: ReducedBody
-    | ReducedMonoblock
-    | ReducedBosses
-    | ReducedShell
-    | Anatomy
-    | MeshProperties
-    | MissingShapes,
-) -> None:
+def save(path: Path, *parts: AnyPart) -> None:
     """Write parts of a reduced body into one .npz file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(".partial.npz")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..body_options import Block, Piston
-from .reduced_body import ReducedBlock, ReducedPiston
+from .reduced_body import ReducedBlock, ReducedPiston, no_modes, no_modes_in_motion
 
 
 def rigid_piston(options: Piston, grid: tuple[int, int]) -> ReducedPiston:
@@ -30,20 +30,11 @@ def rigid_piston(options: Piston, grid: tuple[int, int]) -> ReducedPiston:
         mass=sheet.mass,
         S=sheet.mass * arm,  # Eq. (J14)
         I0=sheet.inertia + sheet.mass * float(arm @ arm),
-        T=np.zeros((2, 0)),
-        b=np.zeros(0),
-        B=np.zeros((0, 0)),
-        g=np.zeros(0),
-        G=np.zeros((0, 0)),
-        omega=np.zeros(0),
-        kind=np.zeros(0, dtype=int),
-        gas_force=np.zeros(0),
-        radial=np.zeros((around * along, 0)),
-        axial=np.zeros((around * along, 0)),
         radius=sheet.radius,
         skirt_lower=lower,
         skirt_upper=upper,
         pin_offset=options.pin_offset,
+        **no_modes_in_motion(around * along),
     )
 
 
@@ -54,10 +45,7 @@ def rigid_block(options: Block, grid: tuple[int, int]) -> ReducedBlock:
     around, _ = grid
     heights = np.linspace(options.bore_lower, options.bore_upper, options.stations)
     return ReducedBlock(
-        omega=np.zeros(0),
-        kind=np.zeros(0, dtype=int),
-        radial=np.zeros((around, options.stations, 0)),
-        axial=np.zeros((around, options.stations, 0)),
+        **no_modes(around, options.stations),
         heights=heights,
         radius=sheet.radius,
     )

@@ -14,7 +14,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel
 
 from ...models import MODELS
@@ -23,12 +22,11 @@ from ..options import RoundShell, SmallEnd
 from .film_loads import Training
 from .reduced_body import (
     BossFilms,
-    ReducedBody,
-    ReducedPiston,
     ReducedShell,
     ShellFilm,
     ShellKind,
     save,
+    without_modes,
 )
 
 FILES = ("mesh", "stiffness", "mass")
@@ -39,8 +37,6 @@ SHIPPED = MODELS / "bodies"
 """Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
 IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "modes_off", "tie", "spring_stiffness"}
 """Options that have no effect on a body without modes."""
-MODAL = {"T", "b", "g", "omega", "kind", "gas_force", "radial", "axial"}
-"""Fields of a reduced body whose last axis is that of the modes."""
 
 Say = Callable[[str], None]
 Grid = tuple[int, int]
@@ -107,7 +103,7 @@ def kept_body(
         body, anatomy, _, *rest = reduced
         rigid = _decided(options.model_copy(update={"modes": 0}), grid, None, None)
         no_shapes = replace(anatomy, shapes=anatomy.shapes[..., :0])
-        save(_path(name, rigid, folder, False), _without_modes(body), no_shapes, properties)
+        save(_path(name, rigid, folder, False), without_modes(body), no_shapes, properties)
         save(path, body, anatomy, properties, *(part for part in rest if part))
         factors.forget()
     return path
@@ -135,14 +131,6 @@ def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, An
         if out.get(key):
             out[key] = hashlib.sha256(Path(out[key]).read_bytes()).hexdigest()
     return out
-
-
-def _without_modes(body: ReducedBody) -> ReducedBody:
-    """Return a reduced body as of a reduction to 0 modes."""
-    none = {name: value[..., :0] for name, value in vars(body).items() if name in MODAL}
-    if isinstance(body, ReducedPiston):
-        none |= {"B": np.zeros((0, 0)), "G": np.zeros((0, 0))}
-    return replace(body, **none)
 
 
 def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Path:

@@ -31,6 +31,8 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedBosses,
     ReducedPiston,
     ReducedShell,
+    no_modes,
+    no_modes_in_motion,
 )
 
 GRID = (16, 12)
@@ -59,34 +61,23 @@ CRITICAL = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_dam
 
 def rigid_piston(grid=GRID, centre=CENTRE, pin_offset=0.0):
     """The piston of data_sheet, its centre of mass off its axis."""
-    square, none, cells = np.zeros((0, 0)), np.zeros(0), np.zeros((grid[0] * grid[1], 0))
     return ReducedPiston(
         mass=1.39,
         S=1.39 * centre,
         I0=0.003 + 1.39 * float(centre @ centre),
-        T=np.zeros((2, 0)),
-        b=none,
-        B=square,
-        g=none,
-        G=square,
-        omega=none,
-        kind=none.astype(int),
-        gas_force=none,
-        radial=cells,
-        axial=cells,
         radius=54.95e-3,
         skirt_lower=-45.5e-3,
         skirt_upper=37.3e-3,
         pin_offset=pin_offset,
+        **no_modes_in_motion(grid[0] * grid[1]),
     )
 
 
 def bodies():
     """The rigid piston in its bore."""
     heights = np.linspace(90e-3, 360e-3, 64)
-    table = np.zeros((GRID[0], len(heights), 0))
-    none = np.zeros(0)
-    return rigid_piston(), ReducedBlock(none, none.astype(int), table, table, heights, 55e-3)
+    block = ReducedBlock(heights=heights, radius=55e-3, **no_modes(GRID[0], len(heights)))
+    return rigid_piston(), block
 
 
 def options(floating):

@@ -24,10 +24,11 @@ from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes
 from piston_cosim.master.fmi.errors import BadInput
 
 from .differences import products_by_differences
-from .test_model import SPEED, STEP, forces, without_modes
+from .test_model import SPEED, STEP, forces
 
 SKEW = {"crank_offset": 1e-3, "top_ring_height": 19e-3, "second_ring_height": 14e-3}
 MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
@@ -37,9 +38,8 @@ def outside_of(reduced, around=16, axial=24, **values):
     """The small piston in a block that deflects from outside."""
     options, piston, block = reduced
     heights = np.linspace(block.heights[0], block.heights[-1], axial)
-    _, still = without_modes(piston, dataclasses.replace(block, heights=heights))
-    empty = np.zeros((len(block.radial), axial, 0))
-    still = dataclasses.replace(still, radial=empty, axial=empty)
+    none = no_modes(len(block.radial), axial)
+    still = dataclasses.replace(block, heights=heights, **none)
     said = dataclasses.replace(options.block, modes=0, bore_from_outside=BoreGrid(around, axial))
     options = dataclasses.replace(options, block=said, mounted=True)
     return assemble(piston, still, options, Parameters(**SKEW | values))

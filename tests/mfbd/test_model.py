@@ -11,6 +11,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, LateralMotion, height, motion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
+from piston_cosim.fmu_mfbd.reduction.reduced_body import without_modes
 
 from .differences import products_by_differences, rough_change
 
@@ -78,15 +79,6 @@ def assembled(reduced, **values):
     """The small bodies with some parameters changed."""
     options, piston, block = reduced
     return assemble(piston, block, options, Parameters(**values))
-
-
-def without_modes(piston, block):
-    """The bodies with no modes at all."""
-    last = ("T", "b", "g", "radial", "axial", "omega", "kind", "gas_force")
-    rigid = {name: getattr(piston, name)[..., :0] for name in last}
-    rigid |= {name: getattr(piston, name)[:0, :0] for name in ("B", "G")}
-    bore = {name: getattr(block, name)[..., :0] for name in ("radial", "axial", "omega", "kind")}
-    return dataclasses.replace(piston, **rigid), dataclasses.replace(block, **bore)
 
 
 @pytest.fixture
@@ -229,7 +221,7 @@ def test_a_push_on_the_skirt_is_none_of_the_other_forces(reduced):
     """
     options, piston, block = reduced
     heavy = Parameters(rod_mass=0.8, rod_inertia=5e-3, pin_friction_coefficient=0.0)
-    rigid = assemble(*without_modes(piston, block), options, heavy)
+    rigid = assemble(without_modes(piston), without_modes(block), options, heavy)
     nothing = np.zeros(rigid.film_surfaces[0].skirt.gap.shape)
     begun, _ = rigid.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
     push, _ = forces(rigid, size=100.0)
@@ -252,7 +244,7 @@ def test_what_nothing_moves_stays_at_rest(model):
 def test_rigid_bodies_run(reduced):
     """No modes at all: the film moves as one rigid piston."""
     options, piston, block = reduced
-    rigid = assemble(*without_modes(piston, block), options, Parameters())
+    rigid = assemble(without_modes(piston), without_modes(block), options, Parameters())
     state, out = run(rigid)
     opening = out["film_thickness"] - rigid.film_surfaces[0].skirt.gap
     lateral, angle = state.position
@@ -269,7 +261,7 @@ def test_free_crank_keeps_the_energy(reduced, coefficient):
     pin are constant, the error falls with the step (order 2).
     """
     options, piston, block = reduced
-    rigid, _ = without_modes(piston, block)
+    rigid = without_modes(piston)
     parameters = Parameters(
         crank_free=1,
         crank_inertia=2e-4,

@@ -35,7 +35,7 @@ from piston_cosim.fmu_mfbd.reduction.monoblock import (
     readings,
     reduce_monoblock,
 )
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, no_modes
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -235,12 +235,12 @@ def test_power_of_forces_at_their_places(whole):
     seen = model.seen(motion, motion, motion)
     body = whole.reduced
     power = sum(
-        one.x * at.acceleration_x
-        + one.y * at.acceleration_y
+        one.force_x * at.acceleration_x
+        + one.force_y * at.acceleration_y
         + one.moment * at.angular_velocity
-        + np.sum(one.bore * at.bore_deflection)
-        + one.deck * (deck @ motion[6:])
-        + np.array([one.bearing_x, one.bearing_y]) @ bearing @ motion[6:]
+        + np.sum(one.force_on_bore * at.bore_deflection)
+        + one.force_on_deck * (deck @ motion[6:])
+        + np.array([one.bearing_force_x, one.bearing_force_y]) @ bearing @ motion[6:]
         for one, at, deck, bearing in zip(cylinders, seen, body.deck, body.bearing)
     )
     assert model.total(cylinders) @ motion == pytest.approx(power, rel=1e-12)
@@ -396,15 +396,8 @@ def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
         coarse = CubicSpline(np.arange(stations), coarse, axis=2, bc_type="natural")(rows)
         heights = np.linspace(reduced.heights[0], reduced.heights[-1], grid[1])
         shared = dataclasses.replace(reduced, radial=coarse, heights=heights)
-    nothing = np.zeros((around, grid[1], 0))
-    still = dataclasses.replace(
-        own_block,
-        omega=np.zeros(0),
-        kind=np.zeros(0, dtype=int),
-        radial=nothing,
-        axial=nothing,
-        heights=shared.heights,
-    )
+    none = no_modes(around, grid[1])
+    still = dataclasses.replace(own_block, heights=shared.heights, **none)
     other = cylinder(still, grid)
     held = dataclasses.replace(shared, mount=0.0 * shared.mount)
     block = mounted(held, stiffness=np.full((4, 3), 1e30))
@@ -422,7 +415,7 @@ def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
         # forces on the bore do not depend on its deflection: one pass is the whole iteration
         guess = dataclasses.replace(inputs, bore_deflection=np.zeros(grid))
         _, told = other.advance(b, guess, np.pi / 180 / SPEED)
-        does = quiet._replace(bore=told["force_on_bore"])
+        does = quiet._replace(force_on_bore=told["force_on_bore"])
         ours = block.advance(ours, [quiet, does], np.pi / 180 / SPEED)
         field = block.seen(ours.position, ours.velocity, ours.acceleration)[1].bore_deflection
         inputs = dataclasses.replace(inputs, bore_deflection=field)
