@@ -44,7 +44,7 @@ def given(slave: Any) -> np.ndarray:
     """
     options: BuildOptions = slave.built
     bodies = load_bodies(slave.resources, options)
-    if wrong := body_faults(bodies.piston, bodies.block, options, bodies.bosses):
+    if wrong := body_faults(bodies, options):
         raise BadInput(wrong)
     setup = setup_of(bodies, options, NEEDS)
     n = coordinates(options, len(bodies.piston.omega), len(bodies.block.omega))

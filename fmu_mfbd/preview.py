@@ -21,7 +21,7 @@ from .build import (
     piston_about_pin,
     read_tables,
 )
-from .dynamics.assembly import faults, pin_beam
+from .dynamics.assembly import OwnParameters, ReducedBodies, faults, pin_beam
 from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
@@ -106,7 +106,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     eye = _eye(build, wrong, remarks)
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
-        wrong += faults(piston.body, block.body, prepared, chosen, axis=axis, shell_radii=radii)
+        rigid = ReducedBodies(piston.body, block.body)
+        wrong += faults(rigid, prepared, chosen, OwnParameters(axis=axis), radii)
     figures = [
         *_of_piston(build, piston),
         *_of_surfaces(prepared, piston),

@@ -10,14 +10,7 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import (
-    assemble,
-    assemble_floating,
-    assemble_in_space,
-    faults,
-    load_bodies,
-    radii_of,
-)
+from .dynamics.assembly import OwnParameters, faults, load_bodies, model_of
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
@@ -105,40 +98,18 @@ class Mfbd(FieldSlave):
         options = self.built
         self._gas_told = False
         parameters = _taken(Parameters, values)
-        bodies = load_bodies(self.resources, options)
-        piston, block, bosses, eye, shells = bodies
         pin = options.floating_pin
-        axis = None
-        crank = {
-            name: _taken(kind, values)
-            for name, kind in CRANK_PARAMETERS.items()
-            if name in options.crank_surfaces()
-        }
-        if pin and pin.pin_shapes:
-            axis = _taken(AxisParameters, values)
-        radii = radii_of(bodies)
-        wrong = faults(piston, block, options, parameters, bosses, axis, radii, crank)
-        if wrong:
+        films = options.crank_surfaces()
+        own = OwnParameters(
+            _taken(PinParameters, values) if pin else None,
+            _taken(AxisParameters, values) if pin and pin.pin_shapes else None,
+            {name: _taken(CRANK_PARAMETERS[name], values) for name in films},
+            _taken(SpaceParameters, values) if options.in_space else None,
+        )
+        bodies = load_bodies(self.resources, options)
+        if wrong := faults(bodies, options, parameters, own):
             raise BadInput(wrong)
-        if pin:
-            own = _taken(PinParameters, values)
-            self.model = assemble_floating(
-                piston,
-                block,
-                options,
-                parameters,
-                own,
-                bosses,
-                axis,
-                crank,
-                small_end=eye,
-                crank_shells=shells,
-            )
-        elif options.in_space:
-            own = _taken(SpaceParameters, values)
-            self.model = assemble_in_space(piston, block, options, parameters, own)
-        else:
-            self.model = assemble(piston, block, options, parameters)
+        self.model = model_of(bodies, options, parameters, own)
         self._damping = Damping(*(values[name] for name in TUNABLE))
         try:
             state, outputs = self._begin(self.model, parameters, values)

@@ -70,31 +70,47 @@ CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
 
 
 class ReducedBodies(NamedTuple):
-    """All reduced bodies of an FMU: bosses and small end only if they yield."""
+    """All reduced bodies of an FMU: bosses only if they yield, and flexible shells by surface.
+
+    The shells are those of the films in small end and crank, in this order.
+    """
 
     piston: ReducedPiston
     block: ReducedBlock
-    bosses: ReducedBosses | None
-    small_end: ReducedShell | None
-    crank: Mapping[str, ReducedShell] = {}
-    """Shells of the films of the crank, by surface."""
+    bosses: ReducedBosses | None = None
+    shells: Mapping[str, ReducedShell] = {}
+
+    def radii(self) -> dict[str, float]:
+        """Return the radii of the shells, by surface [m]."""
+        return {name: shell.radius for name, shell in self.shells.items()}
 
 
-def radii_of(bodies: ReducedBodies) -> dict[str, float]:
-    """Return the radii of the flexible shells of rod and block, by surface [m]."""
-    shells = {"small_end": bodies.small_end, **bodies.crank}
-    return {name: shell.radius for name, shell in shells.items() if shell}
+class OwnParameters(NamedTuple):
+    """Parameters of single parts in addition to `Parameters`, None or empty if there is none.
+
+    They are those of a floating pin, of one with shapes, of each film of the crank, and of a motion
+    in space.
+    """
+
+    pin: PinParameters | None = None
+    axis: AxisParameters | None = None
+    crank: CrankParameters = {}
+    space: SpaceParameters | None = None
+
+
+NO_OWN = OwnParameters()
 
 
 def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
     """Read the reduced bodies of an FMU from its folder."""
     pin = options.floating_pin
+    files = {"small_end": pin.small_end if pin else ""}
+    files |= {one.name: one.shell for one in options.crank_bearings}
     return ReducedBodies(
         load(ReducedPiston, folder / options.piston.file),
         load(ReducedBlock, folder / options.block.file),
         load(ReducedBosses, folder / pin.bosses) if pin and pin.bosses else None,
-        load(ReducedShell, folder / pin.small_end) if pin and pin.small_end else None,
-        {s.name: load(ReducedShell, folder / s.shell) for s in options.crank_bearings if s.shell},
+        {name: load(ReducedShell, folder / file) for name, file in files.items() if file},
     )
 
 
@@ -140,13 +156,13 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     `needs` are parameters that decide what exists: gas on the wall if there is a top ring, and a
     table for the widening of the bore if it grows.
     """
-    piston, block, bosses, eye, crank = bodies
+    piston, block, bosses, shells = bodies
     films = surfaces(piston, block, options)
     if needs.bore_growth_lower or needs.bore_growth_upper or options.block.bore_from_outside:
         films = with_room(films, len(block.heights))
     contiguous = np.ascontiguousarray
     return BodySetup(
-        fit=fit_of(piston, block, options, bosses, radii_of(bodies)),
+        fit=fit_of(bodies, options, bodies.radii()),
         gas=options.gas or NO_GAS,
         gas_area=np.pi * block.radius**2,
         speed=options.speed or NO_SPEED,
@@ -168,13 +184,11 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
         piston_omega=piston.omega,
         block_omega=block.omega,
-        shell_omega=np.concatenate(
-            [np.zeros(0), *(one.omega for one in (eye, *crank.values()) if one)]
-        ),
-        big_end_modes=len(crank["big_end"].omega) if "big_end" in crank else 0,
-        main_bearing_modes=len(crank["main_bearing"].omega) if "main_bearing" in crank else 0,
+        shell_omega=np.concatenate([np.zeros(0), *(one.omega for one in shells.values())]),
+        big_end_modes=len(shells["big_end"].omega) if "big_end" in shells else 0,
+        main_bearing_modes=len(shells["main_bearing"].omega) if "main_bearing" in shells else 0,
         surfaces=in_block(films),
-        pin_surfaces=pins_in_block(pin_surfaces(options, bosses, eye, crank)),
+        pin_surfaces=pins_in_block(pin_surfaces(options, bosses, shells)),
     )
 
 
@@ -293,7 +307,7 @@ def assemble(
     piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
 ) -> PistonInBore:
     """Return the model of a piston on a tied pin."""
-    setup = setup_of(ReducedBodies(piston, block, None, None), options, parameters)
+    setup = setup_of(ReducedBodies(piston, block), options, parameters)
     model = assembled(setup, settings_of(parameters))
     tied = model.parts._replace(surfaces=pins_in_block(()))
     return _in_bore(model._replace(parts=tied), block, options)
@@ -310,38 +324,34 @@ def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> Pi
     return PistonInBore(model, options, outside)
 
 
-def assemble_floating(
-    piston: ReducedPiston,
-    block: ReducedBlock,
-    options: BuildOptions,
-    parameters: Parameters,
-    pin: PinParameters,
-    bosses: ReducedBosses | None = None,
-    axis: AxisParameters | None = None,
-    crank: CrankParameters | None = None,
-    *,
-    small_end: ReducedShell | None = None,
-    crank_shells: Mapping[str, ReducedShell] | None = None,
+def model_of(
+    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
 ) -> PistonInBore:
-    """Return the model of a piston whose pin floats.
+    """Return the model of an FMU, with all parts of its options."""
+    if own.pin:
+        return assemble_floating(bodies, options, parameters, own)
+    if own.space:
+        return assemble_in_space(bodies, options, parameters, own.space)
+    return assemble(bodies.piston, bodies.block, options, parameters)
 
-    `pin` holds its own parameters, `bosses` those of a flexible piston, `axis` those of a pin with
-    shapes. `crank` holds those of each film of the crank, `small_end` is a flexible eye, and
-    `crank_shells` are flexible shells of the crank's films.
-    """
-    assert options.floating_pin
-    reduced = ReducedBodies(piston, block, bosses, small_end, crank_shells or {})
-    setup = setup_of(reduced, options, parameters)
-    crank = crank or {}
+
+def assemble_floating(
+    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
+) -> PistonInBore:
+    """Return the model of a piston whose pin floats."""
+    assert options.floating_pin and own.pin
+    piston, block, bosses, _ = bodies
+    axis = own.axis
+    setup = setup_of(bodies, options, parameters)
     beam = None
-    model = assembled(setup, settings_of(parameters, pin, *crank.values()))
+    model = assembled(setup, settings_of(parameters, own.pin, *own.crank.values()))
     if axis:
         parts = model.parts
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
         rigid = each_pin_of(parts.surfaces)
         films = with_shapes(rigid, options.floating_pin, bosses, beam, axis)
         shaped = parts.bodies._replace(
-            spin_inertia=pin.pin_inertia or beam.pin.spin_inertia(),
+            spin_inertia=own.pin.pin_inertia or beam.pin.spin_inertia(),
             shapes=beam.shapes(modal_springs(beam.omega, parameters).damping),
         )
         model = model._replace(parts=parts._replace(bodies=shaped, surfaces=pins_in_block(films)))
@@ -350,25 +360,20 @@ def assemble_floating(
 
 
 def pin_surfaces(
-    options: BuildOptions,
-    bosses: ReducedBosses | None,
-    small_end: ReducedShell | None,
-    crank: Mapping[str, ReducedShell],
+    options: BuildOptions, bosses: ReducedBosses | None, shells: Mapping[str, ReducedShell]
 ) -> tuple[PinSurface, ...]:
     """Return the films of a pin that stays parallel to its shells, and of the crank.
 
     They have no radius and clearance yet. A tied pin has none.
     """
-    shells: list[ShellModes | None] = [None] * len(options.pin_grids())
+    modes: list[ShellModes | None] = [None] * len(options.pin_grids())
     if bosses:
-        shells[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
-    if small_end:
-        shells[EYE] = shell_modes(small_end.outward, small_end.onward)
-    for k, name in enumerate(options.crank_surfaces(), EYE + 1):
-        if shell := crank.get(name):
-            shells[k] = shell_modes(shell.outward, shell.onward)
+        modes[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
+    for k, name in enumerate(("small_end", *options.crank_surfaces()), EYE):
+        if shell := shells.get(name):
+            modes[k] = shell_modes(shell.outward, shell.onward)
     return tuple(
-        pin_surface(0.0, 0.0, grid.shape, shell) for grid, shell in zip(options.pin_grids(), shells)
+        pin_surface(0.0, 0.0, grid.shape, one) for grid, one in zip(options.pin_grids(), modes)
     )
 
 
@@ -438,11 +443,7 @@ def pin_beam(
 
 
 def assemble_in_space(
-    piston: ReducedPiston,
-    block: ReducedBlock,
-    options: BuildOptions,
-    parameters: Parameters,
-    space: SpaceParameters,
+    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, space: SpaceParameters
 ) -> PistonInSpace:
     """Return the model of a rigid piston that moves in space.
 
@@ -451,7 +452,8 @@ def assemble_in_space(
     Eq. (J21):  m_pin (R^2/4 + L^2/12)      of a solid pin about a diameter
     """
     assert options.in_space
-    planar = assemble(piston, block, options, parameters)
+    piston = bodies.piston
+    planar = assemble(piston, bodies.block, options, parameters)
     S_x, S_y = piston.S
     body = SpaceBody(
         piston.mass, np.array([S_x, S_y, options.in_space.first_moment_z]), options.in_space.inertia
@@ -459,7 +461,7 @@ def assemble_in_space(
     radius = pin_radius(piston.radius, parameters)
     length = PIN_LENGTH * piston.radius
     solid = parameters.pin_mass * (radius**2 / 4 + length**2 / 12)  # Eq. (J21)
-    bodies = SpaceBodies(
+    parts = SpaceBodies(
         piston=body,
         mechanism=planar.system.mechanism,
         pin_inertia=space.pin_cross_inertia or solid,
@@ -468,51 +470,40 @@ def assemble_in_space(
         along=Stop(space.pin_axial_play, space.pin_axial_stiffness, space.pin_axial_damping),
         askew=Stop(space.pin_tilt_play, space.pin_tilt_stiffness, space.pin_tilt_damping),
     )
-    return PistonInSpace(planar, bodies)
+    return PistonInSpace(planar, parts)
 
 
 def faults(
-    piston: ReducedPiston,
-    block: ReducedBlock,
+    bodies: ReducedBodies,
     options: BuildOptions,
     parameters: Parameters,
-    bosses: ReducedBosses | None = None,
-    axis: AxisParameters | None = None,
-    shell_radii: Mapping[str, float] | None = None,
-    crank: CrankParameters | None = None,
+    own: OwnParameters = NO_OWN,
+    radii: Mapping[str, float] | None = None,
 ) -> list[str]:
     """Return sentences about parameters that do not fit each other.
 
-    `shell_radii` are those of flexible shells [m], by surface, and `crank` are the parameters of
-    the crank's films.
+    `radii` are those of flexible shells [m], by surface. Default: those of `bodies`.
     """
-    shell_radii = shell_radii or {}
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
-    fit = fit_of(piston, block, options, bosses, shell_radii)
-    check(fit, settings_of(parameters, *(crank or {}).values()), lacks_gas, noted)
+    fit = fit_of(bodies, options, bodies.radii() if radii is None else radii)
+    check(fit, settings_of(parameters, *own.crank.values()), lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
     if noted[1] == FAULT.rod_too_short and out:
         return out
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")
-    pin = options.floating_pin
-    if pin and axis:
-        out += axis_faults(piston, pin, parameters, bosses, axis)
-    modes = len(block.omega) + len(piston.omega)
+    if options.floating_pin and own.axis:
+        out += axis_faults(bodies, options.floating_pin, parameters, own.axis)
+    modes = len(bodies.block.omega) + len(bodies.piston.omega)
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
-    return out + body_faults(piston, block, options, bosses)
+    return out + body_faults(bodies, options)
 
 
-def fit_of(
-    piston: ReducedPiston,
-    block: ReducedBlock,
-    options: BuildOptions,
-    bosses: ReducedBosses | None,
-    shell_radii: Mapping[str, float],
-) -> Fit:
+def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, float]) -> Fit:
     """Return what parameters have to fit."""
+    piston, block, bosses, _ = bodies
     films = options.crank_surfaces()
     return Fit(
         piston.radius,
@@ -522,9 +513,9 @@ def fit_of(
         float(block.heights[0]),
         float(block.heights[-1]),
         bosses.boss_radius if bosses else 0.0,
-        shell_radii.get("small_end", 0.0),
-        shell_radii.get("big_end", 0.0),
-        shell_radii.get("main_bearing", 0.0),
+        radii.get("small_end", 0.0),
+        radii.get("big_end", 0.0),
+        radii.get("main_bearing", 0.0),
         piston.omega.max(initial=0.0) / (2 * np.pi),
         options.speed is not None,
         options.floating_pin is not None,
@@ -533,10 +524,9 @@ def fit_of(
     )
 
 
-def body_faults(
-    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, bosses: ReducedBosses | None
-) -> list[str]:
+def body_faults(bodies: ReducedBodies, options: BuildOptions) -> list[str]:
     """Return sentences about reduced bodies that do not fit each other or the pin."""
+    piston, block, bosses, _ = bodies
     out = []
     modes = len(block.omega) + (0 if bosses else len(piston.omega))
     if options.floating_pin and modes:
@@ -553,21 +543,17 @@ def body_faults(
 
 
 def axis_faults(
-    piston: ReducedPiston,
-    pin: FloatingPin,
-    parameters: Parameters,
-    bosses: ReducedBosses | None,
-    axis: AxisParameters,
+    bodies: ReducedBodies, pin: FloatingPin, parameters: Parameters, axis: AxisParameters
 ) -> list[str]:
     """Return sentences about a pin whose parameters contradict each other."""
     out = []
-    radius = pin_radius(piston.radius, parameters)
+    radius = pin_radius(bodies.piston.radius, parameters)
     if axis.pin_bore_radius >= radius:
         out.append(
             f"pin_bore_radius: expected less than the radius of the pin, {1e3 * radius:.4g} mm, "
             f"got {1e3 * axis.pin_bore_radius:.4g} mm"
         )
-    span = pin_span(pin, bosses)
+    span = pin_span(pin, bodies.bosses)
     if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
         out.append(
             f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "

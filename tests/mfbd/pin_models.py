@@ -6,7 +6,12 @@ import dataclasses
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, assemble_floating
+from piston_cosim.fmu_mfbd.dynamics.assembly import (
+    OwnParameters,
+    ReducedBodies,
+    assemble,
+    assemble_floating,
+)
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
     BuildOptions,
@@ -77,7 +82,7 @@ def bodies():
     """The rigid piston in its bore."""
     heights = np.linspace(90e-3, 360e-3, 64)
     block = ReducedBlock(heights=heights, radius=55e-3, **no_modes(GRID[0], len(heights)))
-    return rigid_piston(), block
+    return ReducedBodies(rigid_piston(), block)
 
 
 def options(floating):
@@ -90,11 +95,13 @@ def options(floating):
 
 
 def tied_model():
-    return assemble(*bodies(), options(False), PARAMETERS)
+    piston, block, *_ = bodies()
+    return assemble(piston, block, options(False), PARAMETERS)
 
 
 def floating_model(parameters=PARAMETERS, **pin):
-    return assemble_floating(*bodies(), options(True), parameters, PinParameters(**pin))
+    own = OwnParameters(PinParameters(**pin))
+    return assemble_floating(bodies(), options(True), parameters, own)
 
 
 MODES = 3
@@ -106,7 +113,7 @@ def yielding_bodies(young=1.0):
     bosses; `young` times as stiff.
     """
     rng = np.random.default_rng(7)
-    piston, block = bodies()
+    piston, block, *_ = bodies()
     cells = GRID[0] * GRID[1]
     half = rng.standard_normal((2, MODES, MODES))
     piston = dataclasses.replace(
@@ -128,12 +135,12 @@ def yielding_bodies(young=1.0):
     outward = wave[None, :, None, :] * along[:, None]
     onward = 0.4 * np.roll(outward, 3, axis=1)
     stations = np.array([[-1.0], [1.0]]) * np.linspace(0.03, 0.05, PIN_GRID[1])
-    return piston, block, ReducedBosses(outward, onward, stations, 18e-3)
+    return ReducedBodies(piston, block, ReducedBosses(outward, onward, stations, 18e-3))
 
 
 def yielding_model(young=1.0, parameters=PARAMETERS):
-    piston, block, bosses = yielding_bodies(young)
-    return assemble_floating(piston, block, options(True), parameters, PinParameters(), bosses)
+    own = OwnParameters(PinParameters())
+    return assemble_floating(yielding_bodies(young), options(True), parameters, own)
 
 
 # ---- a pin that tilts and bends
@@ -152,16 +159,15 @@ def bending_options(shapes):
 
 
 def bending_model(shapes=4, parameters=PARAMETERS, **axis):
-    own = dataclasses.replace(AXIS, **axis)
-    built = bending_options(shapes)
-    return assemble_floating(*bodies(), built, parameters, PinParameters(), axis=own)
+    own = OwnParameters(PinParameters(), dataclasses.replace(AXIS, **axis))
+    return assemble_floating(bodies(), bending_options(shapes), parameters, own)
 
 
-def bending_in_bosses(parameters=PARAMETERS, **films):
+def bending_in_bosses(parameters=PARAMETERS, **shells):
     """A pin that bends in bosses that yield."""
-    piston, block, bosses = yielding_bodies()
-    built, pin = bending_options(3), PinParameters()
-    return assemble_floating(piston, block, built, parameters, pin, bosses, AXIS, **films)
+    own = OwnParameters(PinParameters(), AXIS)
+    yielding = yielding_bodies()._replace(shells=shells)
+    return assemble_floating(yielding, bending_options(3), parameters, own)
 
 
 # ---- an eye that yields
@@ -182,8 +188,8 @@ def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
 
 def eye_model(young=1.0, parameters=PARAMETERS):
     """A rigid piston and pin, an eye that yields."""
-    eye = small_end(young)
-    return assemble_floating(*bodies(), options(True), parameters, PinParameters(), small_end=eye)
+    yielding = bodies()._replace(shells={"small_end": small_end(young)})
+    return assemble_floating(yielding, options(True), parameters, OwnParameters(PinParameters()))
 
 
 def all_that_yields(parameters=PARAMETERS):
@@ -211,18 +217,13 @@ def crank_options(names, modes=0):
 
 def crank_model(names=SETS[-1], yielding=False, young=1.0, **changes):
     parameters = dataclasses.replace(PARAMETERS, crank_unbalance=UNBALANCE, **changes)
-    piston, block = bodies()
-    bosses = eye = None
-    shells = {}
+    reduced = bodies()
     if yielding:
-        piston, block, bosses = yielding_bodies()
-        eye = small_end()
         shells = {name: small_end(young, GRIDS[name], RADII[name]) for name in names}
-    own = {name: OWN[name] for name in names}
-    pin = PinParameters()
+        reduced = yielding_bodies()._replace(shells={"small_end": small_end()} | shells)
+    own = OwnParameters(PinParameters(), crank={name: OWN[name] for name in names})
     built = crank_options(names, SHELL_MODES if yielding else 0)
-    films = dict(crank=own, small_end=eye, crank_shells=shells)
-    return assemble_floating(piston, block, built, parameters, pin, bosses, **films)
+    return assemble_floating(reduced, built, parameters, own)
 
 
 MODELS = {

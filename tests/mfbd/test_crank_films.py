@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
@@ -361,16 +361,14 @@ def test_friction_of_the_crank_by_hand():
 
 
 def test_what_does_not_go_with_films_of_the_crank_is_told():
-    piston, block = bodies()
     wrong = dataclasses.replace(PARAMETERS, rod_mass=0.0, rod_inertia=0.0)
-    told = "\n".join(faults(piston, block, crank_options(("big_end",)), wrong))
+    told = "\n".join(faults(bodies(), crank_options(("big_end",)), wrong))
     assert "rod_mass: expected more than 0 kg with a film in big_end, got 0 kg" in told
     assert "rod_inertia: expected more than 0 kg.m2 with a film in big_end, got 0 kg.m2" in told
-    assert faults(piston, block, crank_options(SETS[-1]), PARAMETERS) == []
+    assert faults(bodies(), crank_options(SETS[-1]), PARAMETERS) == []
     beside = {"big_end": 25e-3, "main_bearing": 27.1e-3}
-    (told,) = faults(
-        piston, block, crank_options(SETS[-1]), PARAMETERS, shell_radii=beside, crank=OWN
-    )
+    own = OwnParameters(crank=OWN)
+    (told,) = faults(bodies(), crank_options(SETS[-1]), PARAMETERS, own, beside)
     assert told == "big_end_radius: expected within 2 % of the shell, 25 mm, got 24 mm"
     wanted = "floating_pin: expected a table with big_end, main_bearing, got nothing"
     with pytest.raises(ValidationError, match=wanted):

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, faults
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, bore_wall, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
@@ -110,6 +110,6 @@ def test_rings_beside_one_another_are_refused(reduced):
     options, piston, block = reduced
     for second in (5e-3, 17e-3):
         wrong = Parameters(top_ring_height=16e-3, second_ring_height=second)
-        (text,) = faults(piston, block, options, wrong)
+        (text,) = faults(ReducedBodies(piston, block), options, wrong)
         assert text.startswith("second_ring_height: expected") and f", got {second:g} m" in text
         assert "to top_ring_height = 0.016 m" in text

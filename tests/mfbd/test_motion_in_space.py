@@ -11,7 +11,12 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, assemble_in_space, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import (
+    ReducedBodies,
+    assemble,
+    assemble_in_space,
+    faults,
+)
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
     BuildOptions,
@@ -73,12 +78,13 @@ def options(space=None, orders=()):
 
 def space_model(space=SKEWED, orders=(), parameters=RUBBING, **own):
     return assemble_in_space(
-        *flat_bodies(), options(space, orders), parameters, SpaceParameters(**own)
+        flat_bodies(), options(space, orders), parameters, SpaceParameters(**own)
     )
 
 
 def flat_model(orders=()):
-    return assemble(*flat_bodies(), options(None, orders), RUBBING)
+    piston, block, *_ = flat_bodies()
+    return assemble(piston, block, options(None, orders), RUBBING)
 
 
 # ---- the film
@@ -352,7 +358,7 @@ def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
     is the mean one. The rod's slant of x/L, 1e-4, takes a share of its square of the way.
     """
     alike = dataclasses.replace(PARAMETERS, rod_mass=0.0, rod_inertia=0.0, crank_offset=0.0)
-    piston, block = flat_bodies()
+    piston, *rest = flat_bodies()
     piston = dataclasses.replace(piston, S=MASS * np.array([0.0, CENTRE[1]]), I0=4.5e-3)
     pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
     given = dataclasses.replace(
@@ -363,7 +369,7 @@ def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
     step = 1e-4
     ways = []
     for cell, way in ((4, [0, 1]), (0, [2, 3])):
-        model = assemble_in_space(piston, block, given, alike, own)
+        model = assemble_in_space(ReducedBodies(piston, *rest), given, alike, own)
         velocity = np.zeros(5)
         velocity[way] = 0.1, 0.0
         none, hit = np.zeros(GRID), np.zeros(GRID)
@@ -679,7 +685,7 @@ def test_a_native_fmu_refuses_it():
 
 def test_a_free_crank_is_refused_beside_it():
     free_crank = dataclasses.replace(PARAMETERS, crank_free=1)
-    (told,) = faults(*flat_bodies(), options(SKEWED), free_crank)
+    (told,) = faults(flat_bodies(), options(SKEWED), free_crank)
     assert told == "crank_free: expected 0 with motion in space, got 1"
 
 

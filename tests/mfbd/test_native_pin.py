@@ -53,10 +53,10 @@ def built(tmp_path):
     """Folder of a slave's resources; bosses and eye may yield, the crank have films."""
 
     def make(yields=False, crank=(), eye_radius=None, shell_radii=SHELL_RADII):
-        piston, block = bodies()
+        piston, block, *_ = bodies()
         pin = FloatingPin(PIN_GRID, 25e-3, 36e-3)
         if yields:
-            piston, block, bosses = yielding_bodies()
+            piston, block, bosses, _ = yielding_bodies()
             crank = tuple(replace(one, shell=f"{one.name}.npz", modes=SHELL_MODES) for one in crank)
             for one in crank:
                 save(tmp_path / one.shell, small_end(1.0, one.grid, shell_radii[one.name]))

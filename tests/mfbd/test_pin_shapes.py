@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
@@ -320,15 +320,14 @@ def test_a_stiff_pin_is_the_rigid_one():
 
 
 def test_what_a_pin_cannot_be_is_told():
-    piston, block = bodies()
     wrong = dataclasses.replace(AXIS, pin_bore_radius=18e-3, pin_length=85e-3)
-    told = faults(piston, block, bending_options(3), PARAMETERS, axis=wrong)
+    told = faults(bodies(), bending_options(3), PARAMETERS, OwnParameters(axis=wrong))
     assert told == [
         "pin_bore_radius: expected less than the radius of the pin, 18 mm, got 18 mm",
         "pin_length: expected 0 or at least the length of all films, 86 mm, got 85 mm",
     ]
     fine = dataclasses.replace(AXIS, pin_length=86e-3)
-    assert faults(piston, block, bending_options(3), PARAMETERS, axis=fine) == []
+    assert faults(bodies(), bending_options(3), PARAMETERS, OwnParameters(axis=fine)) == []
 
 
 def test_a_pin_without_shapes_stays_the_same_file():

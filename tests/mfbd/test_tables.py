@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
@@ -285,8 +285,8 @@ def test_a_free_crank_has_no_table(reduced):
     options, piston, block = reduced
     table = speed_table(inline_numbers("speed", [(0, 300), (1, 310)]), "time", 2 * np.pi, 1.0, 1.0)
     free = Parameters(crank_free=1)
-    assert faults(piston, block, options, free) == []
-    (fault,) = faults(piston, block, replace(options, speed=table), free)
+    assert faults(ReducedBodies(piston, block), options, free) == []
+    (fault,) = faults(ReducedBodies(piston, block), replace(options, speed=table), free)
     assert fault.startswith("crank_free: expected 0 with a table build.speed")
 
 
