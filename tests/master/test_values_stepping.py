@@ -22,6 +22,7 @@ from piston_cosim.master.coupling.methods import (
 from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.step_control import StepControl, step_control
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
+from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.interpolated import (
@@ -274,6 +275,19 @@ class Interface(SimpleNamespace):
         return np.array([1.0, 2.0, 10.0, 20.0])
 
 
+def work_of(unit, force="N", conjugate="b.F"):
+    """Work of q, which a gives to b, and of F, which b gives back."""
+    tables = [
+        SimpleNamespace(source="a.q", target="b.q", conjugate=conjugate),
+        SimpleNamespace(source="b.F", target="a.F", conjugate=None),
+    ]
+    wires = (
+        Wire(("a", "q"), ("b", "q"), (2,), unit, 1.0, 1.0, None),
+        Wire(("b", "F"), ("a", "F"), (2,), force, 1.0, 1.0, None),
+    )
+    return InterfaceWork(Interface(wires=wires, parts=[slice(0, 2), slice(2, 4)]), tables)
+
+
 @pytest.mark.parametrize(
     "unit, first, second, exchanged",
     [
@@ -283,19 +297,9 @@ class Interface(SimpleNamespace):
         ("m/s", 41.25, 30.0, 41.25),
     ],
 )
-def test_work_on_both_sides_by_hand(affine, unit, first, second, exchanged):
+def test_work_on_both_sides_by_hand(unit, first, second, exchanged):
     # W1: side 1 computes q from F, side 2 F from q
-    tables = [
-        SimpleNamespace(source="a.q", target="b.q", conjugate="b.F"),
-        SimpleNamespace(source="b.F", target="a.F", conjugate=None),
-    ]
-    make = affine([[0.0]], square).wires[0].__class__
-    wires = (
-        make(("a", "q"), ("b", "q"), (2,), unit, 1.0, 1.0, None),
-        make(("b", "F"), ("a", "F"), (2,), "N", 1.0, 1.0, None),
-    )
-    interface = Interface(wires=wires, parts=[slice(0, 2), slice(2, 4)])
-    work = InterfaceWork(interface, tables)
+    work = work_of(unit)
     work.add(0.5, np.array([1.25, 2.5, 11.0, 22.0]), np.array([1.5, 3.0, 12.0, 18.0]))
     assert work.work.tolist() == pytest.approx([first, second], rel=1e-14)
     # back to where it began: the amounts add, the work does not
@@ -316,15 +320,9 @@ def test_work_on_both_sides_by_hand(affine, unit, first, second, exchanged):
         ("b.F", "Pa", "expected a product of work or power, got"),
     ],
 )
-def test_what_is_no_conjugate_is_refused(affine, conjugate, unit, message):
-    tables = [SimpleNamespace(source="a.q", target="b.q", conjugate=conjugate)]
-    make = affine([[0.0]], square).wires[0].__class__
-    wires = (
-        make(("a", "q"), ("b", "q"), (2,), "m", 1.0, 1.0, None),
-        make(("b", "F"), ("a", "F"), (2,), unit, 1.0, 1.0, None),
-    )
+def test_what_is_no_conjugate_is_refused(conjugate, unit, message):
     with pytest.raises(BadInput, match=message):
-        InterfaceWork(Interface(wires=wires, parts=[slice(0, 2), slice(2, 4)]), tables)
+        work_of("m", unit, conjugate)
 
 
 def test_courses_by_hand():
@@ -371,6 +369,16 @@ class Told:
         self.state = saved
 
 
+def tried(participant, time, end, **more):
+    """Take a step to an end that is not the first to be tried: each begins at the saved ends."""
+    saved = participant.save()
+    for attempt in (99.0, end):
+        participant.restore(saved)
+        for name, value in {"u": [attempt], **more}.items():
+            participant.set(name, value)
+        participant.step(time, 2.0)
+
+
 @pytest.mark.parametrize(
     "kind, first, second",
     [
@@ -387,13 +395,7 @@ def test_a_step_begins_with_the_ends_of_the_last_one(kind, first, second):
         assert told.parameters == {}
         participant.set("der(u)", [0.5])
     for time, end, slope, course in ((0.0, 3.0, 4.0, first), (2.0, 2.0, 0.0, second)):
-        saved = participant.save()
-        for attempt in (99.0, end):  # every evaluation begins at the saved ends, not at those tried
-            participant.restore(saved)
-            participant.set("u", [attempt])
-            if kind == "hermite":
-                participant.set("der(u)", [slope])
-            participant.step(time, 2.0)
+        tried(participant, time, end, **{"der(u)": [slope]} if kind == "hermite" else {})
         assert told.courses[-1] == pytest.approx(course, rel=1e-14)
     assert participant.get("u") == [2.0]
     assert told.state == 2
@@ -406,10 +408,6 @@ def test_a_mean_input_is_held_at_the_mean_and_ends_at_its_end():
     participant = InterpolatedParticipant(told, {"u": "mean"})
     participant.start({}, 0.0, 9.0)
     for time, end in ((0.0, 3.0), (2.0, 2.0)):
-        saved = participant.save()
-        for attempt in (99.0, end):
-            participant.restore(saved)
-            participant.set("u", [attempt])
-            participant.step(time, 2.0)
+        tried(participant, time, end)
     assert seen == [50.0, 99.0, 2.0, 3.0, 51.0, 99.0, 2.5, 2.0]
     assert told.courses == []
