@@ -32,12 +32,12 @@ def tube(cells, low, high, inner, outer):
     ), place.ravel()[tets]
 
 
-def clamped_box(cells, size, axis=1, young=7e10, density=2700.0):
-    """Mesh of a box and its elastic body, held at the end where a coordinate is 0."""
+def clamped_box(cells, size):
+    """Mesh of a box and its elastic body, held where y is 0."""
     points, tets = box_mesh(cells, size)
     mesh = Mesh(points, tets, {})
-    _, K, M = assembled(mesh, young, 0.3, density)
-    return mesh, Elastic(K, M, np.flatnonzero(points[:, axis] == 0.0))
+    _, K, M = assembled(mesh, 7e10, 0.3, 2700.0)
+    return mesh, Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
 
 
 def write(path, points, tets, surfaces):

@@ -4,13 +4,9 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 
-from piston_cosim.fmu_mfbd.finite_elements.element import (
-    consistent_mass,
-    rigid_motions,
-    stiffness,
-)
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
-from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     MeanElastic,
@@ -19,21 +15,18 @@ from piston_cosim.fmu_mfbd.reduction.bases import (
     mean_conditions,
     orthonormal_modes,
 )
-from piston_cosim.tests.verification.cases.bodies import box_mesh
+
+from .conftest import clamped_box
 
 
 @pytest.fixture(scope="module")
 def plate():
     """Points, K, M and the area of each node on the face y = 0."""
-    points, tets = box_mesh((3, 4, 2), (0.03, 0.05, 0.02))
-    faces = outer_faces(tets)
+    mesh, _ = clamped_box((3, 4, 2), (0.03, 0.05, 0.02))
+    points, faces = mesh.points, mesh.skin()
     faces = faces[(points[faces][:, :, 1] == 0.0).all(axis=1)]
-    return (
-        points,
-        stiffness(points, tets, 7e10, 0.3),
-        consistent_mass(points, tets, 2700.0),
-        surface_matrix(points, faces),
-    )
+    _, K, M = assembled(mesh, 7e10, 0.3, 2700.0)
+    return points, K, M, surface_matrix(points, faces)
 
 
 def test_surface_matrix_holds_area_and_moments(plate):

@@ -16,7 +16,6 @@ from piston_cosim.fmu_mfbd.geometry.pin import turned
 
 from .pin_models import (
     MAIN,
-    OFFSET,
     PARAMETERS,
     SETS,
     SPEED,
@@ -27,7 +26,7 @@ from .pin_models import (
     rough_way,
     tied_model,
 )
-from .test_crank_films import derivative
+from .test_crank_films import derivative, joints
 from .test_motion_in_space import Points, load_on, space_bodies
 
 INERTIA = Parameters().crank_inertia
@@ -48,21 +47,10 @@ def all_momentum(model, position, velocity, crank):
     def play(q, start):
         return q[start : start + 2] if start >= 0 else np.zeros(2)
 
-    def places(q, angle):
-        """A, pin, centre of the rod, journal of the crank with its unbalance; angle of the rod."""
-        u = np.array([-np.sin(angle), np.cos(angle)])
-        journal = play(q, first.main_bearing)
-        big_end = journal + p.crank_radius * u - play(q, first.big_end)
-        eye_x = q[0] + q[2] - q[4] + OFFSET - p.crank_offset
-        rise = np.sqrt(p.rod_length**2 - (eye_x - big_end[0]) ** 2)
-        eye = np.array([eye_x, big_end[1] + rise])
-        pin = eye + q[4:6]
-        along = (eye - big_end) / p.rod_length
-        centre = big_end + p.rod_centre * along
-        return np.array([pin - q[2:4], pin, centre, journal, u]), -np.arcsin(along[0])
-
     def at(t):
-        return places(position + t * velocity, crank.angle + t * crank.speed)
+        q = position + t * velocity
+        plays = play(q, first.big_end), play(q, first.main_bearing)
+        return joints(q, crank.angle + t * crank.speed, *plays)
 
     (A, pin, rod, journal, u), _ = at(0.0)
     A_v, pin_v, rod_v, journal_v, u_v = derivative(lambda t: at(t)[0], 0.0, 1e-4)

@@ -10,7 +10,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
-from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_knots, on_rows, window_at
+from piston_cosim.fmu_mfbd.geometry.film import on_knots, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
@@ -40,14 +40,6 @@ def test_all_faults_of_the_table_at_once(bodies):
     ):
         assert piece in text, text
     assert len(caught.value.faults) == 5
-
-
-def test_missing_file_and_surface(bodies):
-    folder, options = bodies
-    with pytest.raises(BadInput, match="piston.mesh: expected a file in .*, got 'none.msh'"):
-        prepare(options | {"piston": options["piston"] | {"mesh": "none.msh"}}, folder, print)
-    with pytest.raises(BadInput, match="surface 'skirt' is missing or empty"):
-        prepare(options | {"piston": options["piston"] | {"mesh": "block.msh"}}, folder, print)
 
 
 def test_reduction_is_cached_by_content(coarse, tmp_path, monkeypatch):
@@ -101,25 +93,6 @@ def test_a_point_in_a_hole_reads_the_nearest_edge():
     np.testing.assert_allclose((reading @ turn).reshape(4, 2), wanted, atol=1e-12)
     there = covered(points, np.array(triangles), *at, 1.0)
     assert there.tolist() == [[True, True], [True, True], [True, False], [True, False]]
-
-
-def test_spline_passes_through_its_values_and_has_the_right_slope():
-    heights = np.linspace(0.05, 0.15, 30)
-    values = np.sin(40 * heights)[None, :, None] * np.array([1.0, 2.0])[:, None, None]
-    bore = bore_splines(heights, values, values)
-    at = np.linspace(0.0701, 0.0951, 17)
-
-    def on_grid(height, slope=False):
-        window = window_at(bore.lowest, bore.spacing, 0.0, height)
-        knots = read(bore.radial, window.first, window.knots, np.ones(1))
-        return on_rows(window, window.slope if slope else window.value, knots)[:, 1]
-
-    np.testing.assert_allclose(
-        on_grid(at), 2 * np.sin(40 * at), atol=2e-5
-    )  # fourth order: (40 * 3.4 mm)^4 / 384 * 8
-    np.testing.assert_allclose(on_grid(at, True), 80 * np.cos(40 * at), atol=5e-2)
-    difference = (on_grid(at + 1e-7) - on_grid(at - 1e-7)) / 2e-7
-    np.testing.assert_allclose(on_grid(at, True), difference, rtol=1e-6, atol=1e-6)
 
 
 def test_spreading_is_the_transpose_of_reading():
@@ -202,23 +175,6 @@ def test_shipped_meshes_are_mirror_symmetric():
             flip[axis] = -1.0
             image = np.array([place[tuple((p * flip + 0.0).tolist())] for p in mesh.points])
             assert {tuple(sorted(t)) for t in image[mesh.tets].tolist()} == elements
-
-
-def test_no_modes_leave_mass_properties_and_size(bodies, tmp_path, monkeypatch):
-    folder, options = bodies
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
-    files = prepare(
-        options | {name: options[name] | {"modes": 0} for name in ("piston", "block")},
-        folder,
-        print,
-    )[1]
-    piston, block = (np.load(path) for path in files)
-    assert piston["radial"].shape == (16 * 12, 0) and block["radial"].shape == (16, 24, 0)
-    tube = np.pi * (28e-3**2 - 24e-3**2) * 36e-3 * 2700
-    assert piston["mass"] == pytest.approx(
-        tube, rel=1e-3
-    )  # edges of 15 degrees, curved: (pi/24)^4 / 6
-    assert block["radius"] == pytest.approx(28.025e-3, rel=1e-9)
 
 
 def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):

@@ -43,6 +43,20 @@ from .pin_models import (
 of_each_set = pytest.mark.parametrize("names", SETS, ids="+".join)
 
 
+def joints(q, angle, b, m):
+    """A, pin, centre of the rod, journal of the crank, and the direction from it to its pin; angle
+    of the rod. Crank pin and journal are at b and m from their shells' axes.
+    """
+    p = PARAMETERS
+    u = np.array([-np.sin(angle), np.cos(angle)])
+    big_end = m + p.crank_radius * u - b
+    eye_x = q[0] + q[2] - q[4] + OFFSET - p.crank_offset
+    rise = np.sqrt(p.rod_length**2 - (eye_x - big_end[0]) ** 2)
+    pin = np.array([eye_x, big_end[1] + rise]) + q[4:6]
+    along = np.array([eye_x - big_end[0], rise]) / p.rod_length
+    return np.array([pin - q[2:4], pin, big_end + p.rod_centre * along, m, u]), -np.arcsin(along[0])
+
+
 class Points:
     """The mechanism as points of mass and rods that turn, in space, by all coordinates and the
     angle of the crank: x_A, rocking angle, pin from bosses, pin from eye, angle of the pin, then
@@ -56,24 +70,13 @@ class Points:
         """Of piston (centre), pin, rod (centre) and crank (centre of 4 kg), of all journals from
         their shells' axes; angles of piston, pin, rod.
         """
-        p = PARAMETERS
         play = dict(zip(self.names, np.split(q[7:], len(self.names))))
         b, m = (play.get(name, np.zeros(2)) for name in ("big_end", "main_bearing"))
-        u = np.array([-np.sin(angle), np.cos(angle)])
-        big_end = m + p.crank_radius * u - b
-        pin_x = q[0] + q[2] + OFFSET - p.crank_offset
-        eye_x = pin_x - q[4]
-        rise = np.sqrt(p.rod_length**2 - (eye_x - big_end[0]) ** 2)
-        eye = np.array([eye_x, big_end[1] + rise])
-        pin = eye + q[4:6]
-        A = pin - q[2:4]
+        (A, pin, rod, _, u), psi = joints(q, angle, b, m)
         c, s = np.cos(q[1]), np.sin(q[1])
         piston = A + np.array([[c, -s], [s, c]]) @ CENTRE
-        along = (eye - big_end) / p.rod_length
-        rod = big_end + p.rod_centre * along
         crank = m + UNBALANCE / MAIN.crank_mass * u
-        angles = np.array([q[1], q[6], -np.arcsin(along[0])])
-        return np.array([piston, pin, rod, crank]), angles
+        return np.array([piston, pin, rod, crank]), np.array([q[1], q[6], psi])
 
     def inertias(self):
         p = PARAMETERS

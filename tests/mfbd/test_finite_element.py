@@ -85,7 +85,7 @@ def test_pressure_on_all_faces_balances(warped):
     assert np.abs(np.cross(points, load).sum(axis=0)).max() <= 1e-13 * size
 
 
-def test_inverted_and_loose_elements_are_named(warped):
+def test_inverted_elements_are_named(warped):
     points, tets = warped
     bad = tets.copy()
     bad[3] = bad[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
@@ -93,8 +93,6 @@ def test_inverted_and_loose_elements_are_named(warped):
     assert (
         "body: expected positive Jacobians, got 1 inverted elements; the first is number 4" in text
     )
-    apart = np.vstack([points, points + 1.0]), np.vstack([tets, tets + len(points)])
-    assert "2 unconnected pieces" in mesh_faults(*apart, "body")[0]
 
 
 def two_boxes():

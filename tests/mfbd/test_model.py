@@ -8,7 +8,7 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, MotionNotSolved
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, LateralMotion, height, motion
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
 from piston_cosim.fmu_mfbd.reduction.reduced_body import without_modes
@@ -37,14 +37,6 @@ def run(model, steps=12, **given):
     for k in range(steps):
         state, out = model.advance(state, inputs(model, k, **given), STEP)
     return state, out
-
-
-def test_start_is_concentric_and_at_rest(model):
-    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
-    state, out = model.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
-    np.testing.assert_array_equal(out["film_thickness"], model.film_surfaces[0].skirt.gap)
-    assert not state.velocity.any() and not state.position.any()
-    assert out["sliding_velocity"] == pytest.approx(out["piston_velocity"])
 
 
 def test_the_first_two_steps_are_backward_euler(model):
@@ -142,18 +134,6 @@ def test_a_repeated_step_gives_the_same_bytes(model):
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
 
 
-def test_film_opens_where_a_force_pushes(model):
-    """Both surfaces give way: film thickness grows at a loaded point."""
-    state, _ = run(model)
-    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
-    base = Inputs(SPEED, 0.0, nothing, nothing)
-    model.advance(state, base, STEP)
-    for point in ((0, 0), (3, 5), (9, 11)):
-        push = nothing.copy()
-        push[point] = 1.0
-        assert model.directional_derivative(push, nothing)["film_thickness"][point] > 0.0
-
-
 def test_the_step_map_is_symmetric(model):
     """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b
     from a force at a.
@@ -241,20 +221,6 @@ def test_what_nothing_moves_stays_at_rest(model):
     assert not state.position.any() and not state.acceleration.any()
 
 
-def test_rigid_bodies_run(reduced):
-    """No modes at all: the film moves as one rigid piston."""
-    options, piston, block = reduced
-    rigid = assemble(without_modes(piston), without_modes(block), options, Parameters())
-    state, out = run(rigid)
-    opening = out["film_thickness"] - rigid.film_surfaces[0].skirt.gap
-    lateral, angle = state.position
-    moved = (angle * rigid.film_surfaces[0].skirt.height - lateral) * np.sin(
-        rigid.film_surfaces[0].skirt.angle
-    )[:, None]
-    np.testing.assert_allclose(opening, moved, rtol=0, atol=1e-18)
-    assert "modal_coordinate" not in out and out["interface_work_error"] <= 1e-13
-
-
 @pytest.mark.parametrize("coefficient", [0.0, 0.05])
 def test_free_crank_keeps_the_energy(reduced, coefficient):
     """Rigid piston, no gas, no load, no film: kinetic energy of all and the heat of friction at the
@@ -294,79 +260,6 @@ def test_free_crank_keeps_the_energy(reduced, coefficient):
     assert swing[1] > 50.0  # the crank really gives and takes
     assert (heat > 0.0) == (coefficient > 0.0)
     assert drift[1] < 2e-5 and drift[1] < 0.26 * drift[0]
-
-
-def test_a_seized_pin_turns_the_piston_with_the_rod(reduced):
-    """Friction far above what turns the piston: it takes up the rod's angular velocity; a smooth
-    pin leaves it alone.
-    """
-    smooth, seized = (
-        assembled(reduced, crank_offset=1e-3, pin_friction_coefficient=one) for one in (0.0, 1.0)
-    )
-    (_, alone), (state, out) = run(smooth, 6, size=0.0), run(seized, 6, size=0.0)
-    lateral = LateralMotion(state.position[0], state.velocity[0], 0.0)
-    crank = CrankMotion(state.crank_angle, state.crank_speed, 0.0)
-    rod = motion(seized.system.mechanism, lateral, crank).rod.velocity
-    assert rod < -60.0 and state.velocity[1] == pytest.approx(
-        rod, rel=0.05
-    )  # the start begins at rest
-    assert alone["pin_friction_moment"] == 0.0 and abs(alone["rocking_angle"]) < 0.2 * abs(
-        out["rocking_angle"]
-    )
-
-
-def test_a_start_from_where_a_run_stood_goes_on_as_that_run(model):
-    """Motion taken over: the two runs differ by what the integrator's memory of the last
-    acceleration is worth.
-    """
-    state, _ = run(model, 30)
-    nearby = model.start_moving(
-        state.crank_angle, state.position, state.velocity, inputs(model, 29)
-    )[0]
-    at_rest = model.start(state.crank_angle, 0.0, 0.0, inputs(model, 29))[0]
-    np.testing.assert_allclose(
-        nearby.acceleration,
-        state.acceleration,
-        rtol=1e-6,
-        atol=1e-6 * np.abs(state.acceleration).max(),
-    )
-    for k in range(30, 50):
-        state, nearby, at_rest = (
-            model.advance(s, inputs(model, k), STEP)[0] for s in (state, nearby, at_rest)
-        )
-    error, apart = (np.abs(s.position[:2] - state.position[:2]) for s in (nearby, at_rest))
-    assert np.all(error < 1e-2 * apart)
-
-
-def test_static_modes_are_where_moving_ones_go(reduced):
-    """A load that rises and falls in 4.4 ms, slow for modes above 14.5 kHz: with and without
-    inertia they are at the same place. The gas is weak, 0.3 MPa: nothing holds A, and 3 MPa drive
-    it 26 mm aside, where the gas on the bore's axis turns the piston by 2 rad.
-    """
-    moving, static = (
-        assembled(reduced, quasi_static_frequency=f, high_frequency_damping_ratio=0.02)
-        for f in (1e9, 14.5e3)
-    )
-    k, m = len(static.system.piston.stiffness), len(moving.system.piston.stiffness)
-    fast = np.r_[
-        k:m, m + len(static.system.block.stiffness) : m + len(moving.system.block.stiffness)
-    ]
-    assert k < m and len(fast) > m - k  # there are some in both bodies
-    F, f = forces(moving, size=20.0)
-    F, places = F + np.roll(F, 8, axis=0), []  # from both sides: it deforms, it hardly pushes
-    for model in (moving, static):
-        state, out = model.start(0.3, 0.0, 0.0, Inputs(SPEED, 0.0, 0 * F, 0 * f))
-        for step in range(1, 60):
-            share = np.sin(np.pi * step / 80) ** 2
-            state, out = model.advance(
-                state, Inputs(SPEED, 3e5 * share, share * F, share * f), STEP
-            )
-        places.append(out["modal_coordinate"])
-    # (load's frequency / mode's)^2 is 3e-4, 2 damping ratio (load's frequency / mode's) 6e-4;
-    # ringing adds 1e-3
-    np.testing.assert_allclose(
-        places[1][fast], places[0][fast], atol=5e-3 * np.abs(places[0][fast]).max()
-    )
 
 
 @pytest.mark.parametrize("step", [1e-5, 2e-6, 1e-7])

@@ -286,41 +286,6 @@ def test_accelerations_are_those_of_newton_and_euler(bodies):
     assert o["rocking_velocity"] == near(want["rocking"] * 1e-9, rel=1e-4)
 
 
-@pytest.mark.parametrize("degrees, side", [(30, -181.47237), (60, -150.83006), (90, 25.33294)])
-def test_rigid_slider_crank(bodies, degrees, side):
-    """Crank 28.8 mm, rod 110 mm, piston 0.315 kg, rod 0.35 kg with 6e-4 kg m2 and its centre 30 mm
-    from the big end, 3000 rpm, nothing offset, no gas, the piston guided along y: the side force
-    that guides it. Given by the film (2.5 mm below A, which turns the piston about its centre of
-    mass A and does no more) it leaves the piston without lateral acceleration; there, at 30 deg:
-    height 0.13399491 m, pin force -896.73536 N, torque +21.352215 N m.
-    """
-    push = np.zeros(GRID)
-    if side > 0.0:
-        push[2, 2] = side  # on the thrust line
-    else:
-        push[6, 2] = -side
-    slave = bodies(
-        {"piston": {"pin_offset": "0 mm"}},
-        piston=dict(mass=0.315, S=np.zeros(2), I0=3e-4, pin_offset=0.0),
-        crank_offset=0.0,
-        rod_centre=30e-3,
-        pin_mass=0.0,
-        crank_speed=100.0 * pi,
-        start_crank_angle=np.radians(degrees),
-        nodal_pressure_force=push,
-    )
-    o = seen(slave)
-    assert o["side_force"] == near(side)
-    assert o["pin_force_x"] == pytest.approx(side, abs=1e-4)  # digits of the side force
-    if degrees == 30:
-        assert o["piston_position"] == pytest.approx(0.13399491, abs=1e-8)
-        assert o["pin_force_y"] == near(-896.73536, rel=1e-6)
-        assert o["crank_torque"] == near(21.352215, rel=1e-6)
-    assert slave.do_step(0.0, 1e-6)
-    # of 1000 m/s2 that the mechanism's accelerations are: jerk over 1 us
-    assert abs(slave.views["lateral_velocity"].item()) < 5e-3 * 1e-6 * 1000.0
-
-
 @pytest.mark.parametrize("phi", [0.3, 1.4, 4.0])
 def test_effective_inertia_is_that_of_the_kinetic_energy(bodies, phi):
     """Eq. (K28): J w^2 / 2 is the energy of crank, rod, pin and piston, by central differences."""
@@ -401,7 +366,7 @@ def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
     ]
     slave = bodies(
         {
-            "piston": {"profiles": [{"file": "skirt.csv"} | units]},
+            "piston": {"profiles": 2 * [{"file": "skirt.csv"} | units]},
             "block": {"profiles": [{"file": "bore.csv"} | units], "orders": orders},
         },
         radial_clearance=33e-6,
@@ -432,7 +397,7 @@ def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
     # derivatives M (times the square of the spacing), from M- + 4 M + M+ = 6 (v- - 2 v + v+):
     # 1, 2, 3, 4 a quarter turn apart: M = 9, -3, 3, -9; 3, -1 half a turn apart: M = -24, 24
     skirt = spline(np.degrees(theta) / 90.0, [1.0, 2.0, 3.0, 4.0], [9.0, -3.0, 3.0, -9.0])
-    film = film + 1e-6 * (skirt + 4.0 * (y + 20e-3) / 40e-3)
+    film = film + 2.0 * 1e-6 * (skirt + 4.0 * (y + 20e-3) / 40e-3)  # measured twice
     film = film + 1e-6 * spline((np.degrees(theta) - 45.0) / 180.0, [3.0, -1.0], [-24.0, 24.0])
     assert np.abs(seen(slave)["film_thickness"] - film).max() <= 1e-9
 
