@@ -6,9 +6,11 @@ import meshio
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
+from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, outer_faces
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic
+from piston_cosim.fmu_mfbd.reduction.bases import Elastic, MeanElastic, mean_conditions
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 INNER, OUTER = 24e-3, 28e-3
@@ -38,6 +40,13 @@ def clamped_box(cells, size):
     mesh = Mesh(points, tets, {})
     _, K, M = assembled(mesh, 7e10, 0.3, 2700.0)
     return mesh, Elastic(K, M, np.flatnonzero(points[:, 1] == 0.0))
+
+
+def mean_held(body, surface):
+    """A body whose mean motion over a surface is held, which loads in balance do not feel."""
+    points = body.mesh.points
+    area = np.asarray(surface_matrix(points, body.mesh.faces[surface]).sum(axis=1)).ravel()
+    return MeanElastic(body.K, body.M, mean_conditions(points, [area]), rigid_motions(points))
 
 
 def write(path, points, tets, surfaces):

@@ -4,17 +4,14 @@ mesh, what is refused.
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
-from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions, stiffness
-from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
+from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
-from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
 from piston_cosim.fmu_mfbd.reduction.reduced_body import BossFilms
 
-from .conftest import tube
+from .conftest import mean_held, tube
 
 INNER, OUTER, HALF = 8e-3, 14e-3, 20e-3
 YOUNG, POISSON = 75e9, 0.33
@@ -32,15 +29,6 @@ def pipe():
     own = faces[inside[faces].all(axis=1)]
     own = own[np.abs(points[own[:, :3], 2].mean(axis=1)) > 4e-3]
     return Mesh(points, tets, {"pin_bore": own})
-
-
-def held(mesh):
-    """The pipe by the mean motion of its bore."""
-    K = stiffness(mesh.points, mesh.tets, YOUNG, POISSON)
-    area = np.asarray(surface_matrix(mesh.points, mesh.faces["pin_bore"]).sum(axis=1)).ravel()
-    conditions = mean_conditions(mesh.points, [area])
-    M = sp.identity(K.shape[0], format="csc")
-    return MeanElastic(K, M, conditions, rigid_motions(mesh.points))
 
 
 def test_displacements_that_are_known_are_read(pipe):
@@ -81,7 +69,7 @@ def test_modes_for_bosses_answer_smooth_pressure(pipe):
     """
     films = BossFilms(GRID, 16e-3, 0)
     found = boss_readings(pipe, pipe.points, films)
-    elastic = held(pipe)
+    elastic = mean_held(assembled(pipe, YOUNG, POISSON, 1.0), "pin_bore")
     a = shell_angles(GRID[0])
     along = np.sin(np.pi * (np.arange(8) + 0.5) / 8)
     pressure = np.outer(np.maximum(np.sin(a), 0.0) ** 2, along).ravel()

@@ -134,17 +134,10 @@ def test_one_surface_keeps_plain_names_and_several_have_their_own(reduced):
 
 
 def table(*surfaces, grid=(16, 12)):
-    return {
-        "grid": list(grid),
-        "film_surfaces": [{"name": name, "rows": rows} for name, rows in surfaces],
-        "piston": {
-            "mesh": "piston.msh",
-            "density": "2700 kg/m^3",
-            "young": "75 GPa",
-            "poisson": 0.3,
-        },
-        "block": {"mesh": "block.msh", "density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.3},
-    }
+    material = {"density": "2700 kg/m^3", "young": "75 GPa", "poisson": 0.3}
+    bodies = {name: {"mesh": f"{name}.msh"} | material for name in ("piston", "block")}
+    films = [{"name": name, "rows": rows} for name, rows in surfaces]
+    return {"grid": list(grid), "film_surfaces": films} | bodies
 
 
 def faults(options, folder):

@@ -10,7 +10,8 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.assembly import faults
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, place_of
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import PIN
+from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES, PIN
 from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia, inertia_with_rod
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
@@ -32,6 +33,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
     yielded,
 )
+from piston_cosim.fmu_mfbd.geometry.pin_shapes import AxisShapes
 
 from .differences import products_by_differences, rough_change
 from .pin_models import (
@@ -179,6 +181,38 @@ def test_a_shell_that_yields_by_hand():
     assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
     moving = power_on_grid(surface, forces, none, none, 0.0, ModeMotion(q, q), straight)
     assert moving[0] == pytest.approx(-5.0 * 3e-6, rel=1e-12)
+
+
+def test_rows_of_shapes_and_shells_by_hand():
+    """Eq. (D40), and a shape of 3 kg, 7 N/m, 2 N s/m: the other rows are those of a rigid pin in
+    rigid shells, with pressure on slopes in place of as much friction.
+    """
+    plain = floating_model().bodies
+    shape = AxisShapes(*np.array([[3.0], [7.0], [2.0], [0.0], [0.0]]))
+    own = plain._replace(
+        shapes=shape, shells=ModalSprings(np.array([7.0, 11.0]), np.array([2.0, 0.5]))
+    )
+    rng = np.random.default_rng(2)
+    now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 4))))
+    rigid = Motion(*(one[:COORDINATES] for one in now))
+    crank = CrankMotion(0.7, 100.0, 0.0)
+    load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
+    films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
+    push = np.array([5.0, -4.0])
+    acting = PinFilms(
+        films.bosses._replace(on_shapes=np.array([[2.0, 1.0]])),
+        films.eye._replace(on_shapes=push - [[2.0, 1.0]]),
+    )._replace(on_shells=push)
+    found = imbalance(own, load, now, crank, acting)
+    without = imbalance(plain, load, rigid, crank, films)
+    assert np.array_equal(found.residual[:COORDINATES], without.residual)
+    s, v, a = (one[COORDINATES:] for one in now)
+    wanted = a * [3, 3, 1, 1] + v * [2, 2, 2, 0.5] + s * [7, 7, 7, 11] - [*push, *push]
+    np.testing.assert_allclose(found.residual[COORDINATES:], wanted, rtol=1e-12)
+    M = inertia(own)
+    assert np.array_equal(M[COORDINATES:, COORDINATES:], np.diag([3.0, 3.0, 1.0, 1.0]))
+    assert not M[COORDINATES:, :COORDINATES].any()
+    assert np.array_equal(M[:COORDINATES, :COORDINATES], inertia(plain))
 
 
 def test_modes_of_a_standing_engine_yield_by_their_springs():

@@ -27,7 +27,7 @@ from .pin_models import (
     small_end,
     yielding_bodies,
 )
-from .test_native_bodies import side_by_side
+from .test_native_bodies import held, side_by_side
 
 VALUES = {
     name: value
@@ -81,14 +81,6 @@ def built(tmp_path):
         return tmp_path
 
     return make
-
-
-def held(found, allowed):
-    off, moved = found
-    # a relative error of round-off differs with its own round-off
-    off = {name: error for name, error in off.items() if "interface_work_error" not in name}
-    assert {name: error for name, error in off.items() if error > allowed} == {}
-    assert moved > 1e-7
 
 
 def test_a_rigid_pin_has_the_bits_of_the_model(built):

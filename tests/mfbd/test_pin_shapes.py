@@ -10,16 +10,9 @@ from scipy.linalg import expm
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
-from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
     ModeMotion,
     PinForces,
-    PinResultants,
     ShapeMotion,
     opening_of,
     pin_surface,
@@ -41,7 +34,6 @@ from .pin_models import (
     bending_model,
     bending_options,
     bodies,
-    floating_model,
     options,
     rough_inputs,
     shells_of,
@@ -209,36 +201,6 @@ def test_a_relieved_shell_by_hand():
         wanted = np.array([4.5e-6, 0.5e-6, 0.5e-6, 4.5e-6])
         np.testing.assert_allclose(more, np.tile(wanted, (PIN_GRID[0], 1)), atol=1e-15)
     assert np.array_equal(*(one["small_end.film_thickness"] for one in gaps))
-
-
-def test_rows_of_the_shapes_by_hand():
-    """A shape of 3 kg, 7 N/m, 2 N s/m in place of the pin's own; the other rows are those of a pin
-    without shapes.
-    """
-    model = floating_model()
-    plain = model.bodies
-    own = free_beam(PIN, 1).shapes(np.zeros(1))
-    own = own._replace(mass=np.array([3.0]), stiffness=np.array([7.0]), damping=np.array([2.0]))
-    rng = np.random.default_rng(2)
-    now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 2))))
-    rigid = Motion(*(one[:COORDINATES] for one in now))
-    crank = CrankMotion(0.7, 100.0, 0.0)
-    load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
-    of_film = [PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)]
-    films = PinFilms(of_film[0], of_film[1])
-    on_x, on_y = 5.0, -4.0
-    on_leaning = PinFilms(
-        films.bosses._replace(on_shapes=np.array([[2.0, 1.0]])),
-        films.eye._replace(on_shapes=np.array([[on_x - 2.0, on_y - 1.0]])),
-    )
-    found = imbalance(plain._replace(shapes=own), load, now, crank, on_leaning)
-    without = imbalance(plain, load, rigid, crank, films)
-    assert np.array_equal(found.residual[:COORDINATES], without.residual)
-    for k, force in enumerate((on_x, on_y), start=COORDINATES):
-        s, v, a = (one[k] for one in now)
-        assert found.residual[k] == pytest.approx(3 * a + 2 * v + 7 * s - force, rel=1e-12)
-    M = inertia(plain._replace(shapes=own))
-    np.testing.assert_allclose(M[COORDINATES:], np.eye(COORDINATES + 2)[COORDINATES:] * 3.0)
 
 
 def standing(model, stiffness, steps=15, gas=6e5, step=2e-4):

@@ -9,24 +9,14 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
-from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
-from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
-from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
-    PinResultants,
     diameters,
     shell_angles,
 )
-from piston_cosim.fmu_mfbd.reduction.bases import MeanElastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.reduction.shell import (
     film_shell,
@@ -35,7 +25,7 @@ from piston_cosim.fmu_mfbd.reduction.shell import (
     yielding_shell,
 )
 
-from .conftest import tube
+from .conftest import mean_held, tube
 from .pin_models import (
     PARAMETERS,
     PIN_GRID,
@@ -72,14 +62,6 @@ def ring(inner, outer, cells, half=HALF):
     )
 
 
-def free(body):
-    """A ring without a shank: its bore's mean motion held, which loads in balance do not feel."""
-    faces = body.mesh.faces["eye"]
-    area = np.asarray(surface_matrix(body.mesh.points, faces).sum(axis=1)).ravel()
-    conditions = mean_conditions(body.mesh.points, [area])
-    return MeanElastic(body.K, body.M, conditions, rigid_motions(body.mesh.points))
-
-
 def answer(reduced, force):
     """Outward displacement under forces on the cells, (c, a), by the modes."""
     outward = reduced.outward
@@ -95,7 +77,7 @@ def test_even_pressure_widens_a_thick_ring_as_lame_says():
     inner, outer, pressure = 8e-3, 14e-3, 60e6
     body = assembled(ring(inner, outer, (32, 2, 8)), *STEEL)
     film = ShellFilm((48, 20), 2 * HALF, 100)
-    reduced = yielding_shell(free(body), film_shell(body.mesh, film), film)
+    reduced = yielding_shell(mean_held(body, "eye"), film_shell(body.mesh, film), film)
     cell = 2 * np.pi * inner / 48 * 2 * HALF / 20
     opened = answer(reduced, np.full((48, 20), pressure * cell))
     wide = (outer**2 + inner**2) / (outer**2 - inner**2) + POISSON
@@ -112,7 +94,7 @@ def test_two_opposite_loads_flatten_a_thin_ring_as_timoshenko_says():
     mean, thick, load = 20e-3, 2e-3, 500.0
     body = assembled(ring(mean - thick / 2, mean + thick / 2, (72, 1, 2), 2e-3), *STEEL)
     film = ShellFilm((72, 4), 4e-3, 40)
-    reduced = yielding_shell(free(body), film_shell(body.mesh, film), film)
+    reduced = yielding_shell(mean_held(body, "eye"), film_shell(body.mesh, film), film)
     assert reduced.radius == pytest.approx(mean - thick / 2, rel=1e-12)
     force = np.zeros((72, 4))
     force[[10, 46]] = load / 4
@@ -205,30 +187,6 @@ def test_an_eye_that_is_not_where_its_film_is_and_a_cut_that_holds_nothing_are_t
     loose = eye._replace(mesh=dataclasses.replace(eye.mesh, faces=point))
     with pytest.raises(MeshFault, match="'cut': expected nodes off one line, got"):
         held_shell(loose)
-
-
-def test_rows_of_the_eye_by_hand():
-    """Eq. (D40), and pressure on slopes in place of as much friction: the other rows are those of a
-    rigid eye.
-    """
-    plain = floating_model().bodies
-    own = plain._replace(shells=ModalSprings(np.array([7.0, 11.0]), np.array([2.0, 0.5])))
-    rng = np.random.default_rng(2)
-    now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 2))))
-    rigid = Motion(*(one[:COORDINATES] for one in now))
-    crank = CrankMotion(0.7, 100.0, 0.0)
-    load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
-    films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
-    push = np.array([5.0, -4.0])
-    found = imbalance(own, load, now, crank, films._replace(on_shells=push))
-    without = imbalance(plain, load, rigid, crank, films)
-    assert np.array_equal(found.residual[:COORDINATES], without.residual)
-    s, v, a = (one[COORDINATES:] for one in now)
-    wanted = a + [2 * v[0], 0.5 * v[1]] + [7 * s[0], 11 * s[1]] - push
-    np.testing.assert_allclose(found.residual[COORDINATES:], wanted, rtol=1e-12)
-    M = inertia(own)
-    assert np.array_equal(M[COORDINATES:], np.eye(COORDINATES + 2)[COORDINATES:])
-    assert np.array_equal(M[:COORDINATES, :COORDINATES], inertia(plain))
 
 
 def test_widening_of_an_eye_by_hand():
