@@ -48,9 +48,11 @@ from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
 
-from .checks import Check, at_most
+from .checks import Check, at_most, compared, conserved
 
 Checks = Iterator[Check]
+SPARSE = "independent sparse solution"
+OTHER_MEAN = "second order in the cell size: faces use another mean of the film"
 
 RADIUS = 0.05  # of the shell [m]
 CLEARANCE = 5e-5  # C [m]
@@ -148,35 +150,19 @@ def table_checks() -> Checks:
         turns = SPEED / (2.0 * np.pi * RADIUS)
         scale = RADIUS / CLEARANCE
         leak = -found.outputs["flow_lower_edge"] - found.outputs["flow_upper_edge"]
-        case = f"Journal bearing L/D={ratio:g}, e={eccentricity:g}, groove, jfo, 120x24"
-        for name, value, reference in (
-            (
-                "Sommerfeld number S",
-                VISCOSITY * turns * 2.0 * RADIUS * length / found.load * scale**2,
-                number,
-            ),
-            ("attitude angle [deg]", found.attitude, angle),
-            ("friction (R/C) f", found.moment / RADIUS / found.load * scale, friction),
-            ("side flow Q/(R C N L)", leak / (RADIUS * CLEARANCE * turns * length), flow * side),
-        ):
-            yield Check(
-                case,
-                name if "[" in name else f"{name} [-]",
-                value,
-                reference,
-                0.016,
-                kind="relative",
-                source="published table (Raimondi and Boyd 1958)",
-                reason="three digits on a coarse grid of 1958, recomputed by others within 1.5 %",
-            )
-        yield at_most(
-            case,
-            "mass imbalance [-]",
-            found.outputs["mass_imbalance"],
-            1e-13,
-            source="conservation",
-            reason="round-off",
+        sommerfeld = VISCOSITY * turns * 2.0 * RADIUS * length / found.load * scale**2
+        side_flow = leak / (RADIUS * CLEARANCE * turns * length)
+        rows = (
+            ("Sommerfeld number S", sommerfeld, number, 0.016),
+            ("attitude angle [deg]", found.attitude, angle, 0.016),
+            ("friction (R/C) f", found.moment / RADIUS / found.load * scale, friction, 0.016),
+            ("side flow Q/(R C N L)", side_flow, flow * side, 0.016),
         )
+        case = f"Journal bearing L/D={ratio:g}, e={eccentricity:g}, groove, jfo, 120x24"
+        source = "published table (Raimondi and Boyd 1958)"
+        reason = "three digits on a coarse grid of 1958, recomputed by others within 1.5 %"
+        yield from compared(case, rows, source, reason)
+        yield conserved(case, "mass imbalance [-]", found.outputs["mass_imbalance"], 1e-13)
 
 
 def butenschoen_rotation(ratio: float, e: float) -> tuple[float, float]:
@@ -245,30 +231,15 @@ def butenschoen_checks() -> Checks:
             found = journal(ratio, e, shape, open_cells=grooved(shape), cavity_shear="full_film")
             number, angle = butenschoen_rotation(ratio, e)
             nearing = squeezed(ratio, e, rate) / unit / rate
-            for name, value, reference in (
-                ("So_D of rotation [-]", found.load / unit / turning, number),
-                ("So_V of squeeze [-]", nearing, butenschoen_squeeze(ratio, e)),
-            ):
-                yield Check(
-                    case,
-                    name,
-                    value,
-                    reference,
-                    0.04,
-                    kind="relative",
-                    source=source,
-                    reason="the fit differs by up to 3.9 % from the table of 1958",
-                )
-            yield Check(
-                case,
-                "attitude angle [deg]",
-                found.attitude,
-                angle,
-                2.5,
-                kind="absolute",
-                source=source,
-                reason="the fit differs by up to 2.2 deg from the table of 1958",
+            rows = (
+                ("So_D of rotation", found.load / unit / turning, number, 0.04),
+                ("So_V of squeeze", nearing, butenschoen_squeeze(ratio, e), 0.04),
             )
+            reason = "the fit differs by up to 3.9 % from the table of 1958"
+            yield from compared(case, rows, source, reason)
+            row = "attitude angle [deg]", found.attitude, angle, 2.5
+            reason = "the fit differs by up to 2.2 deg from the table of 1958"
+            yield from compared(case, [row], source, reason, "absolute")
 
 
 def long_bearing_checks() -> Checks:
@@ -283,33 +254,21 @@ def long_bearing_checks() -> Checks:
     x, y = journals.film_force(inner) / length
     s = np.sqrt(1.0 - e**2)
     stress = VISCOSITY * SPEED * (radius / CLEARANCE) ** 2
-    case = "Long journal bearing, e=0.6, full film, 240 cells"
     load = 12.0 * np.pi * stress * e / ((2.0 + e**2) * s)  # Eq. (V5)
     moment = 4.0 * np.pi * stress * CLEARANCE * (1.0 + 2.0 * e**2) / ((2.0 + e**2) * s)
-    for name, value, reference in (
-        ("load F/L [N/m]", np.hypot(x, y), load),
-        ("friction moment M/L [N]", outputs["friction_power"] * radius / SPEED / length, moment),
-    ):
-        yield Check(
-            case,
-            name,
-            value,
-            reference,
-            2e-3,
-            kind="relative",
-            source="closed form (Sommerfeld 1904)",
-            reason="second order in the cell size, and 1e-3 of the length at its ends",
-        )
-    yield Check(
-        case,
-        "attitude angle [deg]",
-        np.degrees(np.arctan2(-y, x)),
-        90.0,
-        1e-6,
-        kind="absolute",
-        source="closed form (Sommerfeld 1904)",
-        reason="symmetry",
+    friction = outputs["friction_power"] * radius / SPEED / length
+    rows = (
+        ("load F/L [N/m]", np.hypot(x, y), load, 2e-3),
+        ("friction moment M/L [N]", friction, moment, 2e-3),
     )
+    case, source = (
+        "Long journal bearing, e=0.6, full film, 240 cells",
+        "closed form (Sommerfeld 1904)",
+    )
+    reason = "second order in the cell size, and 1e-3 of the length at its ends"
+    yield from compared(case, rows, source, reason)
+    row = "attitude angle [deg]", np.degrees(np.arctan2(-y, x)), 90.0, 1e-6
+    yield from compared(case, [row], source, "symmetry", "absolute")
 
 
 def short_load(length: float, e: float) -> float:
@@ -326,27 +285,19 @@ def short_bearing_checks() -> Checks:
     for e in (0.3, 0.6, 0.8):
         s = np.sqrt(1.0 - e**2)
         found = journal(ratio, e, (180, 24), cavitation_model="gumbel", cavity_shear="full_film")
-        case = f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 180x24"
         load = short_load(length, e)
         angle = np.arctan2(np.pi * s, 4.0 * e)  # Eq. (V6)
         # Eq. (V7)
         couette = 2.0 * np.pi * VISCOSITY * SPEED * RADIUS * length * RADIUS / CLEARANCE / s
         moment = couette + 0.5 * load * CLEARANCE * e * np.sin(angle)
-        for name, value, reference in (
-            ("load F [N]", found.load, load),
-            ("attitude angle [deg]", found.attitude, np.degrees(angle)),
-            ("friction moment M [N m]", found.moment, moment),
-        ):
-            yield Check(
-                case,
-                name,
-                value,
-                reference,
-                5e-3,
-                kind="relative",
-                source="closed form (Ocvirk 1952)",
-                reason="length over diameter squared, 4e-4, and second order in the cell size",
-            )
+        rows = (
+            ("load F [N]", found.load, load, 5e-3),
+            ("attitude angle [deg]", found.attitude, np.degrees(angle), 5e-3),
+            ("friction moment M [N m]", found.moment, moment, 5e-3),
+        )
+        case = f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 180x24"
+        reason = "length over diameter squared, 4e-4, and second order in the cell size"
+        yield from compared(case, rows, "closed form (Ocvirk 1952)", reason)
 
 
 def balance_checks() -> Checks:
@@ -357,16 +308,10 @@ def balance_checks() -> Checks:
     _, y = journals.film_force(found.outputs["nodal_pressure_force"])
     step = 2.0 * np.pi / shape[0]
     lever = CLEARANCE * e * np.sin(step) / step  # the cosine by differences over two cells
-    yield Check(
-        "Journal bearing L/D=0.5, e=0.7, jfo, 90x12",
-        "friction power over speed, compared with the moment about the journal [N m]",
-        found.moment,
-        -found.outputs["friction_torque"] - lever * y,
-        1e-9,
-        kind="relative",
-        source="moment balance",
-        reason="round-off of a summation by parts",
-    )
+    name = "friction power over speed, compared with the moment about the journal [N m]"
+    row = name, found.moment, -found.outputs["friction_torque"] - lever * y, 1e-9
+    case = "Journal bearing L/D=0.5, e=0.7, jfo, 90x12"
+    yield from compared(case, [row], "moment balance", "round-off of a summation by parts")
 
 
 # ---- grooves and holes
@@ -387,16 +332,10 @@ def circumferential_groove_checks() -> Checks:
     outputs = steady(model, eccentric(shape, e), 0.0)
     # Eq. (V9)
     flow = np.pi * RADIUS * CLEARANCE**3 * supply * (1.0 + 1.5 * e**2) / (3.0 * VISCOSITY * 0.02)
-    yield Check(
-        "Circumferential groove, e=0.5, at rest, 120x21",
-        "flow [m3/s]",
-        outputs["flow_openings"],
-        flow,
-        1e-9,
-        kind="relative",
-        source="closed form",
-        reason="the pressure is linear along each land, so the grid is exact",
-    )
+    row = "flow [m3/s]", outputs["flow_openings"], flow, 1e-9
+    case = "Circumferential groove, e=0.5, at rest, 120x21"
+    reason = "the pressure is linear along each land, so the grid is exact"
+    yield from compared(case, [row], "closed form", reason)
 
 
 def plain_reynolds(
@@ -463,26 +402,13 @@ def fed_checks() -> Checks:
         load = np.hypot(*journals.film_force(pressure * area))
         leak = (film[:, [0, -1]] ** 3 * pressure[:, [0, -1]]).sum() * model.grid.cells.dx
         leak /= 12.0 * VISCOSITY * 0.5 * model.grid.cells.dy
-        case = f"Bearing L/D=0.5, e=0.4, full film, {name} with supply, 180x60"
-        for what, value, reference, tolerance in (
-            (
-                "load [N]",
-                np.hypot(*journals.film_force(outputs["nodal_pressure_force"])),
-                load,
-                1e-3,
-            ),
+        force = journals.film_force(outputs["nodal_pressure_force"])
+        figures = (
+            ("load [N]", np.hypot(*force), load, 1e-3),
             ("flow [m3/s]", outputs["flow_openings"], leak, 4e-3),
-        ):
-            yield Check(
-                case,
-                what,
-                value,
-                reference,
-                tolerance,
-                kind="relative",
-                source="independent sparse solution",
-                reason="second order in the cell size: faces use another mean of the film",
-            )
+        )
+        case = f"Bearing L/D=0.5, e=0.4, full film, {name} with supply, 180x60"
+        yield from compared(case, figures, SPARSE, OTHER_MEAN)
 
 
 def misalignment_checks() -> Checks:
@@ -495,18 +421,15 @@ def misalignment_checks() -> Checks:
     model = bearing(shape, length, cavitation_model="full_film")
     force = steady(model, film)["nodal_pressure_force"]
     pressure = plain_reynolds(film, SPEED, length, np.zeros(shape, dtype=bool), 0.0)
+    rows = []
     for name, direction in (("cosine", np.cos(theta)), ("sine", np.sin(theta))):
-        lever = y * length * direction
-        yield Check(
-            "Bearing L/D=0.5, e=0.4, tilted by half its clearance, full film, 90x30",
-            f"moment, {name} part [N m]",
-            float((force * lever).sum()),
-            float((pressure * model.grid.cell_area * lever).sum()),
-            2e-3,
-            kind="relative",
-            source="independent sparse solution",
-            reason="second order in the cell size: faces use another mean of the film",
+        ours, exact = (
+            float((one * y * length * direction).sum())
+            for one in (force, pressure * model.grid.cell_area)
         )
+        rows.append((f"moment, {name} part [N m]", ours, exact, 2e-3))
+    case = "Bearing L/D=0.5, e=0.4, tilted by half its clearance, full film, 90x30"
+    yield from compared(case, rows, SPARSE, OTHER_MEAN)
 
 
 # ---- journals that move
@@ -667,24 +590,16 @@ def orbit_checks() -> Checks:
         motion = Rotor(model, load).move(start, step, steps)
         exact = mobility_orbit(length, load, motion.times, start)
         distance = np.linalg.norm(motion.positions - exact, axis=1)
-        yield Check(
-            f"Short journal bearing L/D=1/25, {name} load, two revolutions, half Sommerfeld, 90x16",
-            "largest eccentricity [m]",
-            np.linalg.norm(motion.positions, axis=1).max(),
-            np.linalg.norm(exact, axis=1).max(),
-            8e-3,
-            kind="relative",
-            source="mobility method on Ocvirk's film (Booker 1965)",
-            reason="second order in the cell size, length over diameter squared",
+        farthest = (np.linalg.norm(one, axis=1).max() for one in (motion.positions, exact))
+        case = (
+            f"Short journal bearing L/D=1/25, {name} load, two revolutions, half Sommerfeld, 90x16"
         )
-        yield at_most(
-            f"Short journal bearing L/D=1/25, {name} load, two revolutions, half Sommerfeld, 90x16",
-            "distance of the orbits, rms over the clearance [-]",
-            np.sqrt(np.mean(distance**2)) / CLEARANCE,
-            6e-3,
-            source="mobility method on Ocvirk's film (Booker 1965)",
-            reason="second order in the cell size, length over diameter squared",
-        )
+        source = "mobility method on Ocvirk's film (Booker 1965)"
+        reason = "second order in the cell size, length over diameter squared"
+        yield from compared(case, [("largest eccentricity [m]", *farthest, 8e-3)], source, reason)
+        quantity = "distance of the orbits, rms over the clearance [-]"
+        rms = np.sqrt(np.mean(distance**2)) / CLEARANCE
+        yield at_most(case, quantity, rms, 6e-3, source, reason)
 
 
 def critical_mass(stiffness: Array, damping: Array) -> float:
@@ -733,27 +648,24 @@ def whirl_checks() -> Checks:
         stiffness = np.empty((2, 2))
         damping = np.empty((2, 2))
         for k, to in enumerate(np.eye(2)):
-            moved = [
-                short_film_force(place + by * to, np.zeros(2), length, omega)
-                for by in (small, -small)
+            ends = [
+                (
+                    short_film_force(place + by * to, np.zeros(2), length, omega),
+                    short_film_force(place, by * omega * to, length, omega),
+                )
+                for by in (-small, small)
             ]
-            stiffness[:, k] = -(moved[0] - moved[1]) / (2.0 * small)
-            damped = [
-                short_film_force(place, by * omega * to, length, omega) for by in (small, -small)
-            ]
-            damping[:, k] = -(damped[0] - damped[1]) / (2.0 * small * omega)
+            by_place, by_velocity = np.subtract(*ends)
+            stiffness[:, k] = by_place / (2.0 * small)
+            damping[:, k] = by_velocity / (2.0 * small * omega)
         found = critical_mass(*film_coefficients(length, e, "gumbel"))
         load = short_load(length, e)
-        yield Check(
-            f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 360x24",
-            "onset of whirl, omega sqrt(m C / W) [-]",
-            omega * np.sqrt(found * CLEARANCE / load),
-            omega * np.sqrt(critical_mass(stiffness, damping) * CLEARANCE / load),
-            1e-2,
-            kind="relative",
-            source="short bearing by quadrature",
-            reason="first order, because the pressure is cut off inside a cell",
-        )
+        masses = found, critical_mass(stiffness, damping)
+        both = (omega * np.sqrt(mass * CLEARANCE / load) for mass in masses)
+        row = "onset of whirl, omega sqrt(m C / W)", *both, 1e-2
+        case = f"Short journal bearing L/D=1/50, e={e:g}, half Sommerfeld, 360x24"
+        reason = "first order, because the pressure is cut off inside a cell"
+        yield from compared(case, [row], "short bearing by quadrature", reason)
 
 
 def checks() -> Checks:

@@ -1,5 +1,6 @@
 """Computed figures beside what they should be: what each part's verification yields."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal, SupportsFloat
 
@@ -51,3 +52,34 @@ def at_most(
 ) -> Check:
     """A figure that is an error, a count or a cost by itself: no more than `tolerance`."""
     return Check(case, quantity, computed, None, tolerance, "at most", source, reason)
+
+
+def compared(
+    case: str,
+    rows: Iterable[tuple[str, SupportsFloat, SupportsFloat, float]],
+    source: str,
+    reason: str,
+    kind: Literal["relative", "absolute"] = "relative",
+) -> Iterator[Check]:
+    """Figures of one source; rows : quantity, computed value, reference and tolerance.
+
+    A quantity without a unit is dimensionless.
+    """
+    for name, computed, reference, tolerance in rows:
+        quantity = name if "[" in name else f"{name} [-]"
+        yield Check(case, quantity, computed, reference, tolerance, kind, source, reason)
+
+
+def ordered(
+    case: str, what: str, order: SupportsFloat, tolerance: float, reason: str
+) -> Iterator[Check]:
+    """Observed order of a method of second order."""
+    row = (f"observed order of the {what}", order, 2.0, tolerance)
+    return compared(case, [row], "theory", reason, "absolute")
+
+
+def conserved(
+    case: str, quantity: str, imbalance: SupportsFloat, tolerance: float = 1e-12
+) -> Check:
+    """Imbalance of a quantity that is conserved to round-off."""
+    return at_most(case, quantity, imbalance, tolerance, "conservation", "round-off")

@@ -37,11 +37,14 @@ from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, visc
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 from . import bearings
-from .checks import Check, at_most
+from .checks import Check, at_most, compared, conserved, ordered
 from .motored import DEGREE, motored, motored_until, physics, tangent_error
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
 SECOND_ORDER = "second order in the cell size"
+CLOSED_FORM, SERIES = "closed form", "closed form (series)"
+MOVING_FRONTS = "independent solution of the moving fronts"
+TABLE, QUADRATURE = "recomputed table", "numerical quadrature"
 
 Checks = Iterator[Check]
 
@@ -172,101 +175,40 @@ def inclined_pad_checks() -> Checks:
     """Infinite inclined pad, and its observed order."""
     # Eq. (V1)
     exact = Pad(6.0 * (np.log(2.0) - 2.0 / 3.0), 4.0 * np.log(2.0) - 2.0, 0.25)
-    for name, value, reference in zip(
-        ("load W*", "drag F*", "highest pressure p*"), inclined_pad(320), exact
-    ):
-        yield Check(
-            "Infinite inclined pad K=1, 320 cells",
-            f"{name} [-]",
-            value,
-            reference,
-            2e-5,
-            kind="relative",
-            source="closed form",
-            reason=SECOND_ORDER,
-        )
+    names = "load W*", "drag F*", "highest pressure p*"
+    rows = zip(names, inclined_pad(320), exact, [2e-5] * 3)
+    yield from compared("Infinite inclined pad K=1, 320 cells", rows, CLOSED_FORM, SECOND_ORDER)
     best: Any = minimize_scalar(
         lambda ratio: -inclined_pad(320, ratio).load, bounds=(1.0, 1.4), method="bounded"
     )
     case = "Infinite inclined pad with the highest load, 320 cells"
-    yield Check(
-        case,
-        "film ratio K [-]",
-        best.x,
-        1.18870,
-        2e-4,
-        kind="relative",
-        source="closed form",
-        reason=SECOND_ORDER,
-    )
-    yield Check(
-        case,
-        "load W* [-]",
-        -best.fun,
-        0.160243,
-        3e-5,
-        kind="relative",
-        source="closed form",
-        reason=SECOND_ORDER + " and six printed digits",
-    )
+    ratio = [("film ratio K", best.x, 1.18870, 2e-4)]
+    yield from compared(case, ratio, CLOSED_FORM, SECOND_ORDER)
+    load = [("load W*", -best.fun, 0.160243, 3e-5)]
+    yield from compared(case, load, CLOSED_FORM, SECOND_ORDER + " and six printed digits")
     coarse, fine = (abs(inclined_pad(n).load - exact.load) for n in (40, 160))
-    yield Check(
-        "Infinite inclined pad K=1, 40 to 160 cells",
-        "observed order of the load [-]",
-        np.log2(coarse / fine) / 2.0,
-        2.0,
-        0.05,
-        kind="absolute",
-        source="theory",
-        reason="the leading error term dominates from 40 cells on",
-    )
+    case = "Infinite inclined pad K=1, 40 to 160 cells"
+    reason = "the leading error term dominates from 40 cells on"
+    yield from ordered(case, "load", np.log2(coarse / fine) / 2.0, 0.05, reason)
 
 
 def coarse_checks() -> Checks:
     """The default number of cells: errors that second order allows."""
-    exact = 6.0 * (np.log(2.0) - 2.0 / 3.0)
-    yield Check(
-        "Infinite inclined pad K=1, 40 cells",
-        "load W* [-]",
-        inclined_pad(40).load,
-        exact,
-        1.2e-3,
-        kind="relative",
-        source="closed form",
-        reason=SECOND_ORDER + ", 64 times the error at 320 cells",
-    )
-    yield Check(
-        "Square parallel squeeze plate, 40x40",
-        "load W h^3/(mu V L^4) [-]",
-        squeeze_plate(40).load,
-        0.421731,
-        3e-3,
-        kind="relative",
-        source="closed form (series)",
-        reason=SECOND_ORDER,
-    )
+    load = [("load W*", inclined_pad(40).load, 6.0 * (np.log(2.0) - 2.0 / 3.0), 1.2e-3)]
+    reason = SECOND_ORDER + ", 64 times the error at 320 cells"
+    yield from compared("Infinite inclined pad K=1, 40 cells", load, CLOSED_FORM, reason)
+    load = [("load W h^3/(mu V L^4)", squeeze_plate(40).load, 0.421731, 3e-3)]
+    yield from compared("Square parallel squeeze plate, 40x40", load, SERIES, SECOND_ORDER)
     coarse, fine = (squeeze_plate(n).load - 0.4217314 for n in (20, 40))
-    yield Check(
-        "Square parallel squeeze plate, 20 to 40 cells",
-        "observed order of the load [-]",
-        np.log2(coarse / fine),
-        2.0,
-        0.1,
-        kind="absolute",
-        source="theory",
-        reason="leading error term, and a logarithm at the corners",
-    )
+    case = "Square parallel squeeze plate, 20 to 40 cells"
+    reason = "leading error term, and a logarithm at the corners"
+    yield from ordered(case, "load", np.log2(coarse / fine), 0.1, reason)
     squeeze = oscillating_squeeze(40, 5e-4)
-    yield Check(
-        "Oscillating squeeze, 40 cells, step 5e-4",
-        "time of complete reformation [-]",
-        squeeze.times[squeeze.width < 0.5][-1] + 5e-4,
-        0.7324,
-        4e-3,
-        kind="absolute",
-        source="independent solution of the moving fronts",
-        reason="the time a front takes to cross a cell",
-    )
+    end = squeeze.times[squeeze.width < 0.5][-1] + 5e-4
+    case = "Oscillating squeeze, 40 cells, step 5e-4"
+    rows = [("time of complete reformation", end, 0.7324, 4e-3)]
+    reason = "the time a front takes to cross a cell"
+    yield from compared(case, rows, MOVING_FRONTS, reason, "absolute")
 
 
 def finite_pad_checks() -> Checks:
@@ -279,22 +221,13 @@ def finite_pad_checks() -> Checks:
         grid = Grid((n, n), breadth, 1.0, ring=False)
         h = np.broadcast_to(2.0 - centres(n)[None], grid.shape).copy()
         p = steady(grid, h, 1.0, 1.0).pressure
-        case = f"Finite inclined pad K=1, B/L={breadth:g}, 61x61"
-        for name, value, reference, tolerance in (
+        rows = (
             ("load W*", p.mean(), load, 1e-3),
             ("highest pressure p*", p.max(), peak, 1e-3),
             ("centre of pressure x/L", (p * centres(n)).sum() / p.sum(), centre, 3e-4),
-        ):
-            yield Check(
-                case,
-                f"{name} [-]",
-                value,
-                reference,
-                tolerance,
-                kind="relative",
-                source="recomputed table",
-                reason=SECOND_ORDER + " and four printed digits",
-            )
+        )
+        case = f"Finite inclined pad K=1, B/L={breadth:g}, 61x61"
+        yield from compared(case, rows, TABLE, SECOND_ORDER + " and four printed digits")
 
 
 # ---- squeeze
@@ -317,19 +250,9 @@ def squeeze_plate(cells: int) -> SqueezePlate:
 
 def squeeze_plate_checks() -> Checks:
     """Square parallel squeeze plate."""
-    for name, value, reference in zip(
-        ("load W h^3/(mu V L^4)", "highest pressure"), squeeze_plate(61), (0.421731, 0.88404)
-    ):
-        yield Check(
-            "Square parallel squeeze plate, 61x61",
-            f"{name} [-]",
-            value,
-            reference,
-            2e-3,
-            kind="relative",
-            source="closed form (series)",
-            reason=SECOND_ORDER,
-        )
+    names = "load W h^3/(mu V L^4)", "highest pressure"
+    rows = zip(names, squeeze_plate(61), (0.421731, 0.88404), (2e-3, 2e-3))
+    yield from compared("Square parallel squeeze plate, 61x61", rows, SERIES, SECOND_ORDER)
 
 
 def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> OscillatingSqueeze:
@@ -379,91 +302,29 @@ def oscillating_squeeze_checks() -> Checks:
     """
     times, width, imbalance, _ = oscillating_squeeze(80, 2e-4)
     case = "Oscillating squeeze, 80 cells, step 2e-4"
-    source = "independent solution of the moving fronts"
     ruptured = np.flatnonzero(width < 0.5)
     reason = "one step of 2e-4 and the time a front takes to cross a cell"
-    yield Check(
-        case,
-        "rupture time [-]",
-        times[ruptured[0]],
-        0.25008,
-        5e-4,
-        kind="absolute",
-        source=source,
-        reason=reason,
-    )
-    yield Check(
-        case,
-        "time of complete reformation [-]",
-        times[ruptured[-1]] + 2e-4,
-        0.7324,
-        2e-3,
-        kind="absolute",
-        source=source,
-        reason=reason,
-    )
-    yield Check(
-        case,
-        "minimum width of the full film [-]",
-        width.min(),
-        0.02301,
-        4e-3,
-        kind="absolute",
-        source=source,
-        reason="a third of a cell",
-    )
-    for time, reference in (
-        (0.26, 0.0448),
-        (0.30, 0.0236),
-        (0.50, 0.0391),
-        (0.66, 0.1002),
-        (0.72, 0.2936),
-    ):
-        yield Check(
-            case,
-            f"width of the full film at t = {time} [-]",
-            np.interp(time, times, width),
-            reference,
-            4e-3,
-            kind="absolute",
-            source=source,
-            reason="a third of a cell",
-        )
-    yield at_most(
-        case,
-        "largest mass imbalance of a step [-]",
-        imbalance,
-        1e-12,
-        source="conservation",
-        reason="round-off",
-    )
+    rows = [
+        ("rupture time", times[ruptured[0]], 0.25008, 5e-4),
+        ("time of complete reformation", times[ruptured[-1]] + 2e-4, 0.7324, 2e-3),
+    ]
+    yield from compared(case, rows, MOVING_FRONTS, reason, "absolute")
+    known = (0.26, 0.0448), (0.30, 0.0236), (0.50, 0.0391), (0.66, 0.1002), (0.72, 0.2936)
+    rows = [("minimum width of the full film", width.min(), 0.02301, 4e-3)] + [
+        (f"width of the full film at t = {time}", np.interp(time, times, width), reference, 4e-3)
+        for time, reference in known
+    ]
+    yield from compared(case, rows, MOVING_FRONTS, "a third of a cell", "absolute")
+    yield conserved(case, "largest mass imbalance of a step [-]", imbalance)
     runs = [oscillating_squeeze(80, step, 0.74) for step in (1e-3, 5e-4, 2.5e-4)]
     at = np.arange(0.3, 0.7201, 1e-3)
     case = "Oscillating squeeze, 80 cells, steps 1e-3 to 2.5e-4"
-    for name, values, tolerance, reason in (
-        (
-            "width of the full film",
-            [np.interp(at, run.times, run.width) for run in runs],
-            0.2,
-            "the front moves from cell to cell",
-        ),
-        (
-            "pressure after reformation",
-            [run.pressure for run in runs],
-            0.1,
-            "the leading error term dominates",
-        ),
-    ):
-        yield Check(
-            case,
-            f"observed order of the {name} in the step [-]",
-            order_of_halving(values),
-            2.0,
-            tolerance,
-            kind="absolute",
-            source="theory",
-            reason=reason,
-        )
+    order = order_of_halving([np.interp(at, run.times, run.width) for run in runs])
+    reason = "the front moves from cell to cell"
+    yield from ordered(case, "width of the full film in the step", order, 0.2, reason)
+    order = order_of_halving([run.pressure for run in runs])
+    reason = "the leading error term dominates"
+    yield from ordered(case, "pressure after reformation in the step", order, 0.1, reason)
 
 
 def order_of_halving(values: Sequence[Any]) -> float:
@@ -499,35 +360,16 @@ def motored_order(parameters: Parameters, name: str, uneven: float) -> float:
 
 def step_order_checks() -> Checks:
     """Order in the time step of a film that is full, and of one that ruptures and reforms."""
+    full = "forces of a full film", "nodal_pressure_force", "full_film", 0.05
+    ruptured = "film fraction of a ruptured film", "film_fraction", "jfo", 0.2
     for uneven, steps in ((0.0, "equal steps"), (1.0 / 3.0, "alternating steps 2:1")):
         case = f"Motored skirt 12x10, {steps}, 2 to 0.5 degrees"
-        for what, field, model, tolerance, reason in (
-            (
-                "forces of a full film",
-                "nodal_pressure_force",
-                "full_film",
-                0.05,
-                "the leading error term dominates",
-            ),
-            (
-                "film fraction of a ruptured film",
-                "film_fraction",
-                "jfo",
-                0.2,
-                "fronts move from cell to cell",
-            ),
+        for (what, field, model, tolerance), reason in (
+            (full, "the leading error term dominates"),
+            (ruptured, "fronts move from cell to cell"),
         ):
             order = motored_order(Parameters((12, 10), cavitation_model=model), field, uneven)
-            yield Check(
-                case,
-                f"observed order of the {what} in the step [-]",
-                order,
-                2.0,
-                tolerance,
-                kind="absolute",
-                source="theory",
-                reason=reason,
-            )
+            yield from ordered(case, f"{what} in the step", order, tolerance, reason)
 
 
 # ---- cavitation in sliding
@@ -563,24 +405,13 @@ def pocket_slider(cells: int, sliding: float = 1.0) -> PocketSlider:
 
 def pocket_slider_checks() -> Checks:
     """Pocket slider in both directions of sliding."""
+    names = "flow [m2/s]", "position of reformation [m]", "highest pressure [Pa]", "load [N/m]"
+    exact = 5.0020833e-7, 4.212927e-3, 475e3, 2779.753
+    reason = "first order, because the film ruptures one cell before the pocket"
     for sliding in (1.0, -1.0):
+        rows = zip(names, pocket_slider(2000, sliding), exact, (2e-6, 1e-3, 3e-3, 5e-3))
         case = f"Pocket slider, 2000 cells, sliding {sliding:+g} m/s"
-        for name, value, reference, tolerance in zip(
-            ("flow [m2/s]", "position of reformation [m]", "highest pressure [Pa]", "load [N/m]"),
-            pocket_slider(2000, sliding),
-            (5.0020833e-7, 4.212927e-3, 475e3, 2779.753),
-            (2e-6, 1e-3, 3e-3, 5e-3),
-        ):
-            yield Check(
-                case,
-                name,
-                value,
-                reference,
-                tolerance,
-                kind="relative",
-                source="closed form",
-                reason="first order, because the film ruptures one cell before the pocket",
-            )
+        yield from compared(case, rows, CLOSED_FORM, reason)
 
 
 def parabolic_slider(cells: int, curvature: float) -> ParabolicSlider:
@@ -618,23 +449,13 @@ def parabolic_slider_exact(curvature: float) -> ParabolicSlider:
 
 def parabolic_slider_checks() -> Checks:
     """Parabolic slider with Reynolds exit."""
+    names = "exit x*/L", "highest pressure p*", "load W*"
+    reason = "second order, and the exit within a fifth of a cell"
     for curvature in (0.5, 1.0, 2.0, 10.0):
-        for name, value, reference, tolerance in zip(
-            ("exit x*/L", "highest pressure p*", "load W*"),
-            parabolic_slider(640, curvature),
-            parabolic_slider_exact(curvature),
-            (5e-4, 2e-4, 1e-4),
-        ):
-            yield Check(
-                f"Parabolic slider c={curvature:g}, Reynolds exit, 640 cells",
-                f"{name} [-]",
-                value,
-                reference,
-                tolerance,
-                kind="relative",
-                source="closed form by quadrature",
-                reason="second order, and the exit within a fifth of a cell",
-            )
+        both = parabolic_slider(640, curvature), parabolic_slider_exact(curvature)
+        case = f"Parabolic slider c={curvature:g}, Reynolds exit, 640 cells"
+        rows = zip(names, *both, (5e-4, 2e-4, 1e-4))
+        yield from compared(case, rows, "closed form by quadrature", reason)
 
 
 def journal_bearing(
@@ -673,28 +494,12 @@ def journal_bearing_checks() -> Checks:
         shape = (240, 31) if eccentricity > 0.8 else (160, 31)
         size = "x".join(map(str, shape))
         case = f"Journal bearing B/D={ratio:g}, e={eccentricity:g}, Reynolds exit, {size}"
-        sommerfeld, computed_attitude = journal_bearing(shape, ratio, eccentricity)
-        yield Check(
-            case,
-            "Sommerfeld number [-]",
-            sommerfeld,
-            load,
-            3e-3,
-            kind="relative",
-            source="recomputed table",
-            reason=SECOND_ORDER,
-        )
+        sommerfeld, angle = journal_bearing(shape, ratio, eccentricity)
+        rows = [("Sommerfeld number", sommerfeld, load, 3e-3)]
+        yield from compared(case, rows, TABLE, SECOND_ORDER)
         if attitude:
-            yield Check(
-                case,
-                "attitude angle [deg]",
-                computed_attitude,
-                attitude,
-                0.1,
-                kind="absolute",
-                source="recomputed table",
-                reason=SECOND_ORDER,
-            )
+            rows = [("attitude angle [deg]", angle, attitude, 0.1)]
+            yield from compared(case, rows, TABLE, SECOND_ORDER, "absolute")
 
 
 # ---- oil and roughness
@@ -702,105 +507,49 @@ def journal_bearing_checks() -> Checks:
 
 def oil_checks() -> Checks:
     """Vogel law of one engine oil."""
-    temperatures = np.array([60.0, 100.0, 150.0]) + oil.ZERO_CELSIUS
-    for t, value, reference in zip(
-        (60, 100, 150),
-        oil.Oil("vogel_1921").low_shear_viscosity(temperatures),
-        (25.6e-3, 8.16e-3, 3.21e-3),
-    ):
-        yield Check(
-            "Engine oil, Vogel law",
-            f"viscosity at {t} C [Pa s]",
-            value,
-            reference,
-            2e-3,
-            kind="relative",
-            source="published constants",
-            reason="three printed digits",
-        )
+    celsius = np.array([60.0, 100.0, 150.0])
+    viscosity = oil.Oil("vogel_1921").low_shear_viscosity(celsius + oil.ZERO_CELSIUS)
+    names = (f"viscosity at {t:g} C [Pa s]" for t in celsius)
+    rows = zip(names, viscosity, (25.6e-3, 8.16e-3, 3.21e-3), [2e-3] * 3)
+    case = "Engine oil, Vogel law"
+    yield from compared(case, rows, "published constants", "three printed digits")
     engine = oil.Oil("vogel_1921", shear_thinning_law="cross_1965")
     rate = 10.0 ** (2.5 + 0.0213 * 100.0)
     halfway, _ = oil.thinning(engine.thinning, rate, oil.ZERO_CELSIUS + 100.0)
-    yield Check(
-        "Engine oil, Cross law at 100 C",
-        "mu/mu_0 at the critical shear rate [-]",
-        halfway,
-        0.87,
-        1e-12,
-        kind="relative",
-        source="definition",
-        reason="the mean of 1 and 0.74",
-    )
+    rows = [("mu/mu_0 at the critical shear rate", halfway, 0.87, 1e-12)]
+    case = "Engine oil, Cross law at 100 C"
+    yield from compared(case, rows, "definition", "the mean of 1 and 0.74")
 
 
 def roughness_checks() -> Checks:
     """Factors of Patir and Cheng."""
-    for separation, reference in (
-        (0.5, 0.9070),
-        (1.0, 1.6366),
-        (2.0, 1.7460),
-        (3.0, 1.1666),
-        (6.0, 1.0299),
-    ):
-        yield Check(
-            "Patir-Cheng",
-            f"phi_f({separation:g}) [-]",
-            roughness.shear_stress_factor(separation).value,
-            reference,
-            1e-4,
-            kind="absolute",
-            source="numerical quadrature",
-            reason="four printed decimals",
-        )
+    case = "Patir-Cheng"
+    known = (0.5, 0.9070), (1.0, 1.6366), (2.0, 1.7460), (3.0, 1.1666), (6.0, 1.0299)
+    rows = [
+        (f"phi_f({h:g})", roughness.shear_stress_factor(h).value, reference, 1e-4)
+        for h, reference in known
+    ]
+    yield from compared(case, rows, QUADRATURE, "four printed decimals", "absolute")
+    rows = []
     for gamma, c, r in ((1 / 9, 1.48, 0.42), (1.0, 0.9, 0.56), (9.0, 0.87, 1.5)):
         reference = 1.0 - c * np.exp(-2.0 * r) if gamma <= 1.0 else 1.0 + c * 2.0**-r
-        yield Check(
-            "Patir-Cheng",
-            f"phi_x(2), gamma = {gamma:.3g} [-]",
-            roughness.pressure_flow_factor(2.0, gamma).value,
-            reference,
-            1e-12,
-            kind="relative",
-            source="published table",
-            reason="the same formula",
-        )
-    for separation, reference in ((1.0, 1.899 * np.exp(-0.87)), (8.0, 1.126 * np.exp(-2.0))):
-        yield Check(
-            "Patir-Cheng",
-            f"Phi_s({separation:g}), gamma = 1 [-]",
-            roughness.shear_flow_factor(separation, 1.0).value,
-            reference,
-            1e-12,
-            kind="relative",
-            source="published table",
-            reason="the same formula",
-        )
+        factor = roughness.pressure_flow_factor(2.0, gamma).value
+        rows.append((f"phi_x(2), gamma = {gamma:.3g}", factor, reference, 1e-12))
+    for h, reference in ((1.0, 1.899 * np.exp(-0.87)), (8.0, 1.126 * np.exp(-2.0))):
+        factor = roughness.shear_flow_factor(h, 1.0).value
+        rows.append((f"Phi_s({h:g}), gamma = 1", factor, reference, 1e-12))
+    yield from compared(case, rows, "published table", "the same formula")
     table = roughness.factor_table(1.0, 1.0, 1.0)
     rough, _ = rough_film(np.array([[2.0]]), np.ones((1, 1)), FLOOR, 1.0, table)
-    for name, value, reference in (
-        ("average gap", rough[STORED], roughness.average_gap(2.0).value),
-        (
-            "conductivity",
-            rough[CONDUCTIVITY_A],
-            roughness.pressure_flow_factor(2.0, 1.0).value * 8.0 / 12.0,
-        ),
-        (
-            "shear",
-            rough[COUETTE],
-            0.5 * roughness.shear_stress_factor(2.0).value
-            + 0.5 * roughness.sliding_stress_factor(2.0, 1.0).value,
-        ),
-    ):
-        yield Check(
-            "Rough film at h = 2 sigma",
-            f"{name} [-]",
-            value.item(),
-            reference,
-            1e-9,
-            kind="relative",
-            source="definition",
-            reason="an entry of the table",
-        )
+    flow = roughness.pressure_flow_factor(2.0, 1.0).value
+    shear = roughness.shear_stress_factor(2.0).value
+    shear += roughness.sliding_stress_factor(2.0, 1.0).value
+    rows = [
+        ("average gap", rough[STORED].item(), roughness.average_gap(2.0).value, 1e-9),
+        ("conductivity", rough[CONDUCTIVITY_A].item(), flow * 8.0 / 12.0, 1e-9),
+        ("shear", rough[COUETTE].item(), 0.5 * shear, 1e-9),
+    ]
+    yield from compared("Rough film at h = 2 sigma", rows, "definition", "an entry of the table")
 
 
 # ---- contact
@@ -813,30 +562,18 @@ def contact_checks() -> Checks:
         (2.5, (6.16634e-1, 8.05623e-2, 5.42371e-3, 1.70873e-4)),
         (2.0, (0.5, 7.53398e-2, 5.76873e-3, 2.03435e-4)),
     ):
-        for separation, reference in zip(separations, references):
-            yield Check(
-                "Greenwood-Tripp integral",
-                f"F_{order:g}({separation:g}) [-]",
-                asperity.gaussian_integral(order, separation),
-                reference,
-                1e-5,
-                kind="relative",
-                source="numerical quadrature",
-                reason="six printed digits",
-            )
-    for separation, percent in zip(separations, (-10.7, -3.5, -9.2, -74.0)):
-        fitted, _ = asperity.fitted_integral(separation)
-        ratio = fitted / asperity.gaussian_integral(2.5, separation)
-        yield Check(
-            "Greenwood-Tripp power fit",
-            f"error at H = {separation:g} [%]",
-            100.0 * (ratio - 1.0),
-            percent,
-            0.5,
-            kind="absolute",
-            source="exact integral",
-            reason="two printed digits",
-        )
+        rows = [
+            (f"F_{order:g}({h:g})", asperity.gaussian_integral(order, h), reference, 1e-5)
+            for h, reference in zip(separations, references)
+        ]
+        case = "Greenwood-Tripp integral"
+        yield from compared(case, rows, QUADRATURE, "six printed digits")
+    fitted, _ = asperity.fitted_integral(separations)
+    ratio = fitted / asperity.gaussian_integral(2.5, separations)
+    names = (f"error at H = {h:g} [%]" for h in separations)
+    rows = zip(names, 100.0 * (ratio - 1.0), (-10.7, -3.5, -9.2, -74.0), [0.5] * 4)
+    case = "Greenwood-Tripp power fit"
+    yield from compared(case, rows, "exact integral", "two printed digits", "absolute")
     offset = separations + 1.0 / 3.0  # between the table's points
     constants = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table())
     pressure = np.array([asperity.point_contact(gap, constants).pressure for gap in offset])
@@ -858,14 +595,8 @@ def motored_checks() -> Checks:
     """Mass balance over a cycle and exactness of the tangent."""
     _, _, history = motored(Parameters((40, 40), roughness_rms=5e-7), 720)
     case = "Motored skirt 40x40, 720 degrees"
-    yield at_most(
-        case,
-        "largest mass imbalance of a step [-]",
-        max(o["mass_imbalance"] for o in history),
-        1e-12,
-        source="conservation",
-        reason="round-off",
-    )
+    imbalance = max(o["mass_imbalance"] for o in history)
+    yield conserved(case, "largest mass imbalance of a step [-]", imbalance)
     yield at_most(
         case,
         "mean factorisations per step [-]",
@@ -952,27 +683,15 @@ def slow_checks() -> Checks:
     """What takes longer than a test run should."""
     failures, iterations, imbalance = random_starved_films(2000)
     case = "2000 random rough starved films"
-    yield at_most(
-        case,
-        "failures [-]",
-        failures,
-        0.0,
-        source="design target",
-        reason="no step may fail",
-    )
-    yield at_most(
-        case,
-        "most factorisations in a step [-]",
-        iterations,
-        100.0,
-        source="termination",
-        reason="the start is random, and a few patterns converge by single changes only",
-    )
-    yield at_most(
-        case,
-        "largest mass imbalance [-]",
-        imbalance,
-        1e-12,
-        source="conservation",
-        reason="round-off",
-    )
+    for what, value, bound, source, reason in (
+        ("failures", failures, 0.0, "design target", "no step may fail"),
+        (
+            "most factorisations in a step",
+            iterations,
+            100.0,
+            "termination",
+            "the start is random, and a few patterns converge by single changes only",
+        ),
+    ):
+        yield at_most(case, f"{what} [-]", value, bound, source, reason)
+    yield conserved(case, "largest mass imbalance [-]", imbalance)
