@@ -72,9 +72,10 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
 from piston_cosim.fmu_mfbd.reduction.store import kept_body
 from piston_cosim.models import MODELS
 
-from .checks import Check, at_most
+from .checks import at_most, bounded, compared, conserved
 from .exudyn import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
 
+CLOSED_FORM, OTHER_CODE = "closed form", "independent code"
 STEEL = dict(young=210e9, poisson=0.3)
 
 
@@ -102,7 +103,7 @@ def checks():
     yield from element_checks()
     yield from bar_checks()
     yield from pendulum_checks()
-    yield order_check()
+    yield from order_check()
 
 
 def slow_checks():
@@ -126,19 +127,14 @@ def slider_crank_checks():
         60: (None, None, -150.83006),
         90: (None, None, 25.33294),
     }
+    reason = "printed with seven to eight digits: tests/mfbd checks the equations to 1e-9"
     for degrees, row in references.items():
-        for name, reference, computed in zip(names, row, guided_piston(np.radians(degrees))):
-            if reference is not None:
-                yield Check(
-                    f"Slider-crank {degrees} deg",
-                    name,
-                    computed,
-                    reference,
-                    2.5e-7,
-                    "relative",
-                    "closed form",
-                    "printed with seven to eight digits: tests/mfbd checks the equations to 1e-9",
-                )
+        rows = [
+            (name, computed, reference, 2.5e-7)
+            for name, reference, computed in zip(names, row, guided_piston(np.radians(degrees)))
+            if reference is not None
+        ]
+        yield from compared(f"Slider-crank {degrees} deg", rows, CLOSED_FORM, reason)
 
 
 def guided_piston(angle: float) -> tuple[float, ...]:
@@ -175,51 +171,29 @@ def element_checks():
         consistent_mass(points, tets, 2700.0), points, np.zeros((len(points), 3, 0))
     )
     mass = 2700.0 * 0.1 * 0.2 * 0.3
-    for name, computed, reference in (
-        ("mass [kg]", integrals.mass, mass),
-        ("first moment along x [kg m]", integrals.S[0], mass * 0.05),
-        ("moment of inertia about the corner [kg m2]", integrals.I0, mass * (0.1**2 + 0.2**2) / 3),
-    ):
-        yield Check(
-            "Box of ten-node tetrahedra",
-            name,
-            computed,
-            reference,
-            1e-12,
-            "relative",
-            "closed form",
-            "the consistent mass is exact for degree 2",
-        )
+    inertia = mass * (0.1**2 + 0.2**2) / 3
+    rows = (
+        ("mass [kg]", integrals.mass, mass, 1e-12),
+        ("first moment along x [kg m]", integrals.S[0], mass * 0.05, 1e-12),
+        ("moment of inertia about the corner [kg m2]", integrals.I0, inertia, 1e-12),
+    )
+    reason = "the consistent mass is exact for degree 2"
+    yield from compared("Box of ten-node tetrahedra", rows, CLOSED_FORM, reason)
     points = points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]])
     K = stiffness(points, tets, **STEEL)
-    yield at_most(
-        "Warped ten-node tetrahedron",
-        "force of rigid-body motions over norm of K [-]",
-        np.abs(K @ rigid_motions(points)).max() / np.abs(K).max(),
-        1e-12,
-        "closed form",
-        "round-off",
-    )
+    case = "Warped ten-node tetrahedron"
+    force = np.abs(K @ rigid_motions(points)).max() / np.abs(K).max()
+    row = "force of rigid-body motions over norm of K", force, 1e-12
+    yield from bounded(case, [row], CLOSED_FORM, "round-off")
     eigenvalues = np.linalg.eigvalsh(K.toarray())
-    yield Check(
-        "Warped ten-node tetrahedron",
-        "number of rigid-body modes [-]",
-        np.sum(eigenvalues < 1e-10 * eigenvalues[-1]),
-        6,
-        0.0,
-        "absolute",
-        "closed form",
-        "a count",
-    )
-    for name, difference in felupe_difference(points, tets):
-        yield at_most(
-            "Warped ten-node tetrahedron",
-            f"{name}, difference from FElupe [-]",
-            difference,
-            1e-12,
-            "independent code",
-            "same quadrature, other order of the sums",
-        )
+    rigid = np.sum(eigenvalues < 1e-10 * eigenvalues[-1])
+    row = "number of rigid-body modes", rigid, 6, 0.0
+    yield from compared(case, [row], CLOSED_FORM, "a count", "absolute")
+    rows = [
+        (f"{name}, difference from FElupe", difference, 1e-12)
+        for name, difference in felupe_difference(points, tets)
+    ]
+    yield from bounded(case, rows, OTHER_CODE, "same quadrature, other order of the sums")
 
 
 def felupe_difference(points, tets):
@@ -301,42 +275,23 @@ def bar_checks():
     points, K, M, ends = bar()
     body = Elastic(K, M, np.concatenate(ends))
     fixed = orthonormal_modes(body, craig_bampton(body, 8))[1] / (2 * np.pi)
-    for computed, reference in zip(fixed, (213.041, 422.001, 585.289, 1142.306)):
-        yield Check(
-            "Bar with fixed ends",
-            "fixed-interface frequency [Hz]",
-            computed,
-            reference,
-            1.5e-3,
-            "relative",
-            "independent code",
-            "another mesh of ten-node tetrahedra: half as many elements change these by 1.5e-3",
-        )
     exact = craig_bampton_free(points, K, M, ends, 120)[6:9]
-    for computed, reference in zip(exact, (212.374, 422.909, 583.981)):
-        yield Check(
-            "Free bar",
-            "free-free frequency, full model [Hz]",
-            computed,
-            reference,
-            1.5e-3,
-            "relative",
-            "independent code",
-            "another mesh of ten-node tetrahedra: half as many elements change these by 1.5e-3",
-        )
+    clamped = 213.041, 422.001, 585.289, 1142.306
+    reason = "another mesh of ten-node tetrahedra: half as many elements change these by 1.5e-3"
+    for case, name, found, references in (
+        ("Bar with fixed ends", "fixed-interface frequency [Hz]", fixed, clamped),
+        ("Free bar", "free-free frequency, full model [Hz]", exact, (212.374, 422.909, 583.981)),
+    ):
+        rows = [(name, *both, 1.5e-3) for both in zip(found, references)]
+        yield from compared(case, rows, OTHER_CODE, reason)
     reduced = craig_bampton_free(points, K, M, ends, 8)[6:9]
-    for k, bound in enumerate((0.043e-2, 0.053e-2, 0.10e-2)):
-        excess = reduced[k] / exact[k] - 1
-        yield Check(
-            "Bar reduced to 12 + 8 coordinates",
-            f"frequency f{k + 7}, excess over the full model [-]",
-            excess,
-            bound,
-            0.02,
-            "relative",
-            "independent code",
-            "the reference has two to three digits and another mesh",
-        )
+    bounds = 0.043e-2, 0.053e-2, 0.10e-2
+    rows = [
+        (f"frequency f{k}, excess over the full model", excess, bound, 0.02)
+        for k, excess, bound in zip((7, 8, 9), reduced / exact - 1, bounds)
+    ]
+    reason = "the reference has two to three digits and another mesh"
+    yield from compared("Bar reduced to 12 + 8 coordinates", rows, OTHER_CODE, reason)
 
 
 def beam_in_frame():
@@ -449,14 +404,11 @@ def pendulum_checks():
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
     levels = np.array([energy(body, now) for now in swing(body, 30.0, 2e-3, period / 100, 2000)])
-    yield at_most(
-        "Flexible pendulum, 20 periods",
-        "energy drift [-]",
-        np.ptp(levels) / levels[0],
-        1e-10,
-        "conservation",
-        "spectral radius 1 conserves energy, and the error falls with the fourth power of the step",
+    row = "energy drift", np.ptp(levels) / levels[0], 1e-10
+    reason = (
+        "spectral radius 1 conserves energy, and the error falls with the fourth power of the step"
     )
+    yield from bounded("Flexible pendulum, 20 periods", [row], "conservation", reason)
 
 
 def order_check():
@@ -470,15 +422,10 @@ def order_check():
         last = swing(body, 30.0, 2e-3, period / n, 3 * n // 4, 0.8)[-1]
         ends.append(last.position[1:])
     order = np.log2(np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[-1]))
-    return Check(
-        "Flexible pendulum, halved steps",
-        "observed order [-]",
-        order,
-        2.0,
-        0.02,
-        "absolute",
-        "order of the method",
-        "the next order is 1/40 of the leading one at these steps",
+    row = "observed order", order, 2.0, 0.02
+    reason = "the next order is 1/40 of the leading one at these steps"
+    return compared(
+        "Flexible pendulum, halved steps", [row], "order of the method", reason, "absolute"
     )
 
 
@@ -627,16 +574,12 @@ def load_checks(body, mesh, read, shapes, extra):
         extra.T,
     ):
         full, reduced = body.solve(load), modes @ ((modes.T @ load) / omega**2)
+        rows = []
         for part, choose in (("crown", lambda u: u[pick]), ("skirt", lambda u: read @ u)):
             error = np.linalg.norm(choose(reduced - full)) / np.linalg.norm(choose(full))
-            yield at_most(
-                f"piston, {name}",
-                f"error of the deflection of the {part} [-]",
-                error,
-                1e-6,
-                "full model",
-                "the basis contains the static shape of the load",
-            )
+            rows.append((f"error of the deflection of the {part}", error, 1e-6))
+        reason = "the basis contains the static shape of the load"
+        yield from bounded(f"piston, {name}", rows, "full model", reason)
 
 
 def step_checks():
@@ -675,41 +618,26 @@ def step_checks():
     for _ in range(20):
         state, out = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)
         errors.append(out["interface_work_error"])
-    yield at_most(
-        "60 + 60 modes, 20 steps",
-        "difference in the work of the interface forces [-]",
-        max(errors),
-        1e-10,
-        "conservation",
-        "round-off",
-    )
+    quantity = "difference in the work of the interface forces [-]"
+    yield conserved("60 + 60 modes, 20 steps", quantity, max(errors), 1e-10)
     apart = 0.05
     ends = [
         model.advance(state, Inputs(314.0, 2e6, push + e * drag, drag + e * push), 5e-5)[1]
         for e in (apart, -apart)
     ]
     first = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
+    rows = []
     for name, product in model.directional_derivative(drag, push).items():
         difference = (ends[0][name] - ends[1][name]) / (2 * apart)
-        yield at_most(
-            "60 + 60 modes, one step",
-            f"derivative of {name}, compared with differences [-]",
-            np.abs(product - difference).max() / np.abs(difference).max(),
-            1e-7,
-            "central differences",
-            "error of the differences: only the friction of the pin is not affine in the forces",
-        )
+        error = np.abs(product - difference).max() / np.abs(difference).max()
+        rows.append((f"derivative of {name}, compared with differences", error, 1e-7))
+    reason = "error of the differences: only the friction of the pin is not affine in the forces"
+    yield from bounded("60 + 60 modes, one step", rows, "central differences", reason)
     again = model.advance(state, Inputs(314.0, 2e6, push, drag), 5e-5)[0]
-    yield Check(
-        "60 + 60 modes, one repeated step",
-        "number of different bytes [-]",
-        np.sum(first.position.tobytes() != again.position.tobytes()),
-        0,
-        0.0,
-        "absolute",
-        "rollback",
-        "a count",
-    )
+    different = np.sum(first.position.tobytes() != again.position.tobytes())
+    row = "number of different bytes", different, 0, 0.0
+    case = "60 + 60 modes, one repeated step"
+    yield from compared(case, [row], "rollback", "a count", "absolute")
 
 
 def exudyn_checks():
@@ -758,31 +686,21 @@ def exudyn_checks():
             f"lateral displacement of {np.abs(own[:, 0]).max() * 1e6:.1f} um, difference [m]",
             apart[-1],
             bound,
-            "independent code",
+            OTHER_CODE,
             "differences between these codes at these steps in an earlier run",
         )
+        rows = []
         for name, columns in (
             ("rocking angle", slice(1, 2)),
             ("modal coordinates", slice(2, None)),
         ):
-            sizes = [
+            size, whole = (
                 np.linalg.norm(values[:, columns], axis=1).max() for values in (difference, own)
-            ]
-            yield at_most(
-                case,
-                f"{name}, relative difference [-]",
-                sizes[0] / sizes[1],
-                2e-4 * (step / 1e-5) ** 2,
-                "independent code",
-                "the errors of both integrators are of second order with different factors",
             )
-    yield Check(
-        "Piston compared with Exudyn, quartered steps",
-        "order of the difference [-]",
-        np.log2(apart[0] / apart[-1]) / 2,
-        2.0,
-        0.2,
-        "absolute",
-        "independent code",
-        "both are of order 2, but a step of 10 us does not resolve the highest modes",
-    )
+            rows.append((f"{name}, relative difference", size / whole, 2e-4 * (step / 1e-5) ** 2))
+        reason = "the errors of both integrators are of second order with different factors"
+        yield from bounded(case, rows, OTHER_CODE, reason)
+    row = "order of the difference", np.log2(apart[0] / apart[-1]) / 2, 2.0, 0.2
+    case = "Piston compared with Exudyn, quartered steps"
+    reason = "both are of order 2, but a step of 10 us does not resolve the highest modes"
+    yield from compared(case, [row], OTHER_CODE, reason, "absolute")

@@ -83,3 +83,11 @@ def conserved(
 ) -> Check:
     """Imbalance of a quantity that is conserved to round-off."""
     return at_most(case, quantity, imbalance, tolerance, "conservation", "round-off")
+
+
+def bounded(
+    case: str, rows: Iterable[tuple[str, SupportsFloat, float]], source: str, reason: str
+) -> Iterator[Check]:
+    """Figures without a reference; rows : dimensionless quantity, computed value and tolerance."""
+    for name, computed, tolerance in rows:
+        yield at_most(case, f"{name} [-]", computed, tolerance, source, reason)

@@ -16,8 +16,9 @@ from piston_cosim.master.results.compare import score
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
 
-from .checks import Check, at_most
+from .checks import at_most, bounded, compared, conserved
 
+TARGET = "design target"
 TWO_TURNS = ("time.stop", "720 deg")
 """Change of the numerical example: as many steps with every method."""
 
@@ -37,37 +38,23 @@ def summary_of(name, *changes, look=lambda results: {}):
         return run_of(name, changes, file) | look(Results(file))
 
 
-def tube_iterations(*changes):
-    return summary_of("elastic_tube", *changes)["residual_evaluations"]
-
-
 def checks():
     """Elastic tube with the settings of preCICE's tutorial, whose own log needs 846 iterations."""
-    yield at_most(
-        "Elastic tube, 100 windows",
-        "iterations of IQN-ILS [-]",
-        tube_iterations(),
-        870,
-        "reference log of preCICE (846)",
+    log = "reference log of preCICE (846)"
+    rounding = (
         "same method and settings: rounding in threads and inflow changes the number "
-        "from 838 to 849",
+        "from 838 to 849"
     )
-    yield at_most(
-        "Elastic tube, 100 windows",
-        "iterations of IQN-ILS with quadratic predictor [-]",
-        tube_iterations(("coupling.predictor", 2)),
-        700,
-        "design target",
-        "a better initial guess reduces the iterations",
-    )
-    yield at_most(
-        "Elastic tube, 100 windows",
-        "iterations of ageing secants [-]",
-        tube_iterations(("coupling.method", "iqn_ageing")),
-        846,
-        "reference log of preCICE (846)",
-        "secants that lose weight with age need no filter",
-    )
+    guess = "a better initial guess reduces the iterations"
+    age = "secants that lose weight with age need no filter"
+    for method, changes, limit, source, reason in (
+        ("IQN-ILS", (), 870, log, rounding),
+        ("IQN-ILS with quadratic predictor", (("coupling.predictor", 2),), 700, TARGET, guess),
+        ("ageing secants", (("coupling.method", "iqn_ageing"),), 846, log, age),
+    ):
+        iterations = summary_of("elastic_tube", *changes)["residual_evaluations"]
+        row = f"iterations of {method}", iterations, limit
+        yield from bounded("Elastic tube, 100 windows", [row], source, reason)
     yield from oscillator_checks()
 
 
@@ -98,121 +85,54 @@ def oscillator_checks():
     """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to
     0.005 s.
     """
-    source = "closed form"
+    held = "the reference holds inputs at the step's beginning, we at its end: equal to first order"
+    mean = "the deviation from linear inputs adds their error again"
+    digits = "the reference has two digits"
+    next_term = "next term of the error at these steps"
     for kind, order, reference, tolerance, reason in (
-        (
-            "held",
-            1,
-            0.404,
-            0.01,
-            "the reference holds inputs at the step's beginning, we at its end: equal to first "
-            "order",
-        ),
-        (
-            "mean",
-            2,
-            1.32e-2,
-            0.01,
-            "the deviation from linear inputs adds their error again",
-        ),
-        ("linear", 2, 6.6e-3, 0.01, "the reference has two digits"),
-        ("hermite", 4, 3.4e-6, 0.015, "the reference has two digits"),
+        ("held", 1, 0.404, 0.01, held),
+        ("mean", 2, 1.32e-2, 0.01, mean),
+        ("linear", 2, 6.6e-3, 0.01, digits),
+        ("hermite", 4, 3.4e-6, 0.015, digits),
     ):
         coarse, fine = (oscillator_error(kind, step) for step in (0.01, 0.005))
-        yield Check(
-            "Two-mass oscillator",
-            f"largest error with {kind} inputs [m]",
-            coarse,
-            reference,
-            tolerance,
-            "relative",
-            source,
-            reason,
-        )
-        yield Check(
-            "Two-mass oscillator",
-            f"observed order with {kind} inputs [-]",
-            np.log2(coarse / fine),
-            order,
-            0.05,
-            "absolute",
-            source,
-            "next term of the error at these steps",
-        )
+        case, source = "Two-mass oscillator", "closed form"
+        row = f"largest error with {kind} inputs [m]", coarse, reference, tolerance
+        yield from compared(case, [row], source, reason)
+        row = f"observed order with {kind} inputs", np.log2(coarse / fine), order, 0.05
+        yield from compared(case, [row], source, next_term, "absolute")
 
 
 def slow_checks():
     """The numerical example whole, with derivatives and without, and the fired one with adaptive
     steps.
     """
-    yield at_most(
-        "Elastic tube, window 1",
-        "convergence of plain Gauss-Seidel, 1 or 0 [-]",
-        plain_converges(),
-        0,
-        "known divergence",
-        "unrelaxed iteration diverges on this tube",
-    )
+    row = "convergence of plain Gauss-Seidel, 1 or 0", plain_converges(), 0
+    reason = "unrelaxed iteration diverges on this tube"
+    yield from bounded("Elastic tube, window 1", [row], "known divergence", reason)
+    iterations = "mean iterations per step"
     for modes in (0, 20, 200):
-        yield at_most(
-            f"Numerical example, {modes} modes per body",
-            "mean iterations per step [-]",
-            summary_of("numerical_example", TWO_TURNS, *modes_a_body(modes))["mean_iterations"],
-            2.5,
-            "design target",
-            "the iterations do not grow with the number of modes",
-        )
+        summary = summary_of("numerical_example", TWO_TURNS, *modes_a_body(modes))
+        row = iterations, summary["mean_iterations"], 2.5
+        reason = "the iterations do not grow with the number of modes"
+        yield from bounded(f"Numerical example, {modes} modes per body", [row], TARGET, reason)
     flexible = summary_of("numerical_example", TWO_TURNS, look=films)
     case = "Numerical example, 60 modes per body"
-    yield at_most(
-        case,
-        "mean iterations per step [-]",
-        flexible["mean_iterations"],
-        2.5,
-        "design target",
-        "Newton's second evaluation of most steps is below the tolerance",
-    )
-    yield at_most(
-        case,
-        "largest mass imbalance [-]",
-        flexible["mass_imbalance_max"],
-        1e-12,
-        "conservation",
-        "round-off",
-    )
-    yield at_most(
-        case,
-        "difference in interface work over exchanged work [-]",
-        abs(flexible["interface_work_imbalance"]),
-        1e-6,
-        "conservation",
-        "films of some micrometres agree to 1 nm",
-    )
-    yield at_most(
-        case,
-        "largest interface work error [-]",
-        flexible["interface_work_error_max"],
-        1e-10,
-        "conservation",
-        "round-off",
-    )
+    reason = "Newton's second evaluation of most steps is below the tolerance"
+    yield from bounded(case, [(iterations, flexible["mean_iterations"], 2.5)], TARGET, reason)
+    yield conserved(case, "largest mass imbalance [-]", flexible["mass_imbalance_max"])
+    work = abs(flexible["interface_work_imbalance"])
+    row = "difference in interface work over exchanged work", work, 1e-6
+    yield from bounded(case, [row], "conservation", "films of some micrometres agree to 1 nm")
+    error = flexible["interface_work_error_max"]
+    yield conserved(case, "largest interface work error [-]", error, 1e-10)
     aged = summary_of("numerical_example", TWO_TURNS, *WITHOUT_DERIVATIVES, look=films)
-    yield at_most(
-        case,
-        "unconverged steps without derivatives [-]",
-        aged["unconverged_steps"],
-        0,
-        "design target",
-        "ageing secants",
+    evaluations = aged["residual_evaluations"] / aged["steps"]
+    rows = (
+        ("unconverged steps without derivatives", aged["unconverged_steps"], 0),
+        ("mean evaluations per step without derivatives, with probes", evaluations, 8.0),
     )
-    yield at_most(
-        case,
-        "mean evaluations per step without derivatives, with probes [-]",
-        aged["residual_evaluations"] / aged["steps"],
-        8.0,
-        "design target",
-        "ageing secants",
-    )
+    yield from bounded(case, rows, TARGET, "ageing secants")
     apart = float(np.max(np.abs(aged["films"] - flexible["films"])))
     yield at_most(
         case,
@@ -321,45 +241,25 @@ def adaptive_checks():
         for point in (study.reference, "1 deg", "adaptive")
     )
     case = "Fired engine, two cycles, steps by local error"
-    yield at_most(
-        case,
-        "macro steps over those of 1 deg [-]",
-        adaptive["steps"] / fixed["steps"],
-        0.5,
-        "design target",
-        "steps between impacts are long",
-    )
-    yield at_most(
-        case,
-        "evaluations with rejected steps over those of 1 deg [-]",
-        adaptive["residual_evaluations"] / fixed["residual_evaluations"],
-        1.0,
-        "steps of 1 deg",
-        "fewer steps need fewer evaluations",
-    )
+    row = "macro steps over those of 1 deg", adaptive["steps"] / fixed["steps"], 0.5
+    yield from bounded(case, [row], TARGET, "steps between impacts are long")
+    evaluations = adaptive["residual_evaluations"] / fixed["residual_evaluations"]
+    row = "evaluations with rejected steps over those of 1 deg", evaluations, 1.0
+    yield from bounded(case, [row], "steps of 1 deg", "fewer steps need fewer evaluations")
     ours, theirs = (distances(run, fine, fine["time"][-1] * 30 / 1440) for run in (adaptive, fixed))
     worst = [
         max(errors[port][0] / np.ptp(fine["curves"][port]) for port in study.curves)
         for errors in (ours, theirs)
     ]
-    yield at_most(
-        case,
-        "largest error of all curves over that of 1 deg [-]",
-        worst[0] / worst[1],
-        1.0,
-        "design target",
-        "the same accuracy for the worst curve and instant",
-    )
-    for port in study.curves:
-        for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port]):
-            yield at_most(
-                case,
-                f"{kind} error of {port.split('.')[1]} over that of 1 deg [-]",
-                own / other,
-                2.4**2,
-                "steps of 0.125 deg",
-                "second order, and no step is longer than 2.4 deg",
-            )
+    row = "largest error of all curves over that of 1 deg", worst[0] / worst[1], 1.0
+    yield from bounded(case, [row], TARGET, "the same accuracy for the worst curve and instant")
+    rows = [
+        (f"{kind} error of {port.split('.')[1]} over that of 1 deg", own / other, 2.4**2)
+        for port in study.curves
+        for kind, own, other in zip(("largest", "rms"), ours[port], theirs[port])
+    ]
+    reason = "second order, and no step is longer than 2.4 deg"
+    yield from bounded(case, rows, "steps of 0.125 deg", reason)
 
 
 def distances(run, fine, begin):
