@@ -13,27 +13,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable
 from .balance.grid import LOWER, UPPER, Array, Edges, in_plenty
-from .faults import (
-    CUT_OUTS_IN_A_SECTOR,
-    FACTORS_WITHOUT_ROUGHNESS,
-    FROM_BORE_NOT_CONSERVING,
-    LOWER_BELOW_CAVITATION,
-    LOWER_FRACTION_FOLLOWS,
-    LOWER_NOT_AT_CAVITATION,
-    LOWER_PARTLY_FILLED,
-    OIL_ON_A_BEARING,
-    OPENINGS_BELOW_CAVITATION,
-    OPENINGS_FOLLOW,
-    OPENINGS_PARTLY_FILLED,
-    OPENINGS_WITHOUT_EFFECT,
-    SECTOR_OF_A_SKIRT,
-    UPPER_BELOW_CAVITATION,
-    UPPER_FRACTION_FOLLOWS,
-    UPPER_NOT_AT_CAVITATION,
-    UPPER_PARTLY_FILLED,
-    VISCOSITIES_REVERSED,
-    refuse,
-)
+from .faults import FAULT, refuse
 from .laws.cavitation import CAVITATION, Cavitation
 from .laws.piezoviscosity import PressureLaw, reduced_at_edges
 from .laws.roughness import FLOW_FACTORS
@@ -50,26 +30,6 @@ PATIR_CHENG_1978 = 1 + FLOW_FACTORS.index("patir_cheng_1978")
 MODELS = tuple(CAVITATION.values())
 
 
-class Supply(NamedTuple):
-    """Oil supply at the edges and in openings.
-
-    Pressures are gauge [Pa], film fractions [-]; own : whether openings have a supply of their own;
-    from_bore : whether oil comes from the bore; conserving : whether the cavitation model conserves
-    oil.
-    """
-
-    cavitation_pressure: float
-    pressure_lower_edge: float
-    pressure_upper_edge: float
-    pressure_openings: float
-    film_fraction_lower_edge: float
-    film_fraction_upper_edge: float
-    film_fraction_openings: float
-    own: bool
-    from_bore: bool
-    conserving: bool
-
-
 class AmbientPressures(NamedTuple):
     """Pressures around a film [Pa].
 
@@ -83,49 +43,33 @@ class AmbientPressures(NamedTuple):
 
 
 @compilable
-def supply_of(x: Any, chosen: Any) -> Supply:
-    """Return the oil supply of a film from `parameters.Numbers` and `Chosen`."""
-    return Supply(
-        x.cavitation_pressure,
-        x.pressure_lower_edge,
-        x.pressure_upper_edge,
-        x.pressure_openings,
-        x.film_fraction_lower_edge,
-        x.film_fraction_upper_edge,
-        x.film_fraction_openings,
-        chosen.opening_supply == OWN_SUPPLY,
-        chosen.oil_supply != FROM_EDGES,
-        cavitation_of(chosen).conserving,
-    )
-
-
-@compilable
 def cavitation_of(chosen: Any) -> Cavitation:
     """Return the cavitation model of a film."""
     return MODELS[int(chosen.cavitation_model) - 1]
 
 
 @compilable
-def outside_of(supply: Supply) -> AmbientPressures:
-    """Pressures around a film."""
-    least = supply.cavitation_pressure
-    lower = supply.pressure_lower_edge - least
-    opening = supply.pressure_openings - least if supply.own else lower
-    return AmbientPressures(least, lower, supply.pressure_upper_edge - least, opening)
+def outside_of(x: Any, chosen: Any) -> AmbientPressures:
+    """Return the pressures around a film from `parameters.Numbers` and `Chosen`."""
+    least = x.cavitation_pressure
+    lower = x.pressure_lower_edge - least
+    opening = x.pressure_openings - least if chosen.opening_supply == OWN_SUPPLY else lower
+    return AmbientPressures(least, lower, x.pressure_upper_edge - least, opening)
 
 
 @compilable
 def edges_of(
-    supply: Supply, outside: AmbientPressures, law: PressureLaw, shape: tuple[int, int]
+    x: Any, chosen: Any, outside: AmbientPressures, law: PressureLaw, shape: tuple[int, int]
 ) -> Edges:
     """Edges of a grid where oil is in plenty; both ends of a sector are openings."""
-    below = supply.film_fraction_lower_edge
+    below = x.film_fraction_lower_edge
+    own = chosen.opening_supply == OWN_SUPPLY
     pressure = np.full(5, outside.opening)
-    fraction = np.full(5, supply.film_fraction_openings if supply.own else below)
+    fraction = np.full(5, x.film_fraction_openings if own else below)
     pressure[LOWER] = outside.lower
     fraction[LOWER] = below
     pressure[UPPER] = outside.upper
-    fraction[UPPER] = supply.film_fraction_upper_edge
+    fraction[UPPER] = x.film_fraction_upper_edge
     return Edges(reduced_at_edges(law, pressure), fraction, in_plenty(shape))
 
 
@@ -152,37 +96,39 @@ def _check_edge_on_bore(
 
 
 @compilable
-def check_supply(supply: Supply, faults: Array) -> None:
+def check_supply(x: Any, chosen: Any, faults: Array) -> None:
     """Note what is wrong with the oil supply at the edges and in openings."""
-    least = supply.cavitation_pressure
-    lower = supply.pressure_lower_edge
-    filled_below = supply.film_fraction_lower_edge
-    upper = supply.pressure_upper_edge
-    filled_above = supply.film_fraction_upper_edge
-    _check_edge(least, lower, filled_below, LOWER_BELOW_CAVITATION, LOWER_PARTLY_FILLED, faults)
-    _check_edge(least, upper, filled_above, UPPER_BELOW_CAVITATION, UPPER_PARTLY_FILLED, faults)
-    pressure = supply.pressure_openings
-    fraction = supply.film_fraction_openings
-    if supply.own:
-        below = OPENINGS_BELOW_CAVITATION
-        _check_edge(least, pressure, fraction, below, OPENINGS_PARTLY_FILLED, faults)
-    elif fraction != 1.0 or pressure != 0.0:
-        refuse(faults, OPENINGS_WITHOUT_EFFECT, 0, 0, fraction, pressure, 0.0)
-    if not supply.from_bore:
+    least = x.cavitation_pressure
+    lower, below = x.pressure_lower_edge, x.film_fraction_lower_edge
+    upper, above = x.pressure_upper_edge, x.film_fraction_upper_edge
+    opening, fraction = x.pressure_openings, x.film_fraction_openings
+    own = chosen.opening_supply == OWN_SUPPLY
+    _check_edge(
+        least, lower, below, FAULT.lower_below_cavitation, FAULT.lower_partly_filled, faults
+    )
+    _check_edge(
+        least, upper, above, FAULT.upper_below_cavitation, FAULT.upper_partly_filled, faults
+    )
+    if own:
+        too_low = FAULT.openings_below_cavitation
+        _check_edge(least, opening, fraction, too_low, FAULT.openings_partly_filled, faults)
+    elif fraction != 1.0 or opening != 0.0:
+        refuse(faults, FAULT.openings_without_effect, 0, 0, fraction, opening, 0.0)
+    if chosen.oil_supply == FROM_EDGES:
         return
-    apart = LOWER_NOT_AT_CAVITATION
-    _check_edge_on_bore(least, lower, filled_below, apart, LOWER_FRACTION_FOLLOWS, faults)
-    apart = UPPER_NOT_AT_CAVITATION
-    _check_edge_on_bore(least, upper, filled_above, apart, UPPER_FRACTION_FOLLOWS, faults)
-    if supply.own:
-        refuse(faults, OPENINGS_FOLLOW, 0, 0, 0.0, 0.0, 0.0)
-    if not supply.conserving:
-        refuse(faults, FROM_BORE_NOT_CONSERVING, 0, 0, 0.0, 0.0, 0.0)
+    apart = FAULT.lower_not_at_cavitation
+    _check_edge_on_bore(least, lower, below, apart, FAULT.lower_fraction_follows, faults)
+    apart = FAULT.upper_not_at_cavitation
+    _check_edge_on_bore(least, upper, above, apart, FAULT.upper_fraction_follows, faults)
+    if own:
+        refuse(faults, FAULT.openings_follow, 0, 0, 0.0, 0.0, 0.0)
+    if not cavitation_of(chosen).conserving:
+        refuse(faults, FAULT.from_bore_not_conserving, 0, 0, 0.0, 0.0, 0.0)
 
 
 @compilable
 def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults: Array) -> None:
-    """Note contradictions between parameters, except those of the oil supply.
+    """Note contradictions between parameters, except those of the oil x.
 
     `bearing` and `cut_outs` state whether the film is that of a bearing and has cut-outs.
     """
@@ -190,12 +136,12 @@ def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults:
     part = sector < FULL_TURN
     rough = chosen.flow_factors == PATIR_CHENG_1978
     if part and not bearing:
-        refuse(faults, SECTOR_OF_A_SKIRT, 0, 0, sector, 0.0, 0.0)
+        refuse(faults, FAULT.sector_of_a_skirt, 0, 0, sector, 0.0, 0.0)
     if bearing and chosen.oil_supply != FROM_EDGES:
-        refuse(faults, OIL_ON_A_BEARING, 0, 0, 0.0, 0.0, 0.0)
+        refuse(faults, FAULT.oil_on_a_bearing, 0, 0, 0.0, 0.0, 0.0)
     if bearing and part and cut_outs:
-        refuse(faults, CUT_OUTS_IN_A_SECTOR, 0, 0, sector, FULL_TURN, 0.0)
+        refuse(faults, FAULT.cut_outs_in_a_sector, 0, 0, sector, FULL_TURN, 0.0)
     if chosen.viscosity_law - 1 == VISCOSITY_LAWS.two_point and x.viscosity_40 <= x.viscosity_100:
-        refuse(faults, VISCOSITIES_REVERSED, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
+        refuse(faults, FAULT.viscosities_reversed, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
     if rough and x.roughness_rms <= 0.0:
-        refuse(faults, FACTORS_WITHOUT_ROUGHNESS, 0, 0, 0.0, 0.0, 0.0)
+        refuse(faults, FAULT.factors_without_roughness, 0, 0, 0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ from . import step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import skirt_edges
 from .contradictions import FROM_EDGES, FULL_TURN
-from .faults import FAULTS, NO_TANGENT, OTHER_STATE, refuse
+from .faults import FAULT, FAULTS, refuse
 from .laws.asperity import CONTACT_LAWS, contact_table
 from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import TABLE as FACTOR_TABLE
@@ -32,7 +32,6 @@ from .native_step import (
     Solver,
     VariablePositions,
     block_of,
-    check_at_start,
     check_supply,
     clear_solver,
     domain_of,
@@ -44,14 +43,12 @@ from .native_step import (
     linear_of,
     memory_of_state,
     parts_of,
-    place_openings,
     put_last,
     put_linear,
     put_memory,
-    roughen,
+    set_up,
     surroundings_of,
-    warm_by_edges,
-    warm_by_field,
+    warm,
 )
 from .options import BuildOptions
 from .parameters import CHOSEN, NUMBERS, TUNABLE
@@ -188,6 +185,9 @@ def take_numbers(real, integer, block, length, faults):
 
     For a step of a length [s] only those that may change are taken.
     """
+    faults[0] = 0.0
+    faults[1] = 0.0  # no remark
+    block.has_last[0] = 0.0  # a refused step has no tangent
     places = block.places
     all_of_them = length == 0.0
     changed = all_of_them
@@ -201,15 +201,13 @@ def take_numbers(real, integer, block, length, faults):
             block.numbers[SECTOR_ANGLE] = FULL_TURN
         for k in range(len(CHOSEN)):
             block.chosen[k] = float(integer[int(places.chosen[k])])
-        place_openings(block)
-        roughen(block)
-        check_at_start(block, faults)
+        set_up(block, faults)
     if changed:
         check_supply(block, faults)
     if places.inputs.oil_temperature >= 0:
-        warm_by_field(block, _input(real, block, places.inputs.oil_temperature, domain_of(block)))
+        warm(block, _input(real, block, places.inputs.oil_temperature, domain_of(block)))
     elif changed:
-        warm_by_edges(block)
+        warm(block, np.zeros((0, 0)))
 
 
 @compiled
@@ -233,10 +231,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
     parts = parts_of(memory)
     faults = parts.faults
-    faults[0] = 0.0
-    faults[1] = 0.0  # no remark
     block = block_of(memory)
-    block.has_last[0] = 0.0
     clear_solver(memory, block)
     take_numbers(real, integer, block, 0.0, faults)
     if faults[0] > 0.0:
@@ -260,17 +255,14 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     """
     parts = parts_of(memory)
     faults = parts.faults
-    faults[0] = 0.0
-    faults[1] = 0.0  # no remark
     block = block_of(memory)
-    block.has_last[0] = 0.0  # a refused step has no tangent
     take_numbers(real, integer, block, numbers[0], faults)
     if faults[0] > 0.0:
         return
     fixed = fixed_of(block, True)
     inputs = inputs_of(real, block, fixed.domain, numbers[0])
     if not is_memory(parts.state, parts.begun):
-        refuse(faults, OTHER_STATE, 0, 0, 0.0, 0.0, 0.0)
+        refuse(faults, FAULT.other_state, 0, 0, 0.0, 0.0, 0.0)
         return
     before = memory_of_state(parts.state.copy())
     begun = step.begin(fixed, before, inputs, faults)
@@ -298,7 +290,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     faults[0] = 0.0
     block = block_of(memory)
     if block.has_last[0] == 0.0:
-        refuse(faults, NO_TANGENT, 0, 0, 0.0, 0.0, 0.0)
+        refuse(faults, FAULT.no_tangent, 0, 0, 0.0, 0.0, 0.0)
         return
     fixed = fixed_of(block, False)
     last = last_of(parts.last)

@@ -15,7 +15,7 @@ from .balance import openings
 from .balance.film_step import Domain
 from .balance.grid import Array, Cells, Field, keep
 from .contradictions import FROM_EDGES, FULL_TURN, PATIR_CHENG_1978, cavitation_of
-from .faults import STROKE_TOO_LONG, refuse
+from .faults import FAULT, refuse
 from .laws import cavitation
 from .laws.piezoviscosity import PressureLaw
 from .laws.roughness import fill_factor_table
@@ -150,13 +150,6 @@ def clear_solver(memory: Array, block: FilmSetup):
 
 
 @compiled
-def place_openings(block: FilmSetup):
-    """Say for each cut-out which film is nearest."""
-    domain = domain_of(block)
-    keep(block.beside, openings.nearest(domain.open_cells, domain.cells.dx, domain.cells.dy))
-
-
-@compiled
 def filled(block: FilmSetup, fields: Array, domain: Domain):
     """Fields, shape (m, n_c, n_a), whose cut-outs show the nearest cell with a film."""
     return openings.filled(block.beside, fields) if domain.has_openings else fields
@@ -198,20 +191,6 @@ def fixed_of(block: FilmSetup, on_bore: bool):
 
 
 @compiled
-def roughen(block: FilmSetup):
-    """Write the table of the flow factors into the memory."""
-    x = numbers_from(block.numbers)
-    if chosen_from(block.chosen).flow_factors == PATIR_CHENG_1978:
-        fill_factor_table(
-            x.roughness_share_skirt,
-            x.peklenik_number_skirt,
-            x.peklenik_number_bore,
-            block.bearing,
-            block.factors,
-        )
-
-
-@compiled
 def factors_of(memory: Array):
     """`blocks.Factors` in the memory."""
     solver = _solver(parts_of(memory).solver)
@@ -224,25 +203,34 @@ def factors_of(memory: Array):
     )
 
 
-# ---- surroundings
+# ---- parameters and surroundings
 
 
 @compiled
-def check_at_start(block: FilmSetup, faults: Array):
-    """Note contradictions between parameters, except those of the oil supply."""
+def set_up(block: FilmSetup, faults: Array):
+    """Set what stays of a film, and note contradictions between parameters but for its supply."""
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
-    contradictions.check_parameters(x, chosen, block.bearing, domain_of(block).has_openings, faults)
+    domain = domain_of(block)
+    keep(block.beside, openings.nearest(domain.open_cells, domain.cells.dx, domain.cells.dy))
+    if chosen.flow_factors == PATIR_CHENG_1978:
+        fill_factor_table(
+            x.roughness_share_skirt,
+            x.peklenik_number_skirt,
+            x.peklenik_number_bore,
+            block.bearing,
+            block.factors,
+        )
+    contradictions.check_parameters(x, chosen, block.bearing, domain.has_openings, faults)
     room = STROKES * x.skirt_length
     if chosen.oil_supply != FROM_EDGES and x.stroke > room:
-        refuse(faults, STROKE_TOO_LONG, 0, 0, x.stroke, x.skirt_length, room)
+        refuse(faults, FAULT.stroke_too_long, 0, 0, x.stroke, x.skirt_length, room)
 
 
 @compiled
 def check_supply(block: FilmSetup, faults: Array):
     """Note what is wrong with the oil supply."""
-    supply = contradictions.supply_of(numbers_from(block.numbers), chosen_from(block.chosen))
-    contradictions.check_supply(supply, faults)
+    contradictions.check_supply(numbers_from(block.numbers), chosen_from(block.chosen), faults)
 
 
 @compiled
@@ -258,23 +246,16 @@ def surroundings_of(block: FilmSetup):
 
 
 @compiled
-def warm_by_edges(block: FilmSetup):
-    """Set the temperature of every cell from both edges, and the viscosity."""
-    surroundings.temperature_between_edges(numbers_from(block.numbers), block.temperature)
-    _set_viscosity(block)
+def warm(block: FilmSetup, temperature: Array):
+    """Set temperature, viscosity and pressure law of a film.
 
-
-@compiled
-def warm_by_field(block: FilmSetup, temperature: Array):
-    """Set the temperature of every cell, shape (n_c, n_a) [K], and the viscosity."""
-    keep(block.temperature, temperature)
-    _set_viscosity(block)
-
-
-@compiled
-def _set_viscosity(block: FilmSetup):
-    """Set the viscosity of every cell and the pressure law from the temperature."""
+    temperature : ndarray, shape (n_c, n_a) [K]; of shape (0, 0), that of the edges is used.
+    """
     x = numbers_from(block.numbers)
     chosen = chosen_from(block.chosen)
+    if temperature.size > 0:
+        keep(block.temperature, temperature)
+    else:
+        surroundings.temperature_between_edges(x, block.temperature)
     surroundings.viscosity_by_temperature(x, chosen, block.temperature, block.viscosity)
     put_law(block.law, surroundings.pressure_law_of(x, chosen, block.viscosity))

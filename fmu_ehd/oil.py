@@ -59,56 +59,24 @@ ZERO_CELSIUS = 273.15  # [K]
 VISCOSITY_LAWS = numbered("constant", "vogel_1921", "walther_1931", "two_point")
 
 
-class LowShear(NamedTuple):
-    """A law of viscosity by temperature with its constants, as in `Oil`.
+@compilable
+def low_shear_viscosity(kind: int, x: Any, temperature: Any) -> Any:
+    """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3).
 
-    kind : number in `VISCOSITY_LAWS`.
+    kind : number in `VISCOSITY_LAWS`; x : constants by their names in `Oil`.
     """
-
-    kind: int
-    viscosity: float
-    vogel_viscosity: float
-    vogel_b: float
-    vogel_c: float
-    walther_a: float
-    walther_m: float
-    density: float
-    viscosity_40: float
-    viscosity_100: float
-
-
-@compilable
-def low_shear_law(kind: int, x: Any) -> LowShear:
-    """Return the law of viscosity of a number in `VISCOSITY_LAWS`, by numbers `x` with names."""
-    return LowShear(
-        kind,
-        x.viscosity,
-        x.vogel_viscosity,
-        x.vogel_b,
-        x.vogel_c,
-        x.walther_a,
-        x.walther_m,
-        x.density,
-        x.viscosity_40,
-        x.viscosity_100,
-    )
-
-
-@compilable
-def low_shear_viscosity(law: LowShear, temperature: Any) -> Any:
-    """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
-    if law.kind == VISCOSITY_LAWS.vogel_1921:
+    if kind == VISCOSITY_LAWS.vogel_1921:
         celsius = temperature - ZERO_CELSIUS
-        return law.vogel_viscosity * np.exp(law.vogel_b / (celsius + law.vogel_c))  # Eq. (O1)
-    if law.kind == VISCOSITY_LAWS.walther_1931:
-        return law.density * walther_viscosity(law.walther_a, law.walther_m, temperature)
-    if law.kind == VISCOSITY_LAWS.two_point:
+        return x.vogel_viscosity * np.exp(x.vogel_b / (celsius + x.vogel_c))  # Eq. (O1)
+    if kind == VISCOSITY_LAWS.walther_1931:
+        return x.density * walther_viscosity(x.walther_a, x.walther_m, temperature)
+    if kind == VISCOSITY_LAWS.two_point:
         cold = ZERO_CELSIUS + 40.0
-        thick = _double_logarithm(law.viscosity_40 / law.density)
-        thin = _double_logarithm(law.viscosity_100 / law.density)
+        thick = _double_logarithm(x.viscosity_40 / x.density)
+        thin = _double_logarithm(x.viscosity_100 / x.density)
         m = (thick - thin) / np.log10((ZERO_CELSIUS + 100.0) / cold)  # Eq. (O3)
-        return law.density * walther_viscosity(thick + m * np.log10(cold), m, temperature)
-    return law.viscosity + 0.0 * temperature
+        return x.density * walther_viscosity(thick + m * np.log10(cold), m, temperature)
+    return x.viscosity + 0.0 * temperature
 
 
 @compilable
@@ -323,4 +291,4 @@ class Oil:
     def low_shear_viscosity(self, temperature: Array) -> Array:
         """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
         kind = getattr(VISCOSITY_LAWS, self.viscosity_law)
-        return low_shear_viscosity(low_shear_law(kind, self), temperature)
+        return low_shear_viscosity(kind, self, temperature)

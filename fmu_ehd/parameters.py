@@ -11,7 +11,6 @@ from .contradictions import (
     OPENING_SUPPLIES,
     check_parameters,
     check_supply,
-    supply_of,
 )
 from .declaration import choice, choices_of, declared, names_of, variables_of
 from .faults import FAULTS
@@ -283,7 +282,7 @@ def faults(parameters: Parameters) -> list[str]:
     x, chosen = numbers_of(parameters), chosen_of(parameters)
     cells = parameters.open_cells
     noted = none_yet()
-    check_supply(supply_of(x, chosen), noted)
+    check_supply(x, chosen, noted)
     cut_outs = cells is not None and bool(cells.any())
     check_parameters(x, chosen, parameters.surface == "bearing", cut_outs, noted)
     return sentences_of(noted, FAULTS)

@@ -15,7 +15,7 @@ from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
 from . import step_parts as parts
 from .balance import coated_film, film_step, oil_layer
-from .balance.coated_film import CoatedFilm, CoatedInputs, Layer
+from .balance.coated_film import CoatedInputs, Layer, StepSolution
 from .balance.film_step import (
     BalanceInputs,
     Domain,
@@ -39,7 +39,7 @@ from .balance.oil_layer import LayerVolumes, OilLayer
 from .balance.reynolds import Filling
 from .balance.transport import Lift
 from .constants import FilmConstants
-from .faults import BEYOND_PRESSURE_LAW, NARROW_STEPS
+from .faults import FAULT
 from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
@@ -93,14 +93,6 @@ class StepStart(NamedTuple):
     edges: Edges
     lift: Lift
     entrainment: Entrainment
-
-
-class StepSolution(NamedTuple):
-    """Film of a step: deflection of the coating [m], flow_film.FlowFilm, film_step.FilmSolution."""
-
-    deflection: Array
-    flow: FlowFilm
-    solution: FilmSolution
 
 
 class ForceInputs(NamedTuple):
@@ -225,7 +217,7 @@ def solve_coated(
     domain: Domain,
     solver: LinearSolver | Factors,
     faults: Array,
-) -> CoatedFilm:
+) -> StepSolution:
     """Film under a coating that yields to the pressure."""
     return film_step.run(coated_film.solve, pressed, layer, given, domain, solver, faults)
 
@@ -402,7 +394,7 @@ def start(
     heat = acting.powers.friction
     ledger = parts.BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, oil, heat)
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, ring):
-        remark(faults, NARROW_STEPS)
+        remark(faults, FAULT.narrow_steps)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer, steps), fields_of(acting, fraction), scalars
@@ -454,15 +446,15 @@ def solve(
     """Film of a step; a fault is noted where there is none."""
     before = memory.film
     nothing = np.zeros((0, 0))
-    unknown_yet = np.zeros((0, 0, 0))
     sheared = sheared_of(inputs)
+    flow = flow_film(inputs.hard_film, sheared, fixed.laws)
     given = BalanceInputs(
-        unknown_yet,
+        flow.quantities,
         begun.entrainment,
         begun.edges,
         begun.begin.start,
         begun.begin.guess,
-        Softness(unknown_yet, nothing, nothing),
+        Softness(np.zeros((0, 0, 0)), nothing, nothing),
         begun.lift,
     )
     surfaces = fixed.surfaces
@@ -472,19 +464,9 @@ def solve(
         pressed = CoatedInputs(
             inputs.hard_film, before.deflection, before.unknown, memory.steps, sheared
         )
-        found = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
-        return StepSolution(found.deflection, found.flow, found.solution)
-    flow = flow_film(inputs.hard_film, sheared, fixed.laws)
-    whole = BalanceInputs(
-        flow.quantities,
-        given.entrainment,
-        given.edges,
-        given.start,
-        given.full,
-        given.softness,
-        given.lift,
-    )
-    return StepSolution(before.deflection, flow, solve_bare(whole, fixed.domain, solver, faults))
+        return solve_coated(pressed, layer, given, fixed.domain, solver, faults)
+    found = solve_bare(given, fixed.domain, solver, faults)
+    return StepSolution(before.deflection, flow, found, found.iterations)
 
 
 @compilable
@@ -535,7 +517,7 @@ def end(
     law = inputs.around.pressure_law
     highest = acted.summary.highest - fixed.surfaces.cavitation_pressure
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
-        remark(faults, BEYOND_PRESSURE_LAW)
+        remark(faults, FAULT.beyond_pressure_law)
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)
     account = parts.account(
@@ -591,5 +573,5 @@ def end(
         fields_of(acting, found.film_fraction),
         scalars_of(fixed, acting, ledger, layer),
         last,
-        found.iterations,
+        solved.iterations,
     )

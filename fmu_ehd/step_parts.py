@@ -14,7 +14,7 @@ from .balance.films import Carriers
 from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import StepRatios, TransportHistory
-from .faults import FILM_NOT_FINITE, FORCES_NOT_FINITE, NO_FILM, refuse
+from .faults import FAULT, refuse
 from .laws import friction
 from .laws.asperity import ContactConstants
 from .laws.contact import Contact, contact
@@ -114,14 +114,14 @@ def check_film(film_thickness: Array, faults: Array):
     for i in range(film_thickness.shape[0]):
         for j in range(film_thickness.shape[1]):
             if not np.isfinite(film_thickness[i, j]):
-                refuse(faults, FILM_NOT_FINITE, i, j, film_thickness[i, j], 0.0, 0.0)
+                refuse(faults, FAULT.film_not_finite, i, j, film_thickness[i, j], 0.0, 0.0)
                 return
             if film_thickness[i, j] > film_thickness[best_i, best_j]:
                 best_i = i
                 best_j = j
     widest = film_thickness[best_i, best_j]
     if not widest > 0.0:
-        refuse(faults, NO_FILM, best_i, best_j, widest, 0.0, 0.0)
+        refuse(faults, FAULT.no_film, best_i, best_j, widest, 0.0, 0.0)
 
 
 # ---- forces
@@ -290,7 +290,7 @@ def refuse_forces(normal: Array, along: Array, film: SolvedFilm, faults: Array):
         for j in range(normal.shape[1]):
             if not np.isfinite(normal[i, j] + along[i, j]):
                 h = film.hard_film[i, j] + film.deflection[i, j]
-                refuse(faults, FORCES_NOT_FINITE, i, j, h, film.velocity[i, j], 0.0)
+                refuse(faults, FAULT.forces_not_finite, i, j, h, film.velocity[i, j], 0.0)
                 return
 
 

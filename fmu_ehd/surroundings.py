@@ -8,10 +8,10 @@ import numpy as np
 from ..master.fmi.compiled import compiled
 from ..master.fmi.noted import none_yet
 from .balance.grid import Array, Edges
-from .contradictions import AmbientPressures, check_supply, edges_of, outside_of, supply_of
+from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
 from .faults import raise_noted
 from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
-from .oil import low_shear_law, low_shear_viscosity
+from .oil import low_shear_viscosity
 from .parameters import Parameters, chosen_of, numbers_of
 
 
@@ -48,10 +48,10 @@ def temperature_between_edges(x, temperature):
 @compiled
 def viscosity_by_temperature(x, chosen, temperature, viscosity):
     """Set the low-shear viscosity [Pa s] of every cell from its temperature, Eqs. (O1) to (O3)."""
-    oil = low_shear_law(int(chosen.viscosity_law) - 1, x)
+    kind = int(chosen.viscosity_law) - 1
     for i in range(temperature.shape[0]):
         for j in range(temperature.shape[1]):
-            viscosity[i, j] = low_shear_viscosity(oil, temperature[i, j])
+            viscosity[i, j] = low_shear_viscosity(kind, x, temperature[i, j])
 
 
 @compiled
@@ -64,9 +64,8 @@ def pressure_law_of(x, chosen, viscosity):
 @compiled
 def surroundings_of(x, chosen, temperature, viscosity, law):
     """Return `Surroundings` from numbers, choices, both fields and the pressure law."""
-    supply = supply_of(x, chosen)
-    outside = outside_of(supply)
-    edges = edges_of(supply, outside, law, viscosity.shape)
+    outside = outside_of(x, chosen)
+    edges = edges_of(x, chosen, outside, law, viscosity.shape)
     return Surroundings(edges, outside, temperature, viscosity, law, x.oil_ring_layer, x.oil_splash)
 
 
@@ -94,7 +93,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     x = numbers_of(parameters)._replace(**numbers)
     chosen = chosen_of(parameters)
     noted = none_yet()
-    check_supply(supply_of(x, chosen), noted)
+    check_supply(x, chosen, noted)
     raise_noted(noted)
     temperature = np.empty(parameters.shape)
     if "oil_temperature" in conditions:

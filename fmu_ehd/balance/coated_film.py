@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..faults import DEFLECTION_NOT_FOUND, refuse
+from ..faults import FAULT, refuse
 from ..laws import cavitation, coating
 from ..laws.asperity import ContactConstants
 from ..laws.coating import Softness
@@ -56,45 +56,23 @@ class CoatedInputs(NamedTuple):
     sheared: ShearedOil
 
 
-class CoatedFilm(NamedTuple):
-    """Film of a step under a coating.
+class StepSolution(NamedTuple):
+    """Film of a step.
 
-    deflection [m]; flow : flow_film.FlowFilm; given : film_step.BalanceInputs;
-    solution : film_step.FilmSolution.
+    deflection of a coating [m]; flow : flow_film.FlowFilm; solution : film_step.FilmSolution;
+    iterations : number of factorisations.
     """
 
     deflection: Array
     flow: FlowFilm
-    given: BalanceInputs
     solution: FilmSolution
-
-
-@compiled
-def _full_cells(unknown):
-    n_c, n_a = unknown.shape
-    full = np.empty((n_c, n_a), np.bool_)
-    for i in range(n_c):
-        for j in range(n_a):
-            full[i, j] = unknown[i, j] > 0.0
-    return full
-
-
-@compiled
-def _sum(hard_film, deflection, floor):
-    """Film thickness, Eq. (L2), and the same not below a floor."""
-    n_c, n_a = hard_film.shape
-    film = np.empty((n_c, n_a))
-    above = np.empty((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            film[i, j] = hard_film[i, j] + deflection[i, j]  # Eq. (L2)
-            above[i, j] = max(film[i, j], floor)
-    return film, above
+    iterations: int
 
 
 @compiled
 def softness(
     pressed: CoatedInputs,
+    deflection: Array,
     layer: Layer,
     given: BalanceInputs,
     flow: FlowFilm,
@@ -106,15 +84,15 @@ def softness(
     Parameters
     ----------
     pressed : CoatedInputs
-        With the deflection of this film.
+    deflection : ndarray, shape (n_c, n_a)
+        Of this film [m].
     layer : Layer
     given : film_step.BalanceInputs
-        With the quantities of this film.
+        Whatever its film.
     flow : flow_film.FlowFilm
     filling : reynolds.Filling
     domain : film_step.Domain
     """
-    deflection = pressed.deflection
     slopes = film_slopes(
         flow.quantities,
         flow.slopes,
@@ -149,7 +127,7 @@ def solve(
     domain: Domain,
     solver: LinearSolver | Factors,
     faults: Array,
-) -> CoatedFilm:
+) -> StepSolution:
     """Film of a step; a fault is noted where there is none.
 
     Parameters
@@ -165,63 +143,36 @@ def solve(
 
     Returns
     -------
-    CoatedFilm
+    StepSolution
     """
-    hard_film, deflection, unknown, steps, sheared = pressed
-    full = _full_cells(unknown)
+    hard_film, deflection, unknown, _, sheared = pressed
+    full = unknown > 0.0
     guess = given.full
     lift = lift_along(given.lift, given.entrainment.axial, domain.model)
     factorisations = 0
     iteration = 0
     while True:
-        film, above = _sum(hard_film, deflection, layer.laws.minimum_flow_film)
+        film = hard_film + deflection  # Eq. (L2)
         flow = flow_film(film, sheared, layer.laws)
         reduced, deficit = cavitation.interpret(domain.model, unknown, full)
-        bare = BalanceInputs(
-            flow.quantities,
-            given.entrainment,
-            given.edges,
-            given.start,
-            guess,
-            given.softness,
-            given.lift,
-        )
-        here = CoatedInputs(hard_film, deflection, unknown, steps, sheared)
         filling = Filling(reduced, 1.0 + deficit, lift)
-        soft = softness(here, layer, bare, flow, filling, domain)
+        soft = softness(pressed, deflection, layer, given, flow, filling, domain)
         now = BalanceInputs(
             flow.quantities, given.entrainment, given.edges, given.start, guess, soft, given.lift
         )
         found = film_step.solve(now, domain, solver, faults)
         factorisations += found.iterations
         iteration += 1
+        above = np.maximum(film, layer.laws.minimum_flow_film)
         moved = coating.yielded(deflection, soft, found.pressure, above)
         if moved.converged or iteration == coating.LIMIT or faults[0] > 0.0:
             if faults[0] == 0.0 and not moved.converged:
                 most = float(coating.LIMIT)
-                refuse(faults, DEFLECTION_NOT_FOUND, moved.i, moved.j, most, moved.change, 0.0)
-            return CoatedFilm(deflection, flow, now, _counted(found, factorisations))
+                refuse(
+                    faults, FAULT.deflection_not_found, moved.i, moved.j, most, moved.change, 0.0
+                )
+            return StepSolution(deflection, flow, found, factorisations)
         deflection = moved.deflection
         unknown = found.unknown
         full = found.full
         guess = found.full
-
-
-@compilable
-def _counted(found: FilmSolution, iterations: int) -> FilmSolution:
-    """Return the solution with the factorisations of all iterations."""
-    return FilmSolution(
-        found.unknown,
-        found.pressure,
-        found.film_fraction,
-        found.content,
-        found.full,
-        found.axial_flow,
-        found.edge_flow,
-        found.from_openings,
-        found.spilled,
-        found.mass_imbalance,
-        iterations,
-        found.lift,
-        found.stencil,
-    )

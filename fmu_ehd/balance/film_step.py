@@ -10,7 +10,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, standing_for
 from ...master.fmi.noted import none_yet
-from ..faults import NOT_FINITE, STILL_SWITCHING, raise_noted, refuse
+from ..faults import FAULT, raise_noted, refuse
 from ..laws import cavitation
 from ..laws.cavitation import Cavitation
 from ..laws.coating import Softness, soften
@@ -31,7 +31,7 @@ from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 HARD = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
-NO_FILM = np.zeros((0, 0, 0))  # not known yet
+FAULT.no_film = np.zeros((0, 0, 0))  # not known yet
 NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
 
@@ -228,7 +228,7 @@ def full_cells(
         singly = iteration >= domain.together
         found = cavitation.switch(full, unknown, domain.open_cells, model.conserving, singly)
         if found.switched < 0:
-            refuse(faults, NOT_FINITE, found.i, found.j, 0.0, 0.0, 0.0)
+            refuse(faults, FAULT.not_finite, found.i, found.j, 0.0, 0.0, 0.0)
             return FullCells(unknown, full, iteration + 1, stencil)
         if found.switched == 0 or not model.switching:  # Eq. (C1)
             return FullCells(unknown, full, iteration + 1, stencil)
@@ -236,7 +236,7 @@ def full_cells(
         if iteration == cavitation.LIMIT:
             u = unknown[found.i, found.j]
             most = float(cavitation.LIMIT)
-            refuse(faults, STILL_SWITCHING, found.i, found.j, most, float(found.switched), u)
+            refuse(faults, FAULT.still_switching, found.i, found.j, most, float(found.switched), u)
             return FullCells(unknown, full, iteration, stencil)
         lowest = found.lowest
         highest = found.highest

@@ -73,7 +73,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..faults import TOO_FAR, refuse
+from ..faults import FAULT, refuse
 from .grid import Array, Cells, Field, Flags, add, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0
@@ -234,8 +234,14 @@ def mean_of(velocity: Array) -> float:
 @compilable
 def volume(bore: Bore, layer: OilLayer) -> float:
     """Oil on the bore and at the edges of the skirt [m3]."""
-    pushed = sum_of_products(layer.reservoir, np.ones(bore.faces.shape))
-    return sum_of_products(layer.bore, bore.area) + pushed
+    return _held(bore, layer.bore, layer.reservoir)
+
+
+@compilable
+def _held(bore, oil, reservoir):
+    """Return the volume of a layer and of what the edges push along [m3]."""
+    pushed = sum_of_products(reservoir, np.ones(bore.faces.shape))
+    return sum_of_products(oil, bore.area) + pushed
 
 
 @compilable
@@ -272,7 +278,7 @@ def covered(
     reached = layer.height + length * layer.velocity + gain  # Eq. (T26)
     supply = bore.supply
     if abs(reached) > supply.stroke:
-        refuse(faults, TOO_FAR, 0, 0, reached, supply.stroke, 0.0)
+        refuse(faults, FAULT.too_far, 0, 0, reached, supply.stroke, 0.0)
         return layer
     old = _exposed(bore, layer.reached)
     new = _exposed(bore, reached)
@@ -384,33 +390,17 @@ def left(
         oil = oil + thickness * uncovered
     capacity = bore.supply.chamfer_capacity * bore.cells.dx
     fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
-    kept = OilLayer(
+    reservoir = reservoir - fallen
+    return OilLayer(
         oil,
-        reservoir - fallen,
+        reservoir,
         passed.spilled,
         covered.reached,
         before.height + 0.5 * length * (before.velocity + velocity),  # Eq. (T26)
         velocity,
         before.velocity,
         covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
-        0.0,
-    )
-    return _holding(kept, volume(bore, kept))
-
-
-@compilable
-def _holding(layer: OilLayer, held: float) -> OilLayer:
-    """Return the layer with the oil that it holds."""
-    return OilLayer(
-        layer.bore,
-        layer.reservoir,
-        layer.spilled,
-        layer.reached,
-        layer.height,
-        layer.velocity,
-        layer.velocity_before,
-        layer.supplied,
-        held,
+        _held(bore, oil, reservoir),
     )
 
 
