@@ -424,14 +424,11 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
         carried = oil_layer.inflow(bore, begun.pace.share * before.passed)
         limit = oil_layer.limit(bore, layer, carried, begun.start.length)
         edges = Edges(edges.pressure, edges.film_fraction, limit)
-    axial = fixed.share * inputs.velocity
-    if fixed.bearing:  # around it oil is carried on without a lift
-        lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
-        return StepStart(
-            begun, layer, edges, lift, Entrainment(fixed.share * inputs.turning, axial)
-        )
-    lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
-    return StepStart(begun, layer, edges, lift, Entrainment(inputs.turning, axial))
+    lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
+    if not fixed.bearing:  # around a bearing oil is carried on without a lift
+        lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
+    moved = Entrainment(fixed.share * inputs.turning, fixed.share * inputs.velocity)
+    return StepStart(begun, layer, edges, lift, moved)
 
 
 @compilable

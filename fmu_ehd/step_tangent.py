@@ -8,10 +8,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, compiled, numbered
+from ..master.fmi.compiled import compilable, numbered
 from .balance.film_step import film_slopes, solutions
 from .balance.films import COUETTE, FilmSlopes
-from .balance.grid import Array, Entrainment, Field, Stencil
+from .balance.grid import Array, Entrainment, Field, Stencil, put
 from .balance.tangent import apply_stencils
 from .constants import FilmConstants
 from .laws import cavitation, circumferential, coating, friction
@@ -62,101 +62,18 @@ class Directions(NamedTuple):
 # ---- parts
 
 
-@compiled
-def force_slopes(
-    shear: ShearInputs,
-    film: Array,
-    slopes: FilmSlopes,
-    shares: tuple[Array, Array],
-    under: TruePressure,
-    by_oil: bool,
-):
-    """Return the derivatives of the forces that all directions share, but for contact.
-
-    Parameters
-    ----------
-    shear : friction.ShearInputs
-    film : ndarray, shape (6, n_c, n_a)
-        Quantities of `films`, without the viscosity under pressure.
-    slopes : films.FilmSlopes
-        Of `film`.
-    shares : tuple of ndarray, shape (n_c, n_a)
-        Derivatives of reduced pressure and film fraction to the signed unknown.
-    under : piezoviscosity.TruePressure
-    by_oil : bool
-        Whether the oil alone shears in cavities.
-
-    Returns
-    -------
-    friction.ForceSlopes
-    """
-    of_pressure, of_fraction = shares
-    n_c, n_a = of_pressure.shape
-    by_pressure = np.zeros((n_c, n_a))
-    if under.ratio.size > 0:
-        of_pressure = of_pressure.copy()
-        for i in range(n_c):
-            for j in range(n_a):
-                sheared = -shear.area[i, j] * shear.shearing[i, j] * shear.velocity[i, j]
-                by_pressure[i, j] = sheared * film[COUETTE, i, j] * under.slope[i, j]
-                of_pressure[i, j] *= under.ratio[i, j]  # dp/dq, Eq. (O6)
-    by_film = raised(slopes.by_film, under.ratio)
-    by_velocity = raised(slopes.by_velocity, under.ratio)
-    if not by_oil:
-        of_fraction = np.zeros((n_c, n_a))
-    return ForceSlopes(
-        friction.shear_slopes(shear, FilmSlopes(by_film, by_velocity), by_pressure),
-        shear.area,
-        of_pressure,
-        of_fraction,
-        shear.constants.dy,
-    )
+@compilable
+def _by_pressure(shear: ShearInputs, velocity: Array, couette: Array, under: TruePressure) -> Array:
+    """Return the derivative of a viscous force to the pressure by the viscosity [N/Pa]."""
+    if under.ratio.size == 0:
+        return np.zeros(velocity.shape)
+    return -shear.area * shear.shearing * velocity * couette * under.slope
 
 
-@compiled
-def contact_slopes(shear: ShearInputs, pressure_slope: Array, stress_slope: Array):
-    """Return the derivatives of the contact forces to the film thickness.
-
-    They are those to the film thickness of a cell and of its neighbours.
-
-    Parameters
-    ----------
-    shear : friction.ShearInputs
-    pressure_slope, stress_slope : ndarray, shape (5, n_c, n_a)
-        Of `contact.Contact` [Pa/m].
-
-    Returns
-    -------
-    normal, along : ndarray, shape (5, n_c, n_a)
-        [N/m].
-    """
-    _, n_c, n_a = pressure_slope.shape
-    rounding = shear.constants.rounding_velocity
-    normal = np.empty((5, n_c, n_a))
-    along = np.empty((5, n_c, n_a))
-    for k in range(5):
-        for i in range(n_c):
-            for j in range(n_a):
-                area = shear.area[i, j]
-                v = shear.velocity[i, j]
-                speed = np.sqrt(v * v + rounding * rounding)
-                normal[k, i, j] = area * pressure_slope[k, i, j]
-                # Eq. (F2)
-                along[k, i, j] = -area * stress_slope[k, i, j] * v / speed
-    return normal, along
-
-
-@compiled
-def add_contact_changes(slope: Array, film_thickness: Array, deflection: Array, force: Array):
-    """Add the changes of a contact force, as by `contact.contact_changes`, in place.
-
-    The shape is (m, n_c, n_a).
-    """
-    changes = contact_changes(slope, film_thickness, deflection)
-    for q in range(force.shape[0]):
-        for i in range(force.shape[1]):
-            for j in range(force.shape[2]):
-                force[q, i, j] += changes[q, i, j]
+@compilable
+def _add_contact_changes(slope: Array, film: Array, deflection: Array, force: Array) -> None:
+    """Add the changes of a contact force, shape (m, n_c, n_a), in place."""
+    put(force, force + contact_changes(slope, film, deflection))
 
 
 # ---- both steps of a tangent
@@ -171,14 +88,10 @@ def balance_slopes(
     around, along : derivatives of the entrainment velocities to the velocity of `slopes`.
     """
     velocity = last.shear.velocity
-    axial = fixed.share * velocity
-    entrainment = Entrainment(last.turning.velocity, axial)
-    if fixed.bearing:
-        entrainment = Entrainment(fixed.share * last.turning.velocity, axial)
     return film_slopes(
         last.film,
         slopes,
-        entrainment,
+        Entrainment(fixed.share * last.turning.velocity, fixed.share * velocity),
         Entrainment(np.full(velocity.shape, around), np.full(velocity.shape, along)),
         last.filling,
         last.edges,
@@ -198,53 +111,40 @@ def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
     """Return the derivatives of the last step that all directions share."""
     shear = last.shear
     under = last.under
-    by_oil = fixed.surfaces.by_oil
-    shares = cavitation.shares(fixed.domain.model, last.unknown, last.full)
-    stencil = balance_slopes(fixed, last, last.slopes, 0.0, fixed.share)
+    turning = last.turning
+    couette = last.film[COUETTE]
     none = np.zeros((0, 0))
-    no_stencil = np.zeros((0, 0, 0))
     weight = none
     if fixed.surfaces.compliance > 0.0:
         compliance = fixed.surfaces.compliance
         weight = compliance * coating.yielding(compliance, last.pressure_slope)
-    normal = no_stencil
-    along = no_stencil
-    across = no_stencil
-    if last.touching:
-        normal, along = contact_slopes(shear, last.pressure_slope, last.stress_slope)
-    if not fixed.bearing:
-        film = force_slopes(shear, last.film, last.slopes, shares, under, by_oil)
-        around = CircumferentialSlopes(none, none, none, none, none, none, none, none)
-        return Linearisation(
-            stencil, np.zeros((0, 0, 0, 0)), film, around, weight, normal, along, across
-        )
-    turning = last.turning
-    by_pressure = np.zeros(last.unknown.shape)
+    of_pressure, of_fraction = cavitation.shares(fixed.domain.model, last.unknown, last.full)
     if under.ratio.size > 0:
-        sheared = -shear.area * shear.shearing * turning.velocity * last.film[COUETTE]
-        by_pressure = sheared * under.slope
-    around = circumferential.force_slopes(
-        shear,
-        turning,
-        _raised_slopes(last.slopes, under.ratio),
-        _raised_slopes(last.slopes_around, under.ratio),
-        by_pressure,
-    )
+        of_pressure = of_pressure * under.ratio  # dp/dq, Eq. (O6)
+    if not fixed.surfaces.by_oil:
+        of_fraction = np.zeros(of_fraction.shape)
+    to_v = _raised_slopes(last.slopes, under.ratio)
+    by_pressure = _by_pressure(shear, shear.velocity, couette, under)
+    along_axis = friction.shear_slopes(shear, turning.velocity, to_v, by_pressure)
+    film = ForceSlopes(along_axis, shear.area, of_pressure, of_fraction, shear.constants.dy)
+    normal = np.zeros((0, 0, 0))
+    along = normal
+    across = normal
     if last.touching:
-        axial, tangential = circumferential.boundary_shares(shear, turning)
-        along = axial * last.stress_slope
-        across = tangential * last.stress_slope
-    viscous = ShearInputs(
-        shear.pressure,
-        shear.shearing,
-        shear.velocity,
-        shear.film,
-        np.zeros(last.unknown.shape),  # stands in `around`
-        shear.area,
-        shear.constants,
-    )
-    film = force_slopes(viscous, last.film, last.slopes, shares, under, by_oil)
-    to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
+        speed = circumferential.speed(shear, turning)
+        dry = -shear.area * last.stress_slope
+        normal = shear.area * last.pressure_slope
+        along = dry * shear.velocity / speed  # Eq. (F2), Eq. (F7)
+        if fixed.bearing:
+            across = dry * turning.velocity / speed
+    to_turning = np.zeros((0, 0, 0, 0))
+    around = CircumferentialSlopes(none, none, none, none, none, none, none)
+    if fixed.bearing:
+        to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
+        to_w = _raised_slopes(last.slopes_around, under.ratio)
+        by_pressure = _by_pressure(shear, turning.velocity, couette, under)
+        around = circumferential.force_slopes(shear, turning, to_v, to_w, by_pressure)
+    stencil = balance_slopes(fixed, last, last.slopes, 0.0, fixed.share)
     return Linearisation(stencil, to_turning, film, around, weight, normal, along, across)
 
 
@@ -283,7 +183,7 @@ def changes(
     coated = linear.weight.size > 0
     if coated:
         by_contact = contact_changes(last.pressure_slope, hard, still)
-        moved = coating.pushed(linear.weight, by_contact, hard)
+        moved = hard + linear.weight * by_contact
     apply_stencils(linear.stencil, moved, velocity, right)
     if fixed.bearing:
         added = np.empty(hard.shape)
@@ -292,15 +192,15 @@ def changes(
     unknown = solutions(solver, last.stencil, right)  # Eq. (E6)
     film = hard
     if coated:
-        share = linear.film.pressure_share
-        deflection = coating.deflection_changes(linear.weight, by_contact, share, unknown)
+        pressed = by_contact + linear.film.pressure_share * unknown
+        deflection = linear.weight * pressed  # Eq. (L3)
         film = hard + deflection
     friction.force_changes(
         linear.film, film, velocity, unknown, forces[FORCE.normal], forces[FORCE.along]
     )
     if last.touching:
-        add_contact_changes(linear.contact_pressure, hard, deflection, forces[FORCE.normal])
-        add_contact_changes(linear.contact_shear, hard, deflection, forces[FORCE.along])
+        _add_contact_changes(linear.contact_pressure, hard, deflection, forces[FORCE.normal])
+        _add_contact_changes(linear.contact_shear, hard, deflection, forces[FORCE.along])
     if not fixed.bearing:
         return
     of_all = Changes(film, velocity, turning, unknown)
@@ -308,4 +208,4 @@ def changes(
         linear.around, linear.film, last.turning, of_all, forces[FORCE.along], forces[FORCE.around]
     )
     if last.touching:
-        add_contact_changes(linear.contact_around, hard, deflection, forces[FORCE.around])
+        _add_contact_changes(linear.contact_around, hard, deflection, forces[FORCE.around])

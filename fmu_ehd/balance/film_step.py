@@ -31,7 +31,6 @@ from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 HARD = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
-FAULT.no_film = np.zeros((0, 0, 0))  # not known yet
 NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
 

@@ -96,30 +96,27 @@ CAVITATION = {
 @compiled
 def interpret(model: Cavitation, unknown: Array, full: Flags):
     """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
-    pressure = np.zeros_like(unknown)
-    deficit = np.zeros_like(unknown)
-    for i in range(full.shape[0]):
-        for j in range(full.shape[1]):
-            u = unknown[i, j]
-            if full[i, j] and (u > 0.0 or not model.clipping):
-                pressure[i, j] = u  # Eqs. (C2) to (C5)
-            elif model.conserving:
-                deficit[i, j] = u  # Eq. (C2), Eq. (E4)
-    return pressure, deficit
+    return _parted(model, unknown, full, unknown)
 
 
 @compiled
 def shares(model: Cavitation, unknown: Array, full: Flags):
     """Return the derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
-    of_pressure = np.zeros_like(unknown)
-    of_fraction = np.zeros_like(unknown)
+    return _parted(model, unknown, full, np.ones_like(unknown))
+
+
+@compiled
+def _parted(model, unknown, full, values):
+    """Return values of the cells under pressure, and of those of partly filled film; else 0."""
+    pressure = np.zeros_like(unknown)
+    deficit = np.zeros_like(unknown)
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             if full[i, j] and (unknown[i, j] > 0.0 or not model.clipping):
-                of_pressure[i, j] = 1.0
+                pressure[i, j] = values[i, j]  # Eqs. (C2) to (C5)
             elif model.conserving:
-                of_fraction[i, j] = 1.0
-    return of_pressure, of_fraction
+                deficit[i, j] = values[i, j]  # Eq. (C2), Eq. (E4)
+    return pressure, deficit
 
 
 @compiled

@@ -47,12 +47,11 @@ class CircumferentialInputs(NamedTuple):
 class CircumferentialSlopes(NamedTuple):
     """Derivatives of the forces of a bearing, arrays of shape (n_c, n_a).
 
-    They are those of the circumferential force of each cell, and those of the axial force to W and
-    through the asperities.
+    They are those of the circumferential force of each cell, and that of the axial force to W.
 
     film : to film thickness [N/m]; own, axial : to W and V [N s/m]; shearing, gradient, pressure :
     as in `friction.ShearSlopes`;
-    axial_own, axial_across : of the axial force, that of its asperities to V, and to W [N s/m].
+    axial_across : of the axial force to W [N s/m].
     """
 
     film: Field
@@ -61,7 +60,6 @@ class CircumferentialSlopes(NamedTuple):
     shearing: Field
     gradient: Field
     pressure: Field
-    axial_own: Field
     axial_across: Field
 
 
@@ -111,14 +109,7 @@ def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: 
 
 
 @compilable
-def boundary_shares(inputs: ShearInputs, turning: CircumferentialInputs) -> tuple[Array, Array]:
-    """Asperity forces along the axis and around it for a boundary stress of 1, Eq. (F7) [m2]."""
-    scale = -inputs.area / _speed(inputs, turning)  # Eq. (F7)
-    return scale * inputs.velocity, scale * turning.velocity
-
-
-@compilable
-def _speed(inputs, turning):
+def speed(inputs: ShearInputs, turning: CircumferentialInputs) -> Array:
     """s of Eq. (F7) [m/s]."""
     square = inputs.velocity * inputs.velocity + turning.velocity * turning.velocity
     rounding = inputs.constants.rounding_velocity
@@ -139,7 +130,7 @@ def shear_forces(inputs: ShearInputs, turning: CircumferentialInputs) -> ShearFo
     """
     couette = inputs.shearing * inputs.film[COUETTE] * turning.velocity
     driven = inputs.film[POISEUILLE] * _gradients(inputs, turning, inputs.pressure)
-    _, across = boundary_shares(inputs, turning)
+    across = -inputs.area / speed(inputs, turning) * turning.velocity  # Eq. (F7)
     # Eq. (F6)
     return ShearForces(-inputs.area * (couette - driven), across * inputs.boundary_stress)
 
@@ -199,8 +190,7 @@ def force_slopes(
 ) -> CircumferentialSlopes:
     """Return the derivatives of the forces of a bearing, but for contact.
 
-    They are those of the circumferential force of each cell, and those of the axial force to W and
-    through the asperities.
+    They are those of the circumferential force of each cell, and that of the axial force to W.
 
     Parameters
     ----------
@@ -219,7 +209,7 @@ def force_slopes(
     w = turning.velocity
     across = _gradients(inputs, turning, pressure)
     along = gradients(pressure, area, constants.lower, constants.upper, constants.dy)
-    s = _speed(inputs, turning)
+    s = speed(inputs, turning)
     dry = -area * stress / s
     crosswise = -dry * v * w / (s * s)
     return CircumferentialSlopes(
@@ -231,7 +221,6 @@ def force_slopes(
         shearing=-area * film[COUETTE] * w,
         gradient=area * film[POISEUILLE],
         pressure=by_pressure,
-        axial_own=dry * (1.0 - (v / s) * (v / s)),
         axial_across=_by(inputs, to_w.by_velocity, v, along) + crosswise,
     )
 
@@ -267,7 +256,7 @@ def force_changes(
             dgradient[q],
             gradients_around(dpressure[q], shared.area, 0.0, turning.dx, turning.ring),
         )
-    put(shear, shear + (slopes.axial_own * dv + slopes.axial_across * dw))
+    put(shear, shear + slopes.axial_across * dw)
     put(
         around,
         slopes.film * dfilm

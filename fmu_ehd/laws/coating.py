@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
-from .contact import Contact
+from ..balance.grid import Array, Flags
+from .contact import Contact, neighbour
 from .piezoviscosity import TruePressure
 
 LIMIT = 40  # Newton iterations
@@ -141,17 +141,8 @@ def soften(full: Flags, softness: Softness, stencil: Array, right: Array):
     n_c, n_a = full.shape
     for i in range(n_c):
         for j in range(n_a):
-            for k in (CENTRE, SOUTH, NORTH, WEST, EAST):
-                a = i
-                b = j
-                if k == WEST:
-                    a = (i - 1) % n_c
-                elif k == EAST:
-                    a = (i + 1) % n_c
-                elif k == SOUTH:
-                    b = max(j - 1, 0)
-                elif k == NORTH:
-                    b = min(j + 1, n_a - 1)
+            for k in range(5):
+                a, b = neighbour(k, i, j, n_c, n_a)
                 if full[a, b]:
                     stencil[k, i, j] += slopes[k, i, j] * weight[a, b]
                 right[i, j] -= slopes[k, i, j] * offset[a, b]
@@ -211,51 +202,3 @@ def yielded(deflection: Array, softness: Softness, reduced: Array, film_thicknes
             moved[i, j] = deflection[i, j] + min(max(change, -most), most)
     converged = abs(largest) <= TOLERANCE * deepest + NEGLIGIBLE
     return DeflectionResult(moved, largest, most_i, most_j, converged)
-
-
-# ---- tangent
-
-
-@compiled
-def pushed(weight: Array, by_contact: Array, film_thickness: Array):
-    """Return the change of the film without the part of the pressure, shape (m, n_c, n_a).
-
-    The asperities yield.
-
-    Parameters
-    ----------
-    weight : ndarray, shape (n_c, n_a)
-        c k [m/Pa].
-    by_contact, film_thickness : ndarray, shape (m, n_c, n_a)
-        Changes of the asperity pressure with the deflection held [Pa], and of the hard film [m].
-    """
-    m, n_c, n_a = film_thickness.shape
-    out = np.empty((m, n_c, n_a))
-    for q in range(m):
-        for i in range(n_c):
-            for j in range(n_a):
-                out[q, i, j] = film_thickness[q, i, j] + weight[i, j] * by_contact[q, i, j]
-    return out
-
-
-@compiled
-def deflection_changes(weight: Array, by_contact: Array, pressure_share: Array, unknown: Array):
-    """Return the change of the deflection, Eq. (L3), shape (m, n_c, n_a) [m].
-
-    Parameters
-    ----------
-    weight, by_contact
-        As in `pushed`.
-    pressure_share : ndarray, shape (n_c, n_a)
-        Derivative of the pressure to the signed unknown.
-    unknown : ndarray, shape (m, n_c, n_a)
-        Changes of that.
-    """
-    m, n_c, n_a = unknown.shape
-    out = np.empty((m, n_c, n_a))
-    for q in range(m):
-        for i in range(n_c):
-            for j in range(n_a):
-                pressed = by_contact[q, i, j] + pressure_share[i, j] * unknown[q, i, j]
-                out[q, i, j] = weight[i, j] * pressed  # Eq. (L3)
-    return out

@@ -206,7 +206,7 @@ def viscous_force(inputs: ShearInputs):
 
 
 @compiled
-def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Array):
+def shear_slopes(inputs: ShearInputs, turning: Array, film_slopes: FilmSlopes, by_pressure: Array):
     """Return the derivatives of the total axial force of each cell, Eqs. (F1), (F2).
 
     The boundary stress is held.
@@ -215,6 +215,8 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
     ----------
     inputs : ShearInputs
         As in `viscous_force`.
+    turning : ndarray, shape (n_c, n_a)
+        W [m/s], 0 on a skirt.
     film_slopes : films.FilmSlopes
         Of `inputs.film`.
     by_pressure : ndarray, shape (n_c, n_a)
@@ -242,7 +244,8 @@ def shear_slopes(inputs: ShearInputs, film_slopes: FilmSlopes, by_pressure: Arra
             f = shearing[i, j]
             c = film[COUETTE, i, j]
             a = -area[i, j]
-            square = v * v + rounding * rounding
+            w = turning[i, j]
+            square = v * v + w * w + rounding * rounding
             direction = v / np.sqrt(square)
             to_film[i, j] = a * (
                 f * v * by_film[COUETTE, i, j] - by_film[POISEUILLE, i, j] * gradient[j]
