@@ -17,8 +17,7 @@ from .balance.grid import Array, Flags
 from .contradictions import FULL_TURN
 from .laws.cavitation import NotConverged
 from .model import LubricationModel
-from .oil import Oil
-from .parameters import SURFACES, Parameters, faults
+from .parameters import SURFACES, faults, parameters_of
 from .step import Memory
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
 
@@ -84,11 +83,8 @@ class Film:
         if surface not in SURFACES:
             raise BadInput(f"surface: {unknown('surface', surface, SURFACES)}")
         values = _read(parameters)
-        of_oil = {v.name for v in OIL_VARIABLES}
-        oil = Oil(**{name: value for name, value in values.items() if name in of_oil})
-        others: dict[str, Any] = {n: value for n, value in values.items() if n not in of_oil}
         cells = _cells(grid, open_cells)
-        chosen = Parameters(_grid(grid), oil, open_cells=cells, surface=surface, **others)
+        chosen = parameters_of(values, shape=_grid(grid), open_cells=cells, surface=surface)
         if contradictions := faults(chosen):
             raise BadInput(contradictions)
         self.grid = chosen.shape

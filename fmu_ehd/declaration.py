@@ -12,7 +12,6 @@ from ..master.fmi.variables import Variable
 
 # keys of a declaration in the metadata of its field
 VARIABLE = "variable"
-ALLOWED = "allowed"
 CONDITION = "condition"
 
 
@@ -40,32 +39,13 @@ def choice(description: str, allowed: Iterable[str]) -> Any:
     """Declare the choice of a law by name; the first name is the default."""
     names = tuple(allowed)
     variable = Variable("", "1", "parameter", description, names[0], choices=names)
-    return field(default=names[0], metadata={VARIABLE: variable, ALLOWED: names, CONDITION: False})
-
-
-def names_of(declaration: type, condition: bool) -> tuple[str, ...]:
-    """Names of the declared fields of a dataclass that are conditions, or of those that are not."""
-    return tuple(
-        entry.name
-        for entry in fields(declaration)
-        if VARIABLE in entry.metadata and entry.metadata[CONDITION] == condition
-    )
+    return field(default=names[0], metadata={VARIABLE: variable, CONDITION: False})
 
 
 def variables_of(declaration: type, condition: bool = False) -> list[Variable]:
-    """Rows of the variable table for the same fields."""
-    wanted = names_of(declaration, condition)
+    """Rows of the variable table for the declared fields that are conditions, or are not."""
     return [
         replace(entry.metadata[VARIABLE], name=entry.name)
         for entry in fields(declaration)
-        if entry.name in wanted
+        if entry.metadata.get(CONDITION) == condition
     ]
-
-
-def choices_of(declaration: type) -> dict[str, tuple[str, ...]]:
-    """Return the allowed values of the fields that choose a law, by name."""
-    return {
-        entry.name: entry.metadata[ALLOWED]
-        for entry in fields(declaration)
-        if ALLOWED in entry.metadata
-    }

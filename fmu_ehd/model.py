@@ -1,6 +1,5 @@
 """The lubrication model: film, oil, contact and friction of one surface, one step at a time."""
 
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from .contradictions import FULL_TURN
 from .faults import FAULTS, raise_noted
 from .laws.asperity import contact_table
 from .laws.roughness import factor_table
-from .parameters import Parameters, chosen_of, numbers_of
+from .parameters import Parameters, chosen_of, is_of, numbers_of
 from .step import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import Directions, Linearisation
 from .summary import halves
@@ -22,8 +21,6 @@ from .surroundings import Surroundings, surroundings
 
 NOTHING = np.zeros((0, 0))
 NO_DIRECTION = np.zeros((0, 0, 0))
-BATCH = 64  # directions at once: bounds the memory of a large Jacobian
-OF_BEARINGS = ("nodal_circumferential_force", "friction_torque")  # outputs
 
 
 class LubricationModel:
@@ -64,7 +61,6 @@ class LubricationModel:
         self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})
-        self._right = np.empty(0)
         # of the last step: what the tangent needs
         self._last: LastStep | None = None
         self._linear: Linearisation | None = None
@@ -172,7 +168,7 @@ class LubricationModel:
         Parameters
         ----------
         dfilm_thickness, dsliding_velocity : ndarray, shape (n_c, n_a) or (m, n_c, n_a)
-            [m], [m/s]; m directions at once cost less than m single ones.
+            [m], [m/s].
         dcircumferential_velocity : ndarray, of the same shape, optional
             Of a bearing [m/s]; 0 by default.
 
@@ -204,29 +200,14 @@ class LubricationModel:
         ]
         if len(stacked) < len(motions):
             stacked.append(np.zeros_like(stacked[0]) if self._bearing else NO_DIRECTION)
-        # in one piece: malloc gives two back to the system and asks again each time
-        forces = np.empty((3 if self._bearing else 2, *stacked[0].shape))
-        for k in range(0, len(stacked[0]), BATCH):
-            some = slice(k, k + BATCH)
-            directions = Directions(*(one[some] for one in stacked))
-            step_tangent.changes(
-                self.fixed,
-                last,
-                self._linear,
-                directions,
-                self.film_step.solver,
-                self._room(directions.film.shape),
-                forces[:, some],
-            )
+        directions = Directions(*stacked)
+        right = np.empty(directions.film.shape)
+        forces = np.empty((3 if self._bearing else 2, *right.shape))
+        step_tangent.changes(
+            self.fixed, last, self._linear, directions, self.film_step.solver, right, forces
+        )
         given = np.shape(dfilm_thickness)
         return tuple(forces[k].reshape(given) for k in range(len(forces)))
-
-    def _room(self, shape: tuple[int, ...]) -> Array:
-        """Room for right-hand sides; kept, as in `blocks`."""
-        size = prod(shape)
-        if self._right.size < size:
-            self._right = np.empty(size)
-        return self._right[:size].reshape(shape)
 
     # ---- what goes in and out
 
@@ -260,6 +241,5 @@ class LubricationModel:
     def _outputs(self, fields: Fields, scalars: Scalars, iterations: int) -> dict[str, Any]:
         """Return the outputs by name, without those of the other surface."""
         outputs = fields._asdict() | scalars._asdict() | dict(solver_iterations=iterations)
-        if self._bearing:
-            return {k: v for k, v in outputs.items() if not k.endswith("_thrust_side")}
-        return {k: v for k, v in outputs.items() if k not in OF_BEARINGS}
+        surface = self.parameters.surface
+        return {name: value for name, value in outputs.items() if is_of(surface, name)}

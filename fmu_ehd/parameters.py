@@ -1,7 +1,9 @@
 """What is fixed for a run."""
 
 from collections import namedtuple
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..master.fmi.noted import none_yet, sentences_of
 from .balance.grid import Flags
@@ -12,7 +14,7 @@ from .contradictions import (
     check_parameters,
     check_supply,
 )
-from .declaration import choice, choices_of, declared, names_of, variables_of
+from .declaration import choice, declared, variables_of
 from .faults import FAULTS
 from .laws.asperity import CONTACT_LAWS
 from .laws.cavitation import CAVITATION
@@ -223,11 +225,8 @@ class Parameters:
     surface: str = SURFACES[0]
 
 
-# parameters that may be inputs
-CONDITION_NAMES = names_of(Parameters, condition=True)
-
 TUNABLE = (
-    *CONDITION_NAMES,
+    *(v.name for v in variables_of(Parameters, condition=True)),
     "viscosity",
     "vogel_viscosity",
     "vogel_b",
@@ -236,11 +235,13 @@ TUNABLE = (
 )
 """Parameters that may change between steps."""
 
-# parameters that a skirt has not
-OF_BEARINGS = ("sector_angle",)
+OF_BEARINGS = ("sector_angle", "nodal_circumferential_force", "friction_torque")
 
-CHOICES = choices_of(Parameters) | choices_of(Oil)
-"""Allowed values of the parameters that select a law."""
+
+def is_of(surface: str, name: str) -> bool:
+    """Return whether a film on one of `SURFACES` has a parameter or output of a name."""
+    return not name.endswith("_thrust_side") if surface == "bearing" else name not in OF_BEARINGS
+
 
 DECLARED = (
     *variables_of(Parameters),
@@ -248,11 +249,24 @@ DECLARED = (
     *variables_of(Oil),
 )
 NUMBERS = tuple(v.name for v in DECLARED if not v.choices)
-CHOSEN = tuple(v.name for v in DECLARED if v.choices)
+CHOICES = {v.name: v.choices for v in DECLARED if v.choices}
+"""Allowed values of the parameters that select a law."""
+CHOSEN = tuple(CHOICES)
 Numbers = namedtuple("Numbers", NUMBERS)
 """Numbers of film and oil [SI], as kernels read them."""
 Chosen = namedtuple("Chosen", CHOSEN)
 """Choices of film and oil by their number in `CHOICES`, from 1 on."""
+
+
+def parameters_of(values: Mapping[str, Any], **built: Any) -> Parameters:
+    """Return the parameters of a film from values of film and oil [SI] by their names.
+
+    Other names are ignored. `built` are the members of `Parameters` that are not declared.
+    """
+    of_oil = {v.name for v in variables_of(Oil)}
+    given = {v.name: values[v.name] for v in DECLARED if v.name in values}
+    oil = Oil(**{name: given.pop(name) for name in of_oil & given.keys()})
+    return Parameters(oil=oil, **built, **given)
 
 
 def numbers_of(parameters: Parameters) -> Numbers:

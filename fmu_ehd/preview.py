@@ -1,17 +1,14 @@
 """Preview of a lubrication FMU from its build options and parameters."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
 from .build import prepare
-from .oil import Oil
 from .options import BuildOptions
-from .parameters import Parameters, faults
-from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
+from .parameters import faults, parameters_of
 
 
 def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: Path) -> Preview:
@@ -38,17 +35,17 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         return Preview(faults=error.faults)
     taken = {name: value for name, value in parameters.items() if value is not None}
     given = {**built.oil, **taken}
-    oil = replace(Oil(), **_of(OIL_VARIABLES, given))
-    own = _of(FILM_VARIABLES + CONDITION_VARIABLES, given)
-    film = Parameters(built.grid, oil, open_cells=built.open_cells, surface=built.surface, **own)
+    film = parameters_of(
+        given, shape=built.grid, open_cells=built.open_cells, surface=built.surface
+    )
     around, along = built.grid
     figures = [
         Figure("cell", "cell_around", film.sector_angle * film.bore_radius / around, "m"),
         Figure("cell", "cell_along", film.skirt_length / along, "m"),
         Figure("surface", "roughness_rms", film.roughness_rms, "m"),
     ]
-    if oil.viscosity_law == "constant":
-        figures.append(Figure("oil", "viscosity", oil.viscosity, "Pa.s"))
+    if film.oil.viscosity_law == "constant":
+        figures.append(Figure("oil", "viscosity", film.oil.viscosity, "Pa.s"))
     if built.open_cells is not None:
         share = 1.0 - float(built.open_cells.mean())
         figures.append(Figure("cell", "film_share", share, "1", "cells of the mask with a film"))
@@ -56,8 +53,3 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     if not film.roughness_rms:
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
     return Preview(figures, faults(film) if taken == parameters else [], remarks)
-
-
-def _of(variables, given):
-    """Return the given values of some variables."""
-    return {one.name: given[one.name] for one in variables if one.name in given}

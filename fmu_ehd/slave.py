@@ -10,19 +10,15 @@ from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from .laws.cavitation import NotConverged
 from .model import LubricationModel
-from .oil import Oil
 from .options import BuildOptions
-from .parameters import TUNABLE, Parameters, faults, numbers_of
+from .parameters import TUNABLE, faults, numbers_of, parameters_of
 from .step import Memory
 from .variables import (
-    CONDITION_VARIABLES,
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
     DIAGNOSTIC_FIELDS,
-    OIL_VARIABLES,
     TURNING_INPUT,
     TURNING_OUTPUT,
-    film_variables,
     variables,
 )
 
@@ -62,12 +58,8 @@ class Ehd(FieldSlave):
     def start(self, values: Mapping[str, Any]) -> tuple[Memory, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
         built = BuildOptions.read(self.options)
-        parameters = Parameters(
-            built.grid,
-            Oil(**{v.name: values[v.name] for v in OIL_VARIABLES}),
-            open_cells=built.open_cells,
-            surface=built.surface,
-            **{v.name: values[v.name] for v in film_variables(built.surface) + CONDITION_VARIABLES},
+        parameters = parameters_of(
+            values, shape=built.grid, open_cells=built.open_cells, surface=built.surface
         )
         contradictions = faults(parameters)
         if contradictions:

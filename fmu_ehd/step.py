@@ -129,35 +129,119 @@ class Fields(NamedTuple):
 
 
 class Scalars(NamedTuple):
-    """Scalar outputs of a film, `variables`: sides are of a skirt, the torque of a bearing."""
+    """Scalar outputs of a film with unit, description and nominal value.
 
-    minimum_film_thickness: float
-    maximum_pressure: float
-    friction_force_hydrodynamic: float
-    friction_force_asperity: float
-    friction_power: float
-    boundary_friction_share: float
-    minimum_film_thickness_thrust_side: float
-    radial_force_thrust_side: float
-    friction_force_thrust_side: float
-    minimum_film_thickness_anti_thrust_side: float
-    radial_force_anti_thrust_side: float
-    friction_force_anti_thrust_side: float
-    flow_lower_edge: float
-    flow_upper_edge: float
-    stored_energy: float
-    energy_gain: float
-    flow_openings: float
-    oil_in_film: float
-    oil_on_bore: float
-    oil_supplied: float
-    mass_imbalance: float
-    contact_area_fraction: float
-    friction_power_hydrodynamic: float
-    friction_power_asperity: float
-    heat_generated: float
-    outflow_upper_edge: float
-    friction_torque: float
+    The sides are those of a skirt, the torque that of a bearing.
+    """
+
+    minimum_film_thickness: Annotated[float, "m", "Minimum film thickness", 1e-5]
+    maximum_pressure: Annotated[float, "Pa", "Maximum hydrodynamic pressure, gauge", 1e6]
+    friction_force_hydrodynamic: Annotated[
+        float,
+        "N",
+        "Axial force of the film on the skirt; the opposite force acts on the bore",
+        10.0,
+    ]
+    friction_force_asperity: Annotated[
+        float,
+        "N",
+        "Axial force of the asperities on the skirt; the opposite force acts on the bore",
+        10.0,
+    ]
+    friction_power: Annotated[
+        float, "W", "Friction power: minus the force times the sliding velocity", 100.0
+    ]
+    boundary_friction_share: Annotated[
+        float, "1", "Fraction of the friction work since the start that is due to asperities"
+    ]
+    minimum_film_thickness_thrust_side: Annotated[
+        float, "m", "Minimum film thickness of the thrust half", 1e-5
+    ]
+    radial_force_thrust_side: Annotated[
+        float,
+        "N",
+        "Force of the thrust half towards the thrust side; positive separates skirt and bore",
+        100.0,
+    ]
+    friction_force_thrust_side: Annotated[
+        float, "N", "Axial force on the thrust half of the skirt", 10.0
+    ]
+    minimum_film_thickness_anti_thrust_side: Annotated[
+        float, "m", "Minimum film thickness of the anti-thrust half", 1e-5
+    ]
+    radial_force_anti_thrust_side: Annotated[
+        float,
+        "N",
+        "Force of the anti-thrust half towards the anti-thrust side; positive separates skirt "
+        "and bore",
+        100.0,
+    ]
+    friction_force_anti_thrust_side: Annotated[
+        float, "N", "Axial force on the anti-thrust half of the skirt", 10.0
+    ]
+    flow_lower_edge: Annotated[
+        float, "m3/s", "Oil flow into the film through the lower edge at the end of the step", 1e-6
+    ]
+    flow_upper_edge: Annotated[
+        float, "m3/s", "Oil flow into the film through the upper edge at the end of the step", 1e-6
+    ]
+    stored_energy: Annotated[float, "J", "Elastic energy of asperities and coating", 1e-3]
+    energy_gain: Annotated[
+        float,
+        "J",
+        "Energy stored and dissipated over the step, minus the work of the pressure around "
+        "the film",
+        1e-3,
+    ]
+    flow_openings: Annotated[
+        float, "m3/s", "Oil flow into the film from cut-outs at the end of the step", 1e-6
+    ]
+    oil_in_film: Annotated[float, "m3", "Oil volume in the film", 1e-8]
+    oil_on_bore: Annotated[
+        float,
+        "m3",
+        "Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges",
+        1e-8,
+    ]
+    oil_supplied: Annotated[
+        float,
+        "m3",
+        "Oil volume supplied by ring and splash since the start, minus the oil that ran off",
+        1e-8,
+    ]
+    mass_imbalance: Annotated[
+        float,
+        "1",
+        "Relative mass imbalance at the end of the step: |inflow - growth of film content| "
+        "/ throughput",
+    ]
+    contact_area_fraction: Annotated[float, "1", "Ratio of the real contact area to the skirt area"]
+    friction_power_hydrodynamic: Annotated[
+        float, "W", "Part of the friction power due to the film", 100.0
+    ]
+    friction_power_asperity: Annotated[
+        float, "W", "Part of the friction power due to asperities", 100.0
+    ]
+    heat_generated: Annotated[
+        float,
+        "W",
+        "Heat of sliding and squeezing in the film, mean over the step; surfaces of equal "
+        "temperature receive half each",
+        100.0,
+    ]
+    outflow_upper_edge: Annotated[
+        float,
+        "m3/s",
+        "Oil flow out of the film at the upper edge, over the cells where it leaves; at the "
+        "end of the step",
+        1e-6,
+    ]
+    friction_torque: Annotated[
+        float,
+        "N.m",
+        "Moment of the circumferential forces on the journal about the axis of the shell",
+        1.0,
+    ]
 
 
 class LastStep(NamedTuple):

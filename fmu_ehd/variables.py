@@ -6,11 +6,13 @@ on the shell.
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from typing import get_type_hints
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .declaration import variables_of
 from .oil import Oil
-from .parameters import OF_BEARINGS, TUNABLE, Parameters
+from .parameters import TUNABLE, Parameters, is_of
+from .step import Scalars
 
 CONTRACT_VERSION = 2
 
@@ -73,7 +75,6 @@ def variables(
         replace(v, start=(starts or {}).get(v.name, v.start), tunable=v.name in TUNABLE)
         for v in film_variables(surface) + OIL_VARIABLES
     ]
-    bearing = surface == "bearing"
     return [
         constant("n_circumferential", shape[0], "Number of cells around the skirt"),
         constant("n_axial", shape[1], "Number of cells along the skirt"),
@@ -81,18 +82,15 @@ def variables(
         *parameters,
         *conditions,
         *_interface(shape),
-        *(_turning(shape) if bearing else []),
+        *(_turning(shape) if surface == "bearing" else []),
         *(_diagnostics(shape) if fields else []),
-        *(v for v in SUMMARY if not (bearing and v.name.endswith("_thrust_side"))),
-        *([FRICTION_TORQUE] if bearing else []),
+        *(v for v in SUMMARY if is_of(surface, v.name)),
     ]
 
 
 def film_variables(surface: str) -> list[Variable]:
     """Rows of the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
-    if surface == "bearing":
-        return FILM_VARIABLES
-    return [v for v in FILM_VARIABLES if v.name not in OF_BEARINGS]
+    return [v for v in FILM_VARIABLES if is_of(surface, v.name)]
 
 
 def _interface(shape):
@@ -171,135 +169,12 @@ def _diagnostics(shape):
     ]
 
 
-SUMMARY = (
-    output_variable("minimum_film_thickness", "m", "Minimum film thickness", 1e-5),
-    output_variable("maximum_pressure", "Pa", "Maximum hydrodynamic pressure, gauge", 1e6),
-    output_variable(
-        "friction_force_hydrodynamic",
-        "N",
-        "Axial force of the film on the skirt; the opposite force acts on the bore",
-        10.0,
-    ),
-    output_variable(
-        "friction_force_asperity",
-        "N",
-        "Axial force of the asperities on the skirt; the opposite force acts on the bore",
-        10.0,
-    ),
-    output_variable(
-        "friction_power", "W", "Friction power: minus the force times the sliding velocity", 100.0
-    ),
-    output_variable(
-        "boundary_friction_share",
-        "1",
-        "Fraction of the friction work since the start that is due to asperities",
-    ),
-    output_variable(
-        "minimum_film_thickness_thrust_side", "m", "Minimum film thickness of the thrust half", 1e-5
-    ),
-    output_variable(
-        "radial_force_thrust_side",
-        "N",
-        "Force of the thrust half towards the thrust side; positive separates skirt and bore",
-        100.0,
-    ),
-    output_variable(
-        "friction_force_thrust_side", "N", "Axial force on the thrust half of the skirt", 10.0
-    ),
-    output_variable(
-        "minimum_film_thickness_anti_thrust_side",
-        "m",
-        "Minimum film thickness of the anti-thrust half",
-        1e-5,
-    ),
-    output_variable(
-        "radial_force_anti_thrust_side",
-        "N",
-        "Force of the anti-thrust half towards the anti-thrust side; positive "
-        "separates skirt and bore",
-        100.0,
-    ),
-    output_variable(
-        "friction_force_anti_thrust_side",
-        "N",
-        "Axial force on the anti-thrust half of the skirt",
-        10.0,
-    ),
-    output_variable(
-        "flow_lower_edge",
-        "m3/s",
-        "Oil flow into the film through the lower edge at the end of the step",
-        1e-6,
-    ),
-    output_variable(
-        "flow_upper_edge",
-        "m3/s",
-        "Oil flow into the film through the upper edge at the end of the step",
-        1e-6,
-    ),
-    output_variable("stored_energy", "J", "Elastic energy of asperities and coating", 1e-3),
-    output_variable(
-        "energy_gain",
-        "J",
-        "Energy stored and dissipated over the step, minus the work of the pressure "
-        "around the film",
-        1e-3,
-    ),
-    output_variable(
-        "flow_openings",
-        "m3/s",
-        "Oil flow into the film from cut-outs at the end of the step",
-        1e-6,
-    ),
-    output_variable("oil_in_film", "m3", "Oil volume in the film", 1e-8),
-    output_variable(
-        "oil_on_bore",
-        "m3",
-        "Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges",
-        1e-8,
-    ),
-    output_variable(
-        "oil_supplied",
-        "m3",
-        "Oil volume supplied by ring and splash since the start, minus the oil that ran off",
-        1e-8,
-    ),
-    output_variable(
-        "mass_imbalance",
-        "1",
-        "Relative mass imbalance at the end of the step: |inflow - growth of film "
-        "content| / throughput",
-    ),
-    output_variable(
-        "contact_area_fraction", "1", "Ratio of the real contact area to the skirt area"
-    ),
-    output_variable(
-        "friction_power_hydrodynamic", "W", "Part of the friction power due to the film", 100.0
-    ),
-    output_variable(
-        "friction_power_asperity", "W", "Part of the friction power due to asperities", 100.0
-    ),
-    output_variable(
-        "heat_generated",
-        "W",
-        "Heat of sliding and squeezing in the film, mean over the step; surfaces of equal "
-        "temperature receive half each",
-        100.0,
-    ),
-    output_variable(
-        "outflow_upper_edge",
-        "m3/s",
-        "Oil flow out of the film at the upper edge, over the cells where it leaves; at the end "
-        "of the step",
-        1e-6,
-    ),
+SUMMARY = [
+    output_variable(name, *hint.__metadata__)
+    for name, hint in get_type_hints(Scalars, include_extras=True).items()
+]
+"""Outputs that sum the film up, that of bearings last."""
+SUMMARY.insert(
+    -1,
     output_variable("solver_iterations", "1", "Number of factorisations in the last step", start=0),
-)
-"""Outputs that sum the film up."""
-
-FRICTION_TORQUE = output_variable(
-    "friction_torque",
-    "N.m",
-    "Moment of the circumferential forces on the journal about the axis of the shell",
-    1.0,
 )

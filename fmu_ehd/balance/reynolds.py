@@ -355,31 +355,20 @@ def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
 
 
 @compiled(inline="always")
-def _inflow_below(filling, faces, edges, i):
-    """Flow into row i over the lower edge [m3/s]."""
+def _inflow_axial(filling, faces, edges, i, edge):
+    """Flow into row i over the lower or the upper edge [m3/s]."""
+    n_a = filling.pressure.shape[1]
+    j = 0 if edge == LOWER else n_a - 1
+    face = 0 if edge == LOWER else n_a
+    t = faces.transport_a[i, face]
     return _inflow(
-        faces.conductance_a[i, 0],
-        faces.transport_a[i, 0],
-        edges.pressure[LOWER],
-        edges.film_fraction[LOWER],
-        filling.pressure[i, 0],
-        filling.film_fraction[i, 0],
-        edges.limit[i, 0],
-    )
-
-
-@compiled(inline="always")
-def _inflow_above(filling, faces, edges, i):
-    """Flow into row i over the upper edge [m3/s]."""
-    last = filling.pressure.shape[1] - 1
-    return _inflow(
-        faces.conductance_a[i, last + 1],
-        -faces.transport_a[i, last + 1],
-        edges.pressure[UPPER],
-        edges.film_fraction[UPPER],
-        filling.pressure[i, last],
-        filling.film_fraction[i, last],
-        edges.limit[i, last + 1],
+        faces.conductance_a[i, face],
+        t if edge == LOWER else -t,
+        edges.pressure[edge],
+        edges.film_fraction[edge],
+        filling.pressure[i, j],
+        filling.film_fraction[i, j],
+        edges.limit[i, face],
     )
 
 
@@ -407,7 +396,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     gross = 0.0
     last = n_a - 1
     for i in range(n_c):
-        q = _inflow_below(filling, faces, edges, i)
+        q = _inflow_axial(filling, faces, edges, i, LOWER)
         inflow[LOWER] += q
         out[i, 0] -= q
         for j in range(1, n_a):
@@ -415,7 +404,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
             q += t_a[i, j] * lift[i, j]
             out[i, j - 1] += q
             out[i, j] -= q
-        q = _inflow_above(filling, faces, edges, i)
+        q = _inflow_axial(filling, faces, edges, i, UPPER)
         inflow[UPPER] += q
         out[i, last] -= q
         gross += k_a[i, 0] * (p[i, 0] + edge_p[LOWER]) + abs(t_a[i, 0])
@@ -462,8 +451,8 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
     n_c, n_a = p.shape
     flow = np.empty((n_c, n_a + 1))
     for i in range(n_c):
-        flow[i, 0] = _inflow_below(filling, faces, edges, i)
-        flow[i, n_a] = -_inflow_above(filling, faces, edges, i)
+        flow[i, 0] = _inflow_axial(filling, faces, edges, i, LOWER)
+        flow[i, n_a] = -_inflow_axial(filling, faces, edges, i, UPPER)
         for j in range(1, n_a):
             flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
             flow[i, j] += t[i, j] * lift[i, j]

@@ -92,76 +92,6 @@ def _flow_slopes(a, b, aspect, width, lift=0.0):
 
 
 @compiled(inline="always")
-def _add_edge(q, sign, conductivity, slopes, dvelocity, centre, i, j):
-    """Add the derivatives of the flow over an edge, `FlowSlopes` q, to the centre of both stencils.
-
-    The cell's film stands on both sides of the face. `sign`: 1 for outward flow; `conductivity`:
-    its row among the quantities of the film.
-    """
-    by_film, by_velocity = slopes
-    both_g = q.g_a + q.g_b
-    both_t = q.t_a + q.t_b
-    film = both_g * by_film[conductivity, i, j] + both_t * by_film[TRANSPORT, i, j]
-    velocity = 2.0 * q.velocity * dvelocity[i, j]
-    if by_velocity.shape[0] > 0:
-        velocity += both_g * by_velocity[conductivity, i, j] + both_t * by_velocity[TRANSPORT, i, j]
-    centre[BY_FILM, i, j] += sign * film
-    centre[BY_VELOCITY, i, j] += sign * velocity
-
-
-@compiled
-def _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
-    """Add the derivatives of the flows over lower and upper edge to both centres.
-
-    `centre` has the shape (2, n_c, n_a).
-    """
-    g = film[CONDUCTIVITY_A]
-    t = film[TRANSPORT]
-    u = entrainment.axial
-    pressure, fraction, lift = filling
-    n_c, n_a = pressure.shape
-    aspect = 2.0 * cells.dx / cells.dy
-    for i in range(n_c):
-        cell = _side(g, t, u, pressure, fraction, i, 0)
-        entering = edges.film_fraction[LOWER]
-        if cells.dx * u[i, 0] * t[i, 0] * entering > edges.limit[i, 0]:
-            entering = 0.0  # a given inflow follows neither film nor velocity
-        beyond = Side(g[i, 0], t[i, 0], u[i, 0], edges.pressure[LOWER], entering)
-        inward = _flow_slopes(beyond, cell, aspect, cells.dx)
-        _add_edge(inward, -1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, 0)
-        j = n_a - 1
-        cell = _side(g, t, u, pressure, fraction, i, j)
-        entering = edges.film_fraction[UPPER]
-        if -cells.dx * u[i, j] * t[i, j] * entering > edges.limit[i, n_a]:
-            entering = 0.0
-        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[UPPER], entering)
-        outward = _flow_slopes(cell, beyond, aspect, cells.dx)
-        _add_edge(outward, 1.0, CONDUCTIVITY_A, slopes, dentrainment.axial, centre, i, j)
-
-
-@compiled
-def _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
-    """Add the derivatives of the flows over first and last edge of a grid that is no ring."""
-    g = film[CONDUCTIVITY_C]
-    t = film[TRANSPORT]
-    u = entrainment.circumferential
-    du = dentrainment.circumferential
-    pressure, fraction, lift = filling
-    n_c, n_a = pressure.shape
-    aspect = 2.0 * cells.dy / cells.dx
-    for j in range(n_a):
-        cell = _side(g, t, u, pressure, fraction, 0, j)
-        beyond = Side(g[0, j], t[0, j], u[0, j], edges.pressure[FIRST], edges.film_fraction[FIRST])
-        inward = _flow_slopes(beyond, cell, aspect, cells.dy)
-        _add_edge(inward, -1.0, CONDUCTIVITY_C, slopes, du, centre, 0, j)
-        i = n_c - 1
-        cell = _side(g, t, u, pressure, fraction, i, j)
-        beyond = Side(g[i, j], t[i, j], u[i, j], edges.pressure[LAST], edges.film_fraction[LAST])
-        outward = _flow_slopes(cell, beyond, aspect, cells.dy)
-        _add_edge(outward, 1.0, CONDUCTIVITY_C, slopes, du, centre, i, j)
-
-
-@compiled(inline="always")
 def _of_cell(g, t, velocity, row, slopes, du, i, j):
     """Return the derivatives of a face flow to film thickness and sliding velocity of a cell.
 
@@ -174,6 +104,59 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
     if by_velocity.shape[0] > 0:
         of_velocity += g * by_velocity[row, i, j] + t * by_velocity[TRANSPORT, i, j]
     return of_film, of_velocity
+
+
+@compiled(inline="always")
+def _add_edge(cell, pressure, entering, sign, aspect, width, row, slopes, du, centre, i, j):
+    """Add the derivatives of the flow over an edge of cell (i, j) to the centre of both stencils.
+
+    sign : -1 if the flow counts into the cell, 1 if it counts out of it.
+    """
+    beyond = Side(cell.conductivity, cell.transport, cell.velocity, pressure, entering)
+    a, b = (beyond, cell) if sign < 0.0 else (cell, beyond)
+    q = _flow_slopes(a, b, aspect, width)
+    of_film, of_velocity = _of_cell(
+        q.g_a + q.g_b, q.t_a + q.t_b, 2.0 * q.velocity, row, slopes, du, i, j
+    )
+    centre[BY_FILM, i, j] += sign * of_film
+    centre[BY_VELOCITY, i, j] += sign * of_velocity
+
+
+@compiled
+def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
+    """Add the derivatives of the flows over the edges to both centres."""
+    dx, dy, ring = cells
+    pressure, fraction, _ = filling
+    n_c, n_a = pressure.shape
+    t = film[TRANSPORT]
+    g = film[CONDUCTIVITY_A]
+    u = entrainment.axial
+    du = dentrainment.axial
+    aspect = 2.0 * dx / dy
+    for i in range(n_c):
+        for edge, j, sign in ((LOWER, 0, -1.0), (UPPER, n_a - 1, 1.0)):
+            cell = _side(g, t, u, pressure, fraction, i, j)
+            entering = edges.film_fraction[edge]
+            face = 0 if edge == LOWER else n_a
+            if -sign * dx * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
+                entering = 0.0  # a given inflow follows neither film nor velocity
+            beyond = edges.pressure[edge]
+            _add_edge(
+                cell, beyond, entering, sign, aspect, dx, CONDUCTIVITY_A, slopes, du, centre, i, j
+            )
+    if ring:
+        return
+    g = film[CONDUCTIVITY_C]
+    u = entrainment.circumferential
+    du = dentrainment.circumferential
+    aspect = 2.0 * dy / dx
+    for j in range(n_a):
+        for edge, i, sign in ((FIRST, 0, -1.0), (LAST, n_c - 1, 1.0)):
+            cell = _side(g, t, u, pressure, fraction, i, j)
+            beyond, entering = edges.pressure[edge], edges.film_fraction[edge]
+            _add_edge(
+                cell, beyond, entering, sign, aspect, dy, CONDUCTIVITY_C, slopes, du, centre, i, j
+            )
 
 
 @compiled
@@ -277,9 +260,7 @@ def linearise(
 
     _balance_cells(stencil)
     centre = stencil[:, CENTRE]
-    _add_axial_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
-    if not ring:
-        _add_side_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
+    _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
     for i in range(n_c):
         for j in range(n_a):
             held = area_per_step * fraction[i, j]

@@ -35,8 +35,6 @@ from numpy.typing import NDArray
 from ...master.fmi.compiled import compiled
 from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
-TOGETHER = 4  # right-hand sides from which matrix products are faster than as many substitutions
-
 
 class Factors(NamedTuple):
     """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
@@ -353,59 +351,6 @@ def substitute_one(factors: Factors, stencil: Array, right: Array):
     return right
 
 
-@compiled
-def substitute_together(
-    factors: Factors, stencil: Array, ascending: bool, right: Array, work: Array
-):
-    """Solve for all right-hand sides of a station at once, by matrix products.
-
-    The array `work` is as large as `right`.
-    """
-    columns, diagonals, orders, counts, _ = factors
-    back = stencil[SOUTH] if ascending else stencil[NORTH]
-    ahead = stencil[NORTH] if ascending else stencil[SOUTH]
-    m, n, stations = right.shape
-    x = work.reshape((stations, n, m))
-    b = np.empty((n, m))
-    y = np.empty((n, m))
-    for i in range(n):
-        for q in range(m):
-            for k in range(stations):
-                x[k, i, q] = right[q, i, k if ascending else stations - 1 - k]
-    for k in range(stations):
-        j = k if ascending else stations - 1 - k
-        for a in range(n):
-            c = orders[k, a]
-            for q in range(m):
-                b[a, q] = x[k, c, q]
-            if k > 0:
-                for q in range(m):
-                    b[a, q] -= back[c, j] * x[k - 1, c, q]
-        np.dot(columns[k, : counts[k]].T, b[: counts[k]], x[k])
-        for a in range(counts[k], n):
-            c = orders[k, a]
-            for q in range(m):
-                x[k, c, q] += diagonals[k, c] * b[a, q]
-    for k in range(stations - 2, -1, -1):
-        j = k if ascending else stations - 1 - k
-        for a in range(n):
-            c = orders[k, a]
-            for q in range(m):
-                b[a, q] = ahead[c, j] * x[k + 1, c, q]
-        np.dot(columns[k, : counts[k]].T, b[: counts[k]], y)
-        for i in range(n):
-            for q in range(m):
-                x[k, i, q] -= y[i, q]
-        for a in range(counts[k], n):
-            c = orders[k, a]
-            for q in range(m):
-                x[k, c, q] -= diagonals[k, c] * b[a, q]
-    for i in range(n):
-        for q in range(m):
-            for k in range(stations):
-                right[q, i, k if ascending else stations - 1 - k] = x[k, i, q]
-
-
 class BlockTridiagonal:
     """Factorisation of one five-point matrix at a time, kept for further right-hand sides.
 
@@ -425,7 +370,6 @@ class BlockTridiagonal:
             np.zeros(1),
         )
         self.stencil = np.empty((5, *shape))
-        self._work = np.empty(0)
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:
         """Factorise, as far as needed.
@@ -444,13 +388,5 @@ class BlockTridiagonal:
 
     def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
-        ascending = self.factors.direction[0] > 0.0
-        if right.shape[0] < TOGETHER:
-            substitute(self.factors, self.stencil, ascending, right)
-            return right
-        if self._work.size < right.size:
-            # kept: memory that is returned and asked for again costs more than the solution
-            self._work = np.empty(right.size)
-        work = self._work[: right.size]
-        substitute_together(self.factors, self.stencil, ascending, right, work)
+        substitute(self.factors, self.stencil, self.factors.direction[0] > 0.0, right)
         return right

@@ -67,7 +67,6 @@ def main():
     )
     rng = np.random.default_rng(0)
     one = rng.standard_normal((2, 1, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
-    sixty = rng.standard_normal((2, 60, *SHAPE)) * np.array([1e-6, 1.0])[:, None, None, None]
     first = shortest(lambda: (setattr(model, "_linear", None), model.tangent(*one)), 20)
     rows = [
         ("block factorisation (mean over the cycle)", factorisation, None),
@@ -75,7 +74,6 @@ def main():
         ("step, median", np.median(step), None),
         ("first directional derivative of a step", first, None),
         ("directional derivative", shortest(lambda: model.tangent(*one), 20), 0.4),
-        ("60 directional derivatives at once", shortest(lambda: model.tangent(*sixty), 20), 4.0),
     ]
     print(
         f"{' x '.join(map(str, SHAPE))}, {STEPS} steps, "
