@@ -467,17 +467,9 @@ class FilmStep:
         Name of the cavitation model, a key of `cavitation.CAVITATION`.
     open_cells : ndarray of bool, shape (n_c, n_a), optional
         Cells without a film, `openings`.
-    solver : sparse.LinearSolver, optional
-        `sparse.linear_solver` by default.
     """
 
-    def __init__(
-        self,
-        grid: Grid,
-        model: str = "jfo",
-        open_cells: Flags | None = None,
-        solver: LinearSolver | None = None,
-    ):
+    def __init__(self, grid: Grid, model: str = "jfo", open_cells: Flags | None = None):
         self.grid = grid
         if open_cells is None:
             open_cells = np.zeros(grid.shape, dtype=bool)
@@ -488,77 +480,21 @@ class FilmStep:
             cavitation.CAVITATION[model],
             cavitation.at_once(*grid.shape),
         )
-        self.solver = solver or linear_solver(grid.shape)
-        self._given: BalanceInputs | None = None
-        self._solution: FilmSolution | None = None
-        self._slopes = np.empty(0)
+        self.solver = linear_solver(grid.shape)
 
     def solve(
-        self,
-        film: Array,
-        entrainment: Entrainment,
-        edges: Edges,
-        start: EulerStep,
-        full: Flags,
-        softness: Softness = HARD,
-        lift: Lift = NO_LIFT,
+        self, film: Array, entrainment: Entrainment, edges: Edges, start: EulerStep, full: Flags
     ) -> FilmSolution:
-        """Solve Eqs. (E1)-(E5) for one step, as `solve`; parameters as in `BalanceInputs`.
+        """Solve Eqs. (E1)-(E5) for one step between hard surfaces, as `solve`, without a lift.
+
+        Parameters are those of `BalanceInputs`.
 
         Raises
         ------
         cavitation.NotConverged
         """
-        given = BalanceInputs(film, entrainment, edges, start, full, softness, lift)
+        given = BalanceInputs(film, entrainment, edges, start, full, HARD, NO_LIFT)
         faults = none_yet()
         found = run(solve, given, self.domain, self.solver, faults)
         raise_noted(faults)
-        self._given = given
-        self._solution = found
         return found
-
-    def linearise(self, slopes: FilmSlopes, dentrainment: Entrainment) -> tuple[Array, Array]:
-        """Prepare the tangent of the last step, Eq. (E6).
-
-        Parameters
-        ----------
-        slopes : films.FilmSlopes
-        dentrainment : grid.Entrainment
-            Derivatives of the entrainment velocities to the sliding velocity [-].
-
-        Returns
-        -------
-        by_pressure, by_fraction : ndarray, shape (n_c, n_a)
-            Derivatives of pressure and film fraction to the signed unknown.
-        """
-        given = self._given
-        found = self._solution
-        assert given is not None and found is not None, "linearise before solve"
-        self._slopes = film_slopes(
-            given.film,
-            slopes,
-            given.entrainment,
-            dentrainment,
-            solved_filling(found, self.domain.model),
-            given.edges,
-            given.start.length,
-            self.domain,
-        )
-        return cavitation.shares(self.domain.model, found.unknown, found.full)
-
-    def tangent(self, dfilm: Array, dvelocity: Array) -> Array:
-        """Change of the signed unknown of the last step, Eq. (E6), after `linearise`.
-
-        Parameters
-        ----------
-        dfilm, dvelocity : ndarray, shape (m, n_c, n_a)
-            m changes of film thickness [m] and sliding velocity [m/s].
-
-        Returns
-        -------
-        ndarray, shape (m, n_c, n_a)
-        """
-        right = np.empty(dfilm.shape)
-        tangent.apply_stencils(self._slopes, dfilm, dvelocity, right)
-        assert self._solution is not None, "tangent before solve"
-        return solutions(self.solver, self._solution.stencil, right)  # Eq. (E6)

@@ -1,4 +1,4 @@
-"""How the cost of a factorisation and of a step grows with the grid. Run: python
+"""How the cost of a factorisation, a step and a derivative grows with the grid. Run: python
 tests/bench/ehd_grids.py [cells ...]
 
 One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film
@@ -40,8 +40,8 @@ class Recorder:
 
 
 def measure(cells, solver):
-    """Step [s], factorisations a step, one factorisation [s], highest pressure [Pa]; means over the
-    steps after the first.
+    """Step [s], factorisations a step, one factorisation and derivative [s], highest pressure [Pa];
+    means over the steps after the first.
     """
     shape = cells, cells
     model = LubricationModel(Parameters(shape, roughness_rms=5e-7))
@@ -67,10 +67,12 @@ def measure(cells, solver):
         shortest(lambda m=matrix: solver.factorise(m), 1 + 200 // cells)
         for matrix in recorder.matrices
     ]  # all stations
+    change = np.random.default_rng(0).standard_normal((2, *shape)) * [[[1e-6]], [[1.0]]]
     return (
         np.min(passes, axis=0).mean(),
         np.mean(counts),
         np.mean(ones),
+        shortest(lambda: model.tangent(*change), 20),
         outputs["maximum_pressure"],
     )
 
@@ -80,21 +82,22 @@ def main():
     sizes = [int(argument) for argument in sys.argv[1:]] or [20, 40, 80, 160]
     print(
         f"{'grid':>9s}  {'solver':16s}{'factorisation ms':>17s}{'step ms':>10s}"
-        f"{'a step':>8s}{'step/(n x fact.)':>18s}{'us a cell':>11s}{'peak MPa':>10s}"
+        f"{'a step':>8s}{'step/(n x fact.)':>18s}{'us a cell':>11s}{'derivative us':>15s}"
+        f"{'peak MPa':>10s}"
     )
     for cells in sizes:
         for kind in (BlockTridiagonal, Pardiso, SuperLU):
             if kind is SuperLU and cells > 160:
                 continue
             try:
-                step, count, one, peak = measure(cells, kind((cells, cells)))
+                step, count, one, derivative, peak = measure(cells, kind((cells, cells)))
             except ImportError:
                 print(f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}   not installed")
                 continue
             print(
                 f"{cells:4d}x{cells:<4d}  {kind.__name__:16s}{1e3 * one:17.2f}"
                 f"{1e3 * step:10.2f}{count:8.2f}{step / count / one:18.2f}"
-                f"{1e6 * step / cells**2:11.2f}{1e-6 * peak:10.4f}"
+                f"{1e6 * step / cells**2:11.2f}{1e6 * derivative:15.1f}{1e-6 * peak:10.4f}"
             )
 
 

@@ -14,11 +14,11 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-import time
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from timing import shortest
 
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.participants.isolated import IsolatedParticipant
@@ -35,13 +35,7 @@ OUTPUTS = ("nodal_pressure_force", "nodal_friction_force")
 
 def best(action, before=lambda: None):
     """Shortest time of an action [ms]; `before` it, untimed, something else."""
-    times = []
-    for _ in range(REPEATS):
-        before()
-        begin = time.perf_counter()
-        action()
-        times.append(time.perf_counter() - begin)
-    return 1e3 * min(times)
+    return 1e3 * shortest(action, REPEATS, before)
 
 
 def costs(p, write, read, advance):

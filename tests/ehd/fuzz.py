@@ -20,6 +20,14 @@ from piston_cosim.fmu_ehd.slave import Ehd
 STRANGE = (0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, 1e12, -1e12, np.nan, np.inf, -np.inf)
 
 
+def made_slave(folder, **build):
+    """A slave of build options, whose files are read from and written to a folder."""
+    options, files = prepare(build, folder, print)
+    assert files == []
+    (folder / "build.json").write_text(json.dumps(options))
+    return Ehd(instance_name="film", resources=str(folder))
+
+
 class Fuzz:
     """A slave under fire.
 
@@ -32,16 +40,13 @@ class Fuzz:
 
     def __init__(self, seed, folder):
         self.rng = np.random.default_rng(seed)
-        options, _ = prepare(
-            {"grid": [6, 5], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print
-        )
-        (folder / "build.json").write_text(json.dumps(options))
         self.folder, self.taken, self.refused, self.saved = folder, 0, 0, []
         self.renew()
 
     def renew(self):
         """A fresh slave, in a third of the cases with strange parameters."""
-        self.slave = Ehd(instance_name="fuzz", resources=str(self.folder))
+        inputs = ["pressure_upper_edge", "oil_temperature"]
+        self.slave = made_slave(self.folder, grid=[6, 5], inputs=inputs)
         self.slave.log = lambda *arguments: None
         laws = {
             "viscosity_law": ("constant", "vogel_1921"),

@@ -4,22 +4,8 @@ from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.laws import asperity
 from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-
-
-@pytest.mark.parametrize("order", [1.5, 2.0, 2.5])
-@pytest.mark.parametrize("separation", [0.0, 0.7, 2.3])
-def test_integral_is_its_definition(order, separation):
-    value, _ = quad(
-        lambda s: (s - separation) ** order * np.exp(-s * s / 2.0) / np.sqrt(2.0 * np.pi),
-        separation,
-        20.0,
-        epsabs=0.0,
-    )
-    assert asperity.gaussian_integral(order, separation) == pytest.approx(
-        value, rel=1e-7
-    )  # quad's end-point error
+from piston_cosim.tests.verification.cases.motored import film_after
 
 
 def contact(film, roughness_rms=1.0, **changes):
@@ -67,10 +53,7 @@ def test_higher_summits_touch_as_a_thinner_film_does():
     found = []
     for height in (0.0, 2e-6):
         rough = Parameters(film.shape, roughness_rms=1e-6, summit_height=height)
-        model = LubricationModel(rough)
-        state, _ = model.start(film + height, np.ones(film.shape))
-        _, outputs = model.advance(state, film + height, np.ones(film.shape), 1e-3)
-        found.append(outputs)
+        found.append(film_after(rough, [film + height] * 2, 1.0, 1e-3).outputs)
     low, high = found
     assert low["asperity_pressure"].max() > 1e4
     for name in ("asperity_pressure", "contact_area_fraction", "stored_energy"):
@@ -79,8 +62,7 @@ def test_higher_summits_touch_as_a_thinner_film_does():
 
 
 def test_smooth_surfaces_do_not_touch():
-    smooth = LubricationModel(Parameters((4, 3), boundary_shear_strength=1e6))
-    _, o = smooth.start(np.full((4, 3), -1e-6), np.ones((4, 3)))
+    o = film_after(Parameters((4, 3), boundary_shear_strength=1e6), [-1e-6], 1.0).outputs
     assert o["contact_area_fraction"] == o["friction_force_asperity"] == 0.0
 
 

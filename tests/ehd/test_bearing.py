@@ -1,21 +1,19 @@
 """The film of a bearing: sliding around, sectors, and what does not go with it."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance.grid import Grid
-from piston_cosim.fmu_ehd.build import prepare
 from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
-from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases import bearings
+from piston_cosim.tests.verification.cases.motored import film_after
+
+from .fuzz import made_slave
 
 SHAPE = (24, 8)
 
@@ -133,33 +131,26 @@ def test_a_turning_bearing_is_an_axial_slider_on_its_side(surfaces):
     n = 30
     slope = 1.0 + np.linspace(1.0, 0.0, n)
     of_pad, of_bearing = (given and given | FACTORS for given in ON_ITS_SIDE[surfaces])
-    pad = LubricationModel(Parameters((4, n), skirt_length=0.03, bore_radius=0.02, **of_pad))
-    film = np.broadcast_to(2e-5 * slope, (4, n)).copy()
-    still = np.zeros((4, n))
-    state, _ = pad.start(film, still - 4.0)
-    _, along = pad.advance(state, film, still - 4.0, 1e-4)
+    p = Parameters((4, n), skirt_length=0.03, bore_radius=0.02, **of_pad)
+    pad, _, along = film_after(p, [2e-5 * slope] * 2, -4.0)
     # so wide along that its open edges do not count in the middle
-    around = LubricationModel(
-        Parameters(
-            (n, 4),
-            surface="bearing",
-            bore_radius=0.02,
-            sector_angle=1.5,
-            skirt_length=2.0,
-            **of_bearing,
-        )
+    p = Parameters(
+        (n, 4),
+        surface="bearing",
+        bore_radius=0.02,
+        sector_angle=1.5,
+        skirt_length=2.0,
+        **of_bearing,
     )
-    film = np.ascontiguousarray(np.broadcast_to(2e-5 * slope[:, None], (n, 4)))
-    still = np.zeros((n, 4))
-    state, _ = around.start(film, still, still + 4.0)
-    _, across = around.advance(state, film, still, 1e-4, still + 4.0)
+    film = 2e-5 * slope
+    around, _, across = film_after(p, [film[:, None]] * 2, turning=4.0)
     # both reach 30 mm in sliding; ends of a length 2 m leak 1e-3 of their cell
     assert np.allclose(across["pressure"][:, 1], along["pressure"][0], rtol=1e-4)
     shear = along["nodal_friction_force"][0] / pad.grid.cell_area
     turned = across["nodal_circumferential_force"][:, 1] / around.grid.cell_area
     # the slope belongs to the other surface: forces on both differ by h dp/dx, Eq. (F8)
     pressure = along["pressure"][0]
-    carried = film[1:-1, 1] * (pressure[2:] - pressure[:-2]) / (2.0 * 1e-3)
+    carried = film[1:-1] * (pressure[2:] - pressure[:-2]) / (2.0 * 1e-3)
     assert np.allclose((turned + shear)[1:-1], carried, rtol=1e-4, atol=1e-4 * shear.max())
 
 
@@ -167,25 +158,19 @@ def test_a_skirt_given_nothing_around_has_its_axial_pressure_on_a_bearing_too():
     """The grid of a bearing rests on the other surface: with a film that is steady there, sliding
     to and fro change places.
     """
-    film = np.ascontiguousarray(np.broadcast_to(np.linspace(1e-5, 2e-5, 8), SHAPE))
-    still = np.zeros(SHAPE)
-    found = {}
-    for surface, velocity in (("skirt", 3.0), ("bearing", -3.0)):
-        model = LubricationModel(Parameters(SHAPE, surface=surface))
-        state, _ = model.start(film, still + velocity)
-        _, found[surface] = model.advance(state, film, still + velocity, 1e9)
+    film = np.linspace(1e-5, 2e-5, 8)
+    found = {
+        surface: film_after(Parameters(SHAPE, surface=surface), [film] * 2, velocity, 1e9).outputs
+        for surface, velocity in (("skirt", 3.0), ("bearing", -3.0))
+    }
     assert np.array_equal(found["skirt"]["pressure"], found["bearing"]["pressure"])
     assert found["skirt"]["nodal_friction_force"].sum() < 0.0
     assert found["bearing"]["nodal_friction_force"].sum() > 0.0
 
 
 def test_couette_torque_and_power_of_a_concentric_journal():
-    film = np.full(SHAPE, 2e-5)
-    still = np.zeros(SHAPE)
     p = Parameters(SHAPE, surface="bearing", oil=Oil(viscosity=0.02), skirt_length=0.04)
-    model = LubricationModel(p)
-    state, _ = model.start(film, still + 3.0, still + 4.0)
-    _, outputs = model.advance(state, film, still + 3.0, 1e-4, still + 4.0)
+    outputs = film_after(p, [2e-5] * 2, 3.0, turning=4.0).outputs
     area = 2.0 * np.pi * p.bore_radius * 0.04
     # Petroff: mu W / h by area and radius; power mu (V^2 + W^2) / h
     assert outputs["friction_torque"] == pytest.approx(-0.02 * 4.0 / 2e-5 * area * p.bore_radius)
@@ -193,12 +178,8 @@ def test_couette_torque_and_power_of_a_concentric_journal():
 
 
 def test_coulomb_friction_points_against_both_velocities():
-    film = np.full(SHAPE, 1e-6)
-    still = np.zeros(SHAPE)
     p = Parameters(SHAPE, surface="bearing", roughness_rms=1e-6, oil=Oil(viscosity=1e-5))
-    model = LubricationModel(p)
-    state, _ = model.start(film, still + 3.0, still - 4.0)
-    _, outputs = model.advance(state, film, still + 3.0, 1e-4, still - 4.0)
+    model, _, outputs = film_after(p, [1e-6] * 2, 3.0, turning=-4.0)
     normal = p.boundary_friction_coefficient * outputs["asperity_pressure"] * model.grid.cell_area
     viscous = 1e-5 / 1e-6 * model.grid.cell_area
     # v0 = 1 mm/s beside 5 m/s: 2e-8
@@ -230,10 +211,7 @@ def test_sector_has_the_supply_at_its_ends():
         opening_supply="own",
         pressure_openings=2e5,
     )
-    model = LubricationModel(p)
-    film = np.full((20, 4), 2e-5)
-    state, _ = model.start(film, 0.0 * film)
-    _, outputs = model.advance(state, film, 0.0 * film, 1e9)
+    model, _, outputs = film_after(p, [2e-5] * 2, step=1e9)
     assert model.grid == Grid((20, 4), 0.01, 2.0, ring=False)
     assert np.allclose(outputs["pressure"][:, 1:3], 2e5, rtol=1e-3)
     # what comes in at the ends leaves over the edges
@@ -258,9 +236,7 @@ def test_what_does_not_go_together_is_said(changes, words):
 
 
 def test_the_fmu_of_a_bearing_has_both_velocities_and_no_thrust_side(tmp_path):
-    options, _ = prepare({"grid": list(SHAPE), "surface": "bearing"}, Path("."), print)
-    (tmp_path / "build.json").write_text(json.dumps(options))
-    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    slave = made_slave(tmp_path, grid=list(SHAPE), surface="bearing")
     film, axial, around = motion(0.0)
     slave.views["film_thickness"][...] = film
     slave.views["sliding_velocity"][...] = axial

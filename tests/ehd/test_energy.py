@@ -12,7 +12,7 @@ from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.bearings import RADIUS, SPEED, bearing, eccentric
-from piston_cosim.tests.verification.cases.motored import opening
+from piston_cosim.tests.verification.cases.motored import film_after, opening
 
 SHAPE = (8, 6)
 STILL = np.zeros(SHAPE)
@@ -58,11 +58,8 @@ def test_what_turns_a_steady_journal_is_heat():
     """
     shape = (60, 10)
     model = bearing(shape, RADIUS, cavitation_model="gumbel", cavity_shear="full_film")
-    still, turning = np.zeros(shape), np.full(shape, SPEED)
-    film = eccentric(shape, 0.8)
-    state, _ = model.start(film, still, turning)
-    for _ in range(2):
-        state, outputs = model.advance(state, film, still, 1e-2, turning)
+    films = [eccentric(shape, 0.8)] * 3
+    outputs = film_after(model.parameters, films, step=1e-2, turning=SPEED).outputs
     assert outputs["energy_gain"] == pytest.approx(1e-2 * outputs["friction_power"], rel=1e-12)
     assert outputs["friction_power"] > -1.1 * outputs["friction_torque"] * SPEED / RADIUS
 
@@ -71,11 +68,8 @@ def test_sliding_turns_work_into_heat():
     """A full film of 10 um, nothing pressed: mu V^2 / h on the area, in steps of 0.1 ms; as much as
     its friction takes.
     """
-    model = LubricationModel(Parameters(SHAPE))
-    sliding = np.full(SHAPE, 5.0)
-    state, _ = model.start(flat(1e-5), sliding)
-    _, outputs = model.advance(state, flat(1e-5), sliding, 1e-4)
-    p = model.parameters
+    p = Parameters(SHAPE)
+    outputs = film_after(p, [1e-5] * 2, 5.0).outputs
     area = 2.0 * np.pi * p.bore_radius * p.skirt_length
     heat = 1e-4 * area * p.oil.viscosity * 25.0 / 1e-5
     assert outputs["energy_gain"] == pytest.approx(heat, rel=1e-12)
@@ -89,16 +83,13 @@ def test_what_the_pressure_around_does_is_not_taken_from_the_bodies(cavitation, 
     """Plates that part from 10 to 12 um so slowly that p is that of the edges everywhere: the film
     gives the bodies p dV, which came in with the oil.
     """
-    model = LubricationModel(
-        Parameters(
-            SHAPE,
-            cavitation_pressure=cavitation,
-            pressure_lower_edge=edges,
-            pressure_upper_edge=edges,
-        )
+    p = Parameters(
+        SHAPE,
+        cavitation_pressure=cavitation,
+        pressure_lower_edge=edges,
+        pressure_upper_edge=edges,
     )
-    state, _ = model.start(flat(1e-5), STILL)
-    _, outputs = model.advance(state, flat(1.2e-5), STILL, SLOW)
+    model, _, outputs = film_after(p, [1e-5, 1.2e-5], step=SLOW)
     opened = model.area.sum() * 2e-6
     # oil drawn in over 1e9 s costs 1e-11 of the pressure
     assert outputs["energy_gain"] == pytest.approx(-edges * opened, rel=1e-10)
@@ -197,9 +188,7 @@ def test_heat_of_pressure_flow_is_that_of_the_faces():
 def test_oil_leaves_above_where_the_pressure_falls(drop):
     """Between pressures at both edges: q = b h^3 drop/(12 mu l), against the net inflow."""
     p = Parameters(SHAPE, pressure_lower_edge=max(drop, 0.0), pressure_upper_edge=max(-drop, 0.0))
-    model = LubricationModel(p)
-    state, _ = model.start(flat(1e-5), STILL)
-    _, outputs = model.advance(state, flat(1e-5), STILL, 1e-4)
+    outputs = film_after(p, [1e-5] * 2).outputs
     width = 2 * np.pi * p.bore_radius
     flow = width * 1e-15 * drop / (12 * p.oil.viscosity * p.skirt_length)
     assert outputs["outflow_upper_edge"] == pytest.approx(max(flow, 0.0), rel=1e-10)
@@ -210,13 +199,8 @@ def test_oil_leaves_and_enters_above_at_once():
     """Where sliding draws oil in and pressure drives it out, the thin half does the one and the
     thick half the other.
     """
-    p = Parameters((40, 6), pressure_lower_edge=1e7)
-    model = LubricationModel(p)
-    film = np.repeat([[5e-6], [4e-5]], 20, axis=0) * np.ones((1, 6))
-    moved = np.full((40, 6), 0.5)
-    state, _ = model.start(film, moved)
-    for _ in range(2):
-        state, outputs = model.advance(state, film, moved, 1e-4)
+    film = np.repeat([[5e-6], [4e-5]], 20, axis=0)
+    outputs = film_after(Parameters((40, 6), pressure_lower_edge=1e7), [film] * 3, 0.5).outputs
     inflow = outputs["flow_upper_edge"] + outputs["outflow_upper_edge"]
     assert outputs["outflow_upper_edge"] > 1e-9 and inflow > 1e-9
 

@@ -3,14 +3,13 @@ import pytest
 
 from piston_cosim.fmu_ehd.balance import reynolds
 from piston_cosim.fmu_ehd.balance.film_step import FilmStep
-from piston_cosim.fmu_ehd.balance.films import FilmSlopes, smooth_film
 from piston_cosim.fmu_ehd.balance.grid import Edges, Entrainment, Grid, in_plenty
 from piston_cosim.fmu_ehd.balance.reynolds import Filling
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.tests.verification.cases.film import FLOOR, flow_film
+from piston_cosim.tests.verification.cases.film import flow_film
 
 NO_LIFT = np.zeros((7, 10))
 
@@ -52,43 +51,6 @@ def test_film_fraction_and_pressure_stay_in_range(ring):
     assert solution.film_fraction.min() >= 0.0
     assert solution.film_fraction.max() <= 1.0 + cavitation.FRACTION_ROUNDOFF
     assert solution.pressure.min() >= -cavitation.PRESSURE_ROUNDOFF * solution.pressure.max()
-
-
-@pytest.mark.parametrize("ring", [True, False])
-def test_tangent_is_the_central_difference(ring):
-    grid, edges, film, entrainment, content = problem(ring)
-    rng = np.random.default_rng(5)
-    dfilm, dvelocity = 1e-6 * rng.standard_normal(film.shape), rng.standard_normal(film.shape)
-    # both entrainment velocities follow the sliding velocity
-    dacross, dalong = rng.standard_normal((2, *film.shape))
-    step, size = FilmStep(grid), 1e-5
-    begin = EulerStep(content, 1e-4)
-    ends = [
-        step.solve(
-            flow_film(film + s * dfilm, 0.01),
-            Entrainment(
-                entrainment.circumferential + s * dacross * dvelocity,
-                entrainment.axial + s * dalong * dvelocity,
-            ),
-            edges,
-            begin,
-            content >= film,
-        )
-        for s in (size, -size)
-    ]
-    step.solve(flow_film(film, 0.01), entrainment, edges, begin, content >= film)
-    assert np.array_equal(ends[0].full, ends[1].full)
-    _, by_film = smooth_film(film, np.full_like(film, 0.01), FLOOR)
-    slopes = FilmSlopes(by_film, np.zeros_like(by_film))
-    shares = step.linearise(slopes, Entrainment(dacross, dalong))
-    change = step.tangent(np.stack([0.0 * dfilm, dfilm]), np.stack([0.0 * dvelocity, dvelocity]))
-    for share, name in zip(shares, ("pressure", "film_fraction")):
-        tangent = share * change
-        difference = (getattr(ends[0], name) - getattr(ends[1], name)) / (2.0 * size)
-        assert np.all(tangent[0] == 0.0)
-        assert (
-            np.abs(difference - tangent[1]).max() <= 1e-7 * np.abs(difference).max()
-        )  # third derivative x size^2
 
 
 def test_switching_singly_finds_the_same_film():

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from scipy.integrate import quad, trapezoid
+from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.balance.films import (
     CONDUCTIVITY_A,
@@ -46,16 +46,6 @@ def test_peklenik_number_between_tabulated_ones_is_between_their_factors():
         for h in np.linspace(1.0, 6.0, 11):
             low, middle, high = (factor(h, gamma).value for gamma in (1.0, np.sqrt(3.0), 3.0))
             assert middle == pytest.approx(0.5 * (low + high))
-
-
-def test_average_gap_is_its_integral():
-    heights = np.linspace(-8.0, 8.0, 160001)
-    density = np.exp(-(heights**2) / 2.0) / np.sqrt(2.0 * np.pi)
-    for separation in (-1.0, 0.0, 1.5):
-        integral = trapezoid(np.maximum(separation + heights, 0.0) * density, heights)
-        assert roughness.average_gap(separation).value == pytest.approx(
-            integral, rel=1e-7
-        )  # trapezoid rule
 
 
 def mean_inverse_gap(separation):

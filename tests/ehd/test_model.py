@@ -7,6 +7,7 @@ from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
+    film_after,
     motored,
     motored_film,
     opening,
@@ -157,15 +158,8 @@ def test_a_cut_out_is_an_edge_of_the_film_beside_it(pressure, fraction, own):
 @pytest.mark.parametrize("coating", [0.0, 3e-5])
 def test_cells_without_a_film_count_in_no_scalar(gap, coating):
     """The thinnest film, the highest pressure and contact are those of the 10 um beside them."""
-    model = LubricationModel(
-        Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=opening(SHAPE))
-    )
-    film = np.full(SHAPE, 1e-5)
-    film[opening(SHAPE)] = gap
-    velocity = np.full(SHAPE, 5.0)
-    state, _ = model.start(film, velocity)
-    for _ in range(3):
-        state, o = model.advance(state, film, velocity, 1e-4)
+    p = Parameters(SHAPE, roughness_rms=1e-6, coating_thickness=coating, open_cells=opening(SHAPE))
+    o = film_after(p, [np.where(opening(SHAPE), gap, 1e-5)] * 4, 5.0).outputs
     assert o["minimum_film_thickness"] == pytest.approx(1e-5, rel=0.3 if coating else 1e-15)
     assert o["maximum_pressure"] == o["pressure"][~opening(SHAPE)].max()
     assert np.all(o["asperity_pressure"] == 0.0)
@@ -174,34 +168,29 @@ def test_cells_without_a_film_count_in_no_scalar(gap, coating):
 
 def test_contact_area_is_that_of_the_skirt_that_is_there():
     """The same parallel film with a part cut out has the same share in contact."""
-    film, velocity = np.full(SHAPE, 1e-6), np.zeros(SHAPE)
     whole, cut = (
-        LubricationModel(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask))
+        film_after(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask), [1e-6]).outputs
         for mask in (None, opening(SHAPE))
     )
-    share = whole.start(film, velocity)[1]["contact_area_fraction"]
+    share = whole["contact_area_fraction"]
     assert share > 0.0
-    assert cut.start(film, velocity)[1]["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
+    assert cut["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
 
 
 def test_a_film_in_cut_outs_alone_is_none():
-    model = LubricationModel(Parameters(SHAPE, open_cells=opening(SHAPE)))
-    state, _ = model.start(np.full(SHAPE, 1e-5), np.zeros(SHAPE))
     film = np.where(opening(SHAPE), 1e-5, -1e-6)
     with pytest.raises(NotConverged, match="there is no film"):
-        model.advance(state, film, np.zeros(SHAPE), 1e-4)
+        film_after(Parameters(SHAPE, open_cells=opening(SHAPE)), [1e-5, film])
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
 def test_a_film_that_is_no_number_is_refused_by_its_cell(wrong):
-    model = LubricationModel(Parameters(SHAPE))
     film = np.full(SHAPE, 1e-5)
-    state, _ = model.start(film, np.zeros(SHAPE))
     film[2, 4] = wrong
     with pytest.raises(
         NotConverged, match=rf"film_thickness\[3,5\]: expected a finite value, got {wrong:g} m"
     ):
-        model.advance(state, film, np.zeros(SHAPE), 1e-4)
+        film_after(Parameters(SHAPE), [1e-5, film])
 
 
 def test_coating_yields_by_its_compliance():
@@ -243,11 +232,8 @@ def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
     rng = np.random.default_rng(3)
     film = rng.uniform(1e-6, 8e-6, SHAPE)
     velocity = rng.uniform(-5.0, 5.0, SHAPE)
-    model = LubricationModel(
-        Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=opening(SHAPE))
-    )
-    state, _ = model.start(film, velocity)
-    _, o = model.advance(state, film, velocity, 1e-4)
+    p = Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=opening(SHAPE))
+    o = film_after(p, [film] * 2, velocity).outputs
     work = -(o["nodal_friction_force"] * velocity).sum()
     assert o["friction_power"] == pytest.approx(work, rel=1e-12)
     assert o["friction_force_asperity"] != 0.0
@@ -353,14 +339,11 @@ def test_boundary_friction_share_is_that_of_the_work_since_the_start():
 
 def test_a_film_that_an_edge_pressure_drives_has_a_boundary_friction_share_of_one():
     """The pressure flow shears the skirt along its motion, so friction is less than contact."""
-    model = LubricationModel(Parameters(SHAPE, roughness_rms=3e-6))
     film, _ = motored_film(SHAPE, 0.0)
-    drive = {"pressure_lower_edge": 5e6}
+    p = Parameters(SHAPE, roughness_rms=3e-6, pressure_lower_edge=5e6)
     found = []
     for velocity in (-0.01, 0.01):
-        sliding = np.full(SHAPE, velocity)
-        state, _ = model.start(0.3 * film, sliding, **drive)
-        _, outputs = model.advance(state, 0.3 * film, sliding, 1e-4, **drive)
+        outputs = film_after(p, [0.3 * film] * 2, velocity).outputs
         contact = -outputs["friction_force_asperity"] * velocity
         found.append((outputs["friction_power"] / contact, outputs["boundary_friction_share"]))
     (driven, one), (held, less) = sorted(found)

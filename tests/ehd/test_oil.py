@@ -14,7 +14,7 @@ from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     reduced_pressure,
     viscosity_ratio,
 )
-from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning, thinning
+from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning
 from piston_cosim.models import MODELS
 from piston_cosim.tests.verification.cases.thinned_pad import (
     generalised_newtonian_load,
@@ -76,17 +76,6 @@ def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):
     assert np.all(np.diff(pressure) > 0.0)
     assert [reduced_pressure(law, p) for p in pressure] == pytest.approx(reduced, rel=1e-9)
     assert viscosity_ratio(law, pressure[-1]) == (pytest.approx(1e3), 0.0)  # LARGEST_RATIO
-
-
-@pytest.mark.parametrize("law, exponent", [("cross_1965", 0.8), ("carreau_1972", 0.5)])
-def test_thinning_falls_from_one_to_the_high_shear_ratio_with_its_own_slope(law, exponent):
-    oil = Oil(shear_thinning_law=law, shear_thinning_exponent=exponent, high_shear_ratio=0.6)
-    temperature = np.full(3, 373.15)
-    factor, slope = thinning(oil.thinning, np.array([0.0, 1e6, 1e14]), temperature)
-    assert factor[[0, 2]] == pytest.approx([1.0, 0.6], abs=2e-3)
-    size = 1.0
-    above, below = (thinning(oil.thinning, 1e6 + by, 373.15)[0] for by in (size, -size))
-    assert slope[1] == pytest.approx((above - below) / (2.0 * size), rel=1e-6)
 
 
 @pytest.mark.parametrize("name", OILS)

@@ -1,4 +1,3 @@
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +8,13 @@ from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.fmi.errors import BadInput
 
 from ..forged import outcomes
+from .fuzz import made_slave
 
 
 @pytest.fixture
 def slave(tmp_path):
     """The slave as the FMU's host sees it, on a small grid."""
-    options, files = prepare({"grid": [8, 6]}, Path("."), print)
-    assert files == []
-    (tmp_path / "build.json").write_text(json.dumps(options))
-    return Ehd(instance_name="film", resources=str(tmp_path))
+    return made_slave(tmp_path, grid=[8, 6])
 
 
 def test_every_output_is_declared_and_every_declared_output_is_set(slave):
@@ -30,9 +27,7 @@ def test_every_output_is_declared_and_every_declared_output_is_set(slave):
 
 
 def test_diagnostic_fields_can_be_left_out(tmp_path):
-    options, _ = prepare({"grid": [8, 6], "no_fields": True}, Path("."), print)
-    (tmp_path / "build.json").write_text(json.dumps(options))
-    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    slave = made_slave(tmp_path, grid=[8, 6], no_fields=True)
     slave.exit_initialization_mode()
     assert slave.do_step(0.0, 1e-4)
     assert "film_fraction" not in slave.views
@@ -169,11 +164,7 @@ def test_a_squeeze_beyond_the_piezoviscosity_law_still_has_a_pressure(slave, law
 
 
 def test_conditions_become_inputs(tmp_path):
-    options, _ = prepare(
-        {"grid": [8, 6], "inputs": ["pressure_upper_edge", "oil_temperature"]}, Path("."), print
-    )
-    (tmp_path / "build.json").write_text(json.dumps(options))
-    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    slave = made_slave(tmp_path, grid=[8, 6], inputs=["pressure_upper_edge", "oil_temperature"])
     assert {v.name for v in slave.table if v.causality == "input"} == {
         "film_thickness",
         "sliding_velocity",
@@ -199,9 +190,7 @@ def test_mask_cuts_cells_out(tmp_path):
     mask = np.ones((8, 6), dtype=int)
     mask[2:4, 1:4] = 0
     np.savetxt(tmp_path / "mask.csv", mask, fmt="%d", delimiter=",")
-    options, _ = prepare({"grid": [8, 6], "mask": "mask.csv"}, tmp_path, print)
-    (tmp_path / "build.json").write_text(json.dumps(options))
-    slave = Ehd(instance_name="film", resources=str(tmp_path))
+    slave = made_slave(tmp_path, grid=[8, 6], mask="mask.csv")
     slave.exit_initialization_mode()
     slave.views["film_thickness"][...] = 9e-6
     assert slave.do_step(0.0, 1e-4)

@@ -22,6 +22,7 @@ from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.summary import halves
+from piston_cosim.tests.verification.cases.motored import film_after
 
 RADIUS = 31e-3  # [m]
 LENGTH = 23e-3  # [m]
@@ -45,11 +46,8 @@ def near(value, rel=1e-12):
 
 def stepped(shape, film, velocity, step=1e-4, conditions=None, **changes):
     """Outputs of one step in which a full film stays as it is: steady where it is full at all."""
-    model = LubricationModel(parameters(shape, **changes))
-    film = np.broadcast_to(film, shape).copy()
-    velocity = np.broadcast_to(velocity, shape).copy()
-    state, _ = model.start(film, velocity)
-    return model.advance(state, film, velocity, step, **(conditions or {}))[1]
+    given = conditions or {}
+    return film_after(parameters(shape, **changes), [film, film], velocity, step, **given).outputs
 
 
 def along(cells):
@@ -240,9 +238,8 @@ def test_conditions_of_a_step_take_the_place_of_the_parameters():
 
 
 def test_start_is_linear_between_the_edges_and_shears_at_once():
-    model = LubricationModel(parameters((4, 5), pressure_lower_edge=4e5, pressure_upper_edge=1e5))
-    film, velocity = np.full((4, 5), 7e-6), np.full((4, 5), 3.0)
-    _, o = model.start(film, velocity)
+    given = parameters((4, 5), pressure_lower_edge=4e5, pressure_upper_edge=1e5)
+    o = film_after(given, [7e-6], 3.0).outputs
     assert o["pressure"][1] == near(4e5 - 3e5 * along(5), rel=1e-12)
     # -mu V/h + h/2 dp/dy with dp/dy = -3e5/L
     area = WIDTH * LENGTH
@@ -282,11 +279,9 @@ def test_squeeze_of_a_short_sleeve():
     shape, film, edge, step = (48, 40), 1e-5, 2e6, 1e-4
     theta = np.arange(48) * 2.0 * np.pi / 48
     shift = 1e-5 * film
-    model = LubricationModel(parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge))
-    still = np.zeros(shape)
-    state, _ = model.start(np.full(shape, film), still)
-    closed = film - shift * np.sin(theta)[:, None] * np.ones(shape)
-    _, o = model.advance(state, closed, still, step)
+    closed = film - shift * np.sin(theta)[:, None]
+    given = parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge)
+    o = film_after(given, [film, closed], step=step).outputs
     amplitude = 12.0 * VISCOSITY * shift / step * RADIUS**2 / film**3
     y = (along(40) - 0.5) * LENGTH
     profile = 1.0 - np.cosh(y / RADIUS) / np.cosh(LENGTH / (2.0 * RADIUS))
@@ -337,21 +332,11 @@ POCKET = np.where((along(400) > 0.1) & (along(400) < 0.25), 10e-6, 1e-6)  # 2 to
 
 def pocket(velocity, film, **changes):
     """The pocket slider: 20 mm, 1 um, 1 m/s, 0.01 Pa s, 100 kPa around, rupture at 50 kPa."""
-    model = LubricationModel(
-        parameters(
-            (4, 400),
-            skirt_length=20e-3,
-            oil=Oil(viscosity=0.01),
-            pressure_lower_edge=1e5,
-            pressure_upper_edge=1e5,
-            cavitation_pressure=5e4,
-            **changes,
-        )
+    given = dict(pressure_lower_edge=1e5, pressure_upper_edge=1e5, cavitation_pressure=5e4)
+    oil = Oil(viscosity=0.01)
+    return stepped(
+        (4, 400), film, velocity, STEADY, skirt_length=20e-3, oil=oil, **given, **changes
     )
-    film = np.broadcast_to(film, (4, 400)).copy()
-    speed = np.full((4, 400), velocity)
-    state, _ = model.start(film, speed)
-    return model.advance(state, film, speed, STEADY)[1]
 
 
 @pytest.mark.parametrize("velocity", [-2.0, 2.0])

@@ -14,9 +14,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.tests.verification.cases.motored import film_after
 
 SHAPE = (4, 6)
 RADIUS = 31e-3  # [m]
@@ -34,10 +34,8 @@ def near(value, rel=1e-10):
 def stepped(oil, velocity, shape=SHAPE, conditions=None, **changes):
     """Outputs of one step of a parallel film that stays as it is."""
     given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=oil) | changes
-    model = LubricationModel(Parameters(shape, **given))
-    film, speed = np.full(shape, FILM), np.full(shape, velocity)
-    state, _ = model.start(film, speed)
-    return model.advance(state, film, speed, 1e-4, **(conditions or {}))[1]
+    parameters = Parameters(shape, **given)
+    return film_after(parameters, [FILM, FILM], velocity, **(conditions or {})).outputs
 
 
 def sheared(oil, celsius, velocity=2.0):

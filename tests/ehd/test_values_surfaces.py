@@ -21,9 +21,9 @@ from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.laws import roughness
 from piston_cosim.fmu_ehd.laws.asperity import fitted_integral, gaussian_integral
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.tests.verification.cases.motored import film_after
 
 SHAPE = (4, 6)
 RADIUS = 31e-3  # [m]
@@ -96,14 +96,11 @@ def gap(h):
     return h / 2.0 * (1.0 + erf(h / sqrt(2.0))) + exp(-h * h / 2.0) / sqrt(2.0 * pi)
 
 
-def stepped(film, velocity, shape=SHAPE, **changes):
-    """Outputs of one step of a film that stays as it is."""
+def stepped(film, velocity=0.0, shape=SHAPE, step=1e-4, **changes):
+    """Outputs of one step of a film that stays as it is, or of a list of films in turn."""
     given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=Oil(viscosity=VISCOSITY)) | changes
-    model = LubricationModel(Parameters(shape, **given))
-    film = np.broadcast_to(film, shape).copy()
-    speed = np.full(shape, velocity)
-    state, _ = model.start(film, speed)
-    return model.advance(state, film, speed, 1e-4)[1]
+    films = film if isinstance(film, list) else [film, film]
+    return film_after(Parameters(shape, **given), films, velocity, step).outputs
 
 
 def rough(separation, velocity, gamma_, share, **changes):
@@ -209,25 +206,18 @@ def test_squeeze_flows_by_both_factors(around):
     shape, h, edge, step = (48, 40), 1.5, 2e8, 1e-4
     film = h * SIGMA
     theta = (np.arange(48) + 0.5) * 2.0 * np.pi / 48
-    model = LubricationModel(
-        Parameters(
-            shape,
-            oil=Oil(viscosity=VISCOSITY),
-            bore_radius=RADIUS,
-            skirt_length=LENGTH,
-            roughness_rms=SIGMA,
-            flow_factors="patir_cheng_1978",
-            peklenik_number_skirt=around,
-            peklenik_number_bore=around,
-            pressure_lower_edge=edge,
-            pressure_upper_edge=edge,
-        )
-    )
-    still = np.zeros(shape)
     shift = 1e-5 * film
-    state, _ = model.start(np.full(shape, film), still)
-    closed = film - shift * np.sin(theta)[:, None] * np.ones(shape)
-    _, o = model.advance(state, closed, still, step)
+    closed = film - shift * np.sin(theta)[:, None]
+    o = stepped(
+        [film, closed],
+        shape=shape,
+        roughness_rms=SIGMA,
+        flow_factors="patir_cheng_1978",
+        peklenik_number_skirt=around,
+        peklenik_number_bore=around,
+        pressure_lower_edge=edge,
+        pressure_upper_edge=edge,
+    )
     along, across = phi_x(h, around), phi_x(h, 1.0 / around)
     stored = 0.5 * (1.0 + erf(h / sqrt(2.0)))
     amplitude = 12.0 * VISCOSITY * shift / step * stored * RADIUS**2 / (across * film**3)
@@ -450,11 +440,8 @@ def test_a_gap_that_bends_makes_no_step():
     """
 
     def pressure(start, then, around):
-        model = LubricationModel(Parameters((8, 4), bore_radius=RADIUS, roughness_rms=SIGMA))
-        state, _ = model.start(start * around, np.zeros((8, 4)))
-        for film in then:
-            state, o = model.advance(state, film * around, np.zeros((8, 4)), 1e-4)
-        return o["asperity_pressure"]
+        films = [film * around for film in (start, *then)]
+        return stepped(films, shape=(8, 4), roughness_rms=SIGMA)["asperity_pressure"]
 
     even = np.full((8, 4), SIGMA)
     before, after = (
@@ -485,8 +472,7 @@ def test_contact_does_not_depend_on_the_grid(cells, distance, least):
         y = (np.arange(40) + 0.5) / 40.0 - 0.5
         gap = 20e-6 + 45e-6 * (1.0 - np.cos(2.0 * turn)) + 20e-6 * (2.0 * y) ** 2
         film = gap - (20e-6 - least + 10e-6 * y) * np.cos(turn)
-        parameters = Parameters((n, 40), bore_radius=36.5e-3, roughness_rms=0.5e-6)
-        _, o = LubricationModel(parameters).start(film, np.full(film.shape, 5.0))
+        o = stepped([film], 5.0, film.shape, bore_radius=36.5e-3, roughness_rms=0.5e-6)
         return o["friction_force_asperity"]
 
     assert rubbing(cells) == near(rubbing(320), rel=distance)
@@ -498,9 +484,7 @@ def test_overlap_goes_on_along_the_tangent():
     """
     at_zero = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.5, 2.5)}
     pressure = [
-        LubricationModel(Parameters(SHAPE, roughness_rms=SIGMA)).start(
-            np.full(SHAPE, gap * SIGMA), np.zeros(SHAPE)
-        )[1]["asperity_pressure"][1, 2]
+        stepped([gap * SIGMA], roughness_rms=SIGMA)["asperity_pressure"][1, 2]
         for gap in (0.0, -2.0)
     ]
     assert pressure[1] / pressure[0] == near(1.0 + 5.0 * at_zero[1.5] / at_zero[2.5], rel=1e-9)
@@ -525,37 +509,20 @@ def test_coating_opens_the_film_by_its_compliance():
     pressure 40 MPa: d = 60 um, E = 0.8 GPa, nu = 0.4: 1.4 um. Shear and flow see h + w.
     """
     pressure, film = 40e6, 5e-6
-    o = stepped(
-        film,
-        2.0,
+    given = dict(
         pressure_lower_edge=pressure,
         pressure_upper_edge=pressure,
         coating_thickness=60e-6,
         coating_modulus=0.8e9,
         coating_poisson=0.4,
     )
+    o = stepped(film, 2.0, **given)
     # the layer yields within the step and draws oil in from both edges; far from them in time
     opened = film + 60e-6 * 1.4 * 0.2 / (0.8e9 * 0.6) * o["pressure"]
     assert o["nodal_friction_force"].sum() == near(
         (-VISCOSITY * 2.0 / opened * AREA / 24.0).sum(), rel=1e-2
     )
-    model = LubricationModel(
-        Parameters(
-            SHAPE,
-            oil=Oil(viscosity=VISCOSITY),
-            bore_radius=RADIUS,
-            skirt_length=LENGTH,
-            pressure_lower_edge=pressure,
-            pressure_upper_edge=pressure,
-            coating_thickness=60e-6,
-            coating_modulus=0.8e9,
-            coating_poisson=0.4,
-        )
-    )
-    thickness, speed = np.full(SHAPE, film), np.full(SHAPE, 2.0)
-    state, _ = model.start(thickness, speed)
-    for _ in range(3):
-        state, o = model.advance(state, thickness, speed, 1e3)  # long enough to fill
+    o = stepped([film] * 4, 2.0, step=1e3, **given)  # long enough to fill
     opened = film + 60e-6 * 1.4 * 0.2 / (0.8e9 * 0.6) * pressure
     assert opened == near(6.4e-6, rel=1e-9)
     assert o["minimum_film_thickness"] == near(opened, rel=1e-6)

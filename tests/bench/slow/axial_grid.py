@@ -12,11 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+from piston_cosim.tests.verification.cases.coupling import run_of
 
 AROUND = 42
 AXIAL = (42, 82, 164)
@@ -26,7 +23,6 @@ SHOWN = {"rocking_angle": ("urad", 1e6), "lateral_displacement": ("nm", 1e9)}
 
 def half_turn(folder, axial, changes):
     """Results on so many axial cells."""
-    path = find_case("numerical_example")
     grid = [AROUND, axial]
     ours = [
         ("time.stop", "180 deg"),
@@ -34,10 +30,8 @@ def half_turn(folder, axial, changes):
         ("participants.bodies.build.grid", grid),
         ("participants.ehd.build.grid", grid),
     ]
-    tree = read_tree(path, [*ours, *changes])
     output = Path(folder) / f"{axial}.h5"
-    case = check_case(tree, path)
-    run(open_system(case, path.parent, lambda text: None), case, tree, output)
+    run_of("numerical_example", [*ours, *changes], output)
     return Results(output)
 
 

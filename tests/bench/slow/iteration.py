@@ -7,38 +7,23 @@ one kind after a run of the other in one process, the best of several.
 
 import os
 import sys
-import tempfile
-from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
-from piston_cosim.master.runs import run as running
+from piston_cosim.tests.verification.cases import coupling
+from piston_cosim.tests.verification.cases.coupling import modes_a_body
 
 STOP, CELLS, MODES, PASSES = "180 deg", 40, (0, 60), 3
+PARTICIPANTS = ("bodies", "ehd")
 COUNTS = ("residual_evaluations", "derivative_products")
-
-
-def case_of(modes, native):
-    """Case, its tree and its path."""
-    path = find_case("numerical_example")
-    own = {f"participants.bodies.build.{body}.modes": modes for body in ("piston", "block")}
-    own |= {f"participants.{name}.build.grid": [CELLS, CELLS] for name in ("bodies", "ehd")}
-    tree = read_tree(
-        path, [*own.items(), ("time.stop", STOP), ("record.fields", []), ("native", native)]
-    )
-    return check_case(tree, path), tree, path
 
 
 def summary_of(modes, native):
     """Of a run whose participants are of a kind, with the time inside [s]."""
-    case, tree, path = case_of(modes, native)
-    with tempfile.TemporaryDirectory() as folder:
-        system = open_system(case, path.parent, lambda text: None)
-        summary = running.run(system, case, tree, Path(folder) / "run.h5")
-    return summary | {"inside": sum(summary[f"wall_time_{n}_s"] for n in case.participants)}
+    grids = [(f"participants.{name}.build.grid", [CELLS, CELLS]) for name in PARTICIPANTS]
+    rest = ("time.stop", STOP), ("record.fields", []), ("native", native)
+    summary = coupling.summary_of("numerical_example", *modes_a_body(modes), *grids, *rest)
+    return summary | {"inside": sum(summary[f"wall_time_{name}_s"] for name in PARTICIPANTS)}
 
 
 def line(name, summaries):

@@ -49,6 +49,7 @@ from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
 
 from .checks import Check, at_most, compared, conserved
+from .motored import film_after
 
 Checks = Iterator[Check]
 SPARSE = "independent sparse solution"
@@ -102,11 +103,8 @@ def bearing(shape: tuple[int, int], length: float, **changes: Any) -> Lubricatio
 
 def steady(model: LubricationModel, film_thickness: Array, speed: float = SPEED) -> dict[str, Any]:
     """Outputs of a steady film under a journal that turns."""
-    still = np.zeros(model.grid.shape)
-    turning = np.full(model.grid.shape, speed)
-    state, _ = model.start(film_thickness, still, turning)
-    _, outputs = model.advance(state, film_thickness, still, STEADY, turning)
-    return outputs
+    films = [film_thickness] * 2
+    return film_after(model.parameters, films, step=STEADY, turning=speed).outputs
 
 
 def eccentric(shape: tuple[int, int], eccentricity: float) -> Array:
@@ -206,14 +204,10 @@ def squeezed(ratio: float, e: float, rate: float) -> float:
     """F on a journal that nears its shell with de/dt = `rate` [1/s], alone [N]."""
     shape = (120, 24)
     step = 1e-5
-    model = bearing(shape, 2.0 * RADIUS * ratio)
-    still = np.zeros(shape)
+    parameters = bearing(shape, 2.0 * RADIUS * ratio).parameters
     past = e - 6.0 * step * rate
-    state, outputs = model.start(eccentric(shape, past), still, still)
-    for k in range(1, 7):
-        state, outputs = model.advance(
-            state, eccentric(shape, past + k * step * rate), still, step, still
-        )
+    films = [eccentric(shape, past + k * step * rate) for k in range(7)]
+    outputs = film_after(parameters, films, step=step).outputs
     return float(np.hypot(*journals.film_force(outputs["nodal_pressure_force"])))
 
 

@@ -20,9 +20,19 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+from rich.table import Table
 
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.system import open_system
+from piston_cosim.master.fmi.archive import unpack
+from piston_cosim.master.fmi.builder_native import too_old
+from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.quantities import to_si
 from piston_cosim.master.fmi.requirements import PACKAGES
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.run import run
 
 WATCHED = (
     "lateral_displacement",
@@ -354,8 +364,6 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
     ------
     Trial
     """
-    from piston_cosim.master.fmi.archive import unpack
-
     folder = unpack(fmu)
     needed = () if (Path(folder) / NATIVE).exists() else PACKAGES
     arguments = (fmu, folder, count, repr(step), json.dumps(WATCHED))
@@ -384,8 +392,6 @@ def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
 
 def _ask_host(folder, count, step):
     """Rows that host.c prints, compiled here; words where it fails."""
-    from piston_cosim.master.fmi.compiler import compiler
-
     if not (cc := compiler()):
         return f"{NOT_INSTALLED}: a C compiler (cc, or $CC)"
     root = ElementTree.parse(Path(folder) / "modelDescription.xml").getroot()
@@ -406,8 +412,13 @@ def _ask_host(folder, count, step):
         words += [known[name] for name in WATCHED]
         done = subprocess.run([*map(str, words)], capture_output=True, text=True, cwd="/")
     if done.returncode:
-        return f"{FAILED} ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
+        return _failure(done)
     return np.array([line.split() for line in done.stdout.splitlines()], dtype=float)
+
+
+def _failure(done):
+    """Words on a process that failed, with the last line of its error."""
+    return f"{FAILED} ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
 
 
 def _ask(python, script, *arguments):
@@ -422,7 +433,7 @@ def _ask(python, script, *arguments):
         cwd="/",
     )
     if done.returncode:
-        return f"{FAILED} ({done.returncode}): {(done.stderr.strip().splitlines() or [''])[-1]}"
+        return _failure(done)
     lines = done.stdout.strip().splitlines() or ["nothing"]
     for line in lines:
         if line.startswith(MARK):
@@ -471,6 +482,13 @@ def judged(trial, reference):
     return ("ok" if seen == "no problem" else "FAIL"), seen
 
 
+def _shipped(changes):
+    """Path, tree and case of the numerical example with changes."""
+    path = find_case("numerical_example")
+    tree = read_tree(path, changes)
+    return path, tree, check_case(tree, path)
+
+
 def engine(changes, versions, say, folder):
     """What a run of the numerical example writes, and its engine FMUs.
 
@@ -494,12 +512,7 @@ def engine(changes, versions, say, folder):
     step : float
         Of the case [s].
     """
-    from piston_cosim.master.case.checked import check_case
-    from piston_cosim.master.case.export import export_fmu
-    from piston_cosim.master.case.reading import find_case, read_tree
-
-    path = find_case("numerical_example")
-    case = check_case(read_tree(path, changes), path)
+    path, _, case = _shipped(changes)
     reference = shipped_run(changes, say, folder / "run.h5")
     fmus = {version: export_fmu(case, path.parent, say, version) for version in versions}
     return reference, fmus, float(reference[1, 0])
@@ -517,18 +530,11 @@ def native_engine(changes, versions, say):
     -------
     dict of str to Path
     """
-    from piston_cosim.master.case.checked import check_case
-    from piston_cosim.master.case.export import export_fmu
-    from piston_cosim.master.case.reading import find_case, read_tree
-    from piston_cosim.master.fmi.builder_native import too_old
-    from piston_cosim.master.fmi.compiler import compiler
-
     lacking = too_old() if compiler() else ["a C compiler is needed, for Linux on x86-64"]
     if lacking:
         say(f"native FMUs are not tested: {'; '.join(lacking)}")
         return {}
-    path = find_case("numerical_example")
-    case = check_case(read_tree(path, changes), path)
+    path, _, case = _shipped(changes)
     return {
         version: export_fmu(case, path.parent, say, version, ("linux64",)) for version in versions
     }
@@ -551,15 +557,7 @@ def shipped_run(changes, say, file):
     ndarray, shape (steps + 1, 1 + outputs)
         Time [s] and the watched outputs.
     """
-    from piston_cosim.master.case.checked import check_case
-    from piston_cosim.master.case.reading import find_case, read_tree
-    from piston_cosim.master.case.system import open_system
-    from piston_cosim.master.results.file import Results
-    from piston_cosim.master.runs.run import run
-
-    path = find_case("numerical_example")
-    tree = read_tree(path, changes)
-    case = check_case(tree, path)
+    path, tree, case = _shipped(changes)
     system = open_system(case, path.parent, say)
     say(f"reference run with steps of {system.step:.12g} s")
     run(system, case, tree, file)
@@ -592,11 +590,7 @@ def in_whole_ticks(changes, step, tick):
     step : float
         Their length [s].
     """
-    from piston_cosim.master.case.checked import check_case
-    from piston_cosim.master.case.reading import find_case, read_tree
-
-    path = find_case("numerical_example")
-    time = check_case(read_tree(path, changes), path).time
+    time = _shipped(changes)[-1].time
     ticked = tick * round(step / tick)
     longer = [
         (f"time.{key}", f"{to_si(getattr(time, key), 'rad') * ticked / step!r} rad")
@@ -608,10 +602,6 @@ def in_whole_ticks(changes, step, tick):
 
 def verify_importers(console, say, changes=()):
     """Print how far every importer is from `run` on the shipped case; returns how many failed."""
-    from rich.table import Table
-
-    from piston_cosim.master.fmi.compiler import compiler
-
     pythons = [sys.executable, *filter(None, os.environ.get("PISTON_COSIM_PYTHONS", "").split(":"))]
     failed = 0
     table = Table("", "FMI", "importer", "version", "Python", "distance from run", box=None)

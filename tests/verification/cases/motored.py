@@ -55,6 +55,50 @@ def motored_film(shape: tuple[int, int], time: float) -> SkirtMotion:
     return SkirtMotion(film, np.full(shape, velocity))
 
 
+class FilmRun(NamedTuple):
+    """Model, state and outputs after the last step."""
+
+    model: LubricationModel
+    state: Memory
+    outputs: dict[str, Any]
+
+
+def film_after(
+    parameters: Parameters,
+    films: Iterable[Array | float],
+    velocity: Array | float = 0.0,
+    step: float = 1e-4,
+    turning: Array | float = 0.0,
+    **conditions: Any,
+) -> FilmRun:
+    """Run a film between surfaces with constant velocities.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    films : iterable of float or ndarray
+        Film thickness at the start and at the end of each step [m].
+    velocity, turning : float or ndarray
+        Axial and circumferential velocity [m/s].
+    step : float
+        Length of a step [s].
+    **conditions
+        As for `LubricationModel.advance`.
+    """
+    model = LubricationModel(parameters)
+
+    def field(values: Array | float) -> Array:
+        return np.array(np.broadcast_to(values, parameters.shape), dtype=float)
+
+    first, *others = map(field, films)
+    state, outputs = model.start(first, field(velocity), field(turning), **conditions)
+    for film in others:
+        state, outputs = model.advance(
+            state, film, field(velocity), step, field(turning), **conditions
+        )
+    return FilmRun(model, state, outputs)
+
+
 def motored(parameters: Parameters, steps: int) -> MotoredRun:
     """The first `steps` degrees of the motored skirt."""
     return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)

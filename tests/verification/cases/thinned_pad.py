@@ -5,9 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil, thinning
 from piston_cosim.fmu_ehd.parameters import Parameters
+
+from .motored import film_after
 
 LENGTH, INLET, OUTLET = 10e-3, 4e-6, 2e-6  # [m]
 TEMPERATURE = 373.15  # [K]
@@ -74,9 +75,5 @@ def generalised_newtonian_load(oil: Oil, speed: float, cells: int = 200) -> floa
 def model_load(oil: Oil, speed: float, cells: int = 200) -> float:
     """Return the load of the film model [N/m]."""
     parameters = Parameters((2, cells), oil=oil, bore_radius=0.5 / np.pi, skirt_length=LENGTH)
-    model = LubricationModel(parameters)
     film = INLET + (OUTLET - INLET) * (np.arange(cells) + 0.5) / cells
-    inputs = np.tile(film, (2, 1)), np.full((2, cells), -speed)
-    state, _ = model.start(*inputs)
-    _, outputs = model.advance(state, *inputs, 1e-3)
-    return outputs["nodal_pressure_force"].sum()
+    return film_after(parameters, [film] * 2, -speed, 1e-3).outputs["nodal_pressure_force"].sum()
