@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.balance import oil_layer
 from piston_cosim.fmu_ehd.balance.grid import LOWER, UPPER
@@ -15,13 +13,13 @@ from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.master.fmi.noted import none_yet
+from piston_cosim.tests.verification.cases import reciprocating
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
-    SkirtMotion,
-    central_difference,
     film_after,
     motored_film,
     opening,
+    tangent_error,
 )
 
 SHAPE = (12, 10)
@@ -239,14 +237,8 @@ def test_the_tangent_with_a_limited_inflow(degrees, open_cells):
     for k in range(1, degrees + 1):
         state, _ = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)
     inputs = motored_film(SHAPE, (degrees + 0.7) * DEGREE)
-    rng = np.random.default_rng(0)
-    change = SkirtMotion(1e-6 * rng.standard_normal(SHAPE), rng.standard_normal(SHAPE))
-    difference = central_difference(model, state, inputs, change)
-    assert difference is not None
-    model.advance(state, *inputs, 0.7 * DEGREE)
-    for tangent, reference in zip(model.tangent(*change), difference):
-        # third derivative times the difference squared; no pressure at all at 200 deg
-        assert np.abs(tangent - reference).max() <= 1e-7 * np.abs(reference).max()
+    # third derivative times the difference squared; no pressure at all at 200 deg
+    assert tangent_error(model, state, inputs, directions=1) <= 1e-7
 
 
 # ---- by hand: 4 cells of 1 mm around 1 m of bore, skirt of 4 cells
@@ -450,41 +442,14 @@ def test_what_does_not_go_with_oil_from_the_bore_is_told():
     assert faults(Parameters(oil_supply="bore")) == []
 
 
-def parabola_on_a_layer(layer, speed, viscosity):
-    """Load of a steady parabolic skirt, film 8 um + 20 um x^2 with -1 < x < 1 over 20 mm [N/m].
-
-    The flow is speed * layer. The pressure gradient 6 mu V (h - 2 layer) / h^3 is zero at the end
-    of the full zone, and its integral over the zone as well.
-    """
-    half = 10e-3
-
-    def gradient(x):
-        h = 8e-6 + 20e-6 * x * x
-        return 6.0 * viscosity * speed * (h - 2.0 * layer) / h**3 * half
-
-    end = np.sqrt((2.0 * layer - 8e-6) / 20e-6)
-    begin = brentq(lambda x: quad(gradient, x, end, epsabs=1e-3)[0], -0.9999, -end)
-    return -half * quad(lambda x: (x - end) * gradient(x), begin, end)[0]
-
-
 @pytest.mark.parametrize("cells, error", [(40, 0.05), (80, 0.013)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_parabola_on_a_thin_layer(cells, error, sign):
     """Measured: up to -4.6 and -1.2 %, of second order in the cell."""
     speed = 5.0
+    step = 2.0 * reciprocating.LENGTH / cells / speed
     for layer in (4.2e-6, 4.3e-6, 4.35e-6):
-        p = Parameters(
-            (2, cells),
-            oil_supply="bore",
-            initial_oil_layer=layer,
-            initial_film_fraction=0.1,
-            bore_radius=0.5 / np.pi,
-            skirt_length=20e-3,
-            stroke=0.35,
-            chamfer_capacity=1e-7,
-        )
-        film = 8e-6 + 20e-6 * (2.0 * (np.arange(cells) + 0.5) / cells - 1.0) ** 2
-        step = 2.0 * 20e-3 / cells / speed
+        p, film = reciprocating.skirt(cells, layer, 0.1, 0.35)
         _, _, outputs = slide(p, film, -sign * speed, step, 6 * cells)
-        exact = parabola_on_a_layer(layer, speed, p.oil.viscosity)
+        exact = reciprocating.steady_load(layer, speed / 2.0)
         assert outputs["nodal_pressure_force"].sum() == pytest.approx(exact, rel=error)

@@ -12,8 +12,8 @@ from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     UNEVEN,
     SkirtMotion,
-    central_difference,
     motored_film,
+    motored_tangent_error,
     motored_until,
     tangent_error,
 )
@@ -128,7 +128,7 @@ def test_the_volumes_that_pass_the_faces_are_those_that_cells_gain():
 def test_the_tangent_of_a_starved_film_holds_the_lift():
     # while nothing switches; third derivative times the difference squared
     starved = Parameters((12, 10), film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8)
-    assert tangent_error(starved) <= 1e-8
+    assert motored_tangent_error(starved) <= 1e-8
 
 
 def test_the_tangent_holds_with_a_front_in_the_film():
@@ -140,16 +140,10 @@ def test_the_tangent_holds_with_a_front_in_the_film():
     for k in range(120):
         supply = FULLER if k > 90 else EMPTY
         state, _ = model.advance(state, *inputs, UNEVEN, film_fraction_lower_edge=supply)
-    rng = np.random.default_rng(1)
-    change = SkirtMotion(1e-6 * rng.standard_normal(p.shape), rng.standard_normal(p.shape))
-    difference = central_difference(model, state, inputs, change)
-    assert difference is not None
-    model.advance(state, *inputs, UNEVEN)
+    # third derivative times the difference squared
+    assert tangent_error(model, state, inputs) <= 1e-7
     fraction = (state.film.content / wedge)[0]
     assert fraction.max() - fraction.min() > 0.5  # front and full film, both there
-    for tangent, reference in zip(model.tangent(*change), difference):
-        # third derivative times the difference squared
-        assert np.abs(tangent - reference).max() <= 1e-7 * np.abs(reference).max()
 
 
 def test_a_velocity_that_jumps_leaves_no_debt_of_oil():

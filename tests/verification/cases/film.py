@@ -38,7 +38,7 @@ from piston_cosim.fmu_ehd.parameters import Parameters
 
 from . import bearings
 from .checks import Check, at_most, compared, conserved, ordered
-from .motored import DEGREE, motored, motored_until, physics, tangent_error
+from .motored import DEGREE, motored, motored_tangent_error, motored_until, physics
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it
 SECOND_ORDER = "second order in the cell size"
@@ -609,7 +609,7 @@ def motored_checks() -> Checks:
         yield at_most(
             "Motored skirt 12x10, tangent compared with central differences",
             f"largest error, {name} [-]",
-            tangent_error(Parameters((12, 10), **changes)),
+            motored_tangent_error(Parameters((12, 10), **changes)),
             1e-7,
             source="definition",
             reason="third derivative times the difference squared",

@@ -2,7 +2,7 @@
 share.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from piston_cosim.fmu_ehd.step import Memory
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
 UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
+FORCES = ("nodal_pressure_force", "nodal_friction_force", "nodal_circumferential_force")
 
 
 class SkirtMotion(NamedTuple):
@@ -118,59 +119,69 @@ def motored_until(parameters: Parameters, ends: Iterable[float]) -> MotoredRun:
     return MotoredRun(model, state, history)
 
 
-def central_difference(
+def _central_difference(model, state, inputs, change, step) -> list[Array] | None:
+    """Central difference of the nodal forces along a change of the inputs at the end of a step.
+
+    None if a cell switches between full and cavitated meanwhile: there is no derivative then.
+    """
+    size = 1e-5
+    ends = []
+    for by in (size, -size):
+        film, sliding, *turning = (one + by * moved for one, moved in zip(inputs, change))
+        ends.append(model.advance(state, film, sliding, step, *turning))
+    (ahead_state, ahead), (behind_state, behind) = ends
+    if not np.array_equal(ahead_state.film.unknown > 0.0, behind_state.film.unknown > 0.0):
+        return None
+    return [(ahead[name] - behind[name]) / (2.0 * size) for name, _ in zip(FORCES, inputs)]
+
+
+def tangent_error(
     model: LubricationModel,
     state: Memory,
-    inputs: SkirtMotion,
-    change: SkirtMotion,
-    size: float = 1e-5,
-) -> list[Array] | None:
-    """Central difference of both force fields along a change of (film_thickness, sliding_velocity)
-    at the end of a step.
-
-    Returns
-    -------
-    list of ndarray or None
-        None if a cell switches between full and cavitated meanwhile: there is no derivative then.
-    """
-
-    def shifted(by: float) -> tuple[Memory, dict[str, Any]]:
-        film = inputs.film_thickness + by * change.film_thickness
-        velocity = inputs.sliding_velocity + by * change.sliding_velocity
-        return model.advance(state, film, velocity, UNEVEN)
-
-    forward_state, forward = shifted(size)
-    backward_state, backward = shifted(-size)
-    if not np.array_equal(forward_state.film.unknown > 0.0, backward_state.film.unknown > 0.0):
-        return None
-    return [
-        (forward[name] - backward[name]) / (2.0 * size)
-        for name in ("nodal_pressure_force", "nodal_friction_force")
-    ]
-
-
-def tangent_error(parameters: Parameters, steps: int = 100, seed: int = 0) -> float:
+    inputs: Sequence[Array],
+    step: float = UNEVEN,
+    directions: int = 3,
+) -> float:
     """Largest difference of tangent and central difference, relative to the largest entry, over
     directions without switching.
+
+    Parameters
+    ----------
+    model : LubricationModel
+    state : Memory
+        At the beginning of a step.
+    inputs : sequence of ndarray
+        Film thickness, sliding velocity and, of a bearing, circumferential velocity at its end.
+    step : float
+        Its length [s].
+    directions : int
+        Number of directions.
     """
-    model, state, _ = motored(parameters, steps)
-    shape = parameters.shape
-    inputs = motored_film(shape, steps * DEGREE + UNEVEN)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     worst = 0.0
-    tried = 0
-    while tried < 3:
-        change = SkirtMotion(1e-6 * rng.standard_normal(shape), rng.standard_normal(shape))
-        difference = central_difference(model, state, inputs, change)
+    for _ in range(100):
+        change = [
+            size * rng.standard_normal(model.grid.shape)
+            for size, _ in zip((1e-6, 1.0, 1.0), inputs)
+        ]
+        difference = _central_difference(model, state, inputs, change, step)
         if difference is None:
             continue
-        tried += 1
-        model.advance(state, inputs.film_thickness, inputs.sliding_velocity, UNEVEN)
-        tangents = model.tangent(change.film_thickness, change.sliding_velocity)
-        for tangent, reference in zip(tangents, difference):
-            error = np.abs(tangent - reference).max() / np.abs(reference).max()
-            worst = np.maximum(worst, error)  # keeps a NaN
-    return worst
+        directions -= 1
+        film, sliding, *turning = inputs
+        model.advance(state, film, sliding, step, *turning)
+        for tangent, reference in zip(model.tangent(*change), difference):
+            largest = max(np.abs(reference).max(), np.finfo(float).tiny)
+            worst = np.maximum(worst, np.abs(tangent - reference).max() / largest)  # keeps a NaN
+        if directions == 0:
+            return worst
+    raise RuntimeError("too few directions without switching")
+
+
+def motored_tangent_error(parameters: Parameters) -> float:
+    """`tangent_error` of the motored skirt after 100 degrees."""
+    model, state, _ = motored(parameters, 100)
+    return tangent_error(model, state, motored_film(parameters.shape, 100 * DEGREE + UNEVEN))
 
 
 def opening(shape: tuple[int, int]) -> Flags:

@@ -119,35 +119,43 @@ def independent_load(cells: int = 200) -> np.ndarray:
     return 2.0 * load(2 * cells) - load(cells)
 
 
-def steady_load() -> float:
+def steady_load(layer: float = EVEN_LAYER, speed: float = SPEED) -> float:
     """Return the closed form of the load of a skirt that slides evenly on an endless layer [N/m].
 
-    The full zone ends where the gap equals the content of the layer.
+    The full zone ends where the gap equals the content of the layer [m]. The speed is that of
+    entrainment [m/s].
     """
 
     def slope(z):
         h = MINIMUM + RISE * (2.0 * z / LENGTH - 1.0) ** 2
-        return 12.0 * VISCOSITY * SPEED * (h - 2.0 * EVEN_LAYER) / h**3
+        return 12.0 * VISCOSITY * speed * (h - 2.0 * layer) / h**3
 
-    last = LENGTH / 2.0 * (1.0 + np.sqrt((2.0 * EVEN_LAYER - MINIMUM) / RISE))
+    last = LENGTH / 2.0 * (1.0 + np.sqrt((2.0 * layer - MINIMUM) / RISE))
     first = brentq(lambda z: quad(slope, z, last)[0], 0.0, LENGTH - last)
     return -quad(lambda z: slope(z) * z, first, last)[0]
 
 
-def model_load(cells: int, steps: int) -> np.ndarray:
-    """Return the load of the second revolution from the film model [N/m]."""
+def skirt(
+    cells: int, layer: float, fraction: float, stroke: float
+) -> tuple[Parameters, np.ndarray]:
+    """Return parameters and film thickness of a skirt 1 m wide on a layer of oil."""
     parameters = Parameters(
         (2, cells),
         oil_supply="bore",
-        initial_oil_layer=LAYER,
-        initial_film_fraction=FRACTION,
+        initial_oil_layer=layer,
+        initial_film_fraction=fraction,
         bore_radius=0.5 / np.pi,
         skirt_length=LENGTH,
-        stroke=2.0 * LENGTH + 2e-3,
+        stroke=stroke,
         chamfer_capacity=1e-7,
     )
+    return parameters, np.tile(gap(LENGTH * (np.arange(cells) + 0.5) / cells), (2, 1))
+
+
+def model_load(cells: int, steps: int) -> np.ndarray:
+    """Return the load of the second revolution from the film model [N/m]."""
+    parameters, film = skirt(cells, LAYER, FRACTION, 2.0 * LENGTH + 2e-3)
     model = LubricationModel(parameters)
-    film = np.tile(gap(LENGTH * (np.arange(cells) + 0.5) / cells), (2, 1))
     state, _ = model.start(film, np.zeros((2, cells)))
     load = []
     for k in range(1, 2 * steps + 1):
