@@ -194,21 +194,3 @@ def test_the_step_after_a_start_from_a_steady_film_is_steady():
         assert outputs["nodal_pressure_force"] == pytest.approx(
             first["nodal_pressure_force"], rel=1e-9
         )
-
-
-def test_a_film_that_falls_into_contact_and_comes_back_in_jumping_steps():
-    model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
-    film, velocity = motored_film(SHAPE, 0.0)
-    state, _ = model.start(film, velocity)
-    rng = np.random.default_rng(2)
-    for _ in range(200):
-        sinking = film - rng.choice([0.0, 2e-5], p=[0.7, 0.3]) * rng.random(
-            SHAPE
-        )  # down to 15 um of overlap
-        step = DEGREE * 10.0 ** rng.uniform(-2.0, 2.0)
-        state, outputs = model.advance(state, sinking, velocity * rng.choice([-1.0, 1.0]), step)
-        assert (
-            outputs["film_fraction"].min() >= -1e-15
-            and outputs["film_fraction"].max() <= 1.0 + 1e-12
-        )
-        assert outputs["mass_imbalance"] <= 1e-12

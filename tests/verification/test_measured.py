@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from piston_cosim.tests.verification.cases import measured
-from piston_cosim.tests.verification.cases.diaphragm import diaphragm_mesh
+from piston_cosim.tests.verification.cases.elastic_parts import diaphragm_mesh
 
 
 def shares(name, **only):

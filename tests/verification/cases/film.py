@@ -78,25 +78,6 @@ class OscillatingSqueeze(NamedTuple):
     pressure: float
 
 
-class PocketSlider(NamedTuple):
-    """flow [m2/s]; reformation: distance from the inlet [m]; peak [Pa]; load: per width above
-    ambient [N/m].
-    """
-
-    flow: float
-    reformation: float
-    peak: float
-    load: float
-
-
-class ParabolicSlider(NamedTuple):
-    """Exit x*/L, highest pressure and load [-]."""
-
-    exit: float
-    peak: float
-    load: float
-
-
 class RandomFilms(NamedTuple):
     """failures: steps that did not converge or left the range of film fraction; iterations: most
     factorisations in a step; imbalance: largest mass imbalance.
@@ -375,9 +356,14 @@ def step_order_checks() -> Checks:
 # ---- cavitation in sliding
 
 
-def pocket_slider(cells: int, sliding: float = 1.0) -> PocketSlider:
+def pocket_slider(cells: int, sliding: float = 1.0) -> tuple[float, ...]:
     """Mass-conserving pocket slider, 20 mm long with a pocket from 2 to 5 mm seen from the
     inlet.
+
+    Returns
+    -------
+    flow [m2/s], distance of the reformation from the inlet [m], highest pressure [Pa] and load per
+    width above ambient [N/m].
     """
     length = 20e-3
     ambient = 100e3
@@ -400,7 +386,7 @@ def pocket_slider(cells: int, sliding: float = 1.0) -> PocketSlider:
     # where the straight pressure behind the front meets zero
     reformation = (front + 1.5 - share) * length / cells
     load = (p - ambient).sum() * length / cells
-    return PocketSlider(abs(film.edge_flow[LOWER]), reformation, p.max(), load)
+    return abs(film.edge_flow[LOWER]), reformation, p.max(), load
 
 
 def pocket_slider_checks() -> Checks:
@@ -414,8 +400,10 @@ def pocket_slider_checks() -> Checks:
         yield from compared(case, rows, CLOSED_FORM, reason)
 
 
-def parabolic_slider(cells: int, curvature: float) -> ParabolicSlider:
-    """Slider h = 1 + c (2x - 1)^2 under the Reynolds condition, in units of 1."""
+def parabolic_slider(cells: int, curvature: float) -> tuple[float, float, float]:
+    """Exit x*/L, highest pressure and load [-] of the slider h = 1 + c (2x - 1)^2, in units of 1,
+    under the Reynolds condition.
+    """
     grid = Grid((1, cells), 1.0, 1.0)
     h = 1.0 + curvature * (2.0 * centres(cells)[None] - 1.0) ** 2
     p = steady(grid, h, 1.0, 1.0, model="reynolds").pressure[0]
@@ -423,10 +411,10 @@ def parabolic_slider(cells: int, curvature: float) -> ParabolicSlider:
     # p ends as (x* - x)^2, so sqrt(p) is straight there
     a = np.sqrt(p[last - 2])
     b = np.sqrt(p[last - 1])
-    return ParabolicSlider((last - 1 + 0.5 + b / (a - b)) / cells, p.max(), p.mean())
+    return (last - 1 + 0.5 + b / (a - b)) / cells, p.max(), p.mean()
 
 
-def parabolic_slider_exact(curvature: float) -> ParabolicSlider:
+def parabolic_slider_exact(curvature: float) -> tuple[float, float, float]:
     """The same by quadrature.
 
     Eq. (V2):  dp/dx = 6 (h - h*) / h^3,   h* = h(x*),   x* from p(x*) = 0
@@ -444,7 +432,7 @@ def parabolic_slider_exact(curvature: float) -> ParabolicSlider:
 
     end: Any = brentq(lambda x: pressure(x, x), 0.501, 0.95, xtol=1e-13)
     load, _ = quad(pressure, 0.0, end, args=(end,), epsabs=1e-11)
-    return ParabolicSlider(end, pressure(1.0 - end, end), load)
+    return end, pressure(1.0 - end, end), load
 
 
 def parabolic_slider_checks() -> Checks:

@@ -24,8 +24,7 @@ from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.quantities import from_si, to_si
-from piston_cosim.tests.verification.cases.diaphragm import ShellModes, diaphragm
-from piston_cosim.tests.verification.cases.steel_journal import steel_journal
+from piston_cosim.tests.verification.cases.elastic_parts import ShellModes, elastic_modes
 
 FOLDER = Path(__file__).parents[3] / "models" / "measured"
 ANGLE = "angle [deg]"
@@ -226,11 +225,7 @@ def _modes(part: str, build: str) -> ShellModes:
     one = json.loads(build)
     radius, length = (to_si(one["film"][name], "m") for name in ("bore_radius", "skirt_length"))
     film = ShellFilm(tuple(one["grid"]), length, one[part]["modes"])
-    return ELASTIC[part](one[part], radius, film)
-
-
-ELASTIC = {"diaphragm": diaphragm, "journal": steel_journal}
-"""Parts of a bearing whose modes are made here."""
+    return elastic_modes(part, one[part], radius, film)
 
 
 def _within(degrees: Array, first: float, last: float, height: Array, width: float) -> Flags:

@@ -1,6 +1,8 @@
-"""Elastic diaphragm in the shell of a bearing, for `models/measured/freund_1995`.
+"""Elastic parts of measured bearings, made here.
 
-A slot along the axis bounds the diaphragm at angle 0. The shell is rigid elsewhere.
+diaphragm    in the shell, for `models/measured/freund_1995`: a slot along the axis bounds it at
+             angle 0, and the shell is rigid elsewhere
+journal      for `models/measured/sander_2016`: a ring whose hole is held
 """
 
 from typing import Any, NamedTuple
@@ -8,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from piston_cosim.fmu_ehd.balance.grid import Array
+from piston_cosim.fmu_mfbd.finite_elements.connections import outer_faces
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh
 from piston_cosim.fmu_mfbd.finite_elements.ring import BORE, HELD, Ring, ring_mesh
@@ -27,24 +30,39 @@ class ShellModes(NamedTuple):
     onward: Array
 
 
-def diaphragm(table: dict[str, Any], radius: float, film: ShellFilm) -> ShellModes:
-    """Return the modes of the diaphragm of a case on the grid of its film.
+def elastic_modes(part: str, table: dict[str, Any], radius: float, film: ShellFilm) -> ShellModes:
+    """Return the modes of a part of a bearing on the grid of its film.
 
     Parameters
     ----------
+    part : {"diaphragm", "journal"}
     table : dict
-        Table `diaphragm` of case.toml.
+        Its table in case.toml.
     radius : float
-        Of the bore [m].
+        Of the film [m].
     film : ShellFilm
     """
-    young, poisson = to_si(table["young"], "Pa"), table["poisson"]
-    body = assembled(diaphragm_mesh(table, radius, film.length), young, poisson, DENSITY)
-    reduced = reduce_shell(body, film, lambda text: None, kind=ShellKind("diaphragm"))
+    is_journal = part == "journal"
+    mesh = (journal_mesh if is_journal else diaphragm_mesh)(table, radius, film.length)
+    body = assembled(mesh, to_si(table["young"], "Pa"), table["poisson"], DENSITY)
+    reduced = reduce_shell(body, film, lambda text: None, kind=ShellKind(part))
+    if is_journal:
+        # inwards it opens the film, and friction on it is opposite to that on the shell
+        return ShellModes(reduced.omega, -reduced.outward, -reduced.onward)
     outward = reduced.outward.copy()
     # half of the cell of the slot is on the rigid side; the oil flows in at the free edge
     outward[0] = 2.0 * outward[1] - outward[2]
     return ShellModes(reduced.omega, outward, reduced.onward)
+
+
+def journal_mesh(table: dict[str, Any], radius: float, length: float) -> Mesh:
+    """Return the mesh of a journal, whose own length is not that of its film."""
+    hole, own = to_si(table["hole"], "m"), to_si(table["length"], "m")
+    ring = ring_mesh(Ring(hole, radius, own, 2 * np.pi, tuple(table["cells"])))
+    faces = outer_faces(ring.tets)
+    outside = np.hypot(*ring.points[:, :2].T) > radius * (1.0 - 1e-9)
+    surfaces = {BORE: faces[outside[faces].all(axis=1)], HELD: ring.faces[BORE]}
+    return Mesh(ring.points, ring.tets, surfaces)
 
 
 def diaphragm_mesh(table: dict[str, Any], radius: float, length: float) -> Mesh:
@@ -60,9 +78,8 @@ def diaphragm_mesh(table: dict[str, Any], radius: float, length: float) -> Mesh:
     angle = np.arctan2(y, x)
     inner = np.abs(z) < length / 4 - SMALL
     half = first + (last - first) * np.clip(angle / end, 0.0, 1.0)
-    stations = np.stack([half, np.full_like(half, length / 2)])
     near = 4 * np.abs(z) / length
-    moved = np.where(near < 1.0, near * half, half + (near - 1.0) * (stations[1] - half))
+    moved = np.where(near < 1.0, near * half, half + (near - 1.0) * (length / 2 - half))
     points = np.stack([x, y, np.sign(z) * moved], axis=1)
 
     # nodes of the slot twice: the held ones, and those of the free edge
