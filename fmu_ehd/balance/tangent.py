@@ -107,17 +107,24 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
 
 
 @compiled(inline="always")
-def _add_edge(cell, pressure, entering, sign, aspect, width, row, slopes, du, centre, i, j):
-    """Add the derivatives of the flow over an edge of cell (i, j) to the centre of both stencils.
+def _edge_slopes(cell, pressure, entering, sign, aspect, width):
+    """Return the derivatives of the flow over an edge of a cell, whose film stands on both sides.
 
     sign : -1 if the flow counts into the cell, 1 if it counts out of it.
     """
     beyond = Side(cell.conductivity, cell.transport, cell.velocity, pressure, entering)
     a, b = (beyond, cell) if sign < 0.0 else (cell, beyond)
-    q = _flow_slopes(a, b, aspect, width)
-    of_film, of_velocity = _of_cell(
-        q.g_a + q.g_b, q.t_a + q.t_b, 2.0 * q.velocity, row, slopes, du, i, j
-    )
+    return _flow_slopes(a, b, aspect, width)
+
+
+@compiled(inline="always")
+def _add_edge(q, sign, row, slopes, du, centre, i, j):
+    """Add the derivatives of the flow over an edge, `FlowSlopes` q, to the centre of both stencils.
+
+    sign : as in `_edge_slopes`; row : of the conductivity in `films`.
+    """
+    g, t, velocity = q.g_a + q.g_b, q.t_a + q.t_b, 2.0 * q.velocity
+    of_film, of_velocity = _of_cell(g, t, velocity, row, slopes, du, i, j)
     centre[BY_FILM, i, j] += sign * of_film
     centre[BY_VELOCITY, i, j] += sign * of_velocity
 
@@ -140,10 +147,8 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
             face = 0 if edge == LOWER else n_a
             if -sign * dx * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
                 entering = 0.0  # a given inflow follows neither film nor velocity
-            beyond = edges.pressure[edge]
-            _add_edge(
-                cell, beyond, entering, sign, aspect, dx, CONDUCTIVITY_A, slopes, du, centre, i, j
-            )
+            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dx)
+            _add_edge(q, sign, CONDUCTIVITY_A, slopes, du, centre, i, j)
     if ring:
         return
     g = film[CONDUCTIVITY_C]
@@ -153,10 +158,9 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
     for j in range(n_a):
         for edge, i, sign in ((FIRST, 0, -1.0), (LAST, n_c - 1, 1.0)):
             cell = _side(g, t, u, pressure, fraction, i, j)
-            beyond, entering = edges.pressure[edge], edges.film_fraction[edge]
-            _add_edge(
-                cell, beyond, entering, sign, aspect, dy, CONDUCTIVITY_C, slopes, du, centre, i, j
-            )
+            entering = edges.film_fraction[edge]
+            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dy)
+            _add_edge(q, sign, CONDUCTIVITY_C, slopes, du, centre, i, j)
 
 
 @compiled

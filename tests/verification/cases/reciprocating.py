@@ -131,7 +131,7 @@ def steady_load(layer: float = EVEN_LAYER, speed: float = SPEED) -> float:
         return 12.0 * VISCOSITY * speed * (h - 2.0 * layer) / h**3
 
     last = LENGTH / 2.0 * (1.0 + np.sqrt((2.0 * layer - MINIMUM) / RISE))
-    first = brentq(lambda z: quad(slope, z, last)[0], 0.0, LENGTH - last)
+    first = brentq(lambda z: quad(slope, z, last, epsabs=1e-3)[0], 0.0, LENGTH - last)
     return -quad(lambda z: slope(z) * z, first, last)[0]
 
 
