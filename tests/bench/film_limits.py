@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases import reciprocating
+from piston_cosim.tests.verification.cases.motored import film_after
 from piston_cosim.tests.verification.cases.thinned_pad import (
     generalised_newtonian_load,
     isotropic_load,
@@ -33,10 +33,9 @@ STARVED = ((40, 360), (40, 720), (40, 1440), (80, 360), (160, 360), (160, 720)) 
 def land_contact(cells, land=0.5e-6, groove=10e-6):
     """Return the mean contact pressure over lands and grooves of 4 of 40 units each [Pa]."""
     unit = np.floor((np.arange(cells) + 0.5) / cells * 40.0)
-    film = np.broadcast_to(np.where(unit % 8 < 4, land, land + groove), (4, cells)).copy()
-    model = LubricationModel(Parameters((4, cells), roughness_rms=1e-6))
-    _, out = model.start(film, np.zeros((4, cells)))
-    return out["asperity_pressure"].mean()
+    film = np.where(unit % 8 < 4, land, land + groove)
+    run = film_after(Parameters((4, cells), roughness_rms=1e-6), [film])
+    return run.outputs["asperity_pressure"].mean()
 
 
 def main():

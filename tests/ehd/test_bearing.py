@@ -6,12 +6,11 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance.grid import Grid
 from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases import bearings
-from piston_cosim.tests.verification.cases.motored import film_after, tangent_error
+from piston_cosim.tests.verification.cases.motored import film_after, motored_until, tangent_error
 
 from .fuzz import made_slave
 
@@ -49,12 +48,12 @@ PHYSICS = {
 }
 
 
-def motion(time):
+def motion(shape, time):
     """Film thickness [m], axial and circumferential velocity [m/s] of a journal that turns, tilts
     and shifts.
     """
-    theta = np.arange(SHAPE[0]) * 2.0 * np.pi / SHAPE[0]
-    y = (np.arange(SHAPE[1]) + 0.5) / SHAPE[1] - 0.5
+    theta = np.arange(shape[0]) * 2.0 * np.pi / shape[0]
+    y = (np.arange(shape[1]) + 0.5) / shape[1] - 0.5
     turn = 2.0 * np.pi * 50.0 * time
     film = 3e-5 * (1.0 + (0.5 + 0.2 * y + 0.1 * np.sin(turn)) * np.cos(theta[:, None] - turn))
     uneven = 1.0 + 0.2 * np.cos(theta[:, None] + 3.0 * y)
@@ -63,15 +62,9 @@ def motion(time):
 
 def run(changes, ends):
     """A bearing after steps that end at given times [s]."""
-    model = LubricationModel(Parameters(SHAPE, surface="bearing", skirt_length=0.03, **changes))
-    film, axial, around = motion(0.0)
-    state, outputs = model.start(film, axial, around)
-    before = 0.0
-    for end in ends:
-        film, axial, around = motion(end)
-        state, outputs = model.advance(state, film, axial, end - before, around)
-        before = end
-    return model, state, outputs
+    parameters = Parameters(SHAPE, surface="bearing", skirt_length=0.03, **changes)
+    model, state, history = motored_until(parameters, ends, motion)
+    return model, state, history[-1]
 
 
 @pytest.mark.parametrize("name", PHYSICS)
@@ -79,7 +72,7 @@ def test_tangent_is_exact_with_both_velocities(name):
     step = 4e-5
     model, state, _ = run(PHYSICS[name], step * np.arange(1, 31))
     # third derivative times the difference squared, and round-off over the difference
-    assert tangent_error(model, state, motion(31 * step), step, directions=2) < 2e-7
+    assert tangent_error(model, state, motion(SHAPE, 31 * step), step, directions=2) < 2e-7
 
 
 def test_oil_is_conserved_to_round_off_and_the_film_ruptures():
@@ -215,7 +208,7 @@ def test_what_does_not_go_together_is_said(changes, words):
 
 def test_the_fmu_of_a_bearing_has_both_velocities_and_no_thrust_side(tmp_path):
     slave = made_slave(tmp_path, grid=list(SHAPE), surface="bearing")
-    film, axial, around = motion(0.0)
+    film, axial, around = motion(SHAPE, 0.0)
     slave.views["film_thickness"][...] = film
     slave.views["sliding_velocity"][...] = axial
     slave.views["circumferential_velocity"][...] = around

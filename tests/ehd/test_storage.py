@@ -7,7 +7,12 @@ from piston_cosim.fmu_ehd.balance.storage import ContentHistory, euler_step, mem
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
-from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film, motored_until
+from piston_cosim.tests.verification.cases.motored import (
+    DEGREE,
+    film_after,
+    motored_film,
+    motored_until,
+)
 
 SHAPE = (12, 10)
 
@@ -88,14 +93,11 @@ def test_memory_by_hand(growth, before, expected):
 @pytest.mark.parametrize("thinner", [18e-6, 10e-6])
 def test_a_film_squeezed_in_one_step_and_held_stays_full(thinner):
     """Oil does not shrink: nothing opens, and the next squeeze presses at once."""
-    model = LubricationModel(Parameters(SHAPE))
-    one, still = np.ones(SHAPE), np.zeros(SHAPE)
-    state, _ = model.start(20e-6 * one, still)
-    for film in [20e-6] * 2 + [thinner] * 6:
-        state, outputs = model.advance(state, film * one, still, 5e-5)
-    assert outputs["film_fraction"].min() == pytest.approx(1.0, abs=1e-12)
-    _, outputs = model.advance(state, 0.99 * thinner * one, still, 5e-5)
-    assert outputs["maximum_pressure"] > 1e3
+    films = [20e-6] * 3 + [thinner] * 6
+    held = film_after(Parameters(SHAPE), films, step=5e-5).outputs
+    assert held["film_fraction"].min() == pytest.approx(1.0, abs=1e-12)
+    pressed = film_after(Parameters(SHAPE), [*films, 0.99 * thinner], step=5e-5).outputs
+    assert pressed["maximum_pressure"] > 1e3
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 0.99])

@@ -12,6 +12,7 @@ from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     UNEVEN,
     SkirtMotion,
+    film_after,
     motored_film,
     motored_tangent_error,
     motored_until,
@@ -167,11 +168,8 @@ def test_a_velocity_of_next_to_nothing_is_rest():
     squeezed = FILM * (1.0 + 0.1 * np.sin(np.arange(60.0))).reshape(p.shape)
 
     def pressed(velocity):
-        model = LubricationModel(p)
-        state, _ = model.start(np.full(p.shape, FILM), np.full(p.shape, velocity))
-        for film in (squeezed, squeezed[::-1].copy(), squeezed):
-            state, outputs = model.advance(state, film, np.full(p.shape, velocity), 1e-5)
-        return outputs["nodal_pressure_force"]
+        films = [FILM, squeezed, squeezed[::-1], squeezed]
+        return film_after(p, films, velocity, 1e-5).outputs["nodal_pressure_force"]
 
     # a volume of 1e-313 m3 is no divisor
     assert np.array_equal(pressed(-2e-313), pressed(0.0))

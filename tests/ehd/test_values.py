@@ -20,34 +20,11 @@ from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.summary import halves
-from piston_cosim.tests.verification.cases.motored import film_after
 
-RADIUS = 31e-3  # [m]
-LENGTH = 23e-3  # [m]
-WIDTH = 2.0 * np.pi * RADIUS  # [m]
-VISCOSITY = 0.013  # [Pa s]
+from .sleeve import LENGTH, RADIUS, VISCOSITY, WIDTH, near, parameters, stepped
+
 STEADY = 1e6  # [s], a step so long that storage is 1e-10 of the flow
-
-
-def parameters(shape, **changes):
-    """Parameters with this file's bore, skirt and oil."""
-    given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=Oil(viscosity=VISCOSITY)) | changes
-    return Parameters(shape, **given)
-
-
-def near(value, rel=1e-12):
-    """Within a share of the value: film flows of 1e-8 m3/s are smaller than pytest's absolute
-    tolerance.
-    """
-    return pytest.approx(value, rel=rel, abs=0.0)
-
-
-def stepped(shape, film, velocity, step=1e-4, conditions=None, **changes):
-    """Outputs of one step in which a full film stays as it is: steady where it is full at all."""
-    given = conditions or {}
-    return film_after(parameters(shape, **changes), [film, film], velocity, step, **given).outputs
 
 
 def along(cells):
@@ -238,8 +215,7 @@ def test_conditions_of_a_step_take_the_place_of_the_parameters():
 
 
 def test_start_is_linear_between_the_edges_and_shears_at_once():
-    given = parameters((4, 5), pressure_lower_edge=4e5, pressure_upper_edge=1e5)
-    o = film_after(given, [7e-6], 3.0).outputs
+    o = stepped((4, 5), [7e-6], 3.0, pressure_lower_edge=4e5, pressure_upper_edge=1e5)
     assert o["pressure"][1] == near(4e5 - 3e5 * along(5), rel=1e-12)
     # -mu V/h + h/2 dp/dy with dp/dy = -3e5/L
     area = WIDTH * LENGTH
@@ -280,8 +256,8 @@ def test_squeeze_of_a_short_sleeve():
     theta = np.arange(48) * 2.0 * np.pi / 48
     shift = 1e-5 * film
     closed = film - shift * np.sin(theta)[:, None]
-    given = parameters(shape, pressure_lower_edge=edge, pressure_upper_edge=edge)
-    o = film_after(given, [film, closed], step=step).outputs
+    edges = dict(pressure_lower_edge=edge, pressure_upper_edge=edge)
+    o = stepped(shape, [film, closed], step=step, **edges)
     amplitude = 12.0 * VISCOSITY * shift / step * RADIUS**2 / film**3
     y = (along(40) - 0.5) * LENGTH
     profile = 1.0 - np.cosh(y / RADIUS) / np.cosh(LENGTH / (2.0 * RADIUS))

@@ -7,6 +7,7 @@ References
 formulas stand in the tests. ISO 3448: viscosity grades.
 """
 
+from functools import partial
 from math import exp, log, log10
 
 import numpy as np
@@ -15,27 +16,18 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.tests.verification.cases.motored import film_after
+
+from . import sleeve
+from .sleeve import AREA, LENGTH, WIDTH
 
 SHAPE = (4, 6)
-RADIUS = 31e-3  # [m]
-LENGTH = 23e-3  # [m]
-WIDTH = 2.0 * np.pi * RADIUS  # [m]
-AREA = WIDTH * LENGTH  # [m2]
 FILM = 7e-6  # [m]
+near = partial(sleeve.near, rel=1e-10)
 
 
-def near(value, rel=1e-10):
-    """Within a share of the value alone: flows are smaller than pytest's absolute tolerance."""
-    return pytest.approx(value, rel=rel, abs=0.0)
-
-
-def stepped(oil, velocity, shape=SHAPE, conditions=None, **changes):
+def stepped(oil, velocity, **changes):
     """Outputs of one step of a parallel film that stays as it is."""
-    given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=oil) | changes
-    parameters = Parameters(shape, **given)
-    return film_after(parameters, [FILM, FILM], velocity, **(conditions or {})).outputs
+    return sleeve.stepped(SHAPE, FILM, velocity, oil=oil, **changes)
 
 
 def sheared(oil, celsius, velocity=2.0):

@@ -21,16 +21,11 @@ from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.laws import roughness
 from piston_cosim.fmu_ehd.laws.asperity import fitted_integral, gaussian_integral
-from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.tests.verification.cases.motored import film_after
+
+from . import sleeve
+from .sleeve import AREA, LENGTH, RADIUS, VISCOSITY, WIDTH, near
 
 SHAPE = (4, 6)
-RADIUS = 31e-3  # [m]
-LENGTH = 23e-3  # [m]
-WIDTH = 2.0 * np.pi * RADIUS  # [m]
-AREA = WIDTH * LENGTH  # [m2]
-VISCOSITY = 0.013  # [Pa s]
 SIGMA = 0.8e-6  # [m]
 
 # gamma: C, r of phi_x [Patir1978] | A1, a1, a2, a3, A2 of Phi_s | A3, a4, a5, a6 of Phi_fs |
@@ -45,11 +40,6 @@ PUBLISHED = {
     9.0: (0.870, 1.5, 1.011, 0.54, 1.07, 0.08, 0.295, 8.7, 2.15, 2.97, 0.18, 0.73, 0.91),
 }
 LOWEST = {1 / 9: 1.0, 1 / 6: 1.0, 1 / 3: 0.75, 1.0: 0.5, 3.0: 0.5, 6.0: 0.5, 9.0: 0.5}
-
-
-def near(value, rel=1e-12):
-    """Within a share of the value alone: flows are smaller than pytest's absolute tolerance."""
-    return pytest.approx(value, rel=rel, abs=0.0)
 
 
 def phi_x(h, g):
@@ -96,11 +86,9 @@ def gap(h):
     return h / 2.0 * (1.0 + erf(h / sqrt(2.0))) + exp(-h * h / 2.0) / sqrt(2.0 * pi)
 
 
-def stepped(film, velocity=0.0, shape=SHAPE, step=1e-4, **changes):
+def stepped(film, velocity=0.0, shape=SHAPE, **changes):
     """Outputs of one step of a film that stays as it is, or of a list of films in turn."""
-    given = dict(bore_radius=RADIUS, skirt_length=LENGTH, oil=Oil(viscosity=VISCOSITY)) | changes
-    films = film if isinstance(film, list) else [film, film]
-    return film_after(Parameters(shape, **given), films, velocity, step).outputs
+    return sleeve.stepped(shape, film, velocity, **changes)
 
 
 def rough(separation, velocity, gamma_, share, **changes):

@@ -2,7 +2,7 @@
 share.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,15 +105,19 @@ def motored(parameters: Parameters, steps: int) -> MotoredRun:
     return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)
 
 
-def motored_until(parameters: Parameters, ends: Iterable[float]) -> MotoredRun:
-    """The same with steps that end at the times `ends` [s]."""
+def motored_until(
+    parameters: Parameters,
+    ends: Iterable[float],
+    motion: Callable[[tuple[int, int], float], Sequence[Array]] = motored_film,
+) -> MotoredRun:
+    """The same with steps that end at the times `ends` [s], or another motion of the surfaces."""
     model = LubricationModel(parameters)
-    state, _ = model.start(*motored_film(parameters.shape, 0.0))
+    state, _ = model.start(*motion(parameters.shape, 0.0))
     history = []
     last = 0.0
     for end in ends:
-        film, velocity = motored_film(parameters.shape, end)
-        state, outputs = model.advance(state, film, velocity, end - last)
+        film, sliding, *turning = motion(parameters.shape, end)
+        state, outputs = model.advance(state, film, sliding, end - last, *turning)
         history.append(outputs)
         last = end
     return MotoredRun(model, state, history)
