@@ -7,9 +7,9 @@ from piston_cosim.fmu_ehd.balance.grid import Edges, Entrainment, Grid, in_plent
 from piston_cosim.fmu_ehd.balance.reynolds import Filling
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
 from piston_cosim.fmu_ehd.laws import cavitation
-from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.film import flow_film
+from piston_cosim.tests.verification.cases.motored import film_after
 
 NO_LIFT = np.zeros((7, 10))
 
@@ -70,18 +70,14 @@ def test_a_full_region_spreads_over_the_film_by_a_cell_an_iteration():
     switch singly find the same film, in hundreds of iterations.
     """
     shape = (30, 30)
-    film, still = np.full(shape, 1e-5), np.zeros(shape)
+    films = np.full((3, *shape), 1e-5)
+    films[:, 2, 3] = 2e-5, 2e-5, 1.99e-5
     found = []
     for switches_singly in (False, True):
         with pytest.MonkeyPatch.context() as patch:
             if switches_singly:
                 patch.setattr(cavitation, "at_once", lambda n_c, n_a: cavitation.ALL_AT_ONCE)
-            model = LubricationModel(Parameters(shape))
-            film[2, 3] = 2e-5
-            state, _ = model.start(film, still)
-            state, _ = model.advance(state, film, still, 5e-5)
-            film[2, 3] = 1.99e-5
-            found.append(model.advance(state, film, still, 5e-5)[1])
+            found.append(film_after(Parameters(shape), films, step=5e-5).outputs)
     spread, singly = found
     assert 25 < spread["solver_iterations"] <= sum(shape) < singly["solver_iterations"]
     assert spread["pressure"].max() > 1e5
