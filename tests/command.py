@@ -1,4 +1,6 @@
-"""The command line in the process of the tests, without the second that a new Python takes."""
+"""The command line in the process of the tests, without the second that a new Python takes, and in
+one of its own.
+"""
 
 import contextlib
 import io
@@ -25,3 +27,17 @@ def call(*words, folder="."):
         except SystemExit as ended:
             code = ended.code
     return subprocess.CompletedProcess(words, code, out.getvalue(), errors.getvalue())
+
+
+def begun(folder, *words, **settings):
+    """Start `piston-cosim WORDS` in a folder as a process of its own."""
+    settings = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | settings
+    command = [sys.executable, "-m", "piston_cosim", *map(str, words)]
+    return subprocess.Popen(command, cwd=folder, **settings)
+
+
+def ended(process, code=0, seconds=300):
+    """Wait for a process and check its exit code; return its output and its errors."""
+    out, errors = process.communicate(timeout=seconds)
+    assert process.returncode == code, out + errors
+    return out, errors

@@ -52,14 +52,8 @@ void *fmi2Instantiate(const char *a, int b, const char *c, const char *d, const 
         *h = 2e-5;
     return f;
 }
-void fmi2FreeInstance(void *f) { free(f); }
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-const char *fmi2GetVersion(void) { return "2.0"; }
 int fmi2SetDebugLogging(void *f) { (void)f; return 0; }
-int fmi2SetupExperiment(void *f) { (void)f; return 0; }
-int fmi2EnterInitializationMode(void *f) { (void)f; return 0; }
 int fmi2ExitInitializationMode(Film *f) { memcpy(f->before, f->film, sizeof f->film); return advance(f, 1.0); }
-int fmi2Terminate(void *f) { (void)f; return 0; }
 int fmi2Reset(void *f) { (void)f; return 3; }
 int fmi2DoStep(Film *f, double time, double step, int last) { (void)time, (void)last; return advance(f, step); }
 int fmi2SetReal(Film *f, const Reference *r, size_t n, const double *v) { for (size_t k = 0; k < n; k++) real(f)[r[k]] = v[k]; return 0; }

@@ -3,24 +3,100 @@
 import subprocess
 import zipfile
 from pathlib import Path
-
-import pytest
+from typing import NamedTuple
 
 from piston_cosim.master.fmi.compiler import compiler
+
+from .runs import needs_compiler
 
 MODELS = Path(__file__).parent / "c_models"
 FLAGS = ("-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
 
 
 def compile_model(source, library, *flags):
-    """A shared library of a C source; who has no compiler skips the test."""
-    if not compiler():
-        pytest.skip("no C compiler")
-    subprocess.run([compiler(), *FLAGS, *flags, source, "-o", library, "-lm"], check=True)
+    """A shared library of a C source, with all functions that it does not offer; who has no
+    compiler skips the test.
+    """
+    needs_compiler(native=False)
+    sources = [source, MODELS / "not_offered.c"]
+    subprocess.run([compiler(), *FLAGS, *flags, *sources, "-o", library, "-lm"], check=True)
 
 
-def pack(fmu, description, library, place):
-    """An FMU: its description, and its library for a platform as the standard names it."""
-    with zipfile.ZipFile(fmu, "w") as target:
+def pack(fmu, description, library, name=None):
+    """Write an FMU: its description, and its library for Linux under the name of its model."""
+    place = "x86_64-linux" if 'fmiVersion="3.0"' in description else "linux64"
+    with zipfile.ZipFile(fmu, "w", zipfile.ZIP_DEFLATED) as target:
         target.writestr("modelDescription.xml", description)
-        target.write(library, f"binaries/{place}/{Path(library).name}")
+        target.write(library, f"binaries/{place}/{name or Path(library).name}")
+    return fmu
+
+
+class Variable(NamedTuple):
+    """A row of a description: attributes are those of its type in FMI 2.0, `inside` its content in
+    FMI 3.0.
+    """
+
+    name: str
+    reference: int
+    causality: str
+    kind: str = "Real"
+    attributes: str = ""
+    variability: str = ""
+    inside: str = ""
+
+
+VARIABILITY = {"Real": "continuous", "Float64": "continuous", "Float32": "continuous", "Clock": ""}
+"""Of types that are not discrete."""
+
+
+def _element(one, version):
+    usual = "fixed" if "arameter" in one.causality else VARIABILITY.get(one.kind, "discrete")
+    variability = one.variability or usual
+    shared = f'name="{one.name}" valueReference="{one.reference}" causality="{one.causality}" '
+    shared += f'variability="{variability}"' if variability else ""
+    if version == "2.0":
+        inner = f"<{one.kind} {one.attributes}/>"
+        return f"<ScalarVariable {shared}>{inner}</ScalarVariable>"
+    return f"<{one.kind} {shared} {one.attributes}>{one.inside}</{one.kind}>"
+
+
+def describe(version, identifier, variables, flags="", states=True, before=""):
+    """Return a modelDescription.xml.
+
+    Parameters
+    ----------
+    version, identifier : str
+        Of FMI, and of the library.
+    variables : sequence of Variable
+        Outputs are those of their causality. They are known at initialization, but for those with
+        clocks.
+    flags, before : str
+        Further capabilities, and elements before the variables.
+    states : bool
+        Whether the FMU saves its state.
+    """
+    outputs = [one for one in enumerate(variables, 1) if one[1].causality == "output"]
+    if version == "2.0":
+        head = 'guid="1"'
+        state = "canGetAndSetFMUstate"
+        rows = "".join(f'<Unknown index="{k}"/>' for k, _ in outputs)
+        known = f"<InitialUnknowns>{rows}</InitialUnknowns>"
+        rows = f"<Outputs>{rows}</Outputs>"
+    else:
+        head = 'instantiationToken="1"'
+        state = "canGetAndSetFMUState"
+        known = "".join(
+            f'<InitialUnknown valueReference="{one.reference}"/>'
+            for _, one in outputs
+            if "clocks=" not in one.attributes
+        )
+        rows = "".join(f'<Output valueReference="{one.reference}"/>' for _, one in outputs)
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="{version}" modelName="{identifier}" {head}>
+  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"
+    {state}="{str(states).lower()}" {flags}/>
+  {before}
+  <ModelVariables>{"".join(_element(one, version) for one in variables)}</ModelVariables>
+  <ModelStructure>{rows}{known}</ModelStructure>
+</fmiModelDescription>
+"""

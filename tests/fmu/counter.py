@@ -1,32 +1,34 @@
-"""The FMU of c_models/counter.c, described as a test wants it, and cases with it."""
-
-import zipfile
+"""The FMU of c_models/counter.c, described as a test wants it, and cases with two of them."""
 
 import pytest
 
-from .c_fmus import MODELS, compile_model
+from .c_fmus import MODELS, Variable, compile_model, describe, pack
 
 SOURCE = MODELS / "counter.c"
 VARIABLES = [
-    # name, value reference, causality, type, attributes of the type
-    ("k", 0, "parameter", "Real", 'start="1"'),
-    ("u", 1, "input", "Real", 'start="0" nominal="1"'),
-    ("x", 2, "output", "Real", 'nominal="1"'),
-    ("number_sum", 3, "output", "Real", ""),
-    ("truth_sum", 4, "output", "Real", ""),
-    ("phase_sum", 5, "output", "Real", ""),
-    ("n", 0, "output", "Integer", ""),
-    ("number", 1, "input", "Integer", 'start="0"'),
-    ("phase_out", 2, "output", "Enumeration", 'declaredType="Phase"'),
-    ("phase", 3, "input", "Enumeration", 'start="1" declaredType="Phase"'),
-    ("trouble", 4, "parameter", "Integer", 'start="0"'),
-    ("trouble_at", 5, "parameter", "Integer", 'start="-1"'),
-    ("heard_length", 6, "output", "Integer", ""),
-    ("odd", 0, "output", "Boolean", ""),
-    ("truth", 0, "input", "Boolean", 'start="false"'),
-    ("words", 0, "output", "String", ""),
-    ("heard", 0, "input", "String", 'start=""'),
+    Variable("k", 0, "parameter", "Real", 'start="1"'),
+    Variable("u", 1, "input", "Real", 'start="0" nominal="1"'),
+    Variable("x", 2, "output", "Real", 'nominal="1"'),
+    Variable("number_sum", 3, "output"),
+    Variable("truth_sum", 4, "output"),
+    Variable("phase_sum", 5, "output"),
+    Variable("n", 0, "output", "Integer"),
+    Variable("number", 1, "input", "Integer", 'start="0"'),
+    Variable("phase_out", 2, "output", "Enumeration", 'declaredType="Phase"'),
+    Variable("phase", 3, "input", "Enumeration", 'start="1" declaredType="Phase"'),
+    Variable("trouble", 4, "parameter", "Integer", 'start="0"'),
+    Variable("trouble_at", 5, "parameter", "Integer", 'start="-1"'),
+    Variable("heard_length", 6, "output", "Integer"),
+    Variable("odd", 0, "output", "Boolean"),
+    Variable("truth", 0, "input", "Boolean", 'start="false"'),
+    Variable("words", 0, "output", "String"),
+    Variable("heard", 0, "input", "String", 'start=""'),
 ]
+PHASE = """<TypeDefinitions><SimpleType name="Phase"><Enumeration>
+    <Item name="a" value="1"/><Item name="b" value="2"/><Item name="c" value="3"/>
+  </Enumeration></SimpleType></TypeDefinitions>"""
+LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
+"""Two lags in a loop."""
 
 
 @pytest.fixture(scope="session")
@@ -43,70 +45,58 @@ def description(names=None, units=None, definitions="", can_redo=True):
     names : name here -> name in the FMU; units : name here -> unit; definitions : the inside of
     UnitDefinitions; can_redo : whether it offers saved states.
     """
-    names = names or {}
-    units = units or {}
-    rows = []
-    for name, reference, causality, kind, attributes in VARIABLES:
-        unit = f' unit="{units[name]}"' if name in units else ""
-        fixed = ' variability="fixed"' if causality == "parameter" else ""
-        discrete = ' variability="discrete"' if kind != "Real" and not fixed else ""
-        rows.append(
-            f'<ScalarVariable name="{names.get(name, name)}" valueReference="{reference}" '
-            f'causality="{causality}"{fixed}{discrete}><{kind} {attributes}{unit}/>'
-            "</ScalarVariable>"
+    names, units = names or {}, units or {}
+    variables = [
+        one._replace(
+            name=names.get(one.name, one.name),
+            attributes=one.attributes + (f' unit="{units[one.name]}"' if one.name in units else ""),
         )
-    outputs = "".join(
-        f'<Unknown index="{k}"/>'
-        for k, (_, _, causality, _, _) in enumerate(VARIABLES, 1)
-        if causality == "output"
-    )
-    flag = str(can_redo).lower()
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="counter" guid="1">
-  <CoSimulation modelIdentifier="counter" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUstate="{flag}" canSerializeFMUstate="{flag}"/>
-  <UnitDefinitions>{definitions}</UnitDefinitions>
-  <TypeDefinitions><SimpleType name="Phase"><Enumeration>
-    <Item name="a" value="1"/><Item name="b" value="2"/><Item name="c" value="3"/>
-  </Enumeration></SimpleType></TypeDefinitions>
-  <ModelVariables>{"".join(rows)}</ModelVariables>
-  <ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>
-</fmiModelDescription>
-"""
+        for one in VARIABLES
+    ]
+    defined = f"<UnitDefinitions>{definitions}</UnitDefinitions>" if definitions else ""
+    serial = f'canSerializeFMUstate="{str(can_redo).lower()}"'
+    return describe("2.0", "counter", variables, serial, can_redo, defined + PHASE)
 
 
 def make(path, library, **described):
     """Write the FMU; see `description`."""
-    text = description(**described)
-    text = text.replace("<UnitDefinitions></UnitDefinitions>", "")
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("modelDescription.xml", text)
-        archive.write(library, "binaries/linux64/counter.so")
-    return path
+    return pack(path, description(**described), library, "counter.so")
 
 
-def case_text(wires, method="newton", stop="1 s", step="0.1 s", a="", b="", more=""):
-    """A case of two counters; wires as (from, to, further lines)."""
+def case_text(
+    wires,
+    method="newton",
+    stop="1 s",
+    step="0.1 s",
+    a="",
+    b="",
+    more="",
+    fmus=("a.fmu", "b.fmu"),
+    own="",
+    coupling="",
+):
+    """A case of two participants a and b.
+
+    wires : (from, to, further lines); a, b : lines of their parameters; own, coupling, more :
+    further lines of both participants, of the coupling, and at the end.
+    """
     tables = "".join(
         f'[[wires]]\nfrom = "{source}"\nto = "{target}"\n{further}\n'
         for source, target, further in wires
     )
-    return f"""title = "counters"
+    participants = "".join(
+        f'[participants.{name}]\nfmu = "{fmu}"\n{own}\n[participants.{name}.parameters]\n{lines}\n'
+        for name, fmu, lines in zip("ab", fmus, (a, b))
+    )
+    return f"""title = "a and b"
 {"" if wires else "wires = []"}
 [time]
 stop = "{stop}"
 step = "{step}"
-[participants.a]
-fmu = "a.fmu"
-[participants.a.parameters]
-{a}
-[participants.b]
-fmu = "b.fmu"
-[participants.b.parameters]
-{b}
-{tables}
+{participants}{tables}
 [coupling]
 method = "{method}"
 order = ["a", "b"]
+{coupling}
 {more}
 """

@@ -22,51 +22,43 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.fmu.c_fmus import Variable, describe
 from tests.fmu.counter import description
 
 STRANGE = (
     *("", "0", "-1", "1e999", "nan", "inf", "-0.5", "99999999999999999999", "true", "null", "é"),
-    *(
-        "a.b",
-        "x[1]",
-        "x[0]",
-        "x[2,3]",
-        "x[1",
-        "der(x)",
-        "../../x",
-        "[[]]",
-        "1 furlong",
-        "m",
-        "kg.m-1",
-    ),
+    *("a.b", "x[1]", "x[0]", "x[2,3]", "x[1", "der(x)", "../../x", "[[]]"),
+    *("1 furlong", "m", "kg.m-1"),
     *("Real", "Float64", "UInt8", "Clock", "Binary", "parameter", "input", "output", "local"),
     *("2.0", "3.0", "1.0", "\x00", "&amp;", "&#x0;", "%s%n", "x" * 3000, '"', "<", "]]>"),
 )
 MILLIMETRE = '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
-DESCRIPTION_3 = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="1">
-  <CoSimulation modelIdentifier="m" canHandleVariableCommunicationStepSize="true"
-    canGetAndSetFMUState="true" canSerializeFMUState="true" hasEventMode="true"/>
-  <UnitDefinitions>MILLIMETRE</UnitDefinitions>
-  <TypeDefinitions><EnumerationType name="Phase"><Item name="a" value="1"/></EnumerationType>
-  </TypeDefinitions>
-  <ModelVariables>
-    <Float64 name="u" valueReference="1" causality="input" start="0" unit="mm" nominal="1"/>
-    <Float64 name="x" valueReference="2" causality="output" unit="mm" min="-1" max="1"/>
-    <UInt64 name="n" valueReference="3" causality="structuralParameter" variability="tunable"
-      start="2"/>
-    <Float64 name="field" valueReference="4" causality="output"><Dimension valueReference="3"/>
-      <Dimension start="3"/></Float64>
-    <Float32 name="f" valueReference="5" causality="output" derivative="2"/>
-    <Int8 name="i" valueReference="6" causality="output"/>
-    <Enumeration name="e" valueReference="7" causality="input" start="1" declaredType="Phase"/>
-    <String name="s" valueReference="8" causality="output"><Start value="a"/></String>
-    <Binary name="b" valueReference="9" causality="input"><Start value="00"/></Binary>
-    <Boolean name="k" valueReference="10" causality="parameter" variability="fixed" start="true"/>
-  </ModelVariables>
-  <ModelStructure><Output valueReference="2"/></ModelStructure>
-</fmiModelDescription>
-""".replace("MILLIMETRE", MILLIMETRE)
+DESCRIPTION_3 = describe(
+    "3.0",
+    "m",
+    [
+        Variable("u", 1, "input", "Float64", 'start="0" unit="mm" nominal="1"'),
+        Variable("x", 2, "output", "Float64", 'unit="mm" min="-1" max="1"'),
+        Variable("n", 3, "structuralParameter", "UInt64", 'start="2"', "tunable"),
+        Variable(
+            "field",
+            4,
+            "output",
+            "Float64",
+            inside='<Dimension valueReference="3"/><Dimension start="3"/>',
+        ),
+        Variable("f", 5, "output", "Float32", 'derivative="2"'),
+        Variable("i", 6, "output", "Int8"),
+        Variable("e", 7, "input", "Enumeration", 'start="1" declaredType="Phase"'),
+        Variable("s", 8, "output", "String", inside='<Start value="a"/>'),
+        Variable("b", 9, "input", "Binary", inside='<Start value="00"/>'),
+        Variable("k", 10, "parameter", "Boolean", 'start="true"'),
+    ],
+    'canSerializeFMUState="true" hasEventMode="true"',
+    before=f"<UnitDefinitions>{MILLIMETRE}</UnitDefinitions>"
+    '<TypeDefinitions><EnumerationType name="Phase"><Item name="a" value="1"/></EnumerationType>'
+    "</TypeDefinitions>",
+)
 CASE = """title = "fuzz"
 [time]
 start = "0 s"

@@ -1,15 +1,22 @@
 """Cases on coarse grids, their runs in the process of the tests, and their FMUs."""
 
+from importlib.util import module_from_spec, spec_from_file_location
+
+import h5py
 import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
+from piston_cosim.master.coupling.methods import method_of
+from piston_cosim.master.coupling.starting import start
+from piston_cosim.master.coupling.stepping import Stepper
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu, too_old
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.checkpoint import Checkpoint
 from piston_cosim.master.runs.run import run
 
 EXAMPLE = find_case("numerical_example")
@@ -30,11 +37,62 @@ def small_tree(*changes, **sizes):
     return read_tree(EXAMPLE, coarse(*changes, **sizes))
 
 
-def run_tree(origin, tree, output):
+def pin_case(path, films, *changes, skirt=(24, 12), pin=(48, 4), crank=(48, 4), stop="30 deg"):
+    """Return the tree of a case with a floating pin on coarse grids, without slots, nothing drawn.
+
+    films : film of pin or crank -> surface.
+    """
+    tree = read_tree(path, [("time.stop", stop), *changes])
+    tables = tree["participants"]
+    build = tables["bodies"]["build"]
+    build["grid"] = tables["skirt_film"]["build"]["grid"] = list(skirt)
+    build["floating_pin"] = build["floating_pin"] | {"grid": list(pin)}
+    for name, surface in films.items():
+        grid = list(crank if surface in build else pin)
+        if surface in build:
+            build[surface] = build[surface] | {"grid": grid}
+        tables[name]["build"] |= {"grid": grid, "mask": "none"}
+        for supply in ("opening_supply", "pressure_openings"):
+            tables[name]["parameters"].pop(supply, None)
+    return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
+
+
+def run_tree(origin, tree, output, **how):
     """Return the results of a case's tree, whose file is at `origin`."""
     case = check_case(tree, origin)
-    run(open_system(case, origin.parent, print), case, tree, output)
+    run(open_system(case, origin.parent, print), case, tree, output, **how)
     return Results(output)
+
+
+class Stopped(RuntimeError):
+    """Raised in the middle of a run."""
+
+
+def stopped(origin, tree, output, at):
+    """Stop a run at a time [s]; return its last checkpoint."""
+
+    def watch(time, *others):
+        if time > at:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        run_tree(origin, tree, output, watch=watch)
+    return Checkpoint.read(Checkpoint.path(output))
+
+
+def open_text(folder, text, changes=()):
+    """Write a case into a folder; return the case and its system."""
+    path = folder / "case.toml"
+    path.write_text(text)
+    case = check_case(read_tree(path, changes), path)
+    return case, open_system(case, folder, print)
+
+
+def stepper(case, system):
+    """Start a system; return what advances it by one macro step."""
+    start(system)
+    method = method_of(case.coupling)
+    return Stepper(system, method, 3, held=system.held, clocks=system.clocks)
 
 
 def run_text(folder, text, changes=(), output=None):
@@ -42,6 +100,16 @@ def run_text(folder, text, changes=(), output=None):
     path = folder / "case.toml"
     path.write_text(text)
     return run_tree(path, read_tree(path, changes), output or folder / "o.h5")
+
+
+def datasets(path):
+    """Return all arrays of a results file by name."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, one: found.update({name: one[()]} if isinstance(one, h5py.Dataset) else {})
+        )
+    return found
 
 
 def values_of(results, *names):
@@ -60,6 +128,14 @@ def is_sound(results, energy=True):
     assert results.summary["unconverged_steps"] == 0
     assert abs(results.summary["interface_work_imbalance"]) <= 1e-5
     assert not energy or results.summary["energy_created_share_max"] < 0.05
+
+
+def module_of(path):
+    """Return the module of a file that is in no package."""
+    spec = spec_from_file_location(path.stem, path)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def reached(one):

@@ -10,6 +10,7 @@ import math
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
 
 CELLS = (12, 10)
+NAMES = [f"[{i + 1},{j + 1}]" for i in range(CELLS[0]) for j in range(CELLS[1])]
 AREA = 27e-3 / CELLS[1] * 2 * math.pi * 28.25e-3 / CELLS[0]
 
 
@@ -29,15 +30,10 @@ class StockFilm(Fmi2Slave):
             ("nodal_pressure_force", "output", 0.0),
             ("nodal_friction_force", "output", 0.0),
         ):
-            for i in range(CELLS[0]):
-                for j in range(CELLS[1]):
-                    self.values[f"{name}[{i + 1},{j + 1}]"] = start
-                    self._register(
-                        Real,
-                        f"{name}[{i + 1},{j + 1}]",
-                        Fmi2Causality[causality],
-                        Fmi2Variability.continuous,
-                    )
+            for cell in NAMES:
+                self.values[name + cell] = start
+                continuous = Fmi2Variability.continuous
+                self._register(Real, name + cell, Fmi2Causality[causality], continuous)
 
     def _register(self, kind, name, causality, variability):
         self.register_variable(
@@ -60,15 +56,10 @@ class StockFilm(Fmi2Slave):
 
     def _compute(self, step):
         v = self.values
-        for i in range(CELLS[0]):
-            for j in range(CELLS[1]):
-                cell = f"[{i + 1},{j + 1}]"
-                film = max(v["film_thickness" + cell], 1e-6)
-                squeeze = (v["film_thickness" + cell] - v["before" + cell]) / step
-                v["nodal_pressure_force" + cell] = (
-                    max(-1.2 * 0.012 * squeeze * 13.5e-3**2 / film**3, 0.0) * AREA
-                )
-                v["nodal_friction_force" + cell] = (
-                    -0.012 * v["sliding_velocity" + cell] / film * AREA
-                )
-                v["before" + cell] = v["film_thickness" + cell]
+        for cell in NAMES:
+            film = max(v["film_thickness" + cell], 1e-6)
+            squeeze = (v["film_thickness" + cell] - v["before" + cell]) / step
+            pressure = max(-1.2 * 0.012 * squeeze * 13.5e-3**2 / film**3, 0.0)
+            v["nodal_pressure_force" + cell] = pressure * AREA
+            v["nodal_friction_force" + cell] = -0.012 * v["sliding_velocity" + cell] / film * AREA
+            v["before" + cell] = v["film_thickness" + cell]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
+import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
@@ -19,9 +20,9 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.logs import CouplingLog
 from piston_cosim.master.runs.run import run
 
-from .runs import run_tree
+from .runs import EXAMPLE, run_tree, small_tree
 
-PATH = find_case("two_mass_oscillator")
+PATH, HOME = find_case("two_mass_oscillator"), Path(__file__).parent
 
 
 @pytest.fixture(scope="module")
@@ -53,22 +54,16 @@ def test_logs_account_for_every_iteration(finished):
     ]
     last = {s["Window"]: max(float(s[w]) for w in wires) for s in evaluations}
     assert max(last.values()) <= 1.0  # the last evaluation of each window has converged
-    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in evaluations) == len(
-        windows
-    )  # and no evaluation before it
+    # and no evaluation before it
+    assert sum(max(float(s[w]) for w in wires) <= 1.0 for s in evaluations) == len(windows)
 
 
 def test_wall_time_is_split_without_a_rest(finished):
     _, summary = finished
-    parts = {
-        key: value
-        for key, value in summary.items()
-        if key.startswith("wall_time_") and key != "wall_time_s"
-    }
-    assert set(parts) == {
-        f"wall_time_{name}_s"
-        for name in ("left", "right", "transport", "recording", "acceleration")
-    }
+    names = ("left", "right", "transport", "recording", "acceleration")
+    parts = {key: value for key, value in summary.items() if key.startswith("wall_time_")}
+    del parts["wall_time_s"]
+    assert set(parts) == {f"wall_time_{name}_s" for name in names}
     assert all(value > 0 for value in parts.values())
     assert sum(parts.values()) == pytest.approx(summary["wall_time_s"], rel=1e-12)
 
@@ -89,37 +84,16 @@ def test_scalars_as_structured_array_and_csv(finished, tmp_path):
     np.testing.assert_array_equal(read["right.velocity"], records["right.velocity"])
 
 
-CELLS = """
-title = "A mass on a spring, in two FMUs"
-[time]
-stop = "0.5 s"
-step = "0.005 s"
-[participants.mass]
-file = "{home}/mass_and_spring.py:Mass"
-[participants.spring]
-file = "{home}/mass_and_spring.py:Spring"
-[[wires]]
-from = "mass.displacement"
-to = "spring.displacement"
-tolerance = {tolerance}
-conjugate = "spring.force"
-[[wires]]
-from = "spring.force"
-to = "mass.force"
-tolerance = {tolerance}
-[coupling]
-method = "constant"
-order = ["mass", "spring"]
-max_iterations = 100
-[record]
-"""
-
-
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_work_balance_is_as_good_as_the_tolerance(tolerance, tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text(CELLS.format(home=Path(__file__).parent, tolerance=tolerance))
-    results = run_tree(path, read_tree(path), tmp_path / "base.h5")
+    """A mass on a spring, in two FMUs."""
+    parts = {name: f"{HOME}/mass_and_spring.py:{name.title()}" for name in ("mass", "spring")}
+    ports = ("mass.displacement", "spring.displacement"), ("spring.force", "mass.force")
+    wires = [{"from": one, "to": other, "tolerance": tolerance} for one, other in ports]
+    wires[0]["conjugate"] = "spring.force"
+    times = {"stop": "0.5 s", "step": "0.005 s"}
+    case = pc.couple(parts, wires, method="constant", max_iterations=100, **times)
+    results = case.run(tmp_path / "base.h5")
     summary = results.summary
     displacement, force = (
         results.series(port)[0] for port in ("mass.displacement", "spring.force")
@@ -157,9 +131,8 @@ def test_a_log_goes_on_after_its_checkpoint(tmp_path):
     log.close()
     rows = table(tmp_path / "a-iterations.log")
     assert [row["Window"] for row in rows] == [str(k) for k in range(1, 11)] + ["11", "11"]
-    assert [row["Converged"] for row in rows[-2:]] == ["0", "1"] and rows[-1][
-        "TotalIterations"
-    ] == "22"
+    assert [row["Converged"] for row in rows[-2:]] == ["0", "1"]
+    assert rows[-1]["TotalIterations"] == "22"
     assert len(table(tmp_path / "a-convergence.log")) == 22
 
 
@@ -167,16 +140,13 @@ def test_growth_of_a_warming_piston_is_no_spurious_energy(tmp_path):
     """3 K/ms close the film. Its work on the skirt that grows is part of what the bodies received:
     the work over the wires, to a thousandth of the part that grows.
     """
-    path = find_case("numerical_example")
     (tmp_path / "warm.csv").write_text("time [s], warm [K]\n0, 293.15\n0.01, 323.15\n")
-    grids = [(f"participants.{name}.build.grid", [12, 10]) for name in ("bodies", "ehd")]
-    modes = [(f"participants.bodies.build.{name}.modes", 0) for name in ("piston", "block")]
-    tree = read_tree(path, [*grids, *modes, ("time.stop", "20 deg")])
+    tree = small_tree(("time.stop", "20 deg"))
     tree = {key: tree[key] for key in ("title", "time", "participants", "wires", "coupling")}
     tree["participants"]["warm"] = {"table": str(tmp_path / "warm.csv")}
     tree["wires"].append({"from": "warm.warm", "to": "bodies.piston_temperature"})
     tree["coupling"]["order"] = ["warm", "ehd", "bodies"]
-    results = run_tree(path, tree, tmp_path / "o.h5")
+    results = run_tree(EXAMPLE, tree, tmp_path / "o.h5")
     summary = results.summary
     opening = results.series("bodies.thermal_opening").values
     sides = [results.series(f"ehd.radial_force_{s}_side").values for s in ("thrust", "anti_thrust")]

@@ -2,51 +2,40 @@
 on with the same bits.
 """
 
-import json
-
-import h5py
 import numpy as np
 import pytest
 
-from ..command import call
+import piston_cosim as pc
+
+from .runs import coarse, values_of
 
 STEP, SMALLEST = 10.0, 10.0 / 64  # deg
 
 
-def command(folder, *more):
-    settings = (
-        "time.stop=180 deg",
-        f"time.step={STEP} deg",
-        "participants.bodies.parameters.ovality=20 um",  # the bounds below were measured so
-        "participants.bodies.build.grid=[20,16]",
-        "participants.ehd.build.grid=[20,16]",
-        *more,
-    )
-    words = ["run", "numerical_example", "--only", "rigid", "--no-plots", "--output", str(folder)]
-    return words + [word for setting in settings for word in ("--set", setting)]
-
-
-def outcome(file):
-    """Times, lateral displacements and summary of a run."""
-    with h5py.File(file) as results:
-        return (
-            results["time"][:],
-            results["bodies/lateral_displacement"][:],
-            json.loads(results.attrs["summary"]),
-        )
-
-
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Runs with a local error of 10 nm and of 1 nm, and one in steps of 0.25 deg."""
+    """Times, lateral displacements and summaries of runs with a local error of 10 nm and of 1 nm,
+    and of one in steps of 0.25 deg.
+    """
     folder = tmp_path_factory.mktemp("adaptive")
-    for name, setting in (
-        ("10", "wires.0.local_error=10 nm"),
-        ("1", "wires.0.local_error=1 nm"),
-        ("fine", "time.step=0.25 deg"),
+    settings = coarse(
+        ("time.stop", "180 deg"),
+        ("time.step", f"{STEP} deg"),
+        ("participants.bodies.parameters.ovality", "20 um"),  # the bounds below were measured so
+        grid=(20, 16),
+        modes=None,
+    )
+    found = []
+    for key, value in (
+        ("wires.0.local_error", "10 nm"),
+        ("wires.0.local_error", "1 nm"),
+        ("time.step", "0.25 deg"),
     ):
-        call(*command(folder / name, setting)).check_returncode()
-    return [outcome(folder / name / "rigid.h5") for name in ("10", "1", "fine")]
+        case = pc.open_case("numerical_example", dict(settings) | {key: value}, "rigid")
+        results = case.run(folder / f"{len(found)}.h5")
+        lateral = values_of(results, "bodies.lateral_displacement")
+        found.append((results.time, lateral, results.summary))
+    return found
 
 
 def test_steps_come_by_where_they_must_and_keep_their_bounds(runs):

@@ -6,127 +6,90 @@ Eq. (X20):  x((k+1) T) = e^(-T) x_k + (1 - e^(-T)) u_k,   u_k = -g (x_k + sum of
 Eq. (X21):  x(t) = e^-t before t*,  e^-t + p e^-(t - t*) after it       a lag that is pushed once
 """
 
-import zipfile
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.reading import read_tree
-from piston_cosim.master.case.system import open_system
-from piston_cosim.master.coupling.methods import method_of
-from piston_cosim.master.coupling.starting import closing, start
-from piston_cosim.master.coupling.stepping import StepFailed, Stepper
+from piston_cosim.master.coupling.starting import closing
+from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 from piston_cosim.master.participants.open import open_fmu
 
-from .c_fmus import compile_model
-from .runs import run_text
+from . import counter, runs
+from .c_fmus import MODELS, Variable, compile_model, describe, pack
 
-SOURCE = Path(__file__).parent / "c_models" / "clocked.c"
-REALS = [
-    # name, causality, variability, further attributes
-    ("time", "independent", "continuous", ""),
-    ("k", "parameter", "fixed", 'start="1"'),
-    ("gain", "parameter", "fixed", 'start="1"'),
-    ("cross_at", "parameter", "fixed", 'start="1e9"'),
-    ("x0", "parameter", "fixed", 'start="0"'),
-    ("u", "input", "continuous", 'start="0"'),
-    ("x", "output", "continuous", ""),
-    ("y_in", "input", "discrete", 'start="0" clocks="20"'),
-    ("u_out", "output", "discrete", 'clocks="20"'),
-    ("mark", "output", "discrete", 'clocks="21"'),
-    ("push", "input", "discrete", 'start="0" clocks="22"'),
-    ("wait", "parameter", "fixed", 'start="0.05"'),
-    *((name, "output", "discrete", "") for name in ("samples", "laters", "nexts", "fixeds")),
-    ("kicks", "output", "discrete", ""),
-]
-CLOCKS = [
-    ("sample", "input", 'intervalVariability="constant" intervalCounter="1" resolution="10"'),
-    ("crossed", "output", 'intervalVariability="triggered"'),
-    ("kick", "input", 'intervalVariability="triggered"'),
-    ("passed", "output", 'intervalVariability="triggered"'),
-    ("later", "input", 'intervalVariability="countdown"'),
-    ("next", "input", 'intervalVariability="changing"'),
-    ("fixed", "input", 'intervalVariability="fixed"'),
-]
+PARAMETER = partial(Variable, causality="parameter", kind="Float64")
+SAMPLE = 'intervalVariability="constant" intervalCounter="1" resolution="10"'
+TRIGGERED = 'intervalVariability="triggered"'
+HELD = {"variability": "discrete"}
 
 
-def description(redo="true", sample=CLOCKS[0][2]):
-    clocks = [("sample", "input", sample), *CLOCKS[1:]]
-    variables = [
-        f'<Float64 name="{name}" valueReference="{k}" causality="{causality}" '
-        f'variability="{variability}" {more}/>'
-        for k, (name, causality, variability, more) in enumerate(REALS)
-    ] + [
-        f'<Clock name="{name}" valueReference="{20 + k}" causality="{causality}" {more}/>'
-        for k, (name, causality, more) in enumerate(clocks)
+def variables(sample=SAMPLE):
+    """Those of the model; the interval of the sampling clock may be another."""
+    clock = partial(Variable, kind="Clock")
+    return [
+        Variable("time", 0, "independent", "Float64"),
+        *(
+            PARAMETER(name, k, attributes=f'start="{start}"')
+            for k, (name, start) in enumerate(
+                {"k": 1, "gain": 1, "cross_at": 1e9, "x0": 0}.items(), 1
+            )
+        ),
+        Variable("u", 5, "input", "Float64", 'start="0"'),
+        Variable("x", 6, "output", "Float64"),
+        Variable("y_in", 7, "input", "Float64", 'start="0" clocks="20"', **HELD),
+        Variable("u_out", 8, "output", "Float64", 'clocks="20"', **HELD),
+        Variable("mark", 9, "output", "Float64", 'clocks="21"', **HELD),
+        Variable("push", 10, "input", "Float64", 'start="0" clocks="22"', **HELD),
+        PARAMETER("wait", 11, attributes='start="0.05"'),
+        *(
+            Variable(name, k, "output", "Float64", **HELD)
+            for k, name in enumerate(("samples", "laters", "nexts", "fixeds", "kicks"), 12)
+        ),
+        clock("sample", 20, "input", attributes=sample),
+        clock("crossed", 21, "output", attributes=TRIGGERED),
+        clock("kick", 22, "input", attributes=TRIGGERED),
+        clock("passed", 23, "output", attributes=TRIGGERED),
+        clock("later", 24, "input", attributes='intervalVariability="countdown"'),
+        clock("next", 25, "input", attributes='intervalVariability="changing"'),
+        clock("fixed", 26, "input", attributes='intervalVariability="fixed"'),
     ]
-    outputs = [k for k, (_, causality, *_) in enumerate(REALS) if causality == "output"]
-    outputs += [20 + k for k, (_, causality, _) in enumerate(CLOCKS) if causality == "output"]
-    rows = "".join(f'<Output valueReference="{k}"/>' for k in outputs)
-    clocked = {k for k, (*_, more) in enumerate(REALS) if "clocks" in more}
-    first = "".join(f'<InitialUnknown valueReference="{k}"/>' for k in outputs if k not in clocked)
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="Clocked" instantiationToken="1">
-  <CoSimulation modelIdentifier="clocked" canHandleVariableCommunicationStepSize="true"
-    hasEventMode="true" canGetAndSetFMUState="{redo}" canSerializeFMUState="{redo}"/>
-  <ModelVariables>{"".join(variables)}</ModelVariables>
-  <ModelStructure>{rows}{first}</ModelStructure>
-</fmiModelDescription>
-"""
+
+
+def description(redo=True, sample=SAMPLE):
+    flags = f'hasEventMode="true" canSerializeFMUState="{str(redo).lower()}"'
+    return describe("3.0", "clocked", variables(sample), flags, redo)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("clocked")
     library = folder / "clocked.so"
-    compile_model(SOURCE, library)
+    compile_model(MODELS / "clocked.c", library)
     bad = 'intervalVariability="constant" intervalDecimal="0"'
     short = bad.replace('"0"', '"1e-4" shiftDecimal="1e-5"')
     for name, text in (
         ("clocked", description()),
-        ("once", description(redo="false")),
+        ("once", description(redo=False)),
         ("stopped", description(sample=bad)),
         ("hurried", description(sample=short)),
         ("unclocked", description().replace('clocks="20"', 'clocks="5"')),
         ("odd", description(sample='intervalVariability="often"')),
-        ("nothing", description(sample=CLOCKS[0][2].replace('"10"', '"ten"'))),
+        ("nothing", description(sample=SAMPLE.replace('"10"', '"ten"'))),
     ):
-        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
-            target.writestr("modelDescription.xml", text)
-            target.write(library, "binaries/x86_64-linux/clocked.so")
+        pack(folder / f"{name}.fmu", text, library)
     return folder
 
 
-def case_text(wires, a="", b="", step="0.03 s", stop="0.9 s", coupling="", fmu="clocked", own=""):
-    tables = "".join(f'[[wires]]\nfrom = "{x}"\nto = "{y}"\n{z}\n' for x, y, z in wires)
-    return f"""title = "clocks"
-{"" if wires else "wires = []"}
-[time]
-stop = "{stop}"
-step = "{step}"
-[participants.a]
-fmu = "{fmu}.fmu"
-{own}
-[participants.a.parameters]
-{a}
-[participants.b]
-fmu = "clocked.fmu"
-{own}
-[participants.b.parameters]
-{b}
-{tables}
-[coupling]
-order = ["a", "b"]
-{coupling}
-"""
+def case_text(wires, fmu="clocked", step="0.03 s", **more):
+    fmus = f"{fmu}.fmu", "clocked.fmu"
+    return counter.case_text(wires, stop="0.9 s", step=step, fmus=fmus, **more)
 
 
 def solved(folder, output, text):
-    results = run_text(folder, text, output=output)
+    results = runs.run_text(folder, text, output=output)
     return results, results.time
 
 
@@ -172,7 +135,7 @@ def test_a_sampled_loop_is_its_difference_equation(folder, tmp_path, method, iso
         LOOP,
         a=f"gain = {GAIN}",
         b="x0 = 1.0",
-        coupling=f'method = "{method}"',
+        method=method,
         own=f"isolated = {isolated}",
     )
     results, time = solved(folder, tmp_path / "o.h5", text)
@@ -186,10 +149,10 @@ PUSHED = [("a.crossed", "b.kick", ""), ("a.mark", "b.push", "")]
 PLACE = {"a": "cross_at = 0.37\nx0 = 2.0", "b": "x0 = 1.0"}
 
 
-@pytest.mark.parametrize("more", ["", 'method = "explicit"', "parallel = true"])
+@pytest.mark.parametrize("more", [{}, {"method": "explicit"}, {"coupling": "parallel = true"}])
 @pytest.mark.parametrize("isolated", ["false", "true"])
 def test_a_tick_inside_a_step_is_heard_at_its_instant(folder, tmp_path, more, isolated):
-    text = case_text(PUSHED, **PLACE, coupling=more, own=f"isolated = {isolated}")
+    text = case_text(PUSHED, **PLACE, **more, own=f"isolated = {isolated}")
     results, time = solved(folder, tmp_path / "o.h5", text)
     push = 2 * np.exp(-0.37)  # the mark: a's state at the instant
     jumped = np.where(time > 0.37 + 1e-9, push * np.exp(-(time - 0.37)), 0.0)
@@ -200,7 +163,7 @@ def test_a_tick_inside_a_step_is_heard_at_its_instant(folder, tmp_path, more, is
 
 
 def test_without_saved_states_a_tick_is_heard_at_the_end_of_the_macro_step(folder, tmp_path):
-    text = case_text(PUSHED, **PLACE, coupling='method = "explicit"', fmu="once")
+    text = case_text(PUSHED, **PLACE, method="explicit", fmu="once")
     results, time = solved(folder, tmp_path / "o.h5", text)
     push = 2 * np.exp(-0.37)
     heard = next(t for t in time if t > 0.37)
@@ -219,35 +182,20 @@ def test_ticks_go_on_from_clock_to_clock_at_one_instant(folder, tmp_path):
     np.testing.assert_allclose(results.series("a.x").values, expected, atol=1e-13)
 
 
-def test_clocks_that_trigger_one_another_without_end_are_told(folder):
-    path = folder / "case.toml"
-    path.write_text(case_text([("a.crossed", "b.kick", ""), ("a.passed", "a.kick", "")]))
-    case = check_case(read_tree(path), path)
-    system = open_system(case, folder, print)
+def stepped(folder, text, **values):
+    """Take one macro step of a case, with inputs of `a`."""
+    case, system = runs.open_text(folder, text)
     with closing(system.participants.values()):
-        start(system)
-        system.participants["a"].set("kick", True)
-        with pytest.raises(StepFailed, match="clocks trigger one another without end"):
-            stepper(case, system).advance(0.0, 0.1)
+        steps = runs.stepper(case, system)
+        for name, value in values.items():
+            system.participants["a"].set(name, value)
+        steps.advance(0.0, 0.5)
 
 
-def stepped(folder, text, changes=()):
-    """Take one macro step of a case."""
-    path = folder / "case.toml"
-    path.write_text(text)
-    case = check_case(read_tree(path, changes), path)
-    system = open_system(case, folder, print)
-    with closing(system.participants.values()):
-        start(system)
-        stepper(case, system).advance(0.0, 0.5)
-
-
-def stepper(case, system):
-    method = method_of(case.coupling)
-    return Stepper(system, method, 3, held=system.held, clocks=system.clocks)
-
-
-def test_a_countdown_of_nothing_and_a_fault_in_an_event_are_told(folder):
+def test_ticks_without_end_and_a_fault_in_an_event_are_told(folder):
+    with pytest.raises(StepFailed, match="clocks trigger one another without end"):
+        wires = [("a.crossed", "b.kick", ""), ("a.passed", "a.kick", "")]
+        stepped(folder, case_text(wires), kick=True)
     with pytest.raises(StepFailed, match="a: later ticks without end at t = 0 s"):
         stepped(folder, case_text([], a="wait = 0.0"))
     with pytest.raises(ParticipantFault, match="b: fmi3UpdateDiscreteStates failed"):
@@ -257,38 +205,31 @@ def test_a_countdown_of_nothing_and_a_fault_in_an_event_are_told(folder):
 
 
 @pytest.mark.parametrize(
-    "wire, words",
+    "text, words",
     [
         (
-            ("a.crossed", "b.sample", ""),
+            case_text([("a.crossed", "b.sample", "")]),
             "expected a triggered clock, got one with an interval",
         ),
-        (("a.crossed", "b.push", ""), "expected equal types, got Clock and Real"),
+        (case_text([("a.crossed", "b.push", "")]), "expected equal types, got Clock and Real"),
         (
-            ("a.mark", "b.push", "tolerance = 1e-3"),
+            case_text([("a.mark", "b.push", "tolerance = 1e-3")]),
             "expected a wire of real numbers for .*, got type Real to a clocked input",
+        ),
+        (case_text([], fmu="stopped"), "expected an interval above 0 s, got 0 s"),
+        (case_text([], fmu="odd"), "expected intervalVariability .*, got 'often'"),
+        (case_text([], fmu="unclocked"), "y_in: expected clocks, got other variables"),
+        (case_text([], fmu="nothing"), "clocks: .*'ten'"),
+        (case_text([], a="kick = true"), "expected no value for a clock"),
+        (
+            case_text([], more='[summary]\nx = "last a.crossed"\n'),
+            "expected a scalar number, got a.crossed, a Clock",
         ),
     ],
 )
-def test_wires_that_clocks_do_not_take_are_refused(folder, tmp_path, wire, words):
+def test_misuse_of_clocks_is_refused(folder, text, words):
     with pytest.raises(BadInput, match=words):
-        solved(folder, tmp_path / "o.h5", case_text([wire]))
-
-
-def test_other_misuse_of_clocks_is_refused(folder, tmp_path):
-    with pytest.raises(BadInput, match="expected an interval above 0 s, got 0 s"):
-        solved(folder, tmp_path / "o.h5", case_text([], fmu="stopped"))
-    with pytest.raises(BadInput, match="expected intervalVariability .*, got 'often'"):
-        open_fmu("a", folder / "odd.fmu")
-    with pytest.raises(BadInput, match="y_in: expected clocks, got other variables"):
-        open_fmu("a", folder / "unclocked.fmu")
-    with pytest.raises(BadInput, match="clocks: .*'ten'"):
-        open_fmu("a", folder / "nothing.fmu")
-    with pytest.raises(BadInput, match="expected no value for a clock"):
-        solved(folder, tmp_path / "o.h5", case_text([], a="kick = true"))
-    with pytest.raises(BadInput, match="expected a scalar number, got a.crossed, a Clock"):
-        text = case_text([]) + '[summary]\nx = "last a.crossed"\n'
-        solved(folder, tmp_path / "o.h5", text)
+        stepped(folder, text)
 
 
 def test_a_saved_state_holds_the_clocks(folder):

@@ -13,32 +13,31 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
+from lxml import etree
 
 import piston_cosim as pc
+from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.export import experiment_ahead, export_fmu
-from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.export import experiment_ahead
 from piston_cosim.master.commands.fmu.info import command as info
 from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.requirements import PACKAGES
 from piston_cosim.master.fmi.slave import Experiment
 
-PATH = find_case("numerical_example")
-SMALL = [
-    ("participants.bodies.build.grid", [12, 10]),
-    ("participants.ehd.build.grid", [12, 10]),
-    ("participants.bodies.build.piston.modes", 0),
-    ("participants.bodies.build.block.modes", 0),
-]
+from .runs import coarse, export, needs_compiler, small_tree
+
+SMALL = coarse()
 
 
 @pytest.fixture(scope="module")
 def engine():
-    return export_fmu(check_case(read_tree(PATH, SMALL), PATH), PATH.parent, print)
+    return export(small_tree())
 
 
 @pytest.fixture(scope="module")
-def film_3(fmu):
+def film_3():
+    needs_compiler(native=False)
     return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."), version="3.0")
 
 
@@ -73,6 +72,25 @@ def test_description_is_valid_and_says_who_made_it(any_fmu):
     assert (model.author, model.license) == ("the piston-cosim developers", "BSD-3-Clause")
     assert model.copyright.startswith("Copyright (c)") and re.fullmatch(r"\d.*", model.version)
     assert model.generationDateAndTime == "2026-11-22T00:00:00Z"
+
+
+def test_fmi_3_has_arrays_and_terminals(film_3):
+    variables = {v.name: v for v in fmpy.read_model_description(str(film_3)).modelVariables}
+    assert [int(d.start) for d in variables["film_thickness"].dimensions] == [12, 10]
+    assert variables["film_thickness"].unit == "m"
+    with zipfile.ZipFile(film_3) as archive:
+        told = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
+    schemas = Path(fmpy.__file__).parent / "schema" / "fmi3"
+    root = etree.fromstring(told)
+    etree.XMLSchema(file=str(schemas / "fmi3TerminalsAndIcons.xsd")).assertValid(root)
+    members = {m.get("variableName") for m in root.iter("TerminalMemberVariable")}
+    assert members == {*DERIVATIVE_INPUTS, *DERIVATIVE_OUTPUTS}
+
+
+def test_without_compiler_there_is_no_twin(monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(BadInput, match="C compiler"):
+        build_fmu("fmu_ehd", {"grid": [12, 10]}, ".", version="3.0")
 
 
 def test_engine_has_the_words_and_the_run_of_its_case(engine):
@@ -126,38 +144,12 @@ def test_only_the_code_that_runs_is_inside(any_fmu):
             assert tops - own <= allowed, name
 
 
-def test_an_input_out_of_its_range_is_refused_in_a_step(tmp_path, outside):
-    """The oil's temperature as an input, allowed from 233.15 to 573.15 K: 600 K is discarded with
-    the sentence, and the step goes on from where it was with 400 K.
-    """
-    film = build_fmu(
-        "fmu_ehd", {"grid": [12, 10], "inputs": ["oil_temperature_upper_edge"]}, Path(".")
-    )
-    code = """
-        one.setupExperiment()
-        one.enterInitializationMode()
-        one.exitInitializationMode()
-        seen = []
-        for time, value in ((0.0, 400.0), (1e-5, 600.0), (1e-5, 400.0)):
-            one.setReal([references["oil_temperature_upper_edge"]], [value])
-            try:
-                one.doStep(time, 1e-5)
-                seen.append("taken")
-            except Exception:
-                seen.append("refused")
-        print(json.dumps(seen))
-        """
-    assert outside(PRELUDE, film, code) == ["taken", "refused", "taken"]
-
-
 def test_a_second_grid_compiles_nothing(fmu, outside):
     """Code has its name of the sources alone, and kernels do not depend on sizes: the same files
     lie there after another grid.
     """
     code = """
-        one.setupExperiment()
-        one.enterInitializationMode()
-        one.exitInitializationMode()
+        started()
         film = [v.valueReference for v in model.modelVariables if v.name.startswith("film_thick")]
         one.setReal(film, [9e-6] * len(film))
         one.doStep(0.0, 1e-4)
@@ -170,13 +162,6 @@ def test_a_second_grid_compiles_nothing(fmu, outside):
     first = outside(PRELUDE, fmu, code)
     second = outside(PRELUDE, build_fmu("fmu_ehd", {"grid": [16, 8]}, Path(".")), code)
     assert second == first and len(first) > 20
-
-
-def test_constants_are_no_parameters(fmu, film_3):
-    for path in (fmu, film_3):
-        model = fmpy.read_model_description(str(path))
-        (cells,) = [v for v in model.modelVariables if v.name == "n_axial"]
-        assert (cells.causality, cells.variability, cells.start) == ("local", "constant", "10")
 
 
 PRELUDE = """
@@ -196,24 +181,25 @@ one = make(
 )
 one.instantiate()
 third = make is FMU3Slave
+
+def started():
+    one.setupExperiment()
+    one.enterInitializationMode()
+    one.exitInitializationMode()
 """
 
 
-def test_a_choice_is_an_enumeration(fmu, film_3):
+def test_constants_are_no_parameters_and_choices_are_enumerations(fmu, film_3):
     for path in (fmu, film_3):
-        model = fmpy.read_model_description(str(path))
-        (law,) = [v for v in model.modelVariables if v.name == "cavitation_model"]
+        found = {v.name: v for v in fmpy.read_model_description(str(path)).modelVariables}
+        cells, law = found["n_axial"], found["cavitation_model"]
+        assert (cells.causality, cells.variability, cells.start) == ("local", "constant", "10")
         assert (law.type, law.start) == ("Enumeration", "1")
         items = {item.name: int(item.value) for item in law.declaredType.items}
         assert items == {"jfo": 1, "reynolds": 2, "gumbel": 3, "full_film": 4}
 
 
-def test_initial_unknowns_of_fields_depend_on_everything(fmu):
-    model = fmpy.read_model_description(str(fmu))
-    assert {unknown.dependencies for unknown in model.initialUnknowns} == {None}
-
-
-def test_outputs_follow_inputs_in_initialization_mode(engine, film_3, outside):
+def test_outputs_follow_inputs_in_initialization_mode(fmu, engine, film_3, outside):
     """The row before the first step is that of the inputs set by then, in a loop of set and get:
     rotation speed is the crank's; the thinnest film is the film. Initial unknowns say so.
     """
@@ -236,6 +222,8 @@ def test_outputs_follow_inputs_in_initialization_mode(engine, film_3, outside):
                 seen.append(get([references[output]])[0] / value)
         print(json.dumps(seen))
         """
+    of_film = fmpy.read_model_description(str(fmu)).initialUnknowns
+    assert {unknown.dependencies for unknown in of_film} == {None}
     for path in (engine, film_3):
         assert outside(PRELUDE, path, code) == pytest.approx([1.0] * 3, rel=1e-12)
         model = fmpy.read_model_description(str(path))

@@ -7,16 +7,7 @@ import sys
 
 import pytest
 
-from .counter import case_text, library, make
-
-__all__ = ["library"]
-
-
-@pytest.fixture
-def folder(tmp_path, library):
-    for name in "ab":
-        make(tmp_path / f"{name}.fmu", library)
-    return tmp_path
+from .counter import case_text
 
 
 def python(folder, *arguments):

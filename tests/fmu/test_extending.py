@@ -8,14 +8,11 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
-FILES = ("__init__.py", "__main__.py", "LICENSE", "README.md", "pyproject.toml")
-PARTS = ("fmu_ehd", "fmu_mfbd", "master", "models")
+from .test_installed import FILES, PARTS, ROOT
 
 VISCOSITY_LAW = {
     "fmu_ehd/oil.py": [

@@ -4,18 +4,17 @@
 
 import resource
 import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 from unittest.mock import MagicMock
 
-import h5py
 import numpy as np
 import pytest
 
 from piston_cosim.master.participants import isolated
 
-from ..command import call
+from ..command import begun, call
+from .runs import datasets
 from .waiting import wait_for
 
 CASE = """
@@ -50,13 +49,13 @@ order = ["good", "bad"]
 fields = ["good.x", "bad.x"]
 checkpoint_every = 30
 """
-MASTER = [sys.executable, "-m", "piston_cosim"]
 
 
 def call_apart(*words, **settings):
     """The command in a process group of its own, in which it may be interrupted."""
-    settings |= {"capture_output": True, "text": True, "timeout": 120, "start_new_session": True}
-    return subprocess.run([*MASTER, *map(str, words)], **settings)
+    process = begun(".", *words, start_new_session=True, **settings)
+    out, errors = process.communicate(timeout=120)
+    return subprocess.CompletedProcess(words, process.returncode, out, errors)
 
 
 def write_case(folder, fault, isolated=False):
@@ -71,17 +70,6 @@ def run(folder, fault, isolated=False, changes=(), **settings):
     command = partial(call_apart, **settings) if settings or fault == "interrupt" else call
     changes = [f"--set={change}" for change in changes]
     return command("run", folder / "case.toml", "--output", folder, "--no-plots", *changes)
-
-
-def datasets(file):
-    datasets = {}
-    with h5py.File(file) as content:
-        content.visititems(
-            lambda name, item: (
-                datasets.update({name: item[:]}) if isinstance(item, h5py.Dataset) else None
-            )
-        )
-    return datasets
 
 
 def logs(folder):
@@ -111,9 +99,8 @@ def test_recovers(whole, tmp_path, fault, isolated):
     # all that differs
     np.testing.assert_allclose(results["fields/bad/x"][-1], whole["fields/bad/x"][-1], atol=1e-3)
     assert results["coupling/residual"].max() <= 1
-    failed = [
-        line for line in logs(tmp_path)["iterations"].splitlines()[1:] if line.split()[5] == "0"
-    ]
+    lines = logs(tmp_path)["iterations"].splitlines()[1:]
+    failed = [line for line in lines if line.split()[5] == "0"]
     words = "expected a finite output" if fault == "nan" else "refused on purpose"
     assert len(failed) == 1 and words in failed[0]
 
@@ -190,10 +177,8 @@ def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])
     assert done.returncode == 1
-    assert (
-        "no checkpoint was written" in done.stderr
-        and not (tmp_path / "base.h5.checkpoint").exists()
-    )
+    assert "no checkpoint was written" in done.stderr
+    assert not (tmp_path / "base.h5.checkpoint").exists()
 
 
 def children(pid):
@@ -203,33 +188,15 @@ def children(pid):
 def test_a_killed_master_leaves_no_process_behind(tmp_path):
     """Its FMU hangs at that moment."""
     write_case(tmp_path, "hang", isolated=True)
-    process = subprocess.Popen(
-        [
-            *MASTER,
-            "run",
-            str(tmp_path / "case.toml"),
-            "--output",
-            str(tmp_path),
-            "--no-plots",
-            "--set",
-            "participants.bad.timeout=100 s",
-        ],
-        stdout=subprocess.DEVNULL,
-    )
+    words = ("run", tmp_path / "case.toml", "--output", tmp_path, "--no-plots")
+    process = begun(".", *words, "--set", "participants.bad.timeout=100 s")
     wait_for((tmp_path / "marker").exists)
     left = children(process.pid)
     assert left
     process.kill()
     process.wait()
-    wait_for(
-        lambda: (
-            not any(
-                Path(f"/proc/{pid}/stat").exists()
-                and ") Z" not in Path(f"/proc/{pid}/stat").read_text()
-                for pid in left
-            )
-        )
-    )
+    stats = [Path(f"/proc/{pid}/stat") for pid in left]
+    wait_for(lambda: not any(one.exists() and ") Z" not in one.read_text() for one in stats))
 
 
 @pytest.mark.parametrize("gone", [EOFError, ConnectionResetError])

@@ -2,14 +2,13 @@
 grid.
 """
 
-import json
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
+import piston_cosim as pc
 from piston_cosim.models import MODELS
+
+from .runs import coarse, values_of
 
 FOLDER = MODELS / "fired_motorcycle"
 
@@ -33,50 +32,18 @@ def test_gas_pressure_peaks_ten_degrees_after_top_dead_centre():
 @pytest.fixture(scope="module")
 def fired(tmp_path_factory):
     """Compression and expansion of the first cycle: rigid, 20 x 16 cells, 2 deg."""
-    folder = tmp_path_factory.mktemp("fired")
-    settings = (
-        "participants.bodies.build.grid=[20,16]",
-        "participants.ehd.build.grid=[20,16]",
-        "time.stop=450 deg",
-        "time.step=2 deg",
-        "time.smallest_step=2 deg",
-    )
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "piston_cosim",
-            "run",
-            "fired_motorcycle",
-            "--only",
-            "rigid",
-            "--output",
-            ".",
-            "--no-plots",
-            "--summary-json",
-            "s.json",
-            *(w for s in settings for w in ("--set", s)),
-        ],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads((folder / "s.json").read_text()), folder / "rigid.h5"
+    times = [("time.stop", "450 deg"), ("time.step", "2 deg"), ("time.smallest_step", "2 deg")]
+    changes = dict(coarse(*times, grid=(20, 16), modes=None))
+    case = pc.open_case("fired_motorcycle", changes, "rigid")
+    return case.run(tmp_path_factory.mktemp("fired") / "rigid.h5")
 
 
 def test_side_force_follows_the_gas(fired):
     """Statics of the slider-crank where gas rules: N = (gas force - inertia) tan(rod angle), on the
     thrust side after firing.
     """
-    from piston_cosim.master.results.file import Results
-
-    results = Results(fired[1])
-    angle, side, acting = (
-        results.series(f"bodies.{name}")[0] for name in ("crank_angle", "side_force", "pin_force_y")
-    )
-    results.close()
+    ports = ("bodies.crank_angle", "bodies.side_force", "bodies.pin_force_y")
+    angle, side, acting = values_of(fired, *ports)
     k = int(np.argmax(side))
     assert 10 < np.degrees(angle[k]) < 45
     rod = np.arcsin(29.75 / 108.0 * np.sin(angle[k]))
@@ -86,5 +53,5 @@ def test_side_force_follows_the_gas(fired):
 
 
 def test_film_lies_in_the_published_window(fired):
-    assert fired[0]["unconverged_steps"] == 0
-    assert 2e-6 < fired[0]["minimum_film_thickness_m"] < 20e-6
+    assert fired.summary["unconverged_steps"] == 0
+    assert 2e-6 < fired.summary["minimum_film_thickness_m"] < 20e-6

@@ -2,11 +2,7 @@
 work, processes of their own, a run that was cut in two.
 """
 
-import os
-import signal
-import subprocess
-import sys
-import time
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,8 +11,9 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.builder import import_part
 
+from ..command import begun, ended
 from .runs import run_tree
-from .test_resume import compare
+from .test_resume import goes_on
 
 PATH = find_case("flexible_twin")
 GRID = [16, 12]
@@ -52,12 +49,13 @@ def flexible(tmp_path_factory):
     return computed(tree_of(PATH, "24 deg"), tmp_path_factory.mktemp("block") / "run.h5")
 
 
-def rigid_mass():
-    """6 x 6 of the case's block, from its reduction."""
+@cache
+def block():
+    """The case's block, reduced."""
     build = read_tree(PATH)["participants"]["block"]["build"]
     prepare = import_part("fmu_mfbd.monoblock.build").prepare
     _, (file,) = prepare(build, PATH.parent, lambda text: None)
-    return load(ReducedMonoblock, file).rigid_mass
+    return load(ReducedMonoblock, file)
 
 
 def test_interface_newton_and_what_it_leaves(flexible):
@@ -76,7 +74,7 @@ def test_interface_newton_and_what_it_leaves(flexible):
 
 def test_momentum_of_the_block(flexible):
     """What the block does not keep its mounts take, by the trapezoidal rule; modes have none."""
-    mass = rigid_mass()
+    mass = block().rigid_mass
     step = np.diff(flexible.time)
     force = of(flexible, "block.shaking_force_y") - of(flexible, "block.mount_force_y")
     names = [f"block.{kind}_{axis}" for kind in ("velocity", "rotation_velocity") for axis in "xyz"]
@@ -92,45 +90,42 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
     that move by micrometres.
     """
     tree = tree_of(PATH, "6 deg")
-    block = tree["participants"]["block"]
-    block["build"]["young"] = "110000000 GPa"
-    for wire in tree["wires"]:
+    own = tree["participants"]["block"]
+    own["build"]["young"] = "110000000 GPa"
+    twin = find_case("twin")
+    rigid = tree_of(twin, "6 deg")
+    for wire in (*tree["wires"], *rigid["wires"]):
         if wire["to"].endswith("film_thickness"):
             wire["tolerance"] = "1e-3 nm"
     stiff = computed(tree, tmp_path / "stiff.h5")
-    mass = rigid_mass()
+    mass = block().rigid_mass
     weight = float(mass[0, 0])
     height = float(-mass[0, 5] / weight)
     about = np.diag(mass)[3:] - weight * height**2 * np.array([1.0, 0.0, 1.0])
-    twin = find_case("twin")
-    rigid = tree_of(twin, "6 deg")
     parameters = {
         "mass": f"{weight!r} kg",
         "centre_x": "0 m",
         "centre_y": f"{height!r} m",
         "centre_z": "0 m",
         **{f"inertia_{axis}": f"{one!r} kg*m^2" for axis, one in zip("xyz", about.tolist())},
-        "cylinder_z": block["build"]["cylinder_z"],
+        "cylinder_z": own["build"]["cylinder_z"],
         **{
             f"mount_{axis}": [f"{one!r} m" for one in column.tolist()]
-            for axis, column in zip("xyz", mount_places().T)
+            for axis, column in zip("xyz", block().mount_place.T)
         },
         **{
             f"stiffness_{axis}": [
-                block["parameters"][f"mount_{k}_stiffness_{axis}"] for k in (1, 2, 3, 4)
+                own["parameters"][f"mount_{k}_stiffness_{axis}"] for k in (1, 2, 3, 4)
             ]
             for axis in "xyz"
         },
-        "damping_time": block["parameters"]["damping_time"],
+        "damping_time": own["parameters"]["damping_time"],
     }
     rigid["participants"]["block"]["parameters"] = parameters
     for name in NAMES:
         for key in ("bore_lower", "bore_upper"):
             given = tree["participants"][name]["build"]["block"][key]
             rigid["participants"][name]["build"]["block"][key] = given
-    for wire in rigid["wires"]:
-        if wire["to"].endswith("film_thickness"):
-            wire["tolerance"] = "1e-3 nm"
     wanted = computed(rigid, tmp_path / "rigid.h5", twin)
     for name in (
         "front.lateral_displacement",
@@ -144,38 +139,17 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
         assert np.abs(a - b).max() < 1e-5 * np.abs(b).max(), name
 
 
-def mount_places():
-    """Of the case's block [m]."""
-    build = read_tree(PATH)["participants"]["block"]["build"]
-    _, (file,) = import_part("fmu_mfbd.monoblock.build").prepare(
-        build, PATH.parent, lambda text: None
-    )
-    return load(ReducedMonoblock, file).mount_place
-
-
 @pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_with_the_same_bits(flexible, tmp_path):
     """kill -9 after the first checkpoint of five participants, resumed in a new process; `flexible`
     has built what it needs.
     """
     del flexible
-    command = [sys.executable, "-m", "piston_cosim", "run", "flexible_twin", "--no-plots"]
-    command += ["--only", "flexible_180", "--set", "time.stop=10 deg"]
-    command += ["--set", "record.checkpoint_every=2"]
+    words = ["run", "flexible_twin", "--no-plots", "--only", "flexible_180"]
+    words += ["--set", "time.stop=10 deg", "--set", "record.checkpoint_every=2"]
     for name in NAMES:
-        command += ["--set", f"participants.{name}.build.grid=[16, 12]"]
-        command += ["--set", f"participants.{name}_film.build.grid=[16, 12]"]
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    given = {"check": True, "capture_output": True, "timeout": 300}
-    subprocess.run([*command, "--output", str(whole)], **given)
-    with subprocess.Popen(
-        [*command, "--output", str(killed)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
-        checkpoint = killed / "flexible_180.h5.checkpoint"
-        deadline = time.monotonic() + 200
-        while not checkpoint.exists() and time.monotonic() < deadline:
-            time.sleep(0.002)
-        os.kill(process.pid, signal.SIGKILL)
-    assert not (killed / "flexible_180.h5").exists()
-    subprocess.run([sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)], **given)
-    assert compare(whole / "flexible_180.h5", killed / "flexible_180.h5") == []
+        words += ["--set", f"participants.{name}.build.grid=[16, 12]"]
+        words += ["--set", f"participants.{name}_film.build.grid=[16, 12]"]
+    whole = tmp_path / "whole"
+    ended(begun(tmp_path, *words, "--output", whole))
+    goes_on([*words, "--output"], tmp_path, "flexible_180", whole / "flexible_180.h5")

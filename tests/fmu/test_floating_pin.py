@@ -17,10 +17,8 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
 )
 from piston_cosim.master.case.check import check
-from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu, interface, swap_all
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.tests.verification.cases.bearings import (
     CLEARANCE,
     RADIUS,
@@ -31,26 +29,15 @@ from piston_cosim.tests.verification.cases.bearings import (
     steady,
 )
 
-from .runs import run_tree
+from .runs import build_of, coarse, is_sound, make, pin_case, run_tree, values_of
 
-PATH = find_case("floating_pin")
+PATH, DATA_SHEET = find_case("floating_pin"), find_case("data_sheet")
 computed = partial(run_tree, PATH)
 BEFORE_FIRING = ("participants.bodies.parameters.start_crank_angle", "-60 deg")
 PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
 
 
-def small(*changes, skirt=(24, 12), pin=(48, 4), stop="30 deg"):
-    """The case's tree on coarse grids, without slots, nothing drawn."""
-    tree = read_tree(PATH, [("time.stop", stop), *changes])
-    tables = tree["participants"]
-    build = tables["bodies"]["build"]
-    build["grid"] = list(skirt)
-    build["floating_pin"] = build["floating_pin"] | {"grid": list(pin)}
-    tables["skirt_film"]["build"]["grid"] = list(skirt)
-    for name in PINS:
-        tables[name]["build"] |= {"grid": list(pin), "mask": "none"}
-        del tables[name]["parameters"]["opening_supply"]
-    return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
+small = partial(pin_case, PATH, PINS)
 
 
 @pytest.mark.parametrize("eccentricity", [pytest.param(0.3, marks=pytest.mark.slow), 0.6])
@@ -143,13 +130,7 @@ def four(tmp_path_factory):
 
 
 def test_oil_and_work_of_four_films_to_round_off(four):
-    for film in ("skirt_film", *PINS):
-        assert four.series(f"{film}.mass_imbalance").values.max() <= 1e-12
-    for surface in ("skirt", *PINS.values()):
-        assert four.series(f"bodies.{surface}.interface_work_error").values.max() <= 1e-12
-    assert four.summary["unconverged_steps"] == 0
-    assert abs(four.summary["interface_work_imbalance"]) <= 1e-5
-    assert four.summary["energy_created_share_max"] < 0.05
+    is_sound(four)
 
 
 def test_what_pin_and_films_say_of_friction(four):
@@ -174,13 +155,16 @@ def test_what_the_films_take_the_bodies_give(four):
     assert abs(taken - four.summary["interface_work_j"]) <= friction
 
 
+def tied(folder, *changes):
+    """Results of the piston of the data sheet, whose pin is tied, on the same grid."""
+    tree = read_tree(DATA_SHEET, coarse(*changes, grid=(24, 12), modes=None))
+    tree |= {"record": {"every": 100}, "pictures": []}
+    return run_tree(DATA_SHEET, tree, folder / "tied.h5")
+
+
 def test_newton_needs_no_more_iterations_than_with_one_film(four, tmp_path):
     """Mean of the tied piston on the same grid, and a half: the pin's films are far thinner."""
-    tree = read_tree(find_case("data_sheet"), [("time.stop", "120 deg"), BEFORE_FIRING])
-    for name in ("bodies", "ehd"):
-        tree["participants"][name]["build"]["grid"] = [24, 12]
-    tree |= {"record": {"every": 100}, "pictures": []}
-    one = run_tree(find_case("data_sheet"), tree, tmp_path / "one.h5")
+    one = tied(tmp_path, ("time.stop", "120 deg"), BEFORE_FIRING)
     assert four.summary["mean_iterations"] <= one.summary["mean_iterations"] + 0.5
 
 
@@ -190,20 +174,14 @@ def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
     of the pin's films. Their viscosity goes with c^2: the pin then takes the same place in c, and
     play and friction both fall with c.
     """
-    changes = [("time.stop", "60 deg")]
-    tree = read_tree(
-        find_case("data_sheet"),
-        [*changes, ("participants.bodies.parameters.pin_friction_coefficient", 0.0)],
-    )
-    for name in ("bodies", "ehd"):
-        tree["participants"][name]["build"]["grid"] = [24, 12]
-    tree |= {"record": {"every": 100}, "pictures": []}
+    stop = ("time.stop", "60 deg")
     names = ("lateral_displacement", "rocking_angle", "side_force")
 
     def motion(results):
-        return [results.series(f"bodies.{name}").values for name in names]
+        return values_of(results, *(f"bodies.{name}" for name in names))
 
-    tied = motion(run_tree(find_case("data_sheet"), tree, tmp_path / "tied.h5"))
+    smooth = ("participants.bodies.parameters.pin_friction_coefficient", 0.0)
+    limit = motion(tied(tmp_path, stop, smooth))
     apart = []
     for clearance in (20, 10, 5):
         loose = [
@@ -212,10 +190,8 @@ def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
         ]
         viscosity = f"{5.6 * (clearance / 10) ** 2} mPa s"
         loose += [(f"participants.{film}.parameters.viscosity", viscosity) for film in PINS]
-        near = motion(
-            computed(small(*changes, *loose, stop="60 deg"), tmp_path / f"{clearance}.h5")
-        )
-        apart.append([np.abs(a - b).max() / np.ptp(b) for a, b in zip(near, tied, strict=True)])
+        near = motion(computed(small(*loose, stop="60 deg"), tmp_path / f"{clearance}.h5"))
+        apart.append([np.abs(a - b).max() / np.ptp(b) for a, b in zip(near, limit, strict=True)])
         print(f"{clearance} um: " + ", ".join(f"{n} {a:.2e}" for n, a in zip(names, apart[-1])))
     apart = np.array(apart)
     assert (apart[1:] < 0.6 * apart[:-1]).all()
@@ -237,14 +213,8 @@ def test_what_cannot_float_is_refused():
     assert any("floating_pin.boss_length" in fault for fault in told.faults)
 
 
-@pytest.fixture(scope="module")
-def fmu():
-    """The body FMU on a coarse grid."""
-    table = check_case(small(skirt=(8, 6), pin=(12, 4)), PATH).participants["bodies"]
-    return build_fmu(table.package, table.build, PATH.parent)
-
-
-def test_the_built_fmu_keeps_the_contract(fmu):
+def test_the_built_fmu_keeps_the_contract():
+    fmu = make(*build_of(small(skirt=(8, 6), pin=(12, 4)), PATH, "bodies"))
     assert validate_fmu(str(fmu)) == []
     assert check_fmu(fmu)[:2] == ("bodies", [])
     wires = read_tree(PATH)["wires"]
@@ -257,8 +227,7 @@ def test_models_of_one_film_among_four(tmp_path):
     changed = swap_all({"one": tree}, models, print)["gumbel"]["participants"]
     assert changed["small_end_film"]["parameters"]["cavitation_model"] == "gumbel"
     assert "cavitation_model" not in changed["left_film"]["parameters"]
-    table = check_case(tree, PATH).participants["small_end_film"]
-    own = build_fmu(table.package, table.build, PATH.parent)
+    own = make(*build_of(tree, PATH, "small_end_film"))
     given = {"lubrication": [f"small_end_film={own}"]}
     swapped = swap_all({"one": tree}, given, print)["one"]
     results = [computed(one, tmp_path / f"{k}.h5") for k, one in enumerate((tree, swapped))]

@@ -21,14 +21,10 @@ from piston_cosim.tests.verification.cases.importers import (
     try_importers,
 )
 
+from .runs import coarse
+
 STEPS = 24
-SMALL = [
-    ("participants.bodies.build.grid", [12, 10]),
-    ("participants.ehd.build.grid", [12, 10]),
-    ("time.stop", f"{STEPS} deg"),
-    ("participants.bodies.build.piston.modes", 0),
-    ("participants.bodies.build.block.modes", 0),
-]
+SMALL = coarse(("time.stop", f"{STEPS} deg"))
 
 
 @pytest.fixture(scope="module")
@@ -36,18 +32,17 @@ def shipped(tmp_path_factory):
     return engine(SMALL, ("2.0", "3.0"), print, tmp_path_factory.mktemp("run"))
 
 
-@pytest.fixture(scope="module")
-def native_forms():
-    """The engine FMU without Python, by version."""
-    return native_engine(SMALL, ("2.0", "3.0"), print) or pytest.skip("cannot be built here")
-
-
 @pytest.mark.slow
+@pytest.mark.parametrize("native", [False, True])
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
-def test_every_importer_gives_what_run_writes(shipped, version):
-    """Row 0 included; those that are installed in any case must be among them."""
+def test_every_importer_gives_what_run_writes(shipped, version, native):
+    """Row 0 included; those that are installed in any case must be among them. A native FMU needs
+    nothing that Python has.
+    """
     reference, fmus, step = shipped
     assert reference.shape == (STEPS + 1, 1 + len(WATCHED))
+    if native:
+        fmus = native_engine(SMALL, (version,), print) or pytest.skip("cannot be built here")
     trials = list(try_importers(fmus[version], version, STEPS, step))
     verdicts = {trial.importer: judged(trial, reference) for trial in trials}
     assert [name for name, (verdict, _) in verdicts.items() if verdict == "FAIL"] == [], verdicts
@@ -55,19 +50,6 @@ def test_every_importer_gives_what_run_writes(shipped, version):
     here |= {"Python alone (ctypes)"} if version == "2.0" else set()
     assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
     assert verdicts.keys() - {HOST} == {n for n, i in IMPORTERS.items() if version in i.versions}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("version", ["2.0", "3.0"])
-def test_every_importer_takes_native_fmus(shipped, native_forms, version):
-    """Whatever Python has: a native FMU needs none of it."""
-    reference, _, step = shipped
-    trials = list(try_importers(native_forms[version], version, STEPS, step))
-    verdicts = {trial.importer: judged(trial, reference) for trial in trials}
-    assert [name for name, (verdict, _) in verdicts.items() if verdict == "FAIL"] == [], verdicts
-    here = {HOST, "fmpy in process", "fmpy simulate", "fmpy validate"}
-    here |= {"Python alone (ctypes)"} if version == "2.0" else set()
-    assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} >= here
 
 
 @pytest.mark.slow
@@ -97,33 +79,32 @@ TIMES = np.arange(5) * 1e-5
 CURVE = np.array([TIMES, [0.0, 1.0, 4.0, 9.0, 10.0]]).T
 
 
-def test_distance_by_hand():
-    """A row off by 0.2 of a range of 10; the row 0 alone off by 1."""
-    wrong = CURVE.copy()
-    wrong[2, 1] = 4.2
-    assert distance(wrong, CURVE) == pytest.approx(0.02, rel=1e-12)
-    zero = CURVE.copy()
-    zero[0, 1] = 1.0
-    assert distance(zero, CURVE) == pytest.approx(0.1, rel=1e-12)
+def changed(row, column, by):
+    """The curve with one value changed."""
+    curve = CURVE.copy()
+    curve[row, column] += by
+    return curve
 
 
-def test_rows_that_are_missing_are_infinitely_far():
-    assert distance(CURVE[1:], CURVE) == np.inf
-    assert distance(CURVE[:-1], CURVE) == np.inf
-    shifted = CURVE.copy()
-    shifted[:, 0] += 1e-7  # a clock late by 1 % of a step
-    assert distance(shifted, CURVE) == np.inf
+@pytest.mark.parametrize(
+    "curve, expected",
+    [
+        (changed(2, 1, 0.2), 0.02),  # of a range of 10
+        (changed(0, 1, 1.0), 0.1),  # the row 0 alone
+        (CURVE[1:], np.inf),
+        (CURVE[:-1], np.inf),
+        (changed(slice(None), 0, 1e-7), np.inf),  # a clock late by 1 % of a step
+    ],
+)
+def test_distance_by_hand(curve, expected):
+    assert distance(curve, CURVE) == pytest.approx(expected, rel=1e-12)
 
 
 def test_what_differs_or_fails_is_no_success():
-    off = CURVE.copy()
-    off[3, 1] += 10 * 2 * ALLOWED
-    near = CURVE.copy()
-    near[3, 1] += 10 * 0.5 * ALLOWED
     seen = {
         "same": CURVE,
-        "near": near,
-        "off": off,
+        "near": changed(3, 1, 10 * 0.5 * ALLOWED),
+        "off": changed(3, 1, 10 * 2 * ALLOWED),
         "short": CURVE[:2],
         "valid": "no problem",
         "problems": "['x']",
@@ -131,13 +112,6 @@ def test_what_differs_or_fails_is_no_success():
         "absent": f"{NOT_INSTALLED}: pip install it",
         "refused": "refused: run: python -m pip install numpy",
     }
-    verdicts = {name: judged(Trial(name, "1", "3", what), CURVE) for name, what in seen.items()}
-    assert {name for name, (verdict, _) in verdicts.items() if verdict == "ok"} == {
-        "same",
-        "near",
-        "valid",
-    }
-    assert {name for name, (verdict, _) in verdicts.items() if verdict == "-"} == {
-        "absent",
-        "refused",
-    }
+    verdicts = {name: judged(Trial(name, "1", "3", what), CURVE)[0] for name, what in seen.items()}
+    ok, left_out = ({n for n, one in verdicts.items() if one == word} for word in ("ok", "-"))
+    assert ok == {"same", "near", "valid"} and left_out == {"absent", "refused"}

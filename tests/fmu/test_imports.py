@@ -7,8 +7,6 @@ import sys
 
 import pytest
 
-from .counter import library, make  # noqa: F401  (a fixture)
-
 HEAVY = ("numba", "scipy", "matplotlib", "pint", "skfem", "pandas", "cyclopts")
 PROGRAM = """
 import sys
@@ -25,14 +23,12 @@ print(*{name.partition(".")[0] for name in sys.modules})
 
 
 @pytest.mark.parametrize("method", ["explicit", "iqn_ils", "newton"])
-def test_a_run_of_foreign_fmus_imports_nothing_heavy(tmp_path, monkeypatch, library, method):  # noqa: F811
-    for name in "ab":
-        make(tmp_path / f"{name}.fmu", library)
+def test_a_run_of_foreign_fmus_imports_nothing_heavy(folder, monkeypatch, method):
     # an empty cache: no answer of pint is known
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, method],
-        cwd=tmp_path,
+        cwd=folder,
         capture_output=True,
         text=True,
         check=True,

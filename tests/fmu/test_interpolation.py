@@ -21,10 +21,9 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant, hermite, linear
 from piston_cosim.master.participants.local import LocalParticipant
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.checkpoint import Checkpoint
 from piston_cosim.master.runs.run import run
 
-from .runs import run_tree
+from .runs import run_tree, stopped
 
 PATH = find_case("two_mass_oscillator")
 
@@ -99,26 +98,14 @@ def test_isolated_gives_the_same_bits_and_newton_the_same_motion(tmp_path):
     np.testing.assert_allclose(result_of(tmp_path, ("coupling.method", "newton")), here, atol=1e-10)
 
 
-class Stopped(Exception):
-    """Raised by a test in the middle of a run."""
-
-
 def test_resumed_goes_on_along_the_same_course(tmp_path):
     """The values at the beginning of a step are part of the checkpoint."""
     tree = read_tree(PATH, [("time.stop", "0.2 s"), ("record", {"checkpoint_every": 7})])
-    case, output = check_case(tree, PATH), tmp_path / "run.h5"
-
-    def stop(time, *others):
-        if time > 0.165:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        run(open_system(case, PATH.parent, print), case, tree, output, stop)
-    restored = Checkpoint.read(Checkpoint.path(output))
+    restored = stopped(PATH, tree, tmp_path / "run.h5", 0.165)
     assert restored.account.steps_done == 14
-    run(open_system(case, PATH.parent, print), case, tree, output, begin_at=restored)
-    resumed = Results(output).series("left.displacement")[0]
-    np.testing.assert_array_equal(resumed, result_of(tmp_path, ("record", {"checkpoint_every": 0})))
+    resumed = run_tree(PATH, tree, tmp_path / "run.h5", begin_at=restored)
+    whole = result_of(tmp_path, ("record", {"checkpoint_every": 0}))
+    np.testing.assert_array_equal(resumed.series("left.displacement").values, whole)
 
 
 def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):

@@ -1,31 +1,17 @@
 """The shaft in models/journal_bearing: numbers by hand, and coupled with its film."""
 
-import importlib.util
-
 import numpy as np
 
-from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
-from .runs import run_tree
+from .runs import module_of, run_tree
 
 PATH = find_case("journal_bearing")
 
 
-def shaft():
-    """The module of the shaft."""
-    spec = importlib.util.spec_from_file_location("shaft", PATH.parent / "shaft.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_forces_by_hand():
     """A pressure force of 2 N to the right pushes to the left; 3 N of friction there pull up."""
-    model = shaft()
+    model = module_of(PATH.parent / "shaft.py")
     pressure = np.zeros(model.GRID)
     around = np.zeros(model.GRID)
     pressure[0, 4] = 2.0
@@ -80,11 +66,9 @@ def test_a_film_named_first_starts_after_its_shaft_all_the_same(tmp_path, capsys
     places = []
     for name, names in (("as_is", ("shaft", "film")), ("film_first", ("film", "shaft"))):
         turned = tree | {"participants": {one: tree["participants"][one] for one in names}}
-        case, output = check_case(turned, PATH), tmp_path / f"{name}.h5"
-        run(open_system(case, PATH.parent, print), case, turned, output)
+        results = run_tree(PATH, turned, tmp_path / f"{name}.h5")
         said = "start in the order shaft, film: films after their bodies" in capsys.readouterr().out
         assert said == (name == "film_first")
-        results = Results(output)
         assert results.dataset("film.film_fraction")[0].min() == 1.0
         places.append(results.series("shaft.vertical_displacement").values)
     assert np.array_equal(*places)

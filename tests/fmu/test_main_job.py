@@ -29,6 +29,11 @@ def job(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def summary(job):
+    return json.loads((job / "summary.json").read_text())
+
+
 @pytest.fixture
 def flexible(job):
     """The last period."""
@@ -71,36 +76,31 @@ def test_the_pressed_side_bends_away_from_the_film(flexible, rigid):
     assert np.abs(deflection(rigid)).max() < 1e-18
 
 
-def test_the_run_repeats_the_numbers_of_the_front_page(job):
+def test_the_run_repeats_the_numbers_of_the_front_page(summary):
     """`docs/gallery.json` holds the summary from which README and gallery take their numbers. They
     show three digits; the runs of two machines differ by less.
     """
-    summary = json.loads((job / "summary.json").read_text())
     stored = json.loads((ROOT / "docs/gallery.json").read_text())["numerical_example"]
     for variant, run in (("flexible", summary), ("rigid", summary["variants"]["rigid"])):
         for key in ("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w"):
             assert run[key] == pytest.approx(stored[variant][key], rel=1e-3), (variant, key)
 
 
-def test_every_step_converged(job, flexible):
-    summary = json.loads((job / "summary.json").read_text())
+def test_every_step_converged(summary, flexible):
     for run in (summary, summary["variants"]["rigid"]):
         assert run["periodic"]
         # from rest four were measured, twice as many digits would take six
         assert 2 * DEGREES <= run["steps"] == run["periods"] * DEGREES <= 6 * DEGREES
         assert run["unconverged_steps"] == 0
         assert run["mass_imbalance_max"] <= 1e-12  # round-off of a direct solve
-        assert (
-            run["interface_work_error_max"] <= 1e-10
-        )  # round-off of two summations of the same work
+        # round-off of two summations of the same work
+        assert run["interface_work_error_max"] <= 1e-10
         assert run["residual_evaluations"] >= run["jacobian_evaluations"] > 0
-    assert (
-        flexible.whole.series("coupling.residual").values[1:].max() <= 1.0
-    )  # 1e-9 m on the film, 1e-6 m/s on the velocity; forces are handed over
+    # 1e-9 m on the film, 1e-6 m/s on the velocity; forces are handed over
+    assert flexible.whole.series("coupling.residual").values[1:].max() <= 1.0
 
 
-def test_flexible_and_rigid_need_similar_iterations(job):
-    summary = json.loads((job / "summary.json").read_text())
+def test_flexible_and_rigid_need_similar_iterations(summary):
     assert summary["mean_iterations"] <= 2.5
     assert summary["mean_iterations"] <= 1.2 * summary["variants"]["rigid"]["mean_iterations"]
 
@@ -112,8 +112,8 @@ def test_results_carry_units_and_the_case(flexible):
     assert json.loads(flexible.file.attrs["versions"])["numpy"]
 
 
-def test_results_show_the_last_period_and_hold_the_start(job, flexible):
-    periods = json.loads((job / "summary.json").read_text())["periods"]
+def test_results_show_the_last_period_and_hold_the_start(summary, flexible):
+    periods = summary["periods"]
     # an angle of several turns, counted back
     assert np.degrees(flexible.crank_angle) == pytest.approx(np.arange(361.0), abs=1e-9)
     assert flexible.instants == pytest.approx(np.arange(0.0, 361.0, 4.0) / 36e3, abs=1e-12)
@@ -158,8 +158,7 @@ def test_pictures_are_drawn(job):
 
 
 def test_plot_again_from_the_files(job):
-    run = call(
-        "results", "plot", "results/numerical_example/rigid.h5", "--output", "again", folder=job
-    )
+    words = ("results", "plot", "results/numerical_example/rigid.h5", "--output", "again")
+    run = call(*words, folder=job)
     assert run.returncode == 0, run.stderr
     assert {path.stem for path in (job / "again").glob("*.png")} == set(PICTURES)

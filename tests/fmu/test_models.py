@@ -9,17 +9,9 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 
 from ..command import call
+from .runs import coarse
 
-SMALL = [
-    f"--set={change}"
-    for change in (
-        "participants.bodies.build.grid=[12,10]",
-        "participants.ehd.build.grid=[12,10]",
-        "time.stop=10 deg",
-        "participants.bodies.build.piston.modes=0",
-        "participants.bodies.build.block.modes=0",
-    )
-]
+SMALL = [f"--set={key}={value}" for key, value in coarse(("time.stop", "10 deg"))]
 
 
 def run(folder, *words):
@@ -32,9 +24,7 @@ def test_cavitation_models_differ_and_a_model_not_from_itself(tmp_path, fmu):
         tmp_path,
         *SMALL,
         "--set=participants.ehd.build.mask=none",  # the FMU was built without the case's mesh
-        "--lubrication=jfo",
-        "--lubrication=same.fmu",
-        "--lubrication=gumbel",
+        *(f"--lubrication={model}" for model in ("jfo", "same.fmu", "gumbel")),
         "--output=out",
     )
     assert done.returncode == 0, done.stdout + done.stderr

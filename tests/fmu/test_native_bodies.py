@@ -7,25 +7,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from piston_cosim.master.case.ahead import declared_participants, parameters_ahead
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.contract import swap
-from piston_cosim.master.case.reading import read_tree
-from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 from ..mfbd.conftest import write_bodies
 from .conftest import rigid_bodies
 from .pairs import side_by_side
-from .runs import build_of, make, run_tree
+from .runs import build_of, make
 from .test_crank_bearings import PATH as CRANK_BEARINGS
 from .test_crank_bearings import small as small_crank
 from .test_floating_pin import PATH as FLOATING_PIN
 from .test_floating_pin import small as small_pin
-from .test_yielding_bosses import EYE, OF_PIN, settings
+from .test_yielding_bosses import EYE, OF_PIN
 from .test_yielding_bosses import PATH as YIELDING
+from .test_yielding_bosses import small as small_yielding
 
 ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
@@ -161,7 +158,7 @@ CASES = {
         small_crank(*OFFSETS, crank=(20, 4), **PIN), CRANK_BEARINGS, exact=True
     ),
     "bosses and an eye that yield": lambda folder: of_case(
-        read_tree(YIELDING, settings((f"{OF_PIN}.small_end", EYE))), YIELDING
+        small_yielding((f"{OF_PIN}.small_end", EYE)), YIELDING
     ),
 }
 
@@ -225,39 +222,3 @@ def test_a_load_brakes_a_free_crank(bodies):
     # a piston that starts from dead centre moves by less than 1 um; first order at the first step
     assert bodies.get("rotation_speed") == pytest.approx(3.0 * 99.5e-5 / inertia, rel=1e-3)
     assert bodies.get("crank_angle") > 0.0
-
-
-def test_a_piston_that_warms_fills_its_bore(bodies):
-    """Skirt of 28.225 mm: 22.58 um more by 40 K and 20e-6/K. Bore of 28.25 mm: 3.1075 um more by
-    10 K and 11e-6/K.
-    """
-    bodies.start({}, 0.0, 1.0)
-    cold = bodies.get("film_thickness").copy()
-    for name, value in dict(piston_temperature=333.15, bore_temperature=303.15).items():
-        bodies.set(name, value)
-    bodies.step(0.0, 1e-9)  # nothing else moves
-    assert bodies.get("thermal_opening") == pytest.approx(-19.4725e-6, rel=1e-12)
-    np.testing.assert_allclose(bodies.get("film_thickness") - cold, -19.4725e-6, rtol=1e-6)
-    bodies.set("bore_temperature", 1100.0)
-    words = "bore_temperature: expected 200 to 1000 K, got 1100 K"
-    with pytest.raises(Discard, match=words):
-        bodies.step(1e-9, 1e-9)
-    with pytest.raises(FMICallException):
-        bodies.set("piston_expansion", 1e-5)  # fixed
-
-
-def test_a_run_with_native_bodies_is_the_run_in_python(tmp_path):
-    """Four films in Python, the bodies natively: the same motion in as many iterations."""
-    tree = small_pin(stop="20 deg")
-    fmu = make(*build_of(tree, FLOATING_PIN, "bodies"), native=True)
-    swapped, left_out = swap(tree, "bodies", fmu)
-    assert left_out == []
-    found = [
-        run_tree(FLOATING_PIN, one, tmp_path / f"{k}.h5") for k, one in enumerate((tree, swapped))
-    ]
-    for name in ("steps", "mean_iterations", "unconverged_steps", "derivative_products"):
-        assert found[1].summary[name] == found[0].summary[name]
-    ports = ("lateral_displacement", "pin_displacement_y", "side_force", "pin_rotation_speed")
-    for port in ports:
-        a, b = (one.series(f"bodies.{port}").values for one in found)
-        assert np.array_equal(a, b), port

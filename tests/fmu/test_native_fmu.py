@@ -284,6 +284,13 @@ def test_conditions_change_between_steps(native, inputs):
         for name in DERIVATIVE_OUTPUTS:
             off = np.abs(one.get(name) - outputs[name]).max()
             assert off <= C_LIBRARY * np.abs(outputs[name]).max()
+    for name, wrong in (("pressure_upper_edge", -1.0), ("oil_temperature_lower_edge", 600.0)):
+        if name in inputs:
+            right = one.get(name)
+            one.set(name, wrong)
+            with pytest.raises(Discard, match=f"{name}: expected"):
+                step(one, *motored_film(shape, 0.0))
+            one.set(name, right)
     one.close()
 
 

@@ -12,13 +12,9 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.checkpoint import Checkpoint
-from piston_cosim.master.runs.run import run
 
-from .counter import case_text, library, make
-
-__all__ = ["library"]
+from .counter import case_text
+from .runs import run_tree, stopped, values_of
 
 ROOT = Path(__file__).parents[2]
 TUBE = ROOT / "models" / "elastic_tube" / "case.toml"
@@ -38,26 +34,17 @@ def outside(tree):
     return tree
 
 
-def solved(tree, output):
-    """Summary of the tube, and its pressure at all instants."""
-    case = check_case(tree, "case")
-    system = open_system(case, TUBE.parent, print)
-    summary = run(system, case, tree, output)
-    return summary, Results(output).dataset("fluid.pressure")[:]
-
-
 def test_the_tube_with_one_side_outside_gives_the_same_bits(installed, tmp_path):
-    ours, pressure = solved(read_tree(TUBE, SHORT), tmp_path / "ours.h5")
-    theirs, same = solved(outside(read_tree(TUBE, SHORT)), tmp_path / "theirs.h5")
-    assert np.array_equal(pressure, same)
-    assert ours["residual_evaluations"] == theirs["residual_evaluations"]
+    trees = {"ours": read_tree(TUBE, SHORT), "theirs": outside(read_tree(TUBE, SHORT))}
+    ours, theirs = (run_tree(TUBE, tree, tmp_path / f"{n}.h5") for n, tree in trees.items())
+    assert np.array_equal(ours.dataset("fluid.pressure")[:], theirs.dataset("fluid.pressure")[:])
+    name = "residual_evaluations"
+    assert ours.summary[name] == theirs.summary[name]
 
 
 @pytest.fixture
-def lags(installed, tmp_path, library):
+def lags(installed, folder):
     """Tree of two lags in a loop, solved by the method of the other package."""
-    for name in "ab":
-        make(tmp_path / f"{name}.fmu", library)
     tight = "tolerance = 1e-13"
     text = case_text([("a.x", "b.u", tight), ("b.x", "a.u", tight)], "anderson_one", a="k = 2.0")
     tree = tomllib.loads(text)
@@ -66,17 +53,10 @@ def lags(installed, tmp_path, library):
     return tree
 
 
-def marched(tree, folder, name, begin_at=None, watch=lambda *args: None):
-    """Summary, and x of the first lag."""
-    case = check_case(tree, "case")
-    output = folder / f"{name}.h5"
-    summary = run(open_system(case, folder, print), case, tree, output, watch, begin_at)
-    return summary, Results(output).series("a.x").values
-
-
 def test_a_method_and_an_observer_from_outside(lags, tmp_path):
     lags["observers"] = {"window_times": {}}
-    summary, x = marched(lags, tmp_path, "o")
+    results = run_tree(tmp_path / "case", lags, tmp_path / "o.h5")
+    x, summary = values_of(results, "a.x"), results.summary
     # (1 + H k) a - H b = a_0, (1 + H) b - H a = b_0
     matrix, states = np.array([[1.2, -0.1], [-0.1, 1.1]]), [np.ones(2)]
     for _ in range(10):
@@ -89,28 +69,20 @@ def test_a_method_and_an_observer_from_outside(lags, tmp_path):
 
 
 def test_checkpoints_hold_what_the_method_remembers(lags, tmp_path):
-    class Stop(Exception):
-        pass
-
-    def watch(time, *others):
-        if time > 0.75:
-            raise Stop
-
-    with pytest.raises(Stop):
-        marched(lags, tmp_path, "o", watch=watch)
-    kept = Checkpoint.read(Checkpoint.path(tmp_path / "o.h5"))
+    case, output = tmp_path / "case", tmp_path / "o.h5"
+    kept = stopped(case, lags, output, 0.75)
     assert kept.account.steps_done == 6
-    _, resumed = marched(lags, tmp_path, "o", kept)
-    _, whole = marched(lags, tmp_path, "whole")
-    assert np.array_equal(resumed, whole)
+    resumed = values_of(run_tree(case, lags, output, begin_at=kept), "a.x")
+    assert np.array_equal(resumed, values_of(run_tree(case, lags, tmp_path / "whole.h5"), "a.x"))
 
 
 def test_a_step_control_from_outside(installed, tmp_path):
     tree = outside(read_tree(TUBE, [("time.stop", "0.02 s")]))
     tree["coupling"]["step_control"] = "every_half"
     tree["wires"][0]["relative_tolerance"] = 1e-3
-    solved(tree, tmp_path / "o.h5")
-    assert Results(tmp_path / "o.h5").time == pytest.approx([0, 0.005, 0.01, 0.015, 0.02])
+    assert run_tree(TUBE, tree, tmp_path / "o.h5").time == pytest.approx(
+        [0, 0.005, 0.01, 0.015, 0.02]
+    )
 
 
 @pytest.mark.parametrize(

@@ -4,28 +4,22 @@ Eq. (X7):  x_n = x_0 / (1 + h k)^n,  n = time / h               a lag alone, bac
 Eq. (X8):  x_{n+1} = (x_n + h u(t_{n+1})) / (1 + h k)           the lag behind a signal
 """
 
-import zipfile
-
 import numpy as np
 import pytest
 
 from piston_cosim.master.coupling.stepping import StepFailed
 
-from .counter import case_text, description, library, make
+from .c_fmus import pack
+from .counter import case_text, description
 from .test_any_fmu import refused, solved
-
-__all__ = ["library"]
 
 H = 0.1
 TABLE = "time [ms], force [mm]\n0, 0\n500, 250\n1000, 1000\n1500, 1750\n2000, 4000\n"
 
 
-@pytest.fixture
-def folder(tmp_path, library):
-    for name in "ab":
-        make(tmp_path / f"{name}.fmu", library)
-    (tmp_path / "signal.csv").write_text(TABLE)
-    return tmp_path
+@pytest.fixture(autouse=True)
+def signal(folder):
+    (folder / "signal.csv").write_text(TABLE)
 
 
 def lag(count, step, k, u, x=1.0):
@@ -151,34 +145,22 @@ def test_tables_that_cannot_be_used(folder, table, words):
 
 def one_length(folder, library):
     """The FMU a with steps of one length alone."""
-    text = description().replace("<UnitDefinitions></UnitDefinitions>", "")
-    text = text.replace('StepSize="true"', 'StepSize="false"')
-    with zipfile.ZipFile(folder / "a.fmu", "w") as archive:
-        archive.writestr("modelDescription.xml", text)
-        archive.write(library, "binaries/linux64/counter.so")
+    text = description().replace('StepSize="true"', 'StepSize="false"')
+    pack(folder / "a.fmu", text, library)
 
 
-def test_an_fmu_of_one_step_length(folder, library):
+@pytest.mark.parametrize("step, taken", [("", 1), ('step = "0.05 s"', 2)])
+def test_an_fmu_of_one_step_length(folder, library, step, taken):
     one_length(folder, library)
-    _, results = solved(folder, case_text([], a="k = 2.0"))
-    np.testing.assert_allclose(results.series("a.x").values, 1.2 ** -np.arange(11.0), rtol=1e-14)
-    text = case_text([], a="k = 2.0").replace('fmu = "a.fmu"', 'fmu = "a.fmu"\nstep = "0.05 s"')
-    _, results = solved(folder, text)
-    np.testing.assert_allclose(
-        results.series("a.x").values, 1.1 ** (-2 * np.arange(11.0)), rtol=1e-14
-    )
+    _, results = solved(folder, case_text([], a="k = 2.0", own=step))
+    expected = (1 + 0.2 / taken) ** (-taken * np.arange(11.0))  # Eq. (X7)
+    np.testing.assert_allclose(results.series("a.x").values, expected, rtol=1e-14)
 
 
 def test_an_fmu_of_one_step_length_is_never_given_another(folder, library):
     one_length(folder, library)
-    text = case_text([], a="k = 2.0").replace('fmu = "a.fmu"', 'fmu = "a.fmu"\nstep = "0.03 s"')
-    with pytest.raises(StepFailed, match="a multiple of 0.03 s"):
-        solved(folder, text)
-
-
-def test_an_fmu_of_one_step_length_takes_no_steps_by_local_error(folder, library):
-    one_length(folder, library)
     wires = [("a.x", "b.u", "local_error = 1e-3")]
-    assert "expected an FMU with variable steps with local_error" in refused(
-        folder, case_text(wires)
-    )
+    words = "expected an FMU with variable steps with local_error"
+    assert words in refused(folder, case_text(wires))
+    with pytest.raises(StepFailed, match="a multiple of 0.03 s"):
+        solved(folder, case_text([], own='step = "0.03 s"'))

@@ -17,7 +17,6 @@ from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import envelope_kinds, players
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands import sweep
 from piston_cosim.master.commands.common import body_skins, page_of
 from piston_cosim.master.commands.results import movie
@@ -28,11 +27,11 @@ from piston_cosim.master.fmi.quantities import pint_unit, registry
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.pictures import entry_in_words
 from piston_cosim.master.results.report import views
-from piston_cosim.master.runs.run import run
 
 from ..master.browser import Browser, found
+from .runs import coarse, run_tree
 
-SMALL = [("participants.bodies.build.grid", [20, 16]), ("participants.ehd.build.grid", [20, 16])]
+SMALL = coarse(grid=(20, 16), modes=None)
 CASES = {
     # bodies as they are, for other tests have reduced them
     "flexible": ("numerical_example", [("time.stop", "20 deg"), ("time.step", "2 deg")]),
@@ -59,10 +58,7 @@ def seen(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     path = find_case(name)
     tree = read_tree(path, changes)
-    case = check_case(tree, path)
-    system = open_system(case, path.parent, lambda text: None)
-    run(system, case, tree, folder / "run.h5")
-    results = Results(folder / "run.h5")
+    case, results = check_case(tree, path), run_tree(path, tree, folder / "run.h5")
     runs = {"run": results}
     page = page_of(check_case(results.case, path), runs, folder / "report")
     with Browser(folder / "profile", 1400, 900) as browser:

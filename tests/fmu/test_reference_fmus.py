@@ -12,11 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.participants.open import open_fmu
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+
+from .runs import run_tree
 
 FOLDER = os.environ.get("PISTON_COSIM_REFERENCE_FMUS", "")
 FMUS = sorted(Path(FOLDER).rglob("*.fmu")) if FOLDER else []
@@ -43,8 +41,24 @@ def numbers(column):
     return np.squeeze([[float(said.get(t, t)) for t in text.split(" ")] for text in column])
 
 
-@pytest.mark.skipif(not FMUS, reason="PISTON_COSIM_REFERENCE_FMUS names no folder of FMUs")
-@pytest.mark.parametrize("fmu", FMUS, ids=lambda path: str(path.relative_to(FOLDER)))
+of_each = pytest.mark.parametrize("fmu", FMUS, ids=lambda path: str(path.relative_to(FOLDER)))
+pytestmark = pytest.mark.skipif(not FMUS, reason="PISTON_COSIM_REFERENCE_FMUS names no folder")
+
+
+def ran(folder, time, recorded, wires=(), **participants):
+    """Results of a case."""
+    tree = {
+        "title": "reference",
+        "time": time,
+        "participants": participants,
+        "wires": list(wires),
+        "coupling": {"order": list(participants)},
+        "record": {"fields": recorded},
+    }
+    return run_tree(folder / "case", tree, folder / "o.h5")
+
+
+@of_each
 def test_alone_to_its_own_reference(fmu, tmp_path):
     if fmu.stem in WITHOUT:
         pytest.skip(f"{fmu.stem} {WITHOUT[fmu.stem]}")
@@ -54,27 +68,13 @@ def test_alone_to_its_own_reference(fmu, tmp_path):
     fields = open_fmu("one", fmu).fields
     wanted = [n for n in columns if n in fields and fields[n].type not in ("String", "Binary")]
     assert wanted
-    tree = {
-        "title": fmu.stem,
-        "time": {
-            "start": f"{time[0]} s",
-            "stop": f"{time[-1]} s",
-            "step": f"{time[1] - time[0]} s",
-        },
-        "participants": {"one": {"fmu": str(fmu)}},
-        "wires": [],
-        "coupling": {"order": ["one"]},
-        "record": {"fields": [f"one.{name}" for name in wanted]},
-    }
-    case = check_case(tree, "case")
-    run(open_system(case, tmp_path, print), case, tree, tmp_path / "o.h5")
-    results = Results(tmp_path / "o.h5")
+    times = {"start": time[0], "stop": time[-1], "step": time[1] - time[0]}
+    times = {name: f"{value} s" for name, value in times.items()}
+    results = ran(tmp_path, times, [f"one.{name}" for name in wanted], one={"fmu": str(fmu)})
     for name in wanted:
-        found = results.dataset(f"one.{name}")[:]
-        expected = numbers(columns[name])
-        np.testing.assert_allclose(
-            np.squeeze(found), expected, rtol=TOLERANCE, atol=TOLERANCE, err_msg=name
-        )
+        found, expected = results.dataset(f"one.{name}")[:], numbers(columns[name])
+        close = {"rtol": TOLERANCE, "atol": TOLERANCE, "err_msg": name}
+        np.testing.assert_allclose(np.squeeze(found), expected, **close)
 
 
 GIVEN = {"Real": 1.5, "Integer": 7, "Boolean": True}
@@ -86,17 +86,16 @@ def matched(fields):
     inputs = [f for f in fields.values() if f.causality == "input" and f.type in GIVEN]
     pairs = []
     for field in outputs:
+        kind = (field.native, field.type, field.shape)
         for inlet in inputs:
-            same = (inlet.native, inlet.type, inlet.shape)
-            if same == (field.native, field.type, field.shape):
+            if (inlet.native, inlet.type, inlet.shape) == kind:
                 pairs.append((field, inlet))
                 inputs.remove(inlet)
                 break
     return pairs
 
 
-@pytest.mark.skipif(not FMUS, reason="PISTON_COSIM_REFERENCE_FMUS names no folder of FMUs")
-@pytest.mark.parametrize("fmu", FMUS, ids=lambda path: str(path.relative_to(FOLDER)))
+@of_each
 def test_in_a_wired_pair(fmu, tmp_path):
     """What the first says is what the second hears, at the end of the same step where it is real,
     a step later where it is held.
@@ -111,17 +110,10 @@ def test_in_a_wired_pair(fmu, tmp_path):
         b.name: np.full(b.shape, GIVEN[b.type]).tolist() if b.shape else GIVEN[b.type]
         for _, b in pairs
     }
-    tree = {
-        "title": fmu.stem,
-        "time": {"stop": "1 s", "step": "0.1 s"},
-        "participants": {"one": {"fmu": str(fmu), "parameters": values}, "two": {"fmu": str(fmu)}},
-        "wires": wires,
-        "coupling": {"order": ["one", "two"]},
-        "record": {"fields": [port for wire in wires for port in wire.values()]},
-    }
-    case = check_case(tree, "case")
-    run(open_system(case, tmp_path, print), case, tree, tmp_path / "o.h5")
-    results = Results(tmp_path / "o.h5")
+    two = {"fmu": str(fmu)}
+    recorded = [port for wire in wires for port in wire.values()]
+    one, time = two | {"parameters": values}, {"stop": "1 s", "step": "0.1 s"}
+    results = ran(tmp_path, time, recorded, wires, one=one, two=two)
     for a, b in pairs:
         said, heard = results.dataset(f"one.{a.name}")[:], results.dataset(f"two.{b.name}")[:]
         spoken = said[1:] if a.type == "Real" else said[:-1]

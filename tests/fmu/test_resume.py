@@ -4,15 +4,13 @@ checkpoint, in a new process.
 
 import os
 import signal
-import subprocess
-import sys
-import time
 
-import h5py
 import numpy as np
 import pytest
 
-from ..command import call
+from ..command import begun, call, ended
+from .runs import datasets
+from .waiting import wait_for
 
 WORDS = ["run", "numerical_example", "--only", "rigid", "--set", "time.stop=60 deg"]
 WORDS += ["--set", "record.checkpoint_every=7", "--no-plots", "--output"]
@@ -31,19 +29,27 @@ def whole(tmp_path_factory):
 
 def compare(first, second):
     """Names of datasets that differ."""
-    different = []
-    with h5py.File(first) as a, h5py.File(second) as b:
+    one, other = datasets(first), datasets(second)
+    return [
+        name
+        for name, values in one.items()
+        if not name.endswith(WORK_COUNTERS) and not np.array_equal(values, other[name])
+    ]
 
-        def look(name, dataset):
-            if (
-                isinstance(dataset, h5py.Dataset)
-                and not name.endswith(WORK_COUNTERS)
-                and not np.array_equal(dataset[:], b[name][:])
-            ):
-                different.append(name)
 
-        a.visititems(look)
-    return different
+def goes_on(words, folder, name, whole, kind=signal.SIGKILL, code=-signal.SIGKILL):
+    """Interrupt a run after its first checkpoint and resume it in a new process: the datasets are
+    those of the whole run.
+    """
+    checkpoint = folder / f"{name}.h5.checkpoint"
+    process = begun(folder, *words, folder)
+    wait_for(checkpoint.exists, 200)
+    os.kill(process.pid, kind)
+    ended(process, code)
+    assert not (folder / f"{name}.h5").exists()
+    ended(begun(folder, "resume", checkpoint))
+    assert compare(whole, folder / f"{name}.h5") == []
+    assert not checkpoint.exists()
 
 
 @pytest.mark.parametrize(
@@ -55,24 +61,7 @@ def compare(first, second):
     ],
 )
 def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, code):
-    command = [sys.executable, "-m", "piston_cosim", *WORDS, tmp_path]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    checkpoint = tmp_path / "rigid.h5.checkpoint"
-    deadline = time.monotonic() + 120
-    while not checkpoint.exists() and time.monotonic() < deadline:
-        time.sleep(0.002)
-    os.kill(process.pid, kind)
-    assert process.wait(60) == code, process.stderr.read()
-    assert not (tmp_path / "rigid.h5").exists()
-    resumed = subprocess.run(
-        [sys.executable, "-m", "piston_cosim", "resume", str(checkpoint)],
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert resumed.returncode == 0, resumed.stderr
-    assert compare(whole, tmp_path / "rigid.h5") == []
-    assert not checkpoint.exists()
+    goes_on(WORDS, tmp_path, "rigid", whole, kind, code)
 
 
 def test_no_checkpoint_is_bad_input(tmp_path):

@@ -1,6 +1,5 @@
 """The ring pack in models/ring_pack: numbers by hand, and coupled with film and bodies."""
 
-import importlib.util
 from math import exp, pi, sqrt
 
 import pytest
@@ -10,6 +9,8 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
+
+from .runs import coarse, module_of
 
 PATH = find_case("ring_pack")
 VALUES = dict(
@@ -33,10 +34,7 @@ VALUES = dict(
 
 def forces(**changed):
     """Outputs of the pack."""
-    spec = importlib.util.spec_from_file_location("ring_pack", PATH.parent / "ring_pack.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module._forces(VALUES | changed)
+    return module_of(PATH.parent / "ring_pack.py")._forces(VALUES | changed)
 
 
 def test_numbers_by_hand():
@@ -73,12 +71,8 @@ def test_the_pack_acts_on_the_piston_in_the_same_macro_step(tmp_path):
     the tolerance of the wires, and slow the piston. In creep 4.5 kN on the flanks rub with 0.1/2e-3
     N s/m each, the wires let 1e-6 m/s and 23 mm 1e-4 rad/s pass: 0.75 N.
     """
-    small = [
-        ("participants.bodies.build.grid", [12, 10]),
-        ("participants.ehd.build.grid", [12, 10]),
-        ("participants.bodies.parameters.start_crank_angle", "5 deg"),
-        ("time.stop", "12 deg"),
-    ]
+    start = ("participants.bodies.parameters.start_crank_angle", "5 deg")
+    small = coarse(start, ("time.stop", "12 deg"), modes=None)
     speeds = {}
     for label, changes in (("rings", []), *read_tree(PATH)["variants"].items()):
         tree = read_tree(PATH, [*small, *dict(changes).items()])

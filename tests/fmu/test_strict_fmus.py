@@ -5,8 +5,6 @@ Eq. (X11):  (1 + H) a' = a + H g b',   (1 + H) b' = b - H g a',   a = 1, b = 0 a
 """
 
 import json
-import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,92 +14,41 @@ from piston_cosim.master.participants.isolated import IsolatedParticipant
 from piston_cosim.master.results.file import Results
 
 from ..command import call
-from .c_fmus import MODELS, compile_model
+from .c_fmus import MODELS, Variable, compile_model, describe, pack
+from .counter import case_text
 
-HERE = Path(__file__).parent
 STEP, GAIN = 0.1, 30.0
-NAMES = {
-    "u": "input",
-    "x": "output",
-    "gain": "parameter",
-    "x0": "parameter",
-    "fails_at": "parameter",
-}
-STARTS = {"u": 0, "gain": 1, "x0": 0, "fails_at": 1e9}
-CASE = """
-title = "Two cells"
-[time]
-stop = "1 s"
-step = "0.1 s"
-[participants.a]
-fmu = "{a}.fmu"
-isolated = {isolated}
-[participants.a.parameters]
-gain = 30.0
-x0 = 1.0
-fails_at = {fails_at}
-[participants.b]
-fmu = "cell.fmu"
-isolated = {isolated}
-[participants.b.parameters]
-gain = -30.0
-[[wires]]
-from = "a.x"
-to = "b.u"
-tolerance = {tolerance}
-[[wires]]
-from = "b.x"
-to = "a.u"
-tolerance = 1e-9
-[coupling]
-method = "{method}"
-order = ["a", "b"]
-parallel = {parallel}
-"""
-
-
-def description(derivative):
-    variables = "".join(
-        f'<ScalarVariable name="{name}" valueReference="{k}" causality="{causality}" '
-        f'variability="{"fixed" if causality == "parameter" else "continuous"}"><Real '
-        + (f'start="{STARTS[name]}" ' if name in STARTS else "")
-        + 'nominal="1"/></ScalarVariable>'
-        for k, (name, causality) in enumerate(NAMES.items())
-    )
-    return (
-        '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="cell" guid="1">'
-        '<CoSimulation modelIdentifier="cell" canHandleVariableCommunicationStepSize="true" '
-        f'canGetAndSetFMUstate="true" providesDirectionalDerivative="{derivative}"/>'
-        f"<ModelVariables>{variables}</ModelVariables><ModelStructure><Outputs>"
-        '<Unknown index="2"/></Outputs></ModelStructure></fmiModelDescription>'
-    )
+VARIABLES = [
+    Variable("u", 0, "input", "Real", 'start="0" nominal="1"'),
+    Variable("x", 1, "output", "Real", 'nominal="1"'),
+    Variable("gain", 2, "parameter", "Real", 'start="1"'),
+    Variable("x0", 3, "parameter", "Real", 'start="0"'),
+    Variable("fails_at", 4, "parameter", "Real", 'start="1e9"'),
+]
+WIRES = [("a.x", "b.u", "tolerance = 1e-9"), ("b.x", "a.u", "tolerance = 1e-9")]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("strict")
-    for name, flags, derivative in (
-        ("cell", (), "true"),
-        ("plain", (), "false"),
-        ("refuses", ("-DREFUSES",), "true"),
-    ):
+    text = describe("2.0", "cell", VARIABLES, 'providesDirectionalDerivative="true"')
+    for name, flags in (("cell", ()), ("refuses", ("-DREFUSES",))):
         library = folder / f"{name}.so"
         compile_model(MODELS / "cell.c", library, *flags)
-        with zipfile.ZipFile(folder / f"{name}.fmu", "w") as target:
-            target.writestr("modelDescription.xml", description(derivative))
-            target.write(library, "binaries/linux64/cell.so")
+        pack(folder / f"{name}.fmu", text, library, "cell.so")
     return folder
 
 
 def run(folder, output, a="cell", method="newton", isolated=False, fails_at=1e9, parallel=False):
     """The finished command, and its summary if it wrote one."""
-    text = CASE.format(
-        a=a,
-        method=method,
-        fails_at=fails_at,
-        isolated=str(isolated).lower(),
-        parallel=str(parallel).lower(),
-        tolerance="1e-9",
+    text = case_text(
+        WIRES,
+        method,
+        a=f"gain = 30.0\nx0 = 1.0\nfails_at = {fails_at}",
+        b="gain = -30.0",
+        fmus=(f"{a}.fmu", "cell.fmu"),
+        own=f"isolated = {str(isolated).lower()}",
+        coupling=f"parallel = {str(parallel).lower()}",
     )
     case = folder / "case.toml"
     case.write_text(text)

@@ -16,27 +16,19 @@ import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import check_fmu, swap
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.app import main
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
 from .c_fmus import compile_model
+from .runs import coarse, run_tree
 
 CELLS = (12, 10)
 HERE = Path(__file__).parent
 PATH = find_case("numerical_example")
 TEMPLATE = PATH.parents[1] / "lubrication_template" / "axial_film.py"
-SMALL = [
-    ("participants.bodies.build.grid", list(CELLS)),
-    ("participants.ehd.build.grid", list(CELLS)),
-    ("time.stop", "20 deg"),
-    ("participants.bodies.build.piston.modes", 0),
-    ("participants.bodies.build.block.modes", 0),
-]
+SMALL = coarse(("time.stop", "20 deg"))
 
 
 @pytest.fixture(scope="module")
@@ -95,10 +87,11 @@ QUASI_NEWTON = [
 
 def run_with(fmu, folder, changes=()):
     tree, left_out = swap(read_tree(PATH, [*SMALL, *changes]), "ehd", fmu)
-    case = check_case(tree, PATH)
-    output = folder / "run.h5"
-    summary = run(open_system(case, PATH.parent, print), case, tree, output)
-    return summary, Results(output), left_out
+    return run_tree(PATH, tree, folder / "run.h5"), left_out
+
+
+def converged(summary):
+    assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
 
 
 def test_a_swapped_fmu_stays_isolated(template):
@@ -119,10 +112,8 @@ def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_p
     for name, fmu in (("template", template), ("c", in_c)):
         folder = tmp_path / name
         folder.mkdir()
-        summary, results[name], left_out = run_with(
-            fmu, folder, QUASI_NEWTON if name == "c" else ()
-        )
-        assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
+        results[name], left_out = run_with(fmu, folder, QUASI_NEWTON if name == "c" else ())
+        converged(results[name].summary)
         assert "participants.ehd.parameters.roughness_rms" in left_out
     one, two = (r.series("bodies.lateral_displacement")[0] for r in results.values())
     np.testing.assert_allclose(one[-1], two[-1], atol=2e-9)  # a step is converged to 1 nm
@@ -161,9 +152,9 @@ def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
     )
     role, breaches, remarks = check_fmu(fmu)
     assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
-    summary, results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
-    assert summary["unconverged_steps"] == 0 and summary["steps"] >= 20
-    assert summary["derivative_products"] == 0
+    results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
+    converged(results.summary)
+    assert results.summary["derivative_products"] == 0
     assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
 
 
@@ -175,31 +166,26 @@ def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
     assert check_fmu(bodies_fmu) == ("bodies", [], [])
 
 
-def test_check_lists_every_breach(fmu, tmp_path):
-    wrong = tmp_path / "wrong.fmu"
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(wrong, "w") as target:
+def described(fmu, path, **words):
+    """An FMU of which the description alone is left, with other words."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(path, "w") as target:
         text = source.read("modelDescription.xml").decode()
-        text = re.sub(r'canSerializeFMUstate="true"', 'canSerializeFMUstate="false"', text)
-        text = text.replace('name="sliding_velocity[', 'name="slide[').replace(
-            'name="contract_version"', 'name="version"'
-        )
+        for old, new in words.items():
+            text = text.replace(old, new)
         target.writestr("modelDescription.xml", text)
-    _, breaches, _ = check_fmu(wrong)
+    return path
+
+
+def test_check_lists_every_breach(fmu, tmp_path):
+    states = {'canSerializeFMUstate="true"': 'canSerializeFMUstate="false"'}
+    words = {'name="sliding_velocity[': 'name="slide[', 'name="contract_version"': 'name="version"'}
+    _, breaches, _ = check_fmu(described(fmu, tmp_path / "wrong.fmu", **states, **words))
     assert len(breaches) == 3
-    assert any("canSerializeFMUstate" in b for b in breaches) and any(
-        b.startswith("sliding_velocity") for b in breaches
-    )
-
-
-def test_an_fmu_of_no_role_is_bad_input(tmp_path, fmu):
-    other = tmp_path / "other.fmu"
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(other, "w") as target:
-        text = source.read("modelDescription.xml").decode()
-        target.writestr("modelDescription.xml", text.replace("nodal_pressure_force", "load"))
-    with pytest.raises(
-        BadInput, match="expected the outputs of one of lubrication, bodies, got others"
-    ):
-        check_fmu(other)
+    assert any("canSerializeFMUstate" in b for b in breaches)
+    assert any(b.startswith("sliding_velocity") for b in breaches)
+    words = "expected the outputs of one of lubrication, bodies, got others"
+    with pytest.raises(BadInput, match=words):
+        check_fmu(described(fmu, tmp_path / "other.fmu", nodal_pressure_force="load"))
 
 
 def test_missing_file_or_class_is_bad_input(tmp_path):

@@ -12,6 +12,8 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.pool import LocalPool
 from piston_cosim.master.runs.sweep import all_points, build_all, parse_axis, sweep
 
+from .runs import coarse, values_of
+
 pytestmark = pytest.mark.slow  # 18 runs
 PATH = find_case("fired_motorcycle")
 FLOODED = {
@@ -48,25 +50,15 @@ class Outcome(NamedTuple):
 
 
 def outcome(path):
-    results = Results(path)
-
-    def curve(port):
-        return results.series(port)[0]
-
-    lateral = curve("bodies.lateral_displacement")
-    angle = curve("bodies.crank_angle")
-    velocity = np.gradient(lateral, angle)[np.degrees(angle) > -20.0]
-    found = Outcome(
-        np.ptp(lateral),
-        np.abs(velocity).max(),
-        curve("ehd.minimum_film_thickness").min(),
-        curve("ehd.friction_power").mean(),
-        curve("ehd.oil_in_film").mean(),
-        curve("ehd.boundary_friction_share")[-1],
-        curve("bodies.rocking_angle")[(angle > 0.0) & (angle < np.radians(40.0))].mean(),
-    )
-    results.close()
-    return found
+    of_bodies = ("lateral_displacement", "crank_angle", "rocking_angle")
+    of_film = ("minimum_film_thickness", "friction_power", "oil_in_film", "boundary_friction_share")
+    with Results(path) as results:
+        lateral, angle, tilt = values_of(results, *(f"bodies.{name}" for name in of_bodies))
+        film, power, oil, boundary = values_of(results, *(f"ehd.{name}" for name in of_film))
+    slap = np.abs(np.gradient(lateral, angle)[np.degrees(angle) > -20.0]).max()
+    tilt = tilt[(angle > 0.0) & (angle < np.radians(40.0))].mean()
+    means = power.mean(), oil.mean()
+    return Outcome(np.ptp(lateral), slap, film.min(), *means, boundary[-1], tilt)
 
 
 def run_all(axes, changes, tree, folder):
@@ -91,9 +83,7 @@ def trends(tmp_path_factory):
     centre.
     """
     tree = read_tree(PATH)
-    changes = [
-        ("participants.bodies.build.grid", [16, 12]),
-        ("participants.ehd.build.grid", [16, 12]),
+    changes = coarse(
         ("time.stop", "180 deg"),
         ("time.step", "2 deg"),
         ("time.smallest_step", "2 deg"),
@@ -103,7 +93,9 @@ def trends(tmp_path_factory):
         ("record.fields", []),
         ("pictures", []),
         *tree["variants"]["rigid"].items(),
-    ]
+        grid=(16, 12),
+        modes=None,
+    )
     supply = ("participants.ehd.parameters.oil_supply", "bore_and_ring")
     starved = [*changes, supply, *tree["variants"]["starved"].items()]
     folder = tmp_path_factory.mktemp("sweep")

@@ -2,8 +2,6 @@
 a block that does not yield, phases, processes of their own.
 """
 
-import importlib.util
-
 import numpy as np
 import pytest
 
@@ -14,8 +12,8 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 
-from .engines import ENGINES, PATH, PITCH, alone, engine_tree, held, in_line
-from .runs import run_tree
+from .engines import ENGINES, PATH, alone, engine_tree, held, in_line
+from .runs import module_of, run_tree
 from .test_resume import compare
 
 SPEED = 176.0
@@ -27,15 +25,7 @@ POINTS = 256
 """Of a turn: orders beyond 40 are smaller than round-off."""
 
 
-def module():
-    """The block's own file."""
-    spec = importlib.util.spec_from_file_location("mounted_block", PATH.parent / "mounted_block.py")
-    found = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
-
-
-BLOCK = module()
+BLOCK = module_of(PATH.parent / "mounted_block.py")
 
 
 def shaking(name, offset=0.0):
@@ -55,17 +45,8 @@ def shaking(name, offset=0.0):
     turn = 2 * np.pi * np.arange(POINTS) / POINTS
     out = []
     for angle in turn:
-        forces = [
-            block_force(
-                body,
-                mechanism,
-                UNBALANCE,
-                load,
-                still,
-                CrankMotion(angle - np.radians(one.behind), SPEED, 0.0),
-            )
-            for one in cylinders
-        ]
+        cranks = [CrankMotion(angle - np.radians(one.behind), SPEED, 0.0) for one in cylinders]
+        forces = [block_force(body, mechanism, UNBALANCE, load, still, one) for one in cranks]
         out.append(engine.total(*np.array([(*f[:2], 0.0) for f in forces]).T))
     return np.array(out)
 
@@ -146,18 +127,6 @@ def test_balance_of_engines(name, first, second):
     # the series ends with l^7: what follows is l^9 and smaller, 3e-5 of it
     assert found[2] == pytest.approx(second * secondary(), rel=5e-5, abs=tiny)
     assert np.all(found[3::2] < tiny)  # no odd order but the first, without offsets
-
-
-def test_couples_of_engines():
-    """About x: the 180 deg twin rocks with its first order, the four and the 360 deg twin not at
-    all.
-    """
-    twin = orders(shaking("twin, 180 deg")[:, 3])
-    single = orders(shaking("single")[:, 1])
-    assert twin[1] == pytest.approx(PITCH * single[1], rel=1e-12)
-    assert twin[2] < 1e-11 * single[2]
-    for name in ("twin, 360 deg", "in-line four"):
-        assert np.abs(shaking(name)[:, 3]).max() < 1e-11 * single[1]
 
 
 # the block alone

@@ -5,8 +5,6 @@ the same results, a point of a sweep that never ends, archives and names made to
 import csv
 import pickle
 import signal
-import subprocess
-import sys
 import time
 import zipfile
 
@@ -21,27 +19,16 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 
-from ..command import call
-from .counter import case_text, library, make
+from ..command import begun, call, ended
+from .counter import LOOP, case_text
+from .waiting import wait_for
 
-__all__ = ["library"]
-
-COMMAND = [sys.executable, "-m", "piston_cosim"]
-LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
+RUN = ("run", "case.toml", "--no-plots", "--output", "o")
 
 
-@pytest.fixture
-def folder(tmp_path, library):
-    for name in "ab":
-        make(tmp_path / f"{name}.fmu", library)
-    (tmp_path / "case.toml").write_text(case_text(LOOP))
-    return tmp_path
-
-
-def begun(folder, *words):
-    return subprocess.Popen(
-        [*COMMAND, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+@pytest.fixture(autouse=True)
+def case(folder):
+    (folder / "case.toml").write_text(case_text(LOOP))
 
 
 def hangs(folder, step):
@@ -50,48 +37,35 @@ def hangs(folder, step):
     (folder / "case.toml").write_text(text)
 
 
-def waited(path):
-    """Wait for a file."""
-    end = time.monotonic() + 60
-    while not path.exists() and time.monotonic() < end:
-        time.sleep(0.02)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_the_second_signal_ends_a_run_whose_fmu_hangs(folder, number):
     hangs(folder, 3)
-    process = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
-    waited(folder / "o" / "base.h5.partial")
+    process = begun(folder, *RUN)
+    wait_for((folder / "o" / "base.h5.partial").exists)
     time.sleep(0.5)  # it may still be on the way to the fourth step
     process.send_signal(number)
     time.sleep(0.5)
     assert process.poll() is None  # one signal waits for the macro step
     process.send_signal(number)
-    _, told = process.communicate(timeout=10)
-    assert process.returncode == 128 + number
+    _, told = ended(process, 128 + number, 10)
     assert "repeat the signal to stop immediately" in told and "Traceback" not in told
     # and what it has left is in nobody's way
     (folder / "case.toml").write_text(case_text(LOOP))
-    process = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
-    assert process.wait(60) == 0
+    ended(begun(folder, *RUN))
 
 
 def test_an_fmu_that_changes_the_working_directory_does_not_matter(folder):
     words = ("--no-plots", "--output", "here/o", "--summary-json", "here.json")
-    process = begun(folder, "run", "case.toml", *words)
-    told = process.communicate(timeout=60)
-    assert process.returncode == 0, told
+    told = ended(begun(folder, "run", "case.toml", *words))
     assert "results  here/o/base.h5" in told[0]
     assert (folder / "here/o/base.h5").exists() and (folder / "here.json").exists()
 
 
 def test_a_second_run_into_the_same_results_is_refused_and_the_first_ends_well(folder):
     hangs(folder, 5)
-    first = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
-    waited(folder / "o" / "base.h5.partial")
-    second = begun(folder, "run", "case.toml", "--no-plots", "--output", "o")
-    _, told = second.communicate(timeout=60)
-    assert second.returncode == 2
+    first = begun(folder, *RUN)
+    wait_for((folder / "o" / "base.h5.partial").exists)
+    _, told = ended(begun(folder, *RUN), 2)
     assert f"base.h5, written by process {first.pid}" in told
     first.kill()
     first.communicate()
@@ -99,22 +73,10 @@ def test_a_second_run_into_the_same_results_is_refused_and_the_first_ends_well(f
 
 def test_points_that_hang_or_cannot_run_are_rows_and_the_rest_is_done(folder):
     hangs(folder, -1)
-    words = [
-        "sweep",
-        "case.toml",
-        "--vary",
-        "participants.b.parameters.trouble_at=-1;3;-2",
-        "--workers",
-        "1",
-        "--time-limit",
-        "8 s",
-        "--output",
-        "s",
-    ]
+    vary = "--vary=participants.b.parameters.trouble_at=-1;3;-2"
+    words = ["sweep", "case.toml", vary, "--workers=1", "--time-limit=8 s", "--output=s"]
     for _ in range(2):
-        process = begun(folder, *words)
-        told = process.communicate(timeout=120)
-        assert process.returncode == 1, told
+        told = ended(begun(folder, *words), 1)
         with open(folder / "s" / "sweep.csv") as file:
             rows = list(csv.DictReader(file))
         assert [row["status"] for row in rows] == ["done", "failed", "done"]
@@ -164,9 +126,8 @@ def test_damaged_files_of_the_cache_are_named_and_whole_again(folder, monkeypatc
     library_there = unpacked / "binaries" / "linux64" / "counter.so"
     whole = library_there.read_bytes()
     for damaged in (whole[:-1], b"X" + whole[1:], None):
-        if damaged is None:
-            library_there.unlink()
-        else:
+        library_there.unlink()
+        if damaged is not None:
             library_there.write_bytes(damaged)
         with pytest.warns(UserWarning, match="was damaged; restored .*counter.so"):
             unpack(folder / "a.fmu")

@@ -5,8 +5,6 @@ them fails, dies or is interrupted.
 import json
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,15 +15,14 @@ import pytest
 
 from piston_cosim.master.runs import kernels
 
-from .counter import case_text, library, make
+from .. import command
+from ..command import ended
+from .counter import LOOP, case_text
 from .waiting import wait_for
 
-__all__ = ["library"]
-
-LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
 MORE = """
 [variants.other]
-"participants.b.parameters.{key}" = {value}
+"participants.b.parameters.trouble" = {value}
 "participants.b.parameters.trouble_at" = {at}
 """
 TIMES = ("wall_time", "first_step")
@@ -33,26 +30,22 @@ REFERENCES = ("DIMENSION_LIST", "REFERENCE_LIST")
 """Attributes of HDF5 that refer to other data sets of the file."""
 
 
-def write_case(folder, library, key="trouble", value=0, at=-1):
-    """The base case, and a variant in which `b` does what its parameters say."""
-    for name in "ab":
-        make(folder / f"{name}.fmu", library)
-    text = case_text(LOOP, b="trouble = 0\ntrouble_at = -1\nk = 1.0")
-    more = MORE.format(key=key, value=value, at=at)
-    (folder / "case.toml").write_text('beside = ["other"]\n' + text + more)
+@pytest.fixture
+def write_case(folder):
+    """Writes the base case, and a variant in which `b` does what its parameters say."""
+
+    def write(value=0, at=-1):
+        text = case_text(LOOP, b="trouble = 0\ntrouble_at = -1\nk = 1.0")
+        text = 'beside = ["other"]\n' + text + MORE.format(value=value, at=at)
+        (folder / "case.toml").write_text(text)
+
+    return write
 
 
 def begun(folder, *words, jobs=2, case="case.toml"):
     """A run in a session of its own, so that its processes can be found."""
-    command = [sys.executable, "-m", "piston_cosim", "run", case, "--no-plots", "--output", "o"]
-    return subprocess.Popen(
-        [*command, "--jobs", str(jobs), *words],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    run = ("run", case, "--no-plots", "--output", "o", "--jobs", jobs)
+    return command.begun(folder, *run, *words, start_new_session=True)
 
 
 def is_left(process):
@@ -98,42 +91,27 @@ def test_side_by_side_the_bits_are_those_of_one_after_the_other(tmp_path):
     for jobs in (1, 3):
         folder = tmp_path / str(jobs)
         folder.mkdir()
-        process = begun(folder, *changes, jobs=jobs, case="numerical_example")
-        told = process.communicate(timeout=300)
-        assert process.returncode == 0, told
+        ended(begun(folder, *changes, jobs=jobs, case="numerical_example"))
         files.append({path.name: content(path) for path in (folder / "o").glob("*.h5")})
     assert len(files[0]) >= 2 and files[0] == files[1]
 
 
-def test_variants_step_at_the_same_time(tmp_path, library):
-    """One hangs, and the other one ends."""
-    write_case(tmp_path, library, value=1, at=3)
-    process = begun(tmp_path)
-    wait_for((tmp_path / "o/base.h5").exists)
-    assert process.poll() is None
-    process.kill()
-    process.communicate()
-    wait_for(lambda: not is_left(process))
-
-
-def test_one_that_dies_leaves_the_results_of_the_other(tmp_path, library):
-    write_case(tmp_path, library, value=1, at=3)
+def test_one_that_dies_leaves_the_results_of_the_other(tmp_path, write_case):
+    write_case(value=1, at=3)
     process = begun(tmp_path)
     wait_for((tmp_path / "o/other.h5.partial").exists)
     wait_for((tmp_path / "o/base.h5").exists)
     os.kill(json.loads((tmp_path / "o/other.h5.lock").read_text())["process"], signal.SIGKILL)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 1
+    _, errors = ended(process, 1)
     assert "other: the process ended (by SIGKILL)" in errors and "Traceback" not in errors
     assert (tmp_path / "o/base.h5").exists() and not (tmp_path / "o/other.h5").exists()
     wait_for(lambda: not is_left(process))
 
 
-def test_one_that_stops_is_named(tmp_path, library):
-    write_case(tmp_path, library, value=2, at=3)  # its FMU discards all steps
+def test_one_that_stops_is_named(tmp_path, write_case):
+    write_case(value=2, at=3)  # its FMU discards all steps
     process = begun(tmp_path)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 1
+    _, errors = ended(process, 1)
     told = errors.partition("stopped:")[2]
     assert "other: " in told and "checkpoint" in told and "base: " not in told
     assert (tmp_path / "o/base.h5").exists() and (tmp_path / "o/other.h5.partial").exists()
@@ -141,16 +119,15 @@ def test_one_that_stops_is_named(tmp_path, library):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_interrupts_all_after_a_checkpoint(tmp_path, library, number):
+def test_a_signal_interrupts_all_after_a_checkpoint(tmp_path, write_case, number):
     """As Ctrl-C does, SIGINT goes to all processes of the run."""
-    write_case(tmp_path, library)
+    write_case()
     process = begun(tmp_path, "--set", "time.stop=100000 s")
     partial = [tmp_path / f"o/{name}.h5.partial" for name in ("base", "other")]
     wait_for(lambda: all(path.exists() for path in partial))
     time.sleep(1.0)
     os.killpg(process.pid, number) if number == signal.SIGINT else process.send_signal(number)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 1, errors
+    _, errors = ended(process, 1)
     for name in ("base", "other"):
         assert f"{name}: interrupted at t = " in errors
         assert (tmp_path / f"o/{name}.h5.checkpoint").exists()
@@ -158,8 +135,8 @@ def test_a_signal_interrupts_all_after_a_checkpoint(tmp_path, library, number):
     wait_for(lambda: not is_left(process))
 
 
-def test_a_second_signal_ends_all_processes(tmp_path, library):
-    write_case(tmp_path, library, value=1, at=3)
+def test_a_second_signal_ends_all_processes(tmp_path, write_case):
+    write_case(value=1, at=3)
     process = begun(tmp_path)
     wait_for((tmp_path / "o/base.h5").exists)
     wait_for((tmp_path / "o/other.h5.partial").exists)
@@ -168,20 +145,17 @@ def test_a_second_signal_ends_all_processes(tmp_path, library):
     time.sleep(0.5)
     assert process.poll() is None
     process.send_signal(signal.SIGTERM)
-    _, errors = process.communicate(timeout=10)
-    assert process.returncode == 128 + signal.SIGTERM
+    _, errors = ended(process, 128 + signal.SIGTERM, 10)
     assert "stopped immediately" in errors
     wait_for(lambda: not is_left(process))
 
 
-def test_bad_input_of_one_has_its_exit_code(tmp_path, library):
+def test_bad_input_of_one_has_its_exit_code(tmp_path, write_case):
     """The results of the other one exist; a run writes the results of this one already."""
-    write_case(tmp_path, library, value=1, at=3)
+    write_case(value=1, at=3)
     first = begun(tmp_path, "--only", "other")
     wait_for((tmp_path / "o/other.h5.partial").exists)
-    second = begun(tmp_path)
-    _, errors = second.communicate(timeout=60)
-    assert second.returncode == 2
+    _, errors = ended(begun(tmp_path), 2)
     assert f"other.h5, written by process {first.pid}" in errors
     assert (tmp_path / "o/base.h5").exists()
     first.kill()
@@ -213,9 +187,7 @@ def test_slaves_without_derivatives_need_no_rehearsal_of_them(tmp_path):
     for name in "ab":
         text = text.replace(f'fmu = "{name}.fmu"', f'file = "{name}.py:Follower"')
     (tmp_path / "case.toml").write_text(text)
-    process = begun(tmp_path)
-    told = process.communicate(timeout=60)
-    assert process.returncode == 0, told
+    ended(begun(tmp_path))
     assert (tmp_path / "o/base.h5").exists()
 
 

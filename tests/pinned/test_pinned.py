@@ -5,13 +5,11 @@ Values and runs stand in values.toml, renewed by `python tests/pinned/renew.py`,
 beside new. The runs go by the command line, as a user's would.
 """
 
-import importlib.util
 import tomllib
-from pathlib import Path
 
 import pytest
 
-FOLDER = Path(__file__).parent
+from . import renew
 
 # Measure -> tolerance, relative. The coupled step is solved to 1 nm of film: curves with 10 nm and
 # with 0.1 nm differ by 2e-6 of their range (README of numerical_example), and another processor or
@@ -38,22 +36,13 @@ TOLERANCES = {
 def pytest_generate_tests(metafunc):
     """One test a pinned run, the slow ones marked."""
     if "name" in metafunc.fixturenames:
-        table = tomllib.loads((FOLDER / "values.toml").read_text())
+        table = renew.read_values()
         marks = {True: pytest.mark.slow, False: ()}
         runs = [pytest.param(name, marks=marks[entry["slow"]]) for name, entry in table.items()]
         metafunc.parametrize("name", runs)
 
 
-@pytest.fixture
-def renew():
-    """The module that runs, measures and renews."""
-    specification = importlib.util.spec_from_file_location("renew", FOLDER / "renew.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
-
-
-def test_run_gives_what_it_gave(name, renew, tmp_path):
+def test_run_gives_what_it_gave(name, tmp_path):
     entry = renew.read_values()[name]
     values = renew.run(entry, tmp_path)
     assert set(values) == set(entry["values"]) == set(TOLERANCES)
@@ -65,7 +54,7 @@ def test_run_gives_what_it_gave(name, renew, tmp_path):
     assert wrong == []
 
 
-def test_renewing_replaces_the_values_of_one_run(renew):
+def test_renewing_replaces_the_values_of_one_run():
     text = renew.VALUES.read_text()
     name = list(tomllib.loads(text))[1]
     fresh = tomllib.loads(renew.renewed(text, name, {"minimum_film_m": 1.5e-6}))

@@ -77,20 +77,4 @@ int fmi2GetFMUstate(Instance *i, void **s)
 
 int fmi2SetFMUstate(Instance *i, const void *s) { memcpy(&i->m, s, sizeof(Model)); return 0; }
 int fmi2FreeFMUstate(Instance *i, void **s) { (void)i; free(*s); *s = NULL; return 0; }
-int fmi2SetupExperiment(Instance *i, int a, double t, double s, int e, double x)
-{
-    (void)i, (void)a, (void)t, (void)s, (void)e, (void)x;
-    return 0;
-}
-int fmi2EnterInitializationMode(Instance *i) { (void)i; return 0; }
 int fmi2ExitInitializationMode(Instance *i) { i->m.x = i->m.x0; return 0; }
-void fmi2FreeInstance(Instance *i) { free(i); }
-
-#define ERROR(name) int name(void) { return 3; }
-#define EMPTY(name) const char *name(void) { return "2.0"; }
-EMPTY(fmi2GetVersion) EMPTY(fmi2GetTypesPlatform)
-ERROR(fmi2Reset) ERROR(fmi2SetDebugLogging) ERROR(fmi2GetInteger) ERROR(fmi2SetInteger) ERROR(fmi2GetBoolean)
-ERROR(fmi2SetBoolean) ERROR(fmi2GetString) ERROR(fmi2SetString) ERROR(fmi2SerializedFMUstateSize)
-ERROR(fmi2SerializeFMUstate) ERROR(fmi2DeSerializeFMUstate) ERROR(fmi2SetRealInputDerivatives)
-ERROR(fmi2GetRealOutputDerivatives) ERROR(fmi2CancelStep) ERROR(fmi2GetStatus) ERROR(fmi2GetRealStatus)
-ERROR(fmi2GetIntegerStatus) ERROR(fmi2GetBooleanStatus) ERROR(fmi2GetStringStatus)

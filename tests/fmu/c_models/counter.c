@@ -118,17 +118,3 @@ int fmi2DeSerializeFMUstate(void *m, const char *b, size_t n, void **s)
     (void)m; *s = malloc(n); memcpy(*s, b, n);
     return 0;
 }
-
-void fmi2FreeInstance(void *m) { free(m); }
-int fmi2EnterInitializationMode(void *m) { (void)m; return 0; }
-int fmi2ExitInitializationMode(void *m) { (void)m; return 0; }
-int fmi2SetupExperiment(void *m) { (void)m; return 0; }
-int fmi2Terminate(void *m) { (void)m; return 0; }
-const char *fmi2GetVersion(void) { return "2.0"; }
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-
-#define NOT_OFFERED(name) int fmi2##name(void *m) { (void)m; return 3; }
-NOT_OFFERED(SetDebugLogging) NOT_OFFERED(Reset) NOT_OFFERED(GetDirectionalDerivative)
-NOT_OFFERED(SetRealInputDerivatives) NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep)
-NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus) NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus)
-NOT_OFFERED(GetStringStatus)

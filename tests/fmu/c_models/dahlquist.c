@@ -60,16 +60,7 @@ int fmi2GetBoolean(Model *m, const Reference *r, size_t n, int *v)
 int fmi2GetFMUstate(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }
 int fmi2SetFMUstate(Model *m, void *s) { memcpy(m, s, sizeof *m); return 0; }
 int fmi2FreeFMUstate(void *m, void **s) { (void)m; free(*s); *s = NULL; return 0; }
-void fmi2FreeInstance(void *m) { free(m); }
-int fmi2SetupExperiment(void *m) { (void)m; return 0; }
-int fmi2EnterInitializationMode(void *m) { (void)m; return 0; }
-int fmi2ExitInitializationMode(void *m) { (void)m; return 0; }
-int fmi2Terminate(void *m) { (void)m; return 0; }
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-const char *fmi2GetVersion(void) { return "2.0"; }
 
-#define NOT_OFFERED(name) int fmi2##name(void *m) { (void)m; return 3; }
-NOT_OFFERED(Reset) NOT_OFFERED(SetDebugLogging) NOT_OFFERED(SetInteger) NOT_OFFERED(GetInteger) NOT_OFFERED(SetBoolean)
 #ifdef SERIALISES
 int fmi2SerializedFMUstateSize(void *m, void *s, size_t *n) { (void)m, (void)s; *n = sizeof(Model); return 0; }
 int fmi2SerializeFMUstate(void *m, void *s, char *b, size_t n) { (void)m; memcpy(b, s, n); return 0; }
@@ -79,8 +70,4 @@ int fmi2DeSerializeFMUstate(void *m, const char *b, size_t n, void **s)
     return 0;
 }
 #else
-NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate) NOT_OFFERED(DeSerializeFMUstate)
 #endif
-NOT_OFFERED(SetString) NOT_OFFERED(GetString) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetRealInputDerivatives)
-NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep) NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus)
-NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus) NOT_OFFERED(GetStringStatus)

@@ -95,28 +95,3 @@ int fmi3DeserializeFMUState(void *m, const uint8_t *b, size_t n, void **s)
     (void)m; *s = malloc(n); memcpy(*s, b, n);
     return 0;
 }
-
-void fmi3FreeInstance(void *m) { free(m); }
-int fmi3EnterInitializationMode(void *m) { (void)m; return 0; }
-int fmi3ExitInitializationMode(void *m) { (void)m; return 0; }
-int fmi3Terminate(void *m) { (void)m; return 0; }
-const char *fmi3GetVersion(void) { return "3.0"; }
-
-#define NOT_OFFERED(name) int fmi3##name(void *m) { (void)m; return 3; }
-NOT_OFFERED(SetDebugLogging) NOT_OFFERED(EnterConfigurationMode) NOT_OFFERED(ExitConfigurationMode)
-NOT_OFFERED(EnterEventMode) NOT_OFFERED(EnterStepMode) NOT_OFFERED(EnterContinuousTimeMode)
-NOT_OFFERED(CompletedIntegratorStep) NOT_OFFERED(SetTime) NOT_OFFERED(Reset) NOT_OFFERED(GetFloat32) NOT_OFFERED(GetInt8)
-NOT_OFFERED(GetUInt8) NOT_OFFERED(GetInt16) NOT_OFFERED(GetUInt16) NOT_OFFERED(GetUInt32) NOT_OFFERED(GetInt64)
-NOT_OFFERED(GetUInt64) NOT_OFFERED(GetString) NOT_OFFERED(GetBinary) NOT_OFFERED(GetClock) NOT_OFFERED(SetFloat32)
-NOT_OFFERED(SetInt8) NOT_OFFERED(SetUInt8) NOT_OFFERED(SetInt16) NOT_OFFERED(SetUInt16) NOT_OFFERED(SetUInt32)
-NOT_OFFERED(SetInt64) NOT_OFFERED(SetUInt64) NOT_OFFERED(SetString) NOT_OFFERED(SetBinary) NOT_OFFERED(SetClock)
-NOT_OFFERED(GetNumberOfVariableDependencies) NOT_OFFERED(GetVariableDependencies) NOT_OFFERED(GetDirectionalDerivative)
-NOT_OFFERED(GetAdjointDerivative) NOT_OFFERED(GetIntervalDecimal) NOT_OFFERED(GetIntervalFraction)
-NOT_OFFERED(GetShiftDecimal) NOT_OFFERED(GetShiftFraction) NOT_OFFERED(SetIntervalDecimal) NOT_OFFERED(SetIntervalFraction)
-NOT_OFFERED(SetShiftDecimal) NOT_OFFERED(SetShiftFraction) NOT_OFFERED(EvaluateDiscreteStates)
-NOT_OFFERED(UpdateDiscreteStates) NOT_OFFERED(SetContinuousStates) NOT_OFFERED(GetContinuousStateDerivatives)
-NOT_OFFERED(GetEventIndicators) NOT_OFFERED(GetContinuousStates) NOT_OFFERED(GetNominalsOfContinuousStates)
-NOT_OFFERED(GetNumberOfEventIndicators) NOT_OFFERED(GetNumberOfContinuousStates) NOT_OFFERED(GetOutputDerivatives)
-NOT_OFFERED(ActivateModelPartition)
-void *fmi3InstantiateModelExchange(void) { return NULL; }
-void *fmi3InstantiateScheduledExecution(void) { return NULL; }

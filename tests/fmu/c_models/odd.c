@@ -114,14 +114,7 @@ int fmi2SetFMUstate(Instance *i, const void *s)
 }
 
 int fmi2FreeFMUstate(Instance *i, void **s) { (void)i; free(*s); *s = NULL; return 0; }
-int fmi2SetupExperiment(Instance *i, int a, double t, double s, int e, double x)
-{
-    (void)i, (void)a, (void)t, (void)s, (void)e, (void)x;
-    return 0;
-}
-int fmi2EnterInitializationMode(Instance *i) { (void)i; return 0; }
 int fmi2ExitInitializationMode(Instance *i) { say(&i->m); return 0; }
-int fmi2Terminate(Instance *i) { (void)i; return 0; }
 void fmi2FreeInstance(Instance *i)
 {
 #ifndef SHARES
@@ -129,15 +122,3 @@ void fmi2FreeInstance(Instance *i)
 #endif
     (void)i;
 }
-
-
-const char *fmi2GetVersion(void) { return "2.0"; }
-const char *fmi2GetTypesPlatform(void) { return "default"; }
-
-#define NOT_OFFERED(name) int fmi2##name(void *c) { (void)c; return 3; }
-NOT_OFFERED(SetDebugLogging) NOT_OFFERED(Reset) NOT_OFFERED(GetDirectionalDerivative) NOT_OFFERED(SetInteger)
-NOT_OFFERED(SetBoolean) NOT_OFFERED(GetBoolean) NOT_OFFERED(SetString) NOT_OFFERED(GetString)
-NOT_OFFERED(SerializedFMUstateSize) NOT_OFFERED(SerializeFMUstate) NOT_OFFERED(DeSerializeFMUstate)
-NOT_OFFERED(SetRealInputDerivatives) NOT_OFFERED(GetRealOutputDerivatives) NOT_OFFERED(CancelStep)
-NOT_OFFERED(GetStatus) NOT_OFFERED(GetRealStatus) NOT_OFFERED(GetIntegerStatus) NOT_OFFERED(GetBooleanStatus)
-NOT_OFFERED(GetStringStatus)

@@ -32,7 +32,6 @@ void *fmi3InstantiateCoSimulation(const char *a, const char *b, const char *c, b
 
 int fmi3EnterConfigurationMode(Model *m) { m->mode = CONFIGURING; return 0; }
 int fmi3ExitConfigurationMode(Model *m) { m->mode = STARTING; return 0; }
-int fmi3EnterInitializationMode(void *m) { (void)m; return 0; }
 int fmi3ExitInitializationMode(Model *m) { m->mode = EVENT; return 0; }
 int fmi3EnterEventMode(Model *m) { if (m->mode != STEP) return 3; m->mode = EVENT; return 0; }
 int fmi3EnterStepMode(Model *m) { if (m->mode != EVENT) return 3; m->mode = STEP; return 0; }
@@ -150,21 +149,3 @@ int fmi3GetBinary(Model *m, const Reference *r, size_t n, size_t *sizes, const u
 int fmi3GetFMUState(Model *m, void **s) { *s = *s ? *s : malloc(sizeof *m); memcpy(*s, m, sizeof *m); return 0; }
 int fmi3SetFMUState(Model *m, void *s) { memcpy(m, s, sizeof *m); return 0; }
 int fmi3FreeFMUState(void *m, void **s) { (void)m; free(*s); *s = NULL; return 0; }
-void fmi3FreeInstance(void *m) { free(m); }
-int fmi3Terminate(void *m) { (void)m; return 0; }
-const char *fmi3GetVersion(void) { return "3.0"; }
-
-#define NOT_OFFERED(name) int fmi3##name(void *m) { (void)m; return 3; }
-NOT_OFFERED(SetDebugLogging) NOT_OFFERED(EnterContinuousTimeMode) NOT_OFFERED(CompletedIntegratorStep)
-NOT_OFFERED(SetTime) NOT_OFFERED(Reset) NOT_OFFERED(GetClock) NOT_OFFERED(SetClock)
-NOT_OFFERED(GetNumberOfVariableDependencies) NOT_OFFERED(GetVariableDependencies) NOT_OFFERED(GetDirectionalDerivative)
-NOT_OFFERED(GetAdjointDerivative) NOT_OFFERED(GetIntervalDecimal) NOT_OFFERED(GetIntervalFraction)
-NOT_OFFERED(GetShiftDecimal) NOT_OFFERED(GetShiftFraction) NOT_OFFERED(SetIntervalDecimal)
-NOT_OFFERED(SetIntervalFraction) NOT_OFFERED(SetShiftDecimal) NOT_OFFERED(SetShiftFraction)
-NOT_OFFERED(EvaluateDiscreteStates) NOT_OFFERED(SetContinuousStates) NOT_OFFERED(GetContinuousStateDerivatives)
-NOT_OFFERED(GetEventIndicators) NOT_OFFERED(GetContinuousStates) NOT_OFFERED(GetNominalsOfContinuousStates)
-NOT_OFFERED(GetNumberOfEventIndicators) NOT_OFFERED(GetNumberOfContinuousStates) NOT_OFFERED(GetOutputDerivatives)
-NOT_OFFERED(ActivateModelPartition) NOT_OFFERED(SerializedFMUStateSize) NOT_OFFERED(SerializeFMUState)
-NOT_OFFERED(DeserializeFMUState)
-void *fmi3InstantiateModelExchange(void) { return NULL; }
-void *fmi3InstantiateScheduledExecution(void) { return NULL; }
