@@ -110,9 +110,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         wrong += faults(rigid, prepared, chosen, OwnParameters(axis=axis), radii)
     figures = [
         *_of_piston(build, piston),
-        *_of_surfaces(prepared, piston),
-        *_of_pin(prepared, piston, chosen),
-        *_of_crank(prepared, given),
+        *_of_films(prepared, piston, chosen, given),
         *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
         *(eye.figures if eye else ()),
         *_of_block(build, block),
@@ -291,38 +289,28 @@ def _of_mesh(part: str, sized: BodyPreview) -> list[Figure]:
     return [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
 
 
-def _of_surfaces(prepared: BuildOptions, piston: BodyPreview) -> list[Figure]:
-    """Return the lengths of several film surfaces."""
+def _of_films(
+    prepared: BuildOptions, piston: BodyPreview, chosen: Parameters, given: dict[str, Any]
+) -> list[Figure]:
+    """Return the lengths of several film surfaces, and lengths and radii of those of pin and crank.
+
+    The skirt's films have no radius of their own.
+    """
     _, along = prepared.grid
     row = (piston.body.skirt_upper - piston.body.skirt_lower) / along
-    return [
-        Figure(one.name, f"{one.prefix}skirt_length", (one.last - one.first) * row, "m")
-        for one in prepared.surfaces
-    ]
-
-
-def _of_pin(prepared: BuildOptions, piston: BodyPreview, chosen: Parameters) -> list[Figure]:
-    """Return lengths and radius of the surfaces of a floating pin."""
-    pin = prepared.floating_pin
-    if pin is None:
-        return []
-    radius = pin_radius(piston.body.radius, chosen)
-    lengths = [
-        Figure(name, f"{name}.skirt_length", one, "m") for name, one in pin.lengths().items()
-    ]
-    return [*lengths, *(Figure(name, f"{name}.bore_radius", radius, "m") for name in pin.lengths())]
-
-
-def _of_crank(prepared: BuildOptions, given: dict[str, Any]) -> list[Figure]:
-    """Return lengths and radii of the crank's film surfaces."""
-    figures = []
+    sizes = [(one.name, (one.last - one.first) * row, None) for one in prepared.surfaces]
+    if pin := prepared.floating_pin:
+        radius = pin_radius(piston.body.radius, chosen)
+        sizes += [(name, length, radius) for name, length in pin.lengths().items()]
     for one in prepared.crank_bearings:
-        radius = f"{one.name}_radius"
-        chosen = given.get(radius, getattr(CRANK_PARAMETERS[one.name](), radius))
-        figures += [
-            Figure(one.name, f"{one.name}.skirt_length", one.length, "m"),
-            Figure(one.name, f"{one.name}.bore_radius", chosen, "m"),
-        ]
+        name = f"{one.name}_radius"
+        radius = given.get(name, getattr(CRANK_PARAMETERS[one.name](), name))
+        sizes.append((one.name, one.length, radius))
+    figures = []
+    for name, length, radius in sizes:
+        figures.append(Figure(name, f"{name}.skirt_length", length, "m"))
+        if radius is not None:
+            figures.append(Figure(name, f"{name}.bore_radius", radius, "m"))
     return figures
 
 

@@ -205,6 +205,22 @@ MODES: Rows = (
 )
 
 
+EYE_MODES: Rows = (
+    (
+        "small_end_modal_coordinate",
+        "1",
+        "Mass-normalised modal coordinates of the small end [kg^(1/2) m]",
+        1e-6,
+    ),
+    (
+        "small_end_modal_velocity",
+        "1/s",
+        "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
+        1e-2,
+    ),
+)
+
+
 def variables(options: BuildOptions) -> list[Variable]:
     """Return the variables of an FMU with these build options."""
     return signals(options) + properties(options)
@@ -220,7 +236,7 @@ def signals(options: BuildOptions) -> list[Variable]:
     if pin:
         answers = answers + declared(PinScalars, options.absent_parts())
     if pin and pin.small_end_modes:
-        answers = answers + eye_outputs(pin.small_end_modes)
+        answers = answers + of_modes(EYE_MODES, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
     answers = answers + declared(BlockForce, ("main_bearing",) * film)
     if options.mounted:
@@ -281,8 +297,13 @@ def outputs(
             "Number of Jacobian evaluations of the equations of motion so far (NJAC)",
             start=0,
         ),
-        *(output_variable(*one, shape=(modes,)) for one in MODES if modes),
+        *of_modes(MODES, modes),
     ]
+
+
+def of_modes(rows: Rows, modes: int) -> list[Variable]:
+    """Return the modal outputs of a body; one without modes has none."""
+    return [output_variable(*row, shape=(modes,)) for row in rows if modes]
 
 
 def declared(kind: type, absent: tuple[str, ...] = ()) -> list[Variable]:
@@ -319,26 +340,6 @@ def block_inputs() -> list[Variable]:
             0.0,
             0.1,
             limits=(-1e4, 1e4),
-        ),
-    ]
-
-
-def eye_outputs(modes: int) -> list[Variable]:
-    """Return the modal motion of a flexible small end."""
-    return [
-        output_variable(
-            "small_end_modal_coordinate",
-            "1",
-            "Mass-normalised modal coordinates of the small end [kg^(1/2) m]",
-            1e-6,
-            (modes,),
-        ),
-        output_variable(
-            "small_end_modal_velocity",
-            "1/s",
-            "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
-            1e-2,
-            (modes,),
         ),
     ]
 

@@ -10,6 +10,7 @@ from .floating_frame import FlexibleBody, X
 from .generalised_alpha import Motion
 from .impact import Inertia, inertia_product
 from .piston_motion import LATERAL, RIGID, ROCKING
+from .skirt_films import by_coordinate
 
 
 class EnergyLedger(NamedTuple):
@@ -137,15 +138,10 @@ def film_work(
     rubbing : float
         Work along the bore's axis [J].
     """
-    first = RIGID + len(forces.piston)
+    push = by_coordinate(forces)
     work = rubbing
-    # Eq. (D11)
-    work += forces.lateral * (position[LATERAL] - before[LATERAL])
-    work += forces.moment * (position[ROCKING] - before[ROCKING])
-    for k in range(RIGID, first):
-        work += forces.piston[k - RIGID] * (position[k] - before[k])
-    for k in range(first, len(position)):
-        work += forces.block[k - first] * (position[k] - before[k])
+    for k in range(len(position)):
+        work += push[k] * (position[k] - before[k])  # Eq. (D11)
     return work
 
 
@@ -174,15 +170,13 @@ def other_forces(moving: MovingBodies, acceleration: np.ndarray, forces: FilmFor
     body = moving.body
     rigid = moving.rigid
     a = acceleration
-    first = RIGID + len(forces.piston)
+    push = by_coordinate(forces)
     out = np.empty(len(a))
     # Eq. (D15), with M of Eq. (D9); modes that follow statically have none
-    out[LATERAL] = rigid.mass * a[LATERAL] - rigid.moment * a[ROCKING] - forces.lateral
-    out[ROCKING] = rigid.inertia * a[ROCKING] - rigid.moment * a[LATERAL] - forces.moment
-    for k in range(RIGID, first):
-        out[k] = -forces.piston[k - RIGID]
-    for k in range(first, len(a)):
-        out[k] = -forces.block[k - first]
+    out[LATERAL] = rigid.mass * a[LATERAL] - rigid.moment * a[ROCKING] - push[LATERAL]
+    out[ROCKING] = rigid.inertia * a[ROCKING] - rigid.moment * a[LATERAL] - push[ROCKING]
+    for k in range(RIGID, len(a)):
+        out[k] = -push[k]
     for k in range(len(body.stiffness)):
         m = RIGID + k
         out[LATERAL] += body.T[X, k] * a[m]

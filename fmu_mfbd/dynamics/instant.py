@@ -130,10 +130,12 @@ def end_of_step(
         c.to_velocity,
         c.to_position,
     )
+    lack = own.lack
     end = _moving(system, c, predicted, own.acceleration, block_push)
     ride = _frame_ride(mechanism, others.carrier, end, crank)
     _follow_statically(system, c, before.position, end, push, block_push, ride)
-    _advance_auxiliary(c, predicted.auxiliary, end.acceleration)
+    for k in range(len(end.acceleration)):
+        predicted.auxiliary[k] += c.to_auxiliary * end.acceleration[k]
     moving = _moving_bodies(system, 0.0)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
@@ -164,11 +166,11 @@ def end_of_step(
         side_force=-film_forces.lateral,
         films=films,
         axial=AxialMotion(now.height, axial_velocity),
-        pin_x=own.pin_x,
-        pin_y=own.pin_y - films.on_slopes,
-        pin_moment=own.pin_moment,
-        torque=own.torque - films.on_slopes * upright.lever,
-        pin_friction_power=own.pin_moment * (rod.velocity - end.velocity[ROCKING]),
+        pin_x=lack.pin_x,
+        pin_y=lack.pin_y - films.on_slopes,
+        pin_moment=lack.pin_moment,
+        torque=lack.torque - films.on_slopes * upright.lever,
+        pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
         evaluations=own.evaluations,
         tangents=own.tangents,
         change=own.change,
@@ -245,13 +247,6 @@ def _moving(system, c, predicted, own, block_force):
         end.position[k] = predicted.position[k] + c.to_position * end.acceleration[k]
         end.velocity[k] = predicted.velocity[k] + c.to_velocity * end.acceleration[k]
     return end
-
-
-@compiled
-def _advance_auxiliary(c, auxiliary, acceleration):
-    """Add the end accelerations' part to the predicted auxiliary acceleration."""
-    for k in range(len(auxiliary)):
-        auxiliary[k] += c.to_auxiliary * acceleration[k]
 
 
 @compiled

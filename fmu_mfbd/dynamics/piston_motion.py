@@ -97,8 +97,8 @@ class Solution(NamedTuple):
     ----------
     acceleration : ndarray, shape (2 + k,)
         [m/s2], [rad/s2], [kg^1/2 m/s2].
-    pin_x, pin_y, pin_moment, torque : float
-        As of `Imbalance`.
+    lack : Imbalance
+        With these accelerations.
     evaluations, tangents : int
         How often residual (0 if it did not converge) and tangent were made.
     change : float
@@ -107,10 +107,7 @@ class Solution(NamedTuple):
     """
 
     acceleration: np.ndarray
-    pin_x: float
-    pin_y: float
-    pin_moment: float
-    torque: float
+    lack: Imbalance
     evaluations: int
     tangents: int
     change: float
@@ -469,7 +466,7 @@ def end_accelerations(
         noise = np.sqrt(squared_size(arrow, now.position)) / c2 if c2 > 0.0 else 0.0
         noise += _size_of_terms(body, mechanism, load, now, crank, arrow)
         if evaluation > 1 and size <= 1e-11 * total + ROUND_OFF * noise:
-            return _solution(a, lack, evaluation, tangents, size)
+            return Solution(a, lack, evaluation, tangents, size)
         fresh = solve(arrow, lack.residual)
         left = np.sqrt(squared_size(arrow, fresh))
         if evaluation > 1 and left > (1 - share / 4) * size:
@@ -488,7 +485,7 @@ def end_accelerations(
             size = np.sqrt(squared_size(arrow, change))
             total = np.sqrt(squared_size(arrow, a))
         _move(now, predicted, c1, c2)
-    return _solution(a, lack, 0, tangents, size / total)
+    return Solution(a, lack, 0, tangents, size / total)
 
 
 @compiled
@@ -510,21 +507,6 @@ def _size_of_terms(body, mechanism, load, now, crank, arrow):
         force = abs(load.modal[k]) + abs(body.T[Y, k]) * climb + spring
         total += force**2 / arrow.diagonal[k]
     return np.sqrt(total)
-
-
-@compiled
-def _solution(a, lack, evaluations, tangents, change):
-    """Return accelerations with their forces."""
-    return Solution(
-        acceleration=a,
-        pin_x=lack.pin_x,
-        pin_y=lack.pin_y,
-        pin_moment=lack.pin_moment,
-        torque=lack.torque,
-        evaluations=evaluations,
-        tangents=tangents,
-        change=change,
-    )
 
 
 @compiled

@@ -113,6 +113,20 @@ def part_of(parts: FilmParts, s: int) -> FilmForces:
 
 
 @compiled
+def by_coordinate(forces: FilmForces) -> np.ndarray:
+    """Return the generalised forces on x_A, rocking angle, modes of piston and block, (n,)."""
+    modes = RIGID + len(forces.piston)
+    out = np.empty(modes + len(forces.block))
+    out[LATERAL] = forces.lateral
+    out[ROCKING] = forces.moment
+    for k in range(len(forces.piston)):
+        out[RIGID + k] = forces.piston[k]
+    for k in range(len(forces.block)):
+        out[modes + k] = forces.block[k]
+    return out
+
+
+@compiled
 def together(parts: FilmParts) -> FilmForces:
     """Return the generalised forces of all films.
 
@@ -286,16 +300,8 @@ def work_error(
     work = forces.axial * axial_velocity + film.axial_force * guided_velocity
     size = abs(forces.axial * axial_velocity) + abs(film.axial_force * guided_velocity)
     size += film.power_size
-    first = RIGID + len(forces.piston)
+    push = by_coordinate(forces)
     for k in range(len(velocity)):
-        if k == LATERAL:
-            force = forces.lateral
-        elif k == ROCKING:
-            force = forces.moment
-        elif k < first:
-            force = forces.piston[k - RIGID]
-        else:
-            force = forces.block[k - first]
-        work += force * velocity[k]
-        size += abs(force * velocity[k])
+        work += push[k] * velocity[k]
+        size += abs(push[k] * velocity[k])
     return abs(film.power - work) / size if size > 0.0 else 0.0
