@@ -2,6 +2,7 @@
 
 import ctypes
 import json
+import os
 import re
 import subprocess
 import sys
@@ -84,6 +85,7 @@ def fmu(request, version, library, tmp_path_factory):
     slave = Toy(instance_name="toy", resources=folder)
     inside = builder_native.Inside(slave, PART, PART.given(slave))
     members = builder_native._members(inside, {"linux64": library[version]}, version)
+    members["resources/mark"] = os.urandom(8)  # not unpacked to the folder of another process
     builder_native.write_archive(members, folder / "front toy.fmu")
     return folder / "front toy.fmu"
 
