@@ -23,7 +23,7 @@ SHORT = {"boss_length": "16 mm", "small_end_length": "20 mm", "boss_modes": 24}
 def small(*changes):
     """The case's tree on coarse grids, with few modes, through the firing."""
     start = ("participants.bodies.parameters.start_crank_angle", "-40 deg")
-    few = ((f"{PISTON}.modes", 50), (OF_PIN, SHORT))
+    few = ((f"{PISTON}.modes", 50), (OF_PIN, dict(SHORT)))
     return pin_case(PATH, PINS, start, *few, *changes, pin=PIN, stop="80 deg")
 
 
