@@ -13,7 +13,7 @@ from .balance.film_step import Domain, FilmSolution
 from .balance.films import Carriers
 from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
-from .balance.transport import StepRatios, TransportHistory
+from .balance.transport import CellStates, StepRatios
 from .faults import FAULT, refuse
 from .laws import friction
 from .laws.asperity import ContactConstants
@@ -93,17 +93,8 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
             resting[i, j] = full[i, j] or domain.open_cells[i, j]
             passing = before.passed[i, j + 1] - before.passed[i, j]
             gained[i, j] = before.growth[i, j] * before.step + passing / area
-    past = TransportHistory(
-        before.film,
-        before.film_before,
-        before.content,
-        full,
-        resting,
-        gained,
-        before.passed,
-        before.travel,
-    )
-    return transport.lift(past, pace, edges, step, domain.cells)
+    states = CellStates(full, resting, gained)
+    return transport.lift(before, states, pace, edges, step, domain.cells)
 
 
 @compiled

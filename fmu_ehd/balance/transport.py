@@ -59,7 +59,7 @@ References
 terms, in Numerical Methods for Advection-Diffusion Problems, Vieweg 1993, 117-138 (the limiter).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,29 +78,18 @@ NEAR_FULL_WITH_MEMORY = 3.0
 FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
-class TransportHistory(NamedTuple):
-    """Results of the last step for the transport of the next one.
+class CellStates(NamedTuple):
+    """State of the cells at the end of the last step, for the transport of the next one.
 
-    film, film_before : ndarray, shape (3, n_c, n_a)
-        Carriers of `films` at its end and at its beginning.
-    content : ndarray, shape (n_c, n_a)
-        c_n at its end [m].
     full, resting : ndarray of bool, shape (n_c, n_a)
         Cells that are full; and those that are, or have no film.
     gained : ndarray, shape (n_c, n_a)
         Content that came in circumferentially [m].
-    passed, travel : ndarray, shape (n_c, n_a + 1)
-        F_n [m3], X_n [m], both positive with ascending j.
     """
 
-    film: Array
-    film_before: Array
-    content: Array
     full: Flags
     resting: Flags
     gained: Array
-    passed: Array
-    travel: Array
 
 
 class StepRatios(NamedTuple):
@@ -152,7 +141,7 @@ class TransportFilm(NamedTuple):
     stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
     between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
     travel : ndarray, shape (n_c, n_a + 1), X [m];
-    full, resting : ndarray of bool, shape (n_c, n_a), as in `TransportHistory`;
+    full, resting : ndarray of bool, shape (n_c, n_a), as in `CellStates`;
     supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
     width : of a face [m].
     """
@@ -258,12 +247,14 @@ def _face_film(mobile, g):
 
 
 @compiled(inline="always")
-def _expected_film(past, ratio, travel, supply, width):
+def _expected_film(past, states, ratio, travel, supply, width):
     """Return the film that is expected after the share `ratio` of the last step."""
     stored = _expected(past, STORED, ratio)
     mobile = _expected(past, TRANSPORT, ratio)
     between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio))
-    return TransportFilm(stored, mobile, between, travel, past.full, past.resting, supply, width)
+    return TransportFilm(
+        stored, mobile, between, travel, states.full, states.resting, supply, width
+    )
 
 
 @compiled(inline="always")
@@ -286,12 +277,13 @@ def _entering(fraction, limit, step, swept):
 
 
 @compiled
-def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, cells: Cells):
+def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: float, cells: Cells):
     """Lift of the film fraction at the axial faces for the step to come.
 
     Parameters
     ----------
-    past : TransportHistory
+    past : step_parts.PreviousFilm
+    states : CellStates
     pace : StepRatios
     edges : grid.Edges
     step : float
@@ -308,8 +300,8 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = _expected_film(past, 0.5 * pace.ratio, travel, supply, width)  # in the middle of the step
-    end = _expected_film(past, pace.ratio, travel, supply, width)
+    way = _expected_film(past, states, 0.5 * pace.ratio, travel, supply, width)  # in the middle
+    end = _expected_film(past, states, pace.ratio, travel, supply, width)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -335,10 +327,10 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
             given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
         for j in range(n_a):
             content[j] = past.content[i, j]
-            source[j] = max(past.gained[i, j], 0.0) * pace.ratio / steps
+            source[j] = max(states.gained[i, j], 0.0) * pace.ratio / steps
         for j in range(1, n_a):
             up = j - 1 if travel[i, j] > 0.0 else j
-            if edges.limit[i, j] == np.inf or past.resting[i, 2 * j - 1 - up]:
+            if edges.limit[i, j] == np.inf or states.resting[i, 2 * j - 1 - up]:
                 continue
             # a film that starts behind an opening
             swept = width * travel[i, j] * end.between[i, j]
@@ -350,18 +342,18 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
             _row_flow(content, i, way, steps, given, flow)
             for j in range(n_a):
                 ahead[j] = content[j]
-                if not past.resting[i, j]:
+                if not states.resting[i, j]:
                     ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
             _row_flow(ahead, i, way, steps, given, flow_ahead)
             for j in range(n_a + 1):
                 flow[j] = 0.5 * (flow[j] + flow_ahead[j])
                 through[j] += flow[j]
             for j in range(n_a):
-                if not past.resting[i, j]:
+                if not states.resting[i, j]:
                     content[j] += source[j] + (flow[j] - flow[j + 1]) / area
         for j in range(1, n_a):
             x = travel[i, j]
-            if abs(x) <= NEAREST * cells.dy or past.resting[i, j - 1] or past.resting[i, j]:
+            if abs(x) <= NEAREST * cells.dy or states.resting[i, j - 1] or states.resting[i, j]:
                 continue
             up = j - 1 if x > 0.0 else j
             swept = width * x * end.between[i, j]
@@ -372,7 +364,7 @@ def lift(past: TransportHistory, pace: StepRatios, edges: Edges, step: float, ce
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
             down = 2 * j - 1 - up
             fuller = content[up] / end.stored[i, up]
-            if not _holds_front(down, down - up, i, past.full):
+            if not _holds_front(down, down - up, i, states.full):
                 fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
