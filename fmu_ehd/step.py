@@ -118,14 +118,27 @@ class SurfaceForces(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """Outputs of shape (n_c, n_a), `variables`; the last one of a bearing alone."""
+    """Outputs of each cell with unit, description and nominal value; the last one of a bearing."""
 
-    nodal_pressure_force: Array
-    nodal_friction_force: Array
-    pressure: Array
-    asperity_pressure: Array
-    film_fraction: Array
-    nodal_circumferential_force: Array
+    nodal_pressure_force: Annotated[
+        Array, "N", "Sum of hydrodynamic and asperity pressure, times the cell area", 1.0
+    ]
+    nodal_friction_force: Annotated[
+        Array,
+        "N",
+        "Axial force of film and asperities on the skirt; the opposite force acts on the bore",
+        0.1,
+    ]
+    pressure: Annotated[Array, "Pa", "Hydrodynamic pressure, gauge", 1e6]
+    asperity_pressure: Annotated[Array, "Pa", "Asperity contact pressure", 1e6]
+    film_fraction: Annotated[Array, "1", "Fraction of the film that is filled with oil", 1.0]
+    nodal_circumferential_force: Annotated[
+        Array,
+        "N",
+        "Circumferential force of film and asperities on the journal, positive with ascending i; "
+        "the opposite force acts on the shell",
+        0.1,
+    ]
 
 
 class Scalars(NamedTuple):

@@ -12,7 +12,7 @@ from ..master.fmi.variables import Variable, constant, input_variable, output_va
 from .declaration import variables_of
 from .oil import Oil
 from .parameters import TUNABLE, Parameters, is_of
-from .step import Scalars
+from .step import Fields, Scalars
 
 CONTRACT_VERSION = 2
 
@@ -75,15 +75,17 @@ def variables(
         replace(v, start=(starts or {}).get(v.name, v.start), tunable=v.name in TUNABLE)
         for v in film_variables(surface) + OIL_VARIABLES
     ]
+    exchanged = _motions(shape) | {v.name: v for v in declared_outputs(Fields, shape)}
+    turning = (TURNING_INPUT, TURNING_OUTPUT) if surface == "bearing" else ()
     return [
         constant("n_circumferential", shape[0], "Number of cells around the skirt"),
         constant("n_axial", shape[1], "Number of cells along the skirt"),
         constant("contract_version", CONTRACT_VERSION, "Version of the lubrication contract"),
         *parameters,
         *conditions,
-        *_interface(shape),
-        *(_turning(shape) if surface == "bearing" else []),
-        *(_diagnostics(shape) if fields else []),
+        *(exchanged[name] for name in DERIVATIVE_INPUTS + DERIVATIVE_OUTPUTS),
+        *(exchanged[name] for name in turning),
+        *(exchanged[name] for name in DIAGNOSTIC_FIELDS if fields),
         *(v for v in SUMMARY if is_of(surface, v.name)),
     ]
 
@@ -93,9 +95,9 @@ def film_variables(surface: str) -> list[Variable]:
     return [v for v in FILM_VARIABLES if is_of(surface, v.name)]
 
 
-def _interface(shape):
-    """Return the variables that film and bodies exchange."""
-    return [
+def _motions(shape):
+    """Return the motions of the surface, by name."""
+    motions = (
         input_variable(
             "film_thickness",
             "m",
@@ -113,26 +115,6 @@ def _interface(shape):
             1.0,
             shape,
         ),
-        output_variable(
-            "nodal_pressure_force",
-            "N",
-            "Sum of hydrodynamic and asperity pressure, times the cell area",
-            1.0,
-            shape,
-        ),
-        output_variable(
-            "nodal_friction_force",
-            "N",
-            "Axial force of film and asperities on the skirt; the opposite force acts on the bore",
-            0.1,
-            shape,
-        ),
-    ]
-
-
-def _turning(shape):
-    """Return the variables that a bearing exchanges in addition."""
-    return [
         input_variable(
             TURNING_INPUT,
             "m/s",
@@ -142,37 +124,21 @@ def _turning(shape):
             1.0,
             shape,
         ),
-        output_variable(
-            TURNING_OUTPUT,
-            "N",
-            "Circumferential force of film and asperities on the journal, positive with "
-            "ascending i; the opposite force acts on the shell",
-            0.1,
-            shape,
-        ),
-    ]
+    )
+    return {variable.name: variable for variable in motions}
 
 
-def _diagnostics(shape):
-    """Return the fields of `DIAGNOSTIC_FIELDS`."""
+def declared_outputs(kind: type, shape: tuple[int, ...] = ()) -> list[Variable]:
+    """Return the outputs that `step.Fields` or `step.Scalars` declare."""
     return [
-        output_variable("pressure", "Pa", "Hydrodynamic pressure, gauge", 1e6, shape),
-        output_variable("asperity_pressure", "Pa", "Asperity contact pressure", 1e6, shape),
-        output_variable(
-            "film_fraction",
-            "1",
-            "Fraction of the film that is filled with oil",
-            1.0,
-            shape,
-            start=1.0,
-        ),
+        output_variable(name, *hint.__metadata__, shape=shape, start=STARTS.get(name, 0.0))
+        for name, hint in get_type_hints(kind, include_extras=True).items()
     ]
 
 
-SUMMARY = [
-    output_variable(name, *hint.__metadata__)
-    for name, hint in get_type_hints(Scalars, include_extras=True).items()
-]
+STARTS = {"film_fraction": 1.0}
+"""Start values of outputs other than 0."""
+SUMMARY = declared_outputs(Scalars)
 """Outputs that sum the film up, that of bearings last."""
 SUMMARY.insert(
     -1,
