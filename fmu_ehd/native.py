@@ -11,7 +11,7 @@ import numpy as np
 
 from ..master.fmi.block import memory_of, room, row_of
 from ..master.fmi.compiled import compiled
-from ..master.fmi.native_parts import Entry, NativePart, size
+from ..master.fmi.native_parts import Entry, NativePart, tell_size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED, reserved
 from . import step, step_tangent
@@ -39,6 +39,7 @@ from .native_step import (
     filled,
     fixed_of,
     is_memory,
+    is_sound,
     last_of,
     linear_of,
     memory_of_state,
@@ -51,12 +52,14 @@ from .native_step import (
     warm,
 )
 from .options import BuildOptions
-from .parameters import CHOSEN, NUMBERS, TUNABLE
+from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE
 from .step import Fields, Inputs, Scalars
 from .step_tangent import FORCE, Directions
 from .summary import halves
 
 NOWHERE = -1
+COUNTS = np.array([len(CHOICES[name]) for name in CHOSEN], float)
+"""Numbers of alternatives of each choice, which a file may exceed."""
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
 
 # ---- what the memory begins with
@@ -200,7 +203,8 @@ def take_numbers(real, integer, block, length, faults):
         if places.numbers[SECTOR_ANGLE] < 0.0:
             block.numbers[SECTOR_ANGLE] = FULL_TURN
         for k in range(len(CHOSEN)):
-            block.chosen[k] = float(integer[int(places.chosen[k])])
+            chosen = float(integer[int(places.chosen[k])])
+            block.chosen[k] = min(max(chosen, 1.0), COUNTS[k])
         set_up(block, faults)
     if changed:
         check_supply(block, faults)
@@ -224,6 +228,12 @@ def publish(fields, scalars, iterations, real, integer, places):
 
 
 # ---- entries
+
+
+@compiled
+def size(real: Array, integer: Array, memory: Array, numbers: Array):
+    """Write the head of the memory into `numbers`, as `tell_size`."""
+    tell_size(memory, numbers, is_sound(real, integer, memory))
 
 
 @compiled

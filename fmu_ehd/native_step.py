@@ -8,20 +8,22 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import alike, flatten, parts
-from ..master.fmi.compiled import compiled, packed
+from ..master.fmi.block import alike, checker, flatten, given_part, is_head, parts, room, room_of
+from ..master.fmi.compiled import compilable, compiled, packed
 from . import constants, contradictions, surroundings
 from .balance import openings
 from .balance.film_step import Domain
 from .balance.grid import Array, Cells, Field, keep
+from .balance.oil_layer import NO_EDGE
 from .contradictions import FROM_EDGES, FULL_TURN, PATIR_CHENG_1978, cavitation_of
 from .faults import FAULT, refuse
 from .laws import cavitation
 from .laws.piezoviscosity import PressureLaw
+from .laws.roughness import TABLE as FACTOR_TABLE
 from .laws.roughness import fill_factor_table
-from .parameters import NUMBERS, Chosen, Numbers
+from .parameters import CHOSEN, NUMBERS, Chosen, Numbers
 from .solvers.blocks import Factors
-from .step import LastStep, Memory
+from .step import Fields, LastStep, Memory, Scalars
 from .step_tangent import Linearisation
 from .summary import Halves
 
@@ -40,13 +42,18 @@ Number = Annotated[Array, "1"]
 """An array of one, for what changes."""
 
 
+ON_CELLS = "has_room(x, n_c * n_a, reals)"
+ON_FACES = "has_room(x, (2 + bearing) * n_c * n_a, reals)"
+"""Conditions on the position of a field, and of one of each direction."""
+
+
 class InputPositions(NamedTuple):
     """Positions of the input fields."""
 
-    film_thickness: int
-    sliding_velocity: int
-    circumferential_velocity: int
-    oil_temperature: int
+    film_thickness: Annotated[int, ON_CELLS]
+    sliding_velocity: Annotated[int, ON_CELLS]
+    circumferential_velocity: Annotated[int, f"not bearing or {ON_CELLS}"]
+    oil_temperature: Annotated[int, f"x == -1 or {ON_CELLS}"]
 
 
 class VariablePositions(NamedTuple):
@@ -56,14 +63,14 @@ class VariablePositions(NamedTuple):
     seeds, products : where those of all directions begin.
     """
 
-    numbers: Vector
-    chosen: Vector
+    numbers: Annotated[Array, f"{len(NUMBERS)}", "within(x, -1.0, reals)"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}", "within(x, 0.0, integers)"]
     inputs: InputPositions
-    fields: Vector
-    scalars: Vector
-    solver_iterations: int
-    seeds: int
-    products: int
+    fields: Annotated[Array, f"{len(Fields._fields)}", "within(x, -1.0, reals - n_c * n_a + 1)"]
+    scalars: Annotated[Array, f"{len(Scalars._fields)}", "within(x, -1.0, reals)"]
+    solver_iterations: Annotated[int, "0 <= x < integers"]
+    seeds: Annotated[int, ON_FACES]
+    products: Annotated[int, ON_FACES]
 
 
 class FilmSetup(NamedTuple):
@@ -77,20 +84,20 @@ class FilmSetup(NamedTuple):
     """
 
     places: VariablePositions
-    follows: Vector
+    follows: Annotated[Array, f"{len(NUMBERS)}"]
     bearing: bool
     tables: Annotated[Array, "2, 513, 6"]
-    share: Vector
-    sine: Vector
-    mask: Field
-    faces: Field
+    share: Annotated[Array, "n_c"]
+    sine: Annotated[Array, "n_c"]
+    mask: Annotated[Array, "n_c, n_a", "within(x, 0.0, 2.0) and n_c > 0 and n_a > 0"]
+    faces: Annotated[Array, "n_e, n_c", "n_e % 2 == 0 and are_edges(x, n_a)"]
     beside: Field
-    numbers: Vector
-    chosen: Vector
+    numbers: Annotated[Array, f"{len(NUMBERS)}"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}"]
     temperature: Field
     viscosity: Field
-    factors: Field
-    law: Vector
+    factors: Annotated[Array, f"{FACTOR_TABLE[0]}, {FACTOR_TABLE[1]}"]
+    law: Annotated[Array, f"{room(PressureLaw)}"]
     has_last: Number
     has_linear: Number
 
@@ -129,6 +136,40 @@ put_memory, memory_of_state = flatten(Memory)
 is_memory = alike(Memory)
 put_last, last_of = flatten(LastStep)
 put_linear, linear_of = flatten(Linearisation)
+
+
+@compilable
+def are_edges(faces: Array, n_a: int):
+    """Return whether `oil_layer.Bore.faces` are faces of a film, those of even rows below it."""
+    for edge in range(faces.shape[0]):
+        for i in range(faces.shape[1]):
+            face = faces[edge, i]
+            upper = edge % 2
+            is_edge = upper <= face < n_a + upper and face == np.floor(face)
+            if not (is_edge or face == NO_EDGE):
+                return False
+    return True
+
+
+PARTS = float(len(Parts._fields))
+_check = checker(FilmSetup, "reals, integers", are_edges=are_edges)
+_room_of_memory = room_of(Memory, "n_c, n_a, n_e, n_b")
+_room_of_last = room_of(LastStep, "n_c, n_a")
+_room_of_linear = room_of(Linearisation, "n_c, n_a")
+_room_of_solver = room_of(Solver, "n_c, n_a")
+
+
+@compilable
+def is_sound(real: Array, integer: Array, memory: Array):
+    """Return whether a memory from a file has no position or length out of range."""
+    row = given_part(memory, PARTS)
+    if len(row) == 0 or _check(row, len(real), len(integer)) != len(row):
+        return False
+    block = _block(row)
+    n_c, n_a = block.mask.shape
+    state = _room_of_memory(n_c, n_a, len(block.faces), ROOM_ON_BORE * n_a)
+    last, linear = _room_of_last(n_c, n_a), _room_of_linear(n_c, n_a)
+    return is_head(memory, (state, state, last, linear, _room_of_solver(n_c, n_a)), 0.0, 0)
 
 
 @compiled

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..master.fmi.block import keep, part
 from ..master.fmi.compiled import compiled, packed
-from ..master.fmi.native_parts import Entry, NativePart, size
+from ..master.fmi.native_parts import Entry, NativePart, tell_size
 from ..master.fmi.noted import refuse, remark
 from .dynamics.assembly import assembled, with_inertia
 from .dynamics.block_force import force_change
@@ -47,8 +47,10 @@ from .native_block import (
     PART_OF,
     common_of,
     given_of,
+    is_sound,
     is_state,
     last_of,
+    length_of_model,
     model_of,
     put_common,
     put_last,
@@ -238,6 +240,12 @@ def solve(real, integer, memory, c, before, crank, time):
 
 
 @compiled
+def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """Write the head of the memory into `numbers`, as `tell_size`."""
+    tell_size(memory, numbers, is_sound(real, integer, memory))
+
+
+@compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write state and outputs at the start; `numbers` unused."""
     faults = part(memory, PART_OF.faults)
@@ -254,6 +262,9 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     model = assembled(given.bodies, p)
     if has_pins(model):
         model = with_inertia(model)
+    if length_of_model(model) > len(part(memory, PART_OF.model)):
+        refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return
     put_model(part(memory, PART_OF.model), model)
     given.evaluations[0] = 0.0
     given.tangents[0] = 0.0

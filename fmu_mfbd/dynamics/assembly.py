@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import none_yet, sentences_of
-from ..geometry.arrays import Vector
 from ..geometry.grid import film_rows
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import AxisShapes, Beam, HollowPin, free_beam
@@ -138,16 +137,16 @@ class BodySetup(NamedTuple):
     speed: SpeedTable
     mounted: bool
     radii: Radii
-    piston: FlexibleBody
-    gas_force: Vector
-    wall: BoreWall
-    piston_omega: Vector
-    block_omega: Vector
-    shell_omega: Vector
-    big_end_modes: int
-    main_bearing_modes: int
-    surfaces: Vector
-    pin_surfaces: Vector
+    piston: Annotated[FlexibleBody, "x.k == piston_modes"]
+    gas_force: Annotated[np.ndarray, "piston_modes"]
+    wall: Annotated[BoreWall, "x.k == block_modes"]
+    piston_omega: Annotated[np.ndarray, "piston_modes"]
+    block_omega: Annotated[np.ndarray, "block_modes"]
+    shell_omega: Annotated[np.ndarray, "shell_modes"]
+    big_end_modes: Annotated[int, "x >= 0"]
+    main_bearing_modes: Annotated[int, "0 <= x <= shell_modes - big_end_modes"]
+    surfaces: Annotated[np.ndarray, "n", "True"]
+    pin_surfaces: Annotated[np.ndarray, "n", "True"]
 
 
 def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:

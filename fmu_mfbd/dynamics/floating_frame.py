@@ -8,7 +8,7 @@ References
 2013.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -50,15 +50,15 @@ class FlexibleBody(NamedTuple):
     """
 
     mass: float
-    S: Vector
+    S: Annotated[np.ndarray, "2"]
     I0: float
-    T: Matrix
-    b: Vector
-    B: Matrix
-    g: Vector
-    G: Matrix
-    stiffness: Vector
-    damping: Vector
+    T: Annotated[np.ndarray, "2, k"]
+    b: Annotated[np.ndarray, "k"]
+    B: Annotated[np.ndarray, "k, k"]
+    g: Annotated[np.ndarray, "k"]
+    G: Annotated[np.ndarray, "k, k"]
+    stiffness: Annotated[np.ndarray, "k"]
+    damping: Annotated[np.ndarray, "k"]
 
 
 class FrameMotion(NamedTuple):

@@ -9,12 +9,11 @@ with equal and opposite forces (Eq. (D8)). An uneven one belongs in `ring_side_f
 `ring_moment`.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..geometry.arrays import Matrix
 
 
 class WallPressures(NamedTuple):
@@ -43,9 +42,9 @@ class BoreWall(NamedTuple):
     """
 
     lowest: float
-    spacing: float
-    above: Matrix
-    at: Matrix
+    spacing: Annotated[float, "0.0 < x < np.inf"]
+    above: Annotated[np.ndarray, "heights, k", "is_finite(x) and heights > 1"]
+    at: Annotated[np.ndarray, "heights, k"]
     top_ring: float
     second_ring: float
     land_share: float = 0.0

@@ -3,12 +3,11 @@
 The angle does not depend on the steps.
 """
 
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.arrays import Vector
 from .slider_crank import CrankMotion
 from .tables import Column, Rows, TableFault, closed, two_columns
 
@@ -30,9 +29,9 @@ class SpeedTable(NamedTuple):
     """
 
     over_angle: bool
-    at: Vector
-    speed: Vector
-    passed: Vector
+    at: Annotated[np.ndarray, "points"]
+    speed: Annotated[np.ndarray, "points"]
+    passed: Annotated[np.ndarray, "points", "points != 1 and is_finite(x)"]
 
 
 def speed_table(

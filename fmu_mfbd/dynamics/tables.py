@@ -3,13 +3,12 @@
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.errors import file_fault
-from ..geometry.arrays import Vector
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
@@ -48,9 +47,9 @@ class GasTable(NamedTuple):
         [rad]
     """
 
-    angle: Vector
-    pressure: Vector
-    cycle: float
+    angle: Annotated[np.ndarray, "points"]
+    pressure: Annotated[np.ndarray, "points"]
+    cycle: Annotated[float, "points == 0 or 0.0 < x < np.inf"]
 
 
 def read_numbers(path: Path | str, corner: bool = False) -> Rows:

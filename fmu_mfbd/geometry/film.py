@@ -4,13 +4,13 @@ Points (i, j) of the grid move with the skirt; arrays are (n_circumferential, n_
 angle from +z towards +x. Modal fields have heights as rows and angles as columns.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .arrays import Matrix, Vector
-from .modal_field import ModalField, modal_field, read, read_both, spread
+from .arrays import Matrix
+from .modal_field import ModalField, is_field, modal_field, read, read_both, spread
 
 
 class Skirt(NamedTuple):
@@ -30,9 +30,9 @@ class Skirt(NamedTuple):
         Modal displacement outwards and along y at the grid points, with a rows.
     """
 
-    angle: Vector
-    height: Vector
-    gap: Matrix
+    angle: Annotated[np.ndarray, "c"]
+    height: Annotated[np.ndarray, "a"]
+    gap: Annotated[np.ndarray, "c, a"]
     radius: float
     pin_offset: float
     radial: ModalField
@@ -53,7 +53,7 @@ class BoreSplines(NamedTuple):
     """
 
     lowest: float
-    spacing: float
+    spacing: Annotated[float, "0.0 < x < np.inf"]
     radial: ModalField
     axial: ModalField
     shape: Matrix
@@ -64,6 +64,15 @@ class FilmSurface(NamedTuple):
 
     skirt: Skirt
     bore: BoreSplines
+
+
+class Limits(NamedTuple):
+    """Heights of the skirt's edges above A, and ends of the bore above the crank axis [m]."""
+
+    skirt_lower: float
+    skirt_upper: float
+    bore_lower: float
+    bore_upper: float
 
 
 class NodalForces(NamedTuple):
@@ -205,6 +214,34 @@ def knot_rule(stations: int) -> np.ndarray:
     for i in range(s):
         rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
     return np.linalg.inv(rule)[:, 1:-1]
+
+
+@compiled
+def is_film(
+    surface: FilmSurface, cells: float, piston_modes: int, block_modes: int, limits: Limits
+) -> bool:
+    """Return whether a surface from a file has these sizes, and its splines cover the bore."""
+    skirt = surface.skirt
+    bore = surface.bore
+    c, a = skirt.gap.shape
+    rows = bore.radial.table.shape[1] // bore.radial.part
+    fits = c * a == cells and bore.shape.shape[1] == c
+    fits = fits and (len(bore.shape) == 0 or len(bore.shape) == rows)
+    fits = fits and is_field(skirt.radial, c, a, piston_modes)
+    fits = fits and is_field(skirt.axial, c, a, piston_modes)
+    fits = fits and is_field(bore.radial, c, rows, block_modes)
+    fits = fits and is_field(bore.axial, c, rows, block_modes)
+    below = limits.skirt_lower
+    for height in skirt.height:
+        fits = fits and below < height < limits.skirt_upper
+        below = height
+    first = (limits.bore_lower - bore.lowest) / bore.spacing
+    last = (limits.bore_upper - bore.lowest) / bore.spacing
+    return fits and first > 1.0 - ROUND_OFF and last < rows - 2 + ROUND_OFF  # Eq. (H5)
+
+
+ROUND_OFF = 1e-6
+"""Of the distance of knots; a grid row is farther than that from an edge of the skirt."""
 
 
 @compiled

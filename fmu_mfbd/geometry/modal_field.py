@@ -6,12 +6,12 @@ products cost a quarter. Angles on a plane of symmetry are their own images and 
 without that symmetry has one class with the whole circumference.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...master.fmi.compiled import compiled
-from .arrays import Numbers, NumberTable, Singles, Vector
 
 EVEN = 0
 ODD_Z = 1
@@ -52,14 +52,14 @@ class ModalField(NamedTuple):
         1, or 1/2 if two of these angles are equal [-].
     """
 
-    table: Singles
-    mode: Numbers
-    kind: Numbers
-    modes: int
-    classes: int
-    part: int
-    image: NumberTable
-    share: Vector
+    table: Annotated[NDArray[np.float32], "fours, points"]
+    mode: Annotated[NDArray[np.int64], "fours", "within(x, -1.0, modes)"]
+    kind: Annotated[NDArray[np.int64], "groups", "within(x, 0.0, classes) and 4 * groups == fours"]
+    modes: Annotated[int, "x >= 0"]
+    classes: Annotated[int, "x == 1 or x == 4"]
+    part: Annotated[int, "x > 0"]
+    image: Annotated[NDArray[np.int64], "classes, part", "within(x, 0.0, points)"]
+    share: Annotated[np.ndarray, "part"]
 
 
 class FourCoordinates(NamedTuple):
@@ -125,6 +125,14 @@ def mirrors(angles: int) -> np.ndarray:
     i = np.arange(thrust + 1)
     across = 2 * thrust - i
     return np.stack([i, across, across + angles // 2, i + angles // 2]) % angles
+
+
+@compiled
+def is_field(field: ModalField, angles: int, rows: int, modes: int) -> bool:
+    """Return whether a field has these angles, rows and modes."""
+    own = field.part if field.classes == 1 else field.image.max() + 1
+    points = field.table.shape[1]
+    return own == angles and points == rows * field.part and field.modes == modes
 
 
 @compiled

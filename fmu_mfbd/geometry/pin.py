@@ -5,12 +5,11 @@ from the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin do
 the shell. It is parallel to it, or tilts and bends by shapes of its axis, which are read by row.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from .arrays import Matrix, Vector
 from .film import subtract
 
 PIN_SURFACES = ("boss_left", "boss_right", "small_end")
@@ -31,9 +30,9 @@ class ShellModes(NamedTuple):
         d outward/da, by central differences around [kg^-1/2].
     """
 
-    outward: Matrix
-    onward: Matrix
-    slope: Matrix
+    outward: Annotated[np.ndarray, "cells, k"]
+    onward: Annotated[np.ndarray, "cells, k"]
+    slope: Annotated[np.ndarray, "cells, k"]
 
 
 class ModeMotion(NamedTuple):
@@ -72,12 +71,12 @@ class PinSurface(NamedTuple):
         has none.
     """
 
-    outward: Matrix
-    onward: Matrix
+    outward: Annotated[np.ndarray, "2, c"]
+    onward: Annotated[np.ndarray, "2, c"]
     radius: float
-    clearance: Vector
-    modes: ShellModes
-    axis: Matrix
+    clearance: Annotated[np.ndarray, "a"]
+    modes: Annotated[ShellModes, "x.cells == c * a"]
+    axis: Annotated[np.ndarray, "a, n"]
 
 
 class PinForces(NamedTuple):

@@ -9,15 +9,17 @@ import numpy as np
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import Entry, NativePart, size
+from ..fmi.native_parts import Entry, NativePart, tell_size
 from ..fmi.noted import refuse
 from .native_block import (
     FAULT,
     NOWHERE,
     SENTENCES,
     LastMacroStep,
+    ParticipantRow,
     exposed_from,
     given_of,
+    is_sound,
     is_state,
     last_from,
     nothing_yet,
@@ -30,12 +32,14 @@ from .native_block import (
 )
 from .native_stepping import accept, forget_products, reach
 from .native_system import (
+    SIZE,
     START,
     System,
     call,
     feed,
     integer_of,
     is_fed_well,
+    native_part,
     read,
     real_of,
     restore,
@@ -43,6 +47,11 @@ from .native_system import (
     system_of,
     wire_of,
 )
+
+AT_REAL, AT_INTEGER, AT_MEMORY, AT_MEMORIES = map(
+    ParticipantRow._fields.index, ("real", "integer", "memory", "memories")
+)
+"""Positions in `ParticipantRow` that front/parts.c reads."""
 
 # ---- between the outside and the participants
 
@@ -170,6 +179,35 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 
 # ---- entries
+
+
+@compiled
+def contents_fit(memory: np.ndarray):
+    """Return whether the contents of all participants are sound, and have the sizes of their rows.
+
+    A participant's entry `size` checks them as in its own file.
+    """
+    given = given_of(memory)
+    for p in range(len(given.participants)):
+        one = participant_from(given.participants[p])
+        row = given.participants[p].copy()
+        row[AT_REAL] = row[AT_INTEGER] = row[AT_MEMORY] = 0.0
+        row[AT_MEMORIES] = one.given
+        found = np.zeros(4)
+        contents = given.contents[one.contents :]
+        if native_part(int(SIZE), row.ctypes, contents.ctypes, found.ctypes) != 0:
+            return False
+        own = np.array((one.memories, one.first_state, one.states, one.first_fault))
+        for k in range(len(own)):
+            if found[k] != own[k]:
+                return False
+    return True
+
+
+@compiled
+def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """Write the head of the memory into `numbers`, as `tell_size`."""
+    tell_size(memory, numbers, is_sound(real, integer, memory) and contents_fit(memory))
 
 
 @compiled

@@ -6,16 +6,25 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..fmi.block import alike, flatten, parts, reader
+from ..fmi.block import (
+    alike,
+    checker,
+    flatten,
+    given_part,
+    is_finite,
+    is_head,
+    parts,
+    reader,
+    room_of,
+)
 from ..fmi.compiled import compilable, compiled
-from ..fmi.noted import DAMAGED_STATE
+from ..fmi.noted import DAMAGED_STATE, ROOM
 from .methods import iteration
-from .methods.krylov import Pairs
+from .methods.krylov import KEPT, Pairs
 from .vector import Layout
 
 Array = np.ndarray
 Vector = Annotated[Array, "n"]
-Matrix = Annotated[Array, "n, m"]
 Number = Annotated[Array, "1"]
 """An array of one, for what changes."""
 
@@ -45,6 +54,9 @@ ON_WIRE = numbers_of(WIRE_SENTENCES)
 # ---- what is given
 
 
+Count = Annotated[int, "x >= 0"]
+
+
 class ParticipantRow(NamedTuple):
     """Participant; front/parts.c reads the first seven numbers.
 
@@ -59,21 +71,21 @@ class ParticipantRow(NamedTuple):
     standing : position in `CoupledState.standing`.
     """
 
-    code: int
-    real: int = 0
-    reals: int = 0
-    integer: int = 0
-    integers: int = 0
-    memory: int = 0
-    memories: int = 0
-    first_state: int = 0
-    states: int = 0
-    first_fault: int = 0
-    sentence: int = 0
-    variables: int = 0
-    given: int = 0
-    contents: int = 0
-    standing: int = 0
+    code: Count
+    real: Annotated[int, "x == begin"] = 0
+    reals: Count = 0
+    integer: Annotated[int, "x == real + reals"] = 0
+    integers: Count = 0
+    memory: Annotated[int, "x == integer + integers"] = 0
+    memories: Count = 0
+    first_state: Annotated[int, "has_room(x, states, memories)"] = 0
+    states: Count = 0
+    first_fault: Annotated[int, f"has_room(x, {ROOM}, memories)"] = 0
+    sentence: Count = 0
+    variables: Annotated[int, "0 <= x <= reals"] = 0
+    given: Annotated[int, "0 <= x <= memories"] = 0
+    contents: Annotated[int, "x == filled"] = 0
+    standing: Annotated[int, "x == stood"] = 0
 
 
 class WireRow(NamedTuple):
@@ -84,19 +96,22 @@ class WireRow(NamedTuple):
     range of the input; columns : length of the last axis; sentence : number of its first sentence.
     """
 
-    source: int
-    source_place: int
-    target: int
-    target_place: int
-    seed: int
-    product: int
-    first: int
-    elements: int
+    source: Annotated[int, "0 <= x < len(participants)"]
+    source_place: Annotated[int, "has_room(x, elements, reals_of(participants, source))"]
+    target: Annotated[int, "0 <= x < len(participants)"]
+    target_place: Annotated[int, "has_room(x, elements, reals_of(participants, target))"]
+    seed: Annotated[int, "x == -1 or has_room(x, elements, reals_of(participants, target))"]
+    product: Annotated[
+        int,
+        "x == -1 and not is_fed or has_room(x, elements, reals_of(participants, source))",
+    ]
+    first: Annotated[int, "x == begin"]
+    elements: Annotated[int, "x >= 0 and first + x == end"]
     is_unknown: bool
-    low: float = -inf
-    high: float = inf
-    columns: int = 1
-    sentence: int = 0
+    low: Annotated[float, "not np.isnan(x)"] = -inf
+    high: Annotated[float, "not np.isnan(x)"] = inf
+    columns: Annotated[int, "x > 0"] = 1
+    sentence: Count = 0
 
 
 class ExposedRow(NamedTuple):
@@ -107,11 +122,11 @@ class ExposedRow(NamedTuple):
     """
 
     is_integer: bool
-    place: int
-    owner: int
-    own_place: int
-    length: int
-    reserved: int
+    place: Annotated[int, "has_room(x, length, integers if is_integer else reals)"]
+    owner: Annotated[int, "0 <= x < len(participants)"]
+    own_place: Annotated[int, "has_room(x, length, own_end(participants, owner, is_integer))"]
+    length: Count
+    reserved: Annotated[int, "x == -1 or not is_integer and has_room(x, length, reals)"]
     nominal: float
 
 
@@ -124,20 +139,23 @@ class Rules(NamedTuple):
     step: float
     lenience: float
     nudge: float
-    predicted: int
-    halvings: int
-    max_iterations: int
-    largest_krylov_space: int
+    predicted: Annotated[int, "0 < x <= 10"]
+    halvings: Annotated[int, "0 <= x <= 30"]
+    max_iterations: Annotated[int, "0 < x <= 10000"]
+    largest_krylov_space: Annotated[int, "0 <= x <= 10000"]
     accuracy: float
     forcing: float
+
+
+ExposedRows = Annotated[Array, "n, m", "are_exposed(x, participants, reals, integers)"]
 
 
 class ExposedVariables(NamedTuple):
     """Rows of the variables of the coupled FMU."""
 
-    parameters: Matrix
-    inputs: Matrix
-    outputs: Matrix
+    parameters: ExposedRows
+    inputs: ExposedRows
+    outputs: ExposedRows
 
 
 class CoupledSetup(NamedTuple):
@@ -150,14 +168,14 @@ class CoupledSetup(NamedTuple):
 
     rules: Rules
     layout: Layout
-    standing: int
-    pairs: int
-    order: Vector
-    starting: Vector
-    participants: Matrix
-    wires: Matrix
+    standing: Count
+    pairs: Annotated[int, f"x == min({KEPT}, len(layout.unknowns))"]
+    order: Annotated[Array, "count", "within(x, 0.0, count)"]
+    starting: Annotated[Array, "count", "within(x, 0.0, count)"]
+    participants: Annotated[Array, "count, m", "are_participants(x, standing, contents)"]
+    wires: Annotated[Array, "n, m", "are_wires(x, participants, layout.ends, layout.size)"]
     exposed: ExposedVariables
-    contents: Vector
+    contents: Annotated[Array, "n", "True"]
 
 
 # ---- what changes
@@ -213,6 +231,106 @@ given_from = reader(CoupledSetup)
 put_state, state_from = flatten(CoupledState)
 _has_lengths = alike(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
+
+
+# ---- what a file may hold
+
+
+@compilable
+def own_end(participants: Array, p: int, is_integer: bool):
+    """Return the number of real or integer variables of a participant."""
+    one = participant_from(participants[p])
+    return one.integers if is_integer else one.reals
+
+
+@compilable
+def reals_of(participants: Array, p: int):
+    """Return the number of real variables of a participant, 0 if there is none of this number."""
+    return own_end(participants, p, False) if 0 <= p < len(participants) else 0
+
+
+_check_participant = checker(ParticipantRow, "begin, filled, stood")
+_check_wire = checker(WireRow, "participants, is_fed, begin, end", reals_of=reals_of)
+_check_exposed = checker(ExposedRow, "participants, reals, integers", own_end=own_end)
+
+
+@compilable
+def are_participants(rows: Array, standing: int, contents: Array):
+    """Return whether all `ParticipantRow` are consecutive, and their real variables finite."""
+    begin = 0
+    filled = 0
+    stood = 0
+    for p in range(len(rows)):
+        if _check_participant(rows[p], begin, filled, stood) != rows.shape[1]:
+            return False
+        one = participant_from(rows[p])
+        begin = one.memory + one.memories
+        first = filled + one.given
+        filled = first + one.reals + one.integers
+        stood += one.variables + one.states
+        if filled > len(contents) or not is_finite(contents[first : first + one.reals]):
+            return False
+    return begin > 0 and filled == len(contents) and stood == standing
+
+
+@compilable
+def are_wires(rows: Array, participants: Array, ends: Array, size: int):
+    """Return whether all `WireRow` are consecutive."""
+    begin = 0
+    if len(rows) != len(ends):
+        return False
+    for w in range(len(rows)):
+        is_fed = False
+        for other in range(len(rows)):
+            is_fed = is_fed or rows[other, TARGET] == rows[w, 0]
+        end = int(ends[w])
+        if _check_wire(rows[w], participants, is_fed, begin, end) != rows.shape[1]:
+            return False
+        begin = end
+    return begin == size
+
+
+TARGET = WireRow._fields.index("target")
+
+
+@compilable
+def are_exposed(rows: Array, participants: Array, reals: int, integers: int):
+    """Return whether all `ExposedRow` point to variables."""
+    for k in range(len(rows)):
+        if _check_exposed(rows[k], participants, reals, integers) != rows.shape[1]:
+            return False
+    return True
+
+
+_check = checker(
+    CoupledSetup,
+    "reals, integers",
+    are_participants=are_participants,
+    are_wires=are_wires,
+    are_exposed=are_exposed,
+)
+PARTS = float(len(Parts._fields))
+_room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
+_room_of_pairs = room_of(Pairs, "pairs, unknowns")
+_room_of_last = room_of(LastMacroStep, "reals")
+
+
+@compilable
+def is_sound(real: Array, integer: Array, memory: Array):
+    """Return whether a memory from a file has no position or length out of range.
+
+    The contents of the participants are not checked.
+    """
+    row = given_part(memory, PARTS)
+    if len(row) == 0 or _check(row, len(real), len(integer)) != len(row):
+        return False
+    given = given_from(row)
+    end = participant_from(given.participants[len(given.participants) - 1])
+    layout = given.layout
+    size, unknowns = len(layout.nominal), len(layout.unknowns)
+    state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
+    lengths = (end.memory + end.memories, state, state, _room_of_last(len(real)), int(ROOM))
+    return is_head(memory, lengths, 1.0, _room_of_pairs(given.pairs, unknowns))
 
 
 @compilable

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.block import memory_of, room, row_of
+from ..fmi.block import PARTS_FROM, memory_of, room, row_of
 from ..fmi.builder_native import Inside
 from ..fmi.noted import ROOM
 from ..fmi.slave import PRODUCT, SEED, reserved
@@ -141,10 +141,7 @@ def _participants(
     end = filled = standing = 0
     sentence = len(SENTENCES) + len(WIRE_SENTENCES) * wires
     for name, inside in insides.items():
-        numbers = np.zeros(4)  # what the participant's entry `size` tells
-        tell = inside.part.entries[0].kernel
-        tell(inside.slave.real, inside.slave.integer, inside.given, numbers)
-        memories, first_state, states, first_fault = numbers.astype(int).tolist()
+        memories, first_state, states, first_fault = inside.given[:PARTS_FROM].astype(int).tolist()
         reals, integers = len(inside.slave.real), len(inside.slave.integer)
         real, integer, memory, end = accumulate((reals, integers, memories), initial=end)
         rows.append(

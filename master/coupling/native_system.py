@@ -23,8 +23,8 @@ from .native_block import (
 )
 from .vector import Evaluation, Layout, largest
 
-START, ADVANCE, TANGENT = map(float, range(1, 4))
-"""Entries by their number; 0 is size."""
+SIZE, START, ADVANCE, TANGENT = map(float, range(4))
+"""Entries by their number."""
 
 native_part = types.ExternalFunction(
     "native_part",

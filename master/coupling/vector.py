@@ -20,10 +20,10 @@ class Layout(NamedTuple):
     """
 
     ends: Annotated[Positions, "wires"]
-    unknowns: Annotated[Positions, "unknowns"]
+    unknowns: Annotated[Positions, "unknowns", "within(x, 0.0, size)"]
     nominal: Annotated[Array, "size"]
-    tolerance: Annotated[Array, "size"]
-    largest_decrease: Annotated[Array, "wires"]
+    tolerance: Annotated[Array, "size", "True"]
+    largest_decrease: Annotated[Array, "wires", "True"]
 
 
 class Evaluation(NamedTuple):

@@ -22,13 +22,19 @@ class Entry(NamedTuple):
 
 
 @compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Write the head of a memory into `numbers`: the entry `size`.
+def tell_size(memory: np.ndarray, numbers: np.ndarray, is_sound: bool):
+    """Write the head of a memory into `numbers`, negative if the memory is not sound.
 
     They are total length, position and length of the state, and position of the faults.
     """
     for k in range(len(numbers)):
-        numbers[k] = memory[k]
+        numbers[k] = memory[k] if is_sound else -1.0
+
+
+@compiled
+def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """Write the head of a memory into `numbers`: an entry `size` that checks nothing."""
+    tell_size(memory, numbers, True)
 
 
 def symbol(package: str, name: str) -> str:

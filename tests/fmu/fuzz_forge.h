@@ -124,7 +124,7 @@ static long forged_states(const Fmu *f, Sums of_file, long tries, long *damaged)
     return rejected;
 }
 
-/* Words of the file before its given part, which holds the model: native.c does not look into that. */
+/* Words of the file before its given part, which holds the model. */
 static size_t before_given(const uint64_t *head)
 {
     const uint64_t first_integer = head[1], integers = head[2], blocks = head[3] + head[4], variables = head[5];
@@ -137,16 +137,17 @@ static long forged_files(const Fmu *f, const uint64_t *whole, size_t size, const
     char token[200], path[4096];
     size_t length = size / sizeof *whole, sums_at = strlen(f->token) - 33;
     uint64_t *altered = malloc(size);
-    size_t given = before_given(whole + 1), texts = given + whole[1 + 6];
+    const size_t given = before_given(whole + 1), texts = given + whole[1 + 6];
     Fmu own = *f;
     long rejected = 0;
     own.token = strcpy(token, f->token);
     for (long k = 0; k < tries; k++) {
         memcpy(altered, whole, size);
-        if (any(4))
-            alter(altered + 1, given - 1);
-        else
-            alter(altered + texts, length - texts);
+        switch (any(4)) {
+        case 0: alter(altered + 1, given - 1); break;
+        case 1: alter(altered + texts, length - texts); break;
+        default: alter(altered + given, texts - given);
+        }
         Sums sums = sums_of(altered + 1, length - 1, (Sums){0, 0});
         snprintf(token + sums_at, 40, "%016llx%016llx}", (unsigned long long)sums.first, (unsigned long long)sums.second);
         snprintf(path, sizeof path, "%s/token.txt", scratch);

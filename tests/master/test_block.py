@@ -6,8 +6,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from piston_cosim.master.fmi.block import alike, flatten, reader, room, row_of
+from piston_cosim.master.fmi.block import (
+    alike,
+    checker,
+    flatten,
+    given_part,
+    is_head,
+    length_of,
+    memory_of,
+    reader,
+    room,
+    room_of,
+    row_of,
+)
 from piston_cosim.master.fmi.compiled import compiled
+from piston_cosim.master.fmi.noted import ROOM
 
 
 class Branch(NamedTuple):
@@ -98,3 +111,85 @@ def test_bits_of_single_precision_and_whole_numbers_come_back(n, m, is_compiled)
     found = get(row_of(table))
     assert [one.dtype for one in found[:2]] == [np.float32, np.int64]
     assert same(found, table)
+
+
+# ---- rows from a file
+
+
+class Inside(NamedTuple):
+    """A tuple in another, which knows the lengths of that."""
+
+    place: Annotated[int, "has_room(x, cells, reals)"]
+    factor: float
+    of_cells: Annotated[np.ndarray, "cells"]
+
+
+class Setup(NamedTuple):
+    """Lengths with names, positions, flags and numbers of every kind."""
+
+    inside: Annotated[Inside, "x.factor > 0.0"]
+    field: Annotated[NDArray[np.float64], "cells, n"]
+    halves: Annotated[NDArray[np.float32], "2, cells"]
+    order: Annotated[NDArray[np.int64], "cells", "within(x, -1.0, cells)"]
+    is_wet: bool
+    anything: Annotated[NDArray[np.float64], "2", "True"]
+
+
+CELLS = 3
+FACTOR, OF_CELLS, FIELD, HALVES, ORDER, IS_WET = 1, 3, 8, 16, 20, 23
+"""Positions in the row of `Setup` where numbers begin."""
+FREE = {*range(OF_CELLS, OF_CELLS + 3), *range(FIELD, FIELD + 6), *range(HALVES, HALVES + 3)}
+"""Positions of numbers that may be any finite one."""
+
+
+def setup_row():
+    tree = Setup(
+        Inside(7, 0.5, np.ones(CELLS)),
+        np.ones((CELLS, 2)),
+        np.ones((2, CELLS), np.float32),
+        np.arange(CELLS) - 1,
+        True,
+        np.array([np.nan, np.inf]),
+    )
+    return row_of(tree)
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_checker_accepts_the_row_and_rejects_what_is_out_of_range(is_compiled):
+    """Lengths, positions, whole numbers by their bits, and numbers that are not finite."""
+    row, reals = setup_row(), 7 + CELLS
+    check = checker(Setup, "reals")
+    if is_compiled:
+        check = compiled(check.py_func)
+    assert check(row, reals) == len(row) == IS_WET + 4
+    assert check(row, reals - 1) == -1  # the cells of `place` end at 10
+    for k in range(IS_WET + 1):
+        for value in (4.0, -3.0, 0.25, np.nan, np.inf, 1e300):
+            other = row.copy()
+            other[k] = value
+            fits = np.isfinite(value) and (k in FREE or (k == FACTOR and value > 0.0))
+            fits = fits or (k == 0 and value == 4.0)
+            assert (check(other, reals) == len(row)) == fits, (k, value)
+    for end in range(len(row)):
+        assert check(row[:end], reals) == -1
+
+
+def test_lengths_of_kernels_are_those_of_rows():
+    random = np.random.default_rng(1)
+    tree = Tree(branch(random, 3, 4), 0.3, branch(random, 3, 4), random.random((2, 3, 4)))
+    assert length_of(Tree)(tree) == room_of(Tree, "n, m")(3, 4) == room(Tree, n=3, m=4)
+
+
+def test_head_from_a_file_fits_its_lengths_only():
+    """Parts given, state, other and faults; a saved state omits the last of its five numbers."""
+    given = np.arange(6.0)
+    memory = memory_of({"given": given}, {"state": 5, "other": 2, "faults": ROOM}, unsaved=1)
+    assert np.array_equal(given_part(memory, 4.0), given)
+    assert is_head(memory, (5, 2), 0.0, 1)
+    assert not is_head(memory, (5, 3), 0.0, 1) and not is_head(memory, (5, 2), 0.0, 0)
+    assert len(given_part(memory, 3.0)) == len(given_part(memory[:-1], 4.0)) == 0
+    for k in range(len(memory) - len(given)):
+        other = memory.copy()
+        other[k] += 1.0
+        is_first = len(given_part(other, 4.0)) > 0
+        assert not (is_first and is_head(other, (5, 2), 0.0, 1)), k

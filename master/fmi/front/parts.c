@@ -16,9 +16,11 @@ static Entering *const entries[][4] = {PARTS};
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
 
-/* Entry of a participant on its part of the whole memory; 0, or an exception was raised. Called within `pool_run`. */
+/* Entry of a participant on its part of the whole memory; 0, or an exception was raised, or there is no such code. Called within `pool_run`. */
 INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers)
 {
+    if (!(row[CODE] < sizeof entries / sizeof *entries))
+        return -1;
     void *result = NULL, *raised = NULL;
     const int64_t lengths[4] = {(int64_t)row[REALS], (int64_t)row[INTEGERS], (int64_t)row[MEMORIES], 4};
     return entries[(size_t)row[CODE]][entry](&result, &raised, memory + (size_t)row[REAL],
