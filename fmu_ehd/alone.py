@@ -18,7 +18,7 @@ from .contradictions import FULL_TURN
 from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .parameters import SURFACES, faults, parameters_of
-from .step import Memory
+from .state import Memory
 from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
 
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}

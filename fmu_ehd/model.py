@@ -14,7 +14,7 @@ from .faults import FAULTS, raise_noted
 from .laws.asperity import contact_table
 from .laws.roughness import factor_table
 from .parameters import Parameters, chosen_of, is_of, numbers_of
-from .step import Fields, Inputs, LastStep, Memory, Scalars
+from .state import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import Directions, Linearisation
 from .summary import halves
 from .surroundings import Surroundings, surroundings

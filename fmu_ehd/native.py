@@ -14,7 +14,7 @@ from ..master.fmi.compiled import compiled
 from ..master.fmi.native_parts import Entry, NativePart, tell_size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED, reserved
-from . import step, step_tangent
+from . import state, step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import skirt_edges
 from .contradictions import FROM_EDGES, FULL_TURN
@@ -53,7 +53,7 @@ from .native_step import (
 )
 from .options import BuildOptions
 from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE
-from .step import Fields, Inputs, Scalars
+from .state import Fields, Inputs, Scalars
 from .step_tangent import FORCE, Directions
 from .summary import halves
 
@@ -100,9 +100,9 @@ def given(slave: Any) -> Array:
     return memory_of(
         {"given": row_of(block)},
         {
-            "state": room(step.Memory, **lengths),
-            "begun": room(step.Memory, **lengths),
-            "last": room(step.LastStep, **lengths),
+            "state": room(state.Memory, **lengths),
+            "begun": room(state.Memory, **lengths),
+            "last": room(state.LastStep, **lengths),
             "linear": room(step_tangent.Linearisation, **lengths),
             "solver": room(Solver, **lengths),
             "faults": ROOM,
@@ -168,7 +168,7 @@ def _input(real, block, place, domain):
 
 @compiled
 def inputs_of(real, block, domain, length):
-    """`step.Inputs` for a step of a length [s]."""
+    """`state.Inputs` for a step of a length [s]."""
     places = block.places.inputs
     turning = np.zeros(block.mask.shape)
     if block.bearing:

@@ -23,7 +23,7 @@ from .laws.roughness import TABLE as FACTOR_TABLE
 from .laws.roughness import fill_factor_table
 from .parameters import CHOSEN, NUMBERS, Chosen, Numbers
 from .solvers.blocks import Factors
-from .step import Fields, LastStep, Memory, Scalars
+from .state import Fields, LastStep, Memory, Scalars
 from .step_tangent import Linearisation
 from .summary import Halves
 

@@ -12,7 +12,7 @@ from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .options import BuildOptions
 from .parameters import TUNABLE, faults, numbers_of, parameters_of
-from .step import Memory
+from .state import Memory
 from .variables import (
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,

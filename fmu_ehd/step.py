@@ -7,7 +7,7 @@ derivatives are in `step_tangent`. Only this file and `constants` know whether t
 skirt or of a bearing, and whether there is oil on the bore.
 """
 
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from .balance.film_step import (
     FilmSolution,
     solved_filling,
 )
-from .balance.films import CARRIERS, STORED, FilmSlopes, Quantities
+from .balance.films import CARRIERS, STORED
 from .balance.flow_film import FlowFilm, ShearedOil, flow_film
 from .balance.grid import (
     LOWER,
@@ -30,13 +30,10 @@ from .balance.grid import (
     Array,
     Edges,
     Entrainment,
-    Field,
     Flags,
-    Stencil,
     sum_of_products,
 )
 from .balance.oil_layer import LayerVolumes, OilLayer
-from .balance.reynolds import Filling
 from .balance.transport import Lift
 from .constants import FilmConstants
 from .faults import FAULT
@@ -44,40 +41,10 @@ from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
 from .laws.contact import has_narrow_steps, profile_steps
-from .laws.friction import ShearInputs
 from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TruePressure, raised, true_pressure
 from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
-from .surroundings import Surroundings
-
-
-class Memory(NamedTuple):
-    """Memory of a film between steps; steps : `contact.profile_steps` of the film at the start."""
-
-    film: parts.PreviousFilm
-    totals: parts.Totals
-    layer: OilLayer
-    steps: Annotated[Flags, "2, n_c, n_a"]
-
-    def __repr__(self) -> str:
-        return (
-            f"<Memory of a film: {self.film.content.shape[0]} x {self.film.content.shape[1]} cells>"
-        )
-
-
-class Inputs(NamedTuple):
-    """Inputs of a film at the end of a step.
-
-    hard_film : ndarray, shape (n_c, n_a), film thickness without the deflection of a coating [m];
-    velocity, turning : ndarray, shape (n_c, n_a), V and W, 0 on a skirt [m/s];
-    around : surroundings.Surroundings; length : of the step, H [s].
-    """
-
-    hard_film: Array
-    velocity: Array
-    turning: Array
-    around: Surroundings
-    length: float
+from .state import Fields, Inputs, LastStep, Memory, Scalars
 
 
 class StepStart(NamedTuple):
@@ -115,174 +82,6 @@ class SurfaceForces(NamedTuple):
     along: parts.Forces
     around: Array
     powers: parts.FrictionPowers
-
-
-class Fields(NamedTuple):
-    """Outputs of each cell with unit, description and nominal value; the last one of a bearing."""
-
-    nodal_pressure_force: Annotated[
-        Array, "N", "Sum of hydrodynamic and asperity pressure, times the cell area", 1.0
-    ]
-    nodal_friction_force: Annotated[
-        Array,
-        "N",
-        "Axial force of film and asperities on the skirt; the opposite force acts on the bore",
-        0.1,
-    ]
-    pressure: Annotated[Array, "Pa", "Hydrodynamic pressure, gauge", 1e6]
-    asperity_pressure: Annotated[Array, "Pa", "Asperity contact pressure", 1e6]
-    film_fraction: Annotated[Array, "1", "Fraction of the film that is filled with oil", 1.0]
-    nodal_circumferential_force: Annotated[
-        Array,
-        "N",
-        "Circumferential force of film and asperities on the journal, positive with ascending i; "
-        "the opposite force acts on the shell",
-        0.1,
-    ]
-
-
-class Scalars(NamedTuple):
-    """Scalar outputs of a film with unit, description and nominal value.
-
-    The sides are those of a skirt, the torque that of a bearing.
-    """
-
-    minimum_film_thickness: Annotated[float, "m", "Minimum film thickness", 1e-5]
-    maximum_pressure: Annotated[float, "Pa", "Maximum hydrodynamic pressure, gauge", 1e6]
-    friction_force_hydrodynamic: Annotated[
-        float,
-        "N",
-        "Axial force of the film on the skirt; the opposite force acts on the bore",
-        10.0,
-    ]
-    friction_force_asperity: Annotated[
-        float,
-        "N",
-        "Axial force of the asperities on the skirt; the opposite force acts on the bore",
-        10.0,
-    ]
-    friction_power: Annotated[
-        float, "W", "Friction power: minus the force times the sliding velocity", 100.0
-    ]
-    boundary_friction_share: Annotated[
-        float, "1", "Fraction of the friction work since the start that is due to asperities"
-    ]
-    minimum_film_thickness_thrust_side: Annotated[
-        float, "m", "Minimum film thickness of the thrust half", 1e-5
-    ]
-    radial_force_thrust_side: Annotated[
-        float,
-        "N",
-        "Force of the thrust half towards the thrust side; positive separates skirt and bore",
-        100.0,
-    ]
-    friction_force_thrust_side: Annotated[
-        float, "N", "Axial force on the thrust half of the skirt", 10.0
-    ]
-    minimum_film_thickness_anti_thrust_side: Annotated[
-        float, "m", "Minimum film thickness of the anti-thrust half", 1e-5
-    ]
-    radial_force_anti_thrust_side: Annotated[
-        float,
-        "N",
-        "Force of the anti-thrust half towards the anti-thrust side; positive separates skirt "
-        "and bore",
-        100.0,
-    ]
-    friction_force_anti_thrust_side: Annotated[
-        float, "N", "Axial force on the anti-thrust half of the skirt", 10.0
-    ]
-    flow_lower_edge: Annotated[
-        float, "m3/s", "Oil flow into the film through the lower edge at the end of the step", 1e-6
-    ]
-    flow_upper_edge: Annotated[
-        float, "m3/s", "Oil flow into the film through the upper edge at the end of the step", 1e-6
-    ]
-    stored_energy: Annotated[float, "J", "Elastic energy of asperities and coating", 1e-3]
-    energy_gain: Annotated[
-        float,
-        "J",
-        "Energy stored and dissipated over the step, minus the work of the pressure around "
-        "the film",
-        1e-3,
-    ]
-    flow_openings: Annotated[
-        float, "m3/s", "Oil flow into the film from cut-outs at the end of the step", 1e-6
-    ]
-    oil_in_film: Annotated[float, "m3", "Oil volume in the film", 1e-8]
-    oil_on_bore: Annotated[
-        float,
-        "m3",
-        "Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges",
-        1e-8,
-    ]
-    oil_supplied: Annotated[
-        float,
-        "m3",
-        "Oil volume supplied by ring and splash since the start, minus the oil that ran off",
-        1e-8,
-    ]
-    mass_imbalance: Annotated[
-        float,
-        "1",
-        "Relative mass imbalance at the end of the step: |inflow - growth of film content| "
-        "/ throughput",
-    ]
-    contact_area_fraction: Annotated[float, "1", "Ratio of the real contact area to the skirt area"]
-    friction_power_hydrodynamic: Annotated[
-        float, "W", "Part of the friction power due to the film", 100.0
-    ]
-    friction_power_asperity: Annotated[
-        float, "W", "Part of the friction power due to asperities", 100.0
-    ]
-    heat_generated: Annotated[
-        float,
-        "W",
-        "Heat of sliding and squeezing in the film, mean over the step; surfaces of equal "
-        "temperature receive half each",
-        100.0,
-    ]
-    outflow_upper_edge: Annotated[
-        float,
-        "m3/s",
-        "Oil flow out of the film at the upper edge, over the cells where it leaves; at the "
-        "end of the step",
-        1e-6,
-    ]
-    friction_torque: Annotated[
-        float,
-        "N.m",
-        "Moment of the circumferential forces on the journal about the axis of the shell",
-        1.0,
-    ]
-
-
-class LastStep(NamedTuple):
-    """Data of the last step for the tangent.
-
-    film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
-    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : reynolds.Filling, that the
-    balance was solved with; edges : grid.Edges; length : H_e [s];
-    unknown, full, stencil : as in `film_step.FilmSolution`; shear : friction.ShearInputs;
-    pressure_slope, stress_slope : of `contact.Contact`; touching : whether any cell is in contact;
-    turning : circumferential.CircumferentialInputs.
-    """
-
-    film: Quantities
-    slopes: FilmSlopes
-    slopes_around: FilmSlopes
-    under: TruePressure
-    filling: Filling
-    edges: Edges
-    length: float
-    unknown: Field
-    full: Annotated[Flags, "n_c, n_a"]
-    stencil: Stencil
-    shear: ShearInputs
-    pressure_slope: Stencil
-    stress_slope: Stencil
-    touching: bool
-    turning: CircumferentialInputs
 
 
 class StepResult(NamedTuple):
@@ -394,34 +193,34 @@ def scalars_of(
     if fixed.bearing:
         torque = fixed.radius * sum_of_products(acting.around, np.ones(acting.around.shape))
     return Scalars(
-        min(whole.thinnest.thrust, whole.thinnest.anti_thrust),
-        whole.highest,
-        whole.hydrodynamic,
-        whole.asperity,
-        acting.powers.friction,
-        ledger.boundary_share,
-        whole.thinnest.thrust,
-        whole.radial.thrust,
-        whole.friction.thrust,
-        whole.thinnest.anti_thrust,
-        whole.radial.anti_thrust,
-        whole.friction.anti_thrust,
-        lower,
-        upper,
-        acting.along.stored,
-        ledger.energy_gain,
-        openings,
+        minimum_film_thickness=min(whole.thinnest.thrust, whole.thinnest.anti_thrust),
+        maximum_pressure=whole.highest,
+        friction_force_hydrodynamic=whole.hydrodynamic,
+        friction_force_asperity=whole.asperity,
+        friction_power=acting.powers.friction,
+        boundary_friction_share=ledger.boundary_share,
+        minimum_film_thickness_thrust_side=whole.thinnest.thrust,
+        radial_force_thrust_side=whole.radial.thrust,
+        friction_force_thrust_side=whole.friction.thrust,
+        minimum_film_thickness_anti_thrust_side=whole.thinnest.anti_thrust,
+        radial_force_anti_thrust_side=whole.radial.anti_thrust,
+        friction_force_anti_thrust_side=whole.friction.anti_thrust,
+        flow_lower_edge=lower,
+        flow_upper_edge=upper,
+        stored_energy=acting.along.stored,
+        energy_gain=ledger.energy_gain,
+        flow_openings=openings,
         # the three terms of Eq. (T27)
-        ledger.oil_in_film,
-        on_bore,
-        layer.supplied,
-        ledger.imbalance,
-        whole.contact_area,
-        acting.powers.friction - acting.powers.boundary,
-        acting.powers.boundary,
-        ledger.heat,
-        ledger.outflow,
-        torque,
+        oil_in_film=ledger.oil_in_film,
+        oil_on_bore=on_bore,
+        oil_supplied=layer.supplied,
+        mass_imbalance=ledger.imbalance,
+        contact_area_fraction=whole.contact_area,
+        friction_power_hydrodynamic=acting.powers.friction - acting.powers.boundary,
+        friction_power_asperity=acting.powers.boundary,
+        heat_generated=ledger.heat,
+        outflow_upper_edge=ledger.outflow,
+        friction_torque=torque,
     )
 
 

@@ -21,7 +21,7 @@ from .laws.friction import ForceSlopes, ShearInputs
 from .laws.piezoviscosity import TruePressure, raised
 from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
-from .step import LastStep
+from .state import LastStep
 
 FORCE = numbered("normal", "along", "around")  # forces whose changes are asked for
 

@@ -12,7 +12,7 @@ from ..master.fmi.variables import Variable, constant, input_variable, output_va
 from .declaration import variables_of
 from .oil import Oil
 from .parameters import TUNABLE, Parameters, is_of
-from .step import Fields, Scalars
+from .state import Fields, Scalars
 
 CONTRACT_VERSION = 2
 

@@ -18,10 +18,10 @@ VISCOSITY_LAW = {
     "fmu_ehd/oil.py": [
         ('"walther_1931", "two_point")', '"walther_1931", "two_point", "reynolds_1886")'),
         (
-            "    return law.viscosity + 0.0 * temperature\n",
-            "    if law.kind == VISCOSITY_LAWS.reynolds_1886:\n"
-            "        return law.viscosity * np.exp(-0.03 * (temperature - ZERO_CELSIUS))\n"
-            "    return law.viscosity + 0.0 * temperature\n",
+            "    return x.viscosity + 0.0 * temperature\n",
+            "    if kind == VISCOSITY_LAWS.reynolds_1886:\n"
+            "        return x.viscosity * np.exp(-0.03 * (temperature - ZERO_CELSIUS))\n"
+            "    return x.viscosity + 0.0 * temperature\n",
         ),
     ]
 }
@@ -35,22 +35,18 @@ CAVITATION_MODEL = {
     ]
 }
 OUTPUT = {
-    "fmu_ehd/variables.py": [
+    "fmu_ehd/state.py": [
         (
-            '    output_variable("stored_energy",',
-            '    output_variable("twice_the_power", "W", "Twice the friction power", 100.0),\n'
-            '    output_variable("stored_energy",',
+            "    stored_energy: Annotated[",
+            '    twice_the_power: Annotated[float, "W", "Twice the friction power", 100.0]\n'
+            "    stored_energy: Annotated[",
         )
     ],
     "fmu_ehd/step.py": [
         (
-            "    friction_torque: float\n",
-            "    friction_torque: float\n    twice_the_power: float\n",
-        ),
-        (
-            "        whole.contact_area,\n        torque,\n",
-            "        whole.contact_area,\n        torque,\n        2.0 * acting.powers.friction,\n",
-        ),
+            "        stored_energy=",
+            "        twice_the_power=2.0 * acting.powers.friction,\n        stored_energy=",
+        )
     ],
 }
 COUPLING_METHOD = {

@@ -18,7 +18,7 @@ import pytest
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import CHOICES, CHOSEN, NUMBERS, Parameters
-from piston_cosim.fmu_ehd.step import Fields, Scalars
+from piston_cosim.fmu_ehd.state import Fields, Scalars
 from piston_cosim.fmu_ehd.variables import (
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.step import Memory
+from piston_cosim.fmu_ehd.state import Memory
 from piston_cosim.fmu_mfbd.dynamics.account import account
 from piston_cosim.fmu_mfbd.dynamics.energy import MovingBodies, energy_error
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict

@@ -11,7 +11,7 @@ from piston_cosim.fmu_ehd.balance.grid import Array, Flags
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
-from piston_cosim.fmu_ehd.step import Memory
+from piston_cosim.fmu_ehd.state import Memory
 
 DEGREE = 1.0 / 50.0 / 360.0  # one degree at 3000 rpm [s]
 UNEVEN = 0.7 * DEGREE  # a step of another length than those before it [s]
