@@ -17,7 +17,7 @@ from .methods import method_of
 from .methods.krylov import RecycledGmres
 from .starting import start
 from .stepping import StepFailed, Stepper
-from .vector import macro_step_end
+from .vector import MOST_STEPS, TOO_LONG, macro_step_end
 from .wiring import Port, System, Wire
 
 
@@ -199,6 +199,10 @@ class Coupled(FieldSlave):
 
     def advance(self, state: CoupledState, values: dict[str, Any], time: float, step: float):
         """Take macro steps up to time + step; if one fails, discard all and keep the state."""
+        asked = step / self.system.step / (1.0 + LENIENCE)
+        if not asked <= MOST_STEPS:
+            a, b, c = (f"{x:g}" for x in (step, MOST_STEPS, self.system.step))
+            raise Discard(TOO_LONG.format(a=a, b=b, c=c))
         if state is not self.standing:
             thaw(self.stepper, state.data.tobytes())
         self.standing = None
@@ -206,7 +210,7 @@ class Coupled(FieldSlave):
         for v in self.given_to_steps:
             owner, name = ports[v.name]
             self.system.participants[owner].set(name, values[v.name])
-        count = ceil(step / self.system.step / (1.0 + LENIENCE))
+        count = ceil(asked)
         try:
             for k in range(count):
                 before, after = (

@@ -21,7 +21,7 @@ from ..fmi.compiled import compilable, compiled
 from ..fmi.noted import DAMAGED_STATE, ROOM
 from .methods import iteration
 from .methods.krylov import KEPT, Pairs
-from .vector import Layout
+from .vector import TOO_LONG, Layout
 
 Array = np.ndarray
 Vector = Annotated[Array, "n"]
@@ -43,7 +43,7 @@ SENTENCES = {
     "no_memory": "there is not enough memory for a participant's step",
     "no_step": "there was no step to take a derivative of",
     "other_state": DAMAGED_STATE,
-    "too_long": "step size = {a} s: more than {b} macro steps of {c} s",
+    "too_long": TOO_LONG,
 }
 FAULT = numbers_of(SENTENCES)
 """Numbers of the coupling's sentences."""

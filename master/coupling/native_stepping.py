@@ -7,10 +7,7 @@ from ..fmi.compiled import compiled
 from ..fmi.noted import refuse, take_over
 from .native_block import FAULT, CoupledState, parts_of, rules_of, state_of
 from .native_system import find, restore, save, system_of
-from .vector import extrapolate, macro_step_end, moved
-
-MOST_STEPS = 1e6
-"""Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
+from .vector import MOST_STEPS, extrapolate, macro_step_end, moved
 
 
 @compiled

@@ -11,6 +11,10 @@ from ..fmi.compiled import compilable, standing_for
 Array = NDArray[np.float64]
 Positions = NDArray[np.int64]
 
+MOST_STEPS = 1e6
+"""Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
+TOO_LONG = "step size = {a} s: more than {b} macro steps of {c} s"
+
 
 class Layout(NamedTuple):
     """Layout of the vector, whose elements are those of all wires in order.

@@ -7,6 +7,7 @@ A part is modules with `checks()` and, for what takes long, `slow_checks()`; bot
 import itertools
 from importlib.metadata import version
 
+from rich.markup import escape
 from rich.table import Table
 
 from . import bodies, coupled, coupling, film, reciprocating
@@ -41,7 +42,7 @@ def verify(parts, slow, console, page=None):
             status.update(f"{part}: {check.case}")
             failed += not check.passed
             rows.append((part, _cells(check)))
-            table.add_row("ok" if check.passed else "[red]FAIL[/]", *_cells(check))
+            table.add_row("ok" if check.passed else "[red]FAIL[/]", *map(escape, _cells(check)))
     console.print(table)
     console.print(f"{table.row_count - failed} passed, {failed} failed")
     if page is not None:
