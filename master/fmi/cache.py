@@ -8,9 +8,17 @@ def cache_folder(kind: str) -> Path:
     """Return the folder of the user's cache for `kind` ("fmus", "unpacked"); create it if missing.
 
     The root is $PISTON_COSIM_CACHE, else $XDG_CACHE_HOME/piston-cosim, else ~/.cache/piston-cosim.
+
+    Raises
+    ------
+    OSError
+        If the disk does not allow it, or the user has no home.
     """
     if not (root := os.environ.get("PISTON_COSIM_CACHE")):
-        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "piston-cosim"
+        try:
+            root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "piston-cosim")
+        except RuntimeError:
+            raise OSError("the user has no home for a cache; set PISTON_COSIM_CACHE") from None
     folder = Path(root).absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder
