@@ -82,7 +82,7 @@ static size_t unpack(const uint64_t *packed, const uint64_t *end, uint64_t *out)
    another one, and the sums are not. */
 static long forged_states(const Fmu *f, Sums of_file, long tries, long *damaged)
 {
-    void *one = new_instance(f), *saved = NULL, *forged;
+    void *one = made(f, f->resources, true, false), *saved = NULL, *forged;
     size_t size;
     count(enter_at_zero(one)), count(leave(one)), count(step(one, 0.0, 1e-5)), count(step(one, 1e-5, 1e-5));
     if (get_state(one, &saved) || state_size(one, saved, &size))
