@@ -298,7 +298,7 @@ def test_saved_state_omits_earlier_products_and_repeats_the_same_bits(native):
 
 
 LARGEST_STATE = 300_000
-"""Bytes, as the issue asks; 171 and 215 kB were seen."""
+"""Limit of a serialised state [bytes]; 171 and 215 kB were seen."""
 
 
 @pytest.mark.slow
