@@ -8,14 +8,12 @@ from ..case.reading import find_case, read_tree
 from ..engine.headlines import directions
 from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import duration
-from ..results.sweep_pictures import draw_sweep
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
 from ..runs.working import working
 from .app import say_faults
 from .common import (
     Changes,
-    Format,
     OutputFolder,
     Workers,
     console,
@@ -42,12 +40,11 @@ def command(
     maximise: list[str] = [],
     minimise: list[str] = [],
     ignore: list[str] = [],
-    format: Format = "png",
 ):
     """Run a case over values of its keys.
 
-    The command writes one row per run to sweep.csv, a picture, and the page sweep.html with Pareto
-    front, parallel coordinates and response surface. A second sweep in the same folder becomes
+    The command writes one row per run to sweep.csv, and the page sweep.html with Pareto front,
+    parallel coordinates and response surface. A second sweep in the same folder becomes
     sweep_2.
 
     A repeated call continues where the first stopped and repeats failed points. A failed point is a
@@ -87,8 +84,6 @@ def command(
         side force, slap, rocking and contact.
     ignore
         Column of the table that does not judge a point; repeatable. Default: all others.
-    format
-        Type of the picture.
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
@@ -128,8 +123,6 @@ def command(
     with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     tell(f"table    {table}")
-    picture = draw_sweep(rows, axes, wanted, table.with_suffix(f".{format}"))
-    tell(f"picture  {picture}")
     with working(console, "drawing the page"):
         page = _page(path, points, rows, axes, wanted, table, reports)
     tell(f"page     {page}")

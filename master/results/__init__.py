@@ -2,7 +2,7 @@
 
 file            reading of a results file
 pictures        curves, maps, sections
-sweep_pictures  pictures of sweeps
+sweep_page      page of a sweep
 compare         scores of curves
 judgement       expected ranges, work of loops
 report          one HTML page

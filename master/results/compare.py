@@ -12,7 +12,6 @@ from ..fmi.errors import BadInput, file_fault, unknown
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .instants import CRANK_ANGLE
-from .judgement import last_period
 from .pictures import labelled, name_of, unit_shown
 
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
@@ -282,18 +281,3 @@ def against_first(runs, x_port, ports):
         for port in ports
         for label, results in others
     ]
-
-
-def against_last_cycle(case, runs, x_port, ports, period):
-    """Return the scores of each run's last period against the previous one."""
-    rows = []
-    for port in ports:
-        for label, results in runs.items():
-            x = results.series(x_port).values
-            y = results.series(port).values
-            last = last_period(case, results, period)
-            length = x[last][-1] - x[last][0]
-            before = (x >= x[last][0] - length - 1e-9) & (x <= x[last][0] + 1e-9)
-            scored = score(x[last] - length, y[last], x[before], y[before])
-            rows.append(Row(label, port, scored))
-    return rows

@@ -6,12 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from ..fmi.quantities import registry
 from .pages import write_page
 from .pictures import entry_shown, unit_shown
-from .sweep_pictures import drawn_entries, magnitude
 
 FIRST = ("friction", "minimum_film_thickness", "slap")
 """Parts of the names of the outputs that a front shows by default: abscissa, ordinate, colour."""
+ROUNDING = 1e-12
+"""Values up to this size are zero, in SI units."""
+SAME = 1e-6
+"""Relative range below which an output counts as constant: the accuracy of macro steps."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ def write_sweep_page(
     path : Path
     """
     done = [point for point in points if point.row["status"] == "done"]
-    entries = drawn_entries([point.row for point in done], directions)
+    entries = _drawn_entries([point.row for point in done], directions)
     data = {
         "inputs": [_input(name, done) for name in axes],
         "outputs": [_output(name, done, directions[name]) for name in entries],
@@ -55,6 +59,23 @@ def write_sweep_page(
     )
 
 
+def _drawn_entries(rows, entries) -> list[str]:
+    """Return the entries that all rows have as numbers and that vary by more than round-off."""
+    found = []
+    for entry in entries:
+        values = [value for row in rows if (value := _number(row, entry)) is not None]
+        size = max(map(abs, values), default=0.0)
+        if len(values) == len(rows) and size > ROUNDING and np.ptp(values) > SAME * size:
+            found.append(entry)
+    return found
+
+
+def _number(row, entry):
+    """Return the value of an entry, or None if the row has no finite number for it."""
+    value = row.get(entry)
+    return value if isinstance(value, (int, float)) and np.isfinite(value) else None
+
+
 def _chosen(entries):
     """Return the numbers of the three default outputs; without a third one, the first again."""
     found = [next((name for name in entries if word in name), None) for word in FIRST]
@@ -67,10 +88,20 @@ def _output(name, done, direction):
     return {"name": label, "direction": direction, "values": values.tolist()}
 
 
+def _magnitude(value):
+    """Return the number of a quantity in its own unit, or of a number; None for others."""
+    if isinstance(value, (int, float)):
+        return value
+    try:
+        return registry().Quantity(value).magnitude
+    except Exception:
+        return None
+
+
 def _input(name, done):
     """Return a varied key with its unit and its values, or their numbers if they are texts."""
     texts = [str(point.row[name]) for point in done]
-    numbers = [magnitude(point.row[name]) for point in done]
+    numbers = [_magnitude(point.row[name]) for point in done]
     order = list(dict.fromkeys(texts))
     known = [number for number in numbers if number is not None]
     values = known if len(known) == len(numbers) else [order.index(text) for text in texts]

@@ -6,10 +6,7 @@ import pytest
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.headlines import directions
-from piston_cosim.master.results import sweep_pictures
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
-from piston_cosim.master.results.sweep_pictures import draw_sweep
-from piston_cosim.master.runs.sweep import Axis
 
 from .browser import Browser, found
 
@@ -34,6 +31,7 @@ def test_a_front_is_what_no_other_point_is_better_than():
 
 
 ENTRIES = ["mean_friction_power_w", "slap_energy_j", "contact_share"]
+CONSTANT = ("same", "none", "rounding", "noise", "not_there")
 FILM = "minimum_film_thickness_m"
 
 
@@ -50,6 +48,9 @@ def swept():
             "contact_share": 0.1 / c,
             FILM: 1e-6 * (c + o),
             "same": 1.0,
+            "none": None,
+            "rounding": 1e-15 * c,
+            "noise": 1.0 + 1e-9 * c,
             "iterations": c + o,
         }
         for c in (10, 20, 30)
@@ -58,27 +59,6 @@ def swept():
     failed = {"bodies.clearance": "40 um", "ovality": 1, "status": "failed", "message": "no"}
     points = [SweptPoint(row, f"reports/{k}/report.html") for k, row in enumerate(rows)]
     return [*points, SweptPoint(failed, "")]
-
-
-def test_pictures_have_handy_units_and_no_empty_axes(tmp_path, monkeypatch):
-    """An entry that does not vary has no axes; a film in metres is drawn in micrometres."""
-    seen = []
-    monkeypatch.setattr(sweep_pictures, "save", lambda figure, path: seen.append(figure))
-    rows = [
-        {"gap": gap, "status": "done", "film_m": 1e-6 * k, "tilt_rad": 0.1 + 0.1 * k}
-        | {"none": None, "rounding": 1e-15 * k, "still": 2.0, "noise": 1.0 + 1e-9 * k}
-        for k, gap in enumerate(("10 um", "20 um"))
-    ]
-    axis = Axis("gap", ("gap",), ("10 um", "20 um"))
-    entries = ["film_m", "tilt_rad", "none", "not_there", "rounding", "still", "noise"]
-    draw_sweep(rows, [axis], entries, tmp_path / "sweep.png")
-    draw_sweep(rows, [axis], entries[:1], tmp_path / "sweep.png")
-    panels = [panel for figure in seen for panel in figure.axes]
-    titles = [panel.get_title() for panel in panels]
-    assert titles == ["film [\N{MICRO SIGN}m]", "tilt [deg]", "film [\N{MICRO SIGN}m]"]
-    assert panels[0].lines[0].get_ydata() == pytest.approx([0.0, 1.0])
-    assert panels[1].lines[0].get_ydata() == pytest.approx(np.degrees([0.1, 0.2]))
-    assert {figure.get_supxlabel() for figure in seen} == {"gap [µm]"}
 
 
 RINGED = """const red = "[stroke='var(--red)']";
@@ -93,7 +73,10 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
     if not found():
         pytest.skip("no chromium: the sweep's page was not looked at")
     points = swept()
-    axes, directions = ["bodies.clearance", "ovality"], dict.fromkeys([*ENTRIES, "same"], "lower")
+    axes, directions = (
+        ["bodies.clearance", "ovality"],
+        dict.fromkeys([*ENTRIES, *CONSTANT], "lower"),
+    )
     path = write_sweep_page(points, axes, directions, tmp_path / "sweep.html")
     with Browser(tmp_path / "profile", 1200) as browser:
         browser.open(path)

@@ -24,7 +24,6 @@ from piston_cosim.master.fmi.quantities import (
 from piston_cosim.master.results.compare import (
     Measured,
     against_first,
-    against_last_cycle,
     agreement,
     score,
 )
@@ -185,16 +184,6 @@ def test_runs_against_measured_values_in_their_own_units():
     assert scored.amplitude == pytest.approx(1 / 1.1, rel=1e-12)
     with pytest.raises(BadInput, match="measured: expected a quantity in m, got '1"):
         agreement({"run": ramp(1.0)}, measured | {"a.y": Measured(np.ones(3), "kg")})
-
-
-def test_last_cycle_against_the_one_before():
-    # t^2 in the last second of two, against that of the first: (1..4 - 0..1), range 3 and 1
-    timed = check_case(TREE | {"time": {"stop": "2 s", "step": "1 s"}}, "case.toml")
-    ((_, _, scored, _),) = against_last_cycle(timed, {"run": ramp(2.0)}, "a.x", ["a.y"], "1 s")
-    assert scored.amplitude == pytest.approx(3.0, rel=1e-12)
-    # (t + 1)^2 - t^2 = 2 t + 1 at t = 0, 0.02 .. 1: mean of squares 1/51 sum
-    t = np.linspace(0.0, 1.0, 51)
-    assert scored.rms == pytest.approx(np.sqrt(np.mean((2 * t + 1) ** 2)), rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -166,8 +166,6 @@ COMMANDS = [
     "results recover good.h5 --time '1 ms'",
     "results noise good.h5",
     "results compare good.h5",
-    "results compare good.h5 --period '3 kg'",
-    "results compare good.h5 --period '9 s'",
     "fmu build ehd --fmi 4.0",
     "fmu build ehd --grid 2x2",
     "fmu build ehd --grid axb",

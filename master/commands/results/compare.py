@@ -17,19 +17,18 @@ def command(
     *files: Path,
     x: str | None = None,
     y: list[str] = [],
-    period: str | None = None,
     measured: Path | None = None,
     output: OutputFile = Path("measured.png"),
 ):
     """Score curves of results files.
 
-    The reference is the first file, an earlier period or a measurement.
+    The reference is the first file or a measurement.
 
     The table shows the amplitude, phase and rms difference of each curve. The amplitude is a
     ratio of ranges, and a positive phase is a later curve. The rms difference is divided by the
     range of the reference.
 
-    Example: piston-cosim results compare results/fired_motorcycle/flexible.h5 --period "720 deg"
+    Example: piston-cosim results compare results/fired_motorcycle/flexible.h5 --measured bench.csv
 
     Parameters
     ----------
@@ -39,8 +38,6 @@ def command(
         Abscissa, PARTICIPANT.VARIABLE; default: the abscissa of the case's first line picture.
     y
         Curve, PARTICIPANT.VARIABLE; repeatable. Default: the curves of that picture.
-    period
-        Compare the last period of each run with the period before, e.g. "720 deg".
     measured
         CSV file of a measurement. Its header is "participant.variable [unit]", abscissa first. The
         columns "participant.variable low [unit]" and "participant.variable high [unit]" are a band.
@@ -61,12 +58,10 @@ def command(
         section, rows, unit = curves.agreement(runs, curves.read_measured(measured))
         charts = [one for one in section.drawn if isinstance(one, Chart)]
         tell(f"picture  {save(draw_charts(charts), output)}")
-    elif period:
-        rows = curves.against_last_cycle(case, runs, x, y, period)
     elif len(runs) > 1:
         rows = curves.against_first(runs, x, y)
     else:
-        raise BadInput("FILES: expected a second run, --period or --measured, got one run")
+        raise BadInput("FILES: expected a second run or --measured, got one run")
     print_scores(rows, unit or next(iter(runs.values())).series(x).unit)
 
 
