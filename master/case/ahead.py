@@ -177,7 +177,7 @@ def check_ports(case, participants, faults):
 
 
 def _curves(case):
-    """Yield (location, port) of all scalar outputs in summaries, pictures, reports and studies."""
+    """Yield (location, port) of all scalar outputs in summaries, pictures and studies."""
     for table in ("summary", "monitor"):
         for name, text in getattr(case, table).items():
             yield f"{table}.{name}", reduced(text).port
@@ -186,9 +186,6 @@ def _curves(case):
     for picture in case.pictures:
         for port in picture.outputs:
             yield f"pictures.{picture.file}", port
-    for name, loop in case.report.loops.items():
-        for port in (loop.x, *loop.y):
-            yield f"report.loops.{name}", port
     for name, study in case.studies.items():
         for port in filter(None, (study.x, *study.curves)):
             yield f"studies.{name}", port

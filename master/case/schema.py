@@ -14,7 +14,7 @@ from ..fmi.errors import unknown
 from ..fmi.fields import base_of
 from ..fmi.quantities import from_si, is_angle, to_si
 from ..participants.plugins import names
-from .shown import NEUTRAL, Axes, Axis, Picture, ReportTable
+from .shown import NEUTRAL, Axes, Axis, Picture
 from .tables import REDUCTIONS, TAKEN, FileName, Port, Table, reduced
 
 
@@ -358,8 +358,6 @@ class Case(Table):
     """Axes of the fields. They are labels that no computation uses."""
     window: dict[str, tuple[str, str]] = {}
     """Expected range of a value: "min|max|mean|last participant.variable" -> [low, high]."""
-    report: ReportTable = ReportTable()
-    """Content of a report in addition to pictures and fields."""
     studies: dict[FileName, Study] = {}
     """Studies by name. Each compares several runs with a reference run."""
     observers: dict[str, dict[str, Any]] = {}
@@ -453,8 +451,6 @@ class Case(Table):
             ports += picture.outputs + picture.fields
         for entries in (self.summary.values(), self.monitor.values(), self.window):
             ports += [reduced(text).port for text in entries]
-        for loop in self.report.loops.values():
-            ports += [loop.x, *loop.y]
         return ports
 
     def elements_of(self, participant: str) -> set[str]:

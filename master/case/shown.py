@@ -1,4 +1,4 @@
-"""Tables of a case file for pictures, axes of fields and loops of a report."""
+"""Tables of a case file for pictures and axes of fields."""
 
 import re
 from typing import Literal
@@ -156,26 +156,3 @@ class Axes(Table):
 
 NEUTRAL = Axes(participants=[""])
 """Axes of a field that the case does not describe."""
-
-
-class Loop(Table):
-    """Closed curve and its work, in `unit`.
-
-    The work is the integral of the sum of `y` over `x` during the last `period`.
-    """
-
-    y: list[Port]
-    """Outputs whose sum is integrated."""
-    x: Port
-    """Output over which the sum is integrated."""
-    period: str
-    """Length of the curve before the end of the run, as a time or a crank angle."""
-    unit: str = "J"
-    """Unit of the work."""
-
-
-class ReportTable(Table):
-    """Content of a report in addition to pictures and fields: loops by name."""
-
-    loops: dict[str, Loop] = {}
-    """Closed curves whose work is reported, by name."""

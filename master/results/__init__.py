@@ -4,7 +4,7 @@ file            reading of a results file
 pictures        curves, maps, sections
 sweep_page      page of a sweep
 compare         scores of curves
-judgement       expected ranges, work of loops
+judgement       expected ranges
 report          one HTML page
 charts          charts of the page, as data
 solids          bodies of the page, on their meshes

@@ -12,10 +12,8 @@ import numpy as np
 from ..case.shown import Axes
 from .coordinates import crank_angle_port
 from .figures import PALETTE, add_legend, stack
-from .judgement import loop_curve, loop_work
 from .packing import Columns, packed_frames
 from .pictures import (
-    handy_unit,
     labelled,
     name_of,
     names_of,
@@ -128,13 +126,12 @@ class CyclePhase:
 
 
 def picture_section(case, runs) -> Section:
-    """Return the case's pictures of kind `lines`, a chart for each panel, and its loops."""
+    """Return the case's pictures of kind `lines`, a chart for each panel."""
     drawn: list[Drawn] = []
     for picture in case.pictures:
         if picture.kind == "lines":
             panels = [_panel(case, picture, ports, runs) for ports in picture.y]
             drawn += [panel for panel in panels if panel.curves]
-    drawn += [loop_chart(case, name, runs) for name in case.report.loops]
     return Section("Curves", drawn)
 
 
@@ -177,27 +174,6 @@ def shown_unit(case, port, units):
     """Return the unit of an abscissa: the one of the cursor for crank angle and time."""
     cursor = crank_angle_port(case) or "time"
     return ("ms" if cursor == "time" else "deg") if port == cursor else units.get(port)
-
-
-def loop_chart(case, name, runs) -> Chart:
-    """Return a loop of every run, with its work."""
-    loop = case.report.loops[name]
-    curves = []
-    x_unit = y_unit = ""
-    words = name.replace("_", " ")
-    handy = None
-    for k, (label, results) in enumerate(runs.items()):
-        x, si, y, y_unit = loop_curve(case, results, loop)
-        handy = handy or handy_unit(si, float(np.abs(x).max()))
-        x, x_unit = scaled(x, si, handy)
-        work = f"{label}: {words} = {loop_work(case, results, loop):.4g} {loop.unit}"
-        curves.append(Curve(work, k, x, y))
-    return Chart(
-        title=f"{words}, last {loop.period}",
-        x=labelled(name_of(loop.x), x_unit),
-        y=labelled(" + ".join(name_of(port) for port in loop.y), y_unit),
-        curves=curves,
-    )
 
 
 def health_section(runs) -> Section:

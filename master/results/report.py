@@ -22,7 +22,7 @@ from .charts import (
 )
 from .compare import Agreement
 from .instants import crank_angle
-from .judgement import Window, loop_work, windows
+from .judgement import Window, windows
 from .packing import Columns
 from .pages import write_page
 from .pictures import handy_unit, name_of, scaled
@@ -172,8 +172,8 @@ def checks(judged) -> list[Check]:
 class RunText:
     """Text about one run.
 
-    summary : empty if the run has not finished; loops : name -> work with its unit; versions :
-    of the packages; digest : SHA-256 of the results file.
+    summary : empty if the run has not finished; versions : of the packages; digest : SHA-256 of
+    the results file.
     """
 
     label: str
@@ -181,7 +181,6 @@ class RunText:
     finished: bool
     steps: int
     windows: list[Window]
-    loops: dict[str, str]
     versions: dict[str, str]
     file: str
     digest: str
@@ -196,10 +195,6 @@ def run_text(case, label, results) -> RunText:
         finished=summary is not None,
         steps=len(results.time) - 1,
         windows=windows(case, results),
-        loops={
-            name: f"{loop_work(case, results, loop):.4g} {loop.unit}"
-            for name, loop in case.report.loops.items()
-        },
         versions=json.loads(results.file.attrs["versions"]),
         file=results.path.name,
         digest=digest(results.path),

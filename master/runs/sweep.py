@@ -35,7 +35,6 @@ SHOWN = (
     "pictures",
     "axes",
     "window",
-    "report",
     "studies",
     "variants",
     "beside",

@@ -31,9 +31,6 @@ TREE = {
     "summary": {"lowest": "min a.x"},
     "monitor": {"y": "last a.y"},
     "window": {"min a.x": ["-2 mm", "0 mm"], "max a.y": ["3 N", "4 N"]},
-    "report": {
-        "loops": {"work": {"x": "a.x", "y": ["a.y", "a.z"], "period": "1 s", "unit": "mJ"}},
-    },
     "pictures": [
         {"file": "lines.png", "title": "Lines", "kind": "lines", "x": "a.x", "y": [["a.y"]]}
     ],

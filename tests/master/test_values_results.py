@@ -30,8 +30,6 @@ from piston_cosim.master.results.compare import (
 from piston_cosim.master.results.instants import instant
 from piston_cosim.master.results.judgement import (
     Window,
-    last_period,
-    loop_work,
     windows,
 )
 from piston_cosim.master.results.recorded import Series
@@ -82,33 +80,6 @@ def test_windows_are_read_in_their_units(results):
     # four steps of 1 s end at 4, -1, -3 and 5 N, as in the summary
     assert read == pytest.approx((1.2, 5 / 4, 1.5), rel=1e-14)
     assert window.inside
-
-
-def test_last_period_holds_its_first_row(results):
-    # 2 rad at 2 rad/s are the last second; 360 deg are 3.14 s
-    case = case_with()
-    assert last_period(case, results, "2 rad").tolist() == [False, False, False, True, True]
-    assert last_period(case, results, "360 deg").tolist() == [False, True, True, True, True]
-    timed = check_case(TREE | {"time": {"stop": "4 s", "step": "1 s"}}, "case.toml")
-    assert last_period(timed, results, "2 s").tolist() == [False, False, True, True, True]
-
-
-@pytest.mark.parametrize(
-    "given, work",
-    [
-        # trapezia of y over x = 0, 3, 3, 1, 1: 3 x (2 + 4)/2 + 0 - 2 x (-1 - 3)/2 + 0
-        ({"y": ["a.y"]}, 13.0),
-        # y + z: 3 x (3 + 5)/2 + 4
-        ({"y": ["a.y", "a.z"]}, 16.0),
-        ({"y": ["a.y"], "unit": "mJ"}, 13000.0),
-        # the last 3 s: nothing, and 2 x 2 on the way back
-        ({"y": ["a.y"], "period": "6 rad"}, 4.0),
-    ],
-)
-def test_loop_work_by_hand(results, given, work):
-    loop = {"x": "a.x", "period": "9 rad"} | given
-    case = case_with(report={"loops": {"work": loop}})
-    assert loop_work(case, results, case.report.loops["work"]) == pytest.approx(work, rel=1e-12)
 
 
 @pytest.mark.parametrize(
