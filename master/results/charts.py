@@ -11,25 +11,17 @@ import numpy as np
 
 from ..case.shown import Axes
 from .coordinates import crank_angle_port
-from .figures import PALETTE, add_legend, stack
 from .packing import Columns, packed_frames
 from .pictures import (
     labelled,
     name_of,
     names_of,
     scaled,
-    tick_degrees,
     windows_of,
 )
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
-STYLES: dict[Dash, str] = {"solid": "-", "dash": "--", "dot": ":", "dashdot": "-."}
-"""Lines of matplotlib."""
-FEW = 60
-"""Number of points up to which they are drawn as circles."""
-
-
 MEASURED = -1
 """Number of the run for curves that belong to no run."""
 
@@ -202,35 +194,6 @@ def health_section(runs) -> Section:
             for name in names
         ],
     )
-
-
-def draw_charts(charts: Sequence[Chart], height: float = 2.3) -> Any:
-    """Return a figure of charts with one abscissa above each other; `height` is of a panel [in]."""
-    figure, panels = stack(len(charts), height)
-    for panel, chart in zip(panels, charts):
-        for band in chart.bands:
-            panel.axhspan(band.low, band.high, color="black", lw=0.8, label=band.said)
-        if chart.corridor:
-            x, low, high = chart.corridor.x, chart.corridor.low, chart.corridor.high
-            label = chart.corridor.said
-            panel.fill_between(x, low, high, color="black", alpha=0.12, lw=0, label=label)
-        for curve in chart.curves:
-            colour = "black" if curve.run == MEASURED else PALETTE[curve.run % len(PALETTE)]
-            kept = {"color": colour, "label": curve.name, "lw": 1.2, "mfc": "none"}
-            if curve.points:
-                few = len(curve.x) <= FEW
-                panel.plot(curve.x, curve.y, "o" if few else ".", ms=3 if few else 2, **kept)
-            else:
-                panel.plot(curve.x, curve.y, STYLES[curve.dash], **kept)
-        if chart.logarithmic:
-            panel.set_yscale("log")
-        label = chart.y if chart.y.startswith(chart.title) else f"{chart.title} {chart.y}"
-        panel.set_ylabel(label.strip(), fontsize="small")
-    add_legend(panels[0])
-    panels[-1].set_xlabel(charts[-1].x)
-    if charts[-1].x.endswith("[deg]"):
-        tick_degrees(panels[-1])
-    return figure
 
 
 def as_data(section: Section, columns: Columns) -> dict[str, Any]:

@@ -267,17 +267,3 @@ def _factor(unit, si):
         return to_si(f"1 {unit}", si)
     except ValueError as error:
         raise BadInput(f"measured: {error}") from None
-
-
-def against_first(runs, x_port, ports):
-    """Return the scores of all other runs against the first run."""
-    (_, first), *others = runs.items()
-
-    def curve(results, port):
-        return results.series(x_port).values, results.series(port).values
-
-    return [
-        Row(label, port, score(*curve(results, port), *curve(first, port)))
-        for port in ports
-        for label, results in others
-    ]

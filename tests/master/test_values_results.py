@@ -23,7 +23,6 @@ from piston_cosim.master.fmi.quantities import (
 )
 from piston_cosim.master.results.compare import (
     Measured,
-    against_first,
     agreement,
     score,
 )
@@ -135,13 +134,6 @@ def ramp(end, factor=1.0):
     """y = factor t^2 over x = t up to an end, in s and m."""
     t = np.linspace(0.0, end, 101)
     return Runs(known={"a.x": (t, "s"), "a.y": (factor * t**2, "m")}, time=t, ports=["a.x", "a.y"])
-
-
-def test_runs_against_the_first():
-    runs = {"one": ramp(1.0), "two": ramp(1.0, 3.0)}
-    ((label, port, scored, _),) = against_first(runs, "a.x", ["a.y"])
-    assert (label, port) == ("two", "a.y")
-    assert scored.amplitude == pytest.approx(3.0, rel=1e-14)
 
 
 def test_runs_against_measured_values_in_their_own_units():
