@@ -165,10 +165,6 @@ class WireTable(Table):
     """Tolerance of the rms difference, relative to the rms of the field. A wire converges if it
     meets any of its tolerances.
     """
-    residual_relative_tolerance: float = Field(0.0, ge=0, lt=1)
-    """Tolerance of the rms difference, relative to its value in the first evaluation of the macro
-    step.
-    """
     largest_decrease: float | None = Field(None, gt=0, lt=1)
     """Largest relative decrease of the field's minimum in one update of an iterate. Default: no
     limit.

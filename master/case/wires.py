@@ -69,7 +69,6 @@ def check_elements(tables, participants, faults):
 OF_NUMBERS = (
     "tolerance",
     "relative_tolerance",
-    "residual_relative_tolerance",
     "largest_decrease",
     "local_error",
     "conjugate",
@@ -115,10 +114,9 @@ def wire_of(table, participants, coupling, faults):
         tolerance=0.0 if tolerance is None else tolerance,
         largest_decrease=table.largest_decrease,
         relative_tolerance=table.relative_tolerance,
-        residual_relative_tolerance=table.residual_relative_tolerance,
         local_error=local_error,
     )
-    if table.tolerance is not None or table.relative_tolerance or table.residual_relative_tolerance:
+    if table.tolerance is not None or table.relative_tolerance:
         return wire
     unknown = is_unknown(wire, coupling.order, coupling.parallel)
     return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)

@@ -11,7 +11,7 @@ from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, derive_each, read_each, write_each
 from .vector import Evaluation, largest
-from .wiring import Wire, is_unknown, layout_of, rms
+from .wiring import Wire, is_unknown, layout_of
 
 SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
@@ -134,9 +134,8 @@ class Interface:
     them that `runs_apart`, in a process of their own, step at the same time.
 
     `trail` holds the measures of every wire since `begin`, a list for each evaluation that was
-    measured; `first` the root mean square of every wire's residual in the first of them, where a
-    wire is measured by it. `spent` [s] is where the time goes: each participant's steps and
-    derivatives under its name, values and states carried to and fro under "transport".
+    measured. `spent` [s] is where the time goes: each participant's steps and derivatives under its
+    name, values and states carried to and fro under "transport".
     """
 
     def __init__(
@@ -148,7 +147,7 @@ class Interface:
         self.participants = participants
         self.wires = wires
         self.spent = dict.fromkeys((*participants, "transport"), 0.0)
-        self.relative = any(w.relative_tolerance or w.residual_relative_tolerance for w in wires)
+        self.relative = any(w.relative_tolerance for w in wires)
         self.begin()
         sizes = [int(np.prod(wire.shape)) for wire in wires]
         self.parts = _slices(sizes)
@@ -199,7 +198,6 @@ class Interface:
     def begin(self) -> None:
         """Begin an attempt at a macro step."""
         self.trail: list[list[float]] = []
-        self.first = [0.0] * len(self.wires)
 
     def read(self) -> np.ndarray:
         """Return the vector of the present outputs."""
@@ -354,17 +352,11 @@ class Interface:
         """Return the residual that counts as converged, by element, for given values."""
         if not self.relative:
             return self.tolerance
-        return np.concatenate(
-            [
-                np.full(part.stop - part.start, wire.allowed(values[part], first))
-                for wire, part, first in zip(self.wires, self.parts, self.first)
-            ]
-        )
+        allowed = [wire.allowed(values[part]) for wire, part in zip(self.wires, self.parts)]
+        return np.repeat(allowed, [part.stop - part.start for part in self.parts])
 
     def measure(self, residual: np.ndarray, values: np.ndarray) -> float:
         """Return the largest `Wire.measure`: converged if at most 1, NaN if not finite."""
-        if self.relative and not self.trail:
-            self.first = [rms(residual[part]) for part in self.parts]
         self.trail.append(self._measures(residual, values))
         return largest(self.trail[-1])
 
@@ -376,10 +368,7 @@ class Interface:
         if not self.relative:
             shares = np.abs(residual) / self.tolerance
             return np.maximum.reduceat(shares, self.starts).tolist()
-        return [
-            wire.measure(residual[part], values[part], first)
-            for wire, part, first in zip(self.wires, self.parts, self.first)
-        ]
+        return [w.measure(residual[part], values[part]) for w, part in zip(self.wires, self.parts)]
 
     def worst(self, residual: np.ndarray, values: np.ndarray) -> str:
         """Return a sentence with the worst wire and its largest residual."""
@@ -388,7 +377,7 @@ class Interface:
         wire = self.wires[k]
         r = residual[self.parts[k]]
         element = int(np.argmax(np.where(np.isnan(r), np.inf, np.abs(r))))
-        allowed = wire.allowed(values[self.parts[k]], self.first[k])
+        allowed = wire.allowed(values[self.parts[k]])
         unit = "" if wire.unit == "1" else f" {wire.unit}"
         return (
             f"{_element(wire.target, element, wire.shape)}: expected a residual of at most "

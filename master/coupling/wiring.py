@@ -46,33 +46,21 @@ class Wire:
     tolerance: float
     largest_decrease: float | None
     relative_tolerance: float = 0.0
-    residual_relative_tolerance: float = 0.0
     local_error: float | None = None
 
-    def allowed(self, values: np.ndarray, first: float) -> float:
-        """Return the residual that counts as converged, by element.
+    def allowed(self, values: np.ndarray) -> float:
+        """Return the residual that counts as converged, by element, for outputs of the wire."""
+        return max(self.tolerance, self.relative_tolerance * rms(values))
 
-        values : outputs of the wire; first : rms of the step's first residual.
-        """
-        return max(
-            self.tolerance,
-            self.relative_tolerance * rms(values),
-            self.residual_relative_tolerance * first,
-        )
-
-    def measure(self, residual: np.ndarray, values: np.ndarray, first: float) -> float:
+    def measure(self, residual: np.ndarray, values: np.ndarray) -> float:
         """Return the measure of convergence: converged if at most 1, NaN if not finite.
 
-        Eq. (S1):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)),
-                       rms(r) / (residual-relative tolerance x rms(r of the macro step's first
-                       evaluation)))
+        Eq. (S1):  min(max|r| / tolerance, rms(r) / (relative tolerance x rms(values)))
         """
         largest = float(np.max(np.abs(residual))) / self.tolerance if self.tolerance else np.inf
-        if not (self.relative_tolerance or self.residual_relative_tolerance):
+        if not self.relative_tolerance:
             return largest
-        relative = max(
-            self.relative_tolerance * rms(values), self.residual_relative_tolerance * first
-        )
+        relative = self.relative_tolerance * rms(values)
         # Eq. (S1)
         return float(np.minimum(largest, rms(residual) / max(relative, np.finfo(float).tiny)))
 

@@ -213,6 +213,5 @@ def affine():
 
 WIRE_DEFAULTS = {
     "relative_tolerance": 0.0,
-    "residual_relative_tolerance": 0.0,
     "local_error": None,
 }

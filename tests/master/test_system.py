@@ -76,8 +76,8 @@ def test_wires_along_the_order_are_measured_only_if_asked(participants, order, p
     assert wire.tolerance == pytest.approx(tolerance, rel=1e-14)
     wire, _ = wired(participants, coupling, tolerance="2 nm")
     assert wire.tolerance == pytest.approx(2e-9, rel=1e-14)
-    wire, _ = wired(participants, coupling, residual_relative_tolerance=1e-3)
-    assert (wire.tolerance, wire.residual_relative_tolerance) == (0.0, 1e-3)
+    wire, _ = wired(participants, coupling, relative_tolerance=1e-3)
+    assert (wire.tolerance, wire.relative_tolerance) == (0.0, 1e-3)
 
 
 def test_parameter_faults_name_value_unit_and_range(participants):
