@@ -1,7 +1,7 @@
 """Sections of a piston's report in addition to the case's pictures, from recorded data only.
 
 They show strokes, motion of the skirt's edges, forces and friction by side, films and their
-minimum, envelopes and wear.
+minimum, and envelopes.
 """
 
 import tomllib
@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from ..case.contract import players
 from ..case.schema import Case
@@ -40,9 +39,6 @@ from .stands import stands
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """Strokes from firing top dead centre, 180 deg each."""
-WEAR_COEFFICIENT = 1e-17
-"""Archard's wear coefficient [1/Pa] of Eq. (X15), an assumption for a run-in, lubricated skirt.
-The wear depth is proportional to it."""
 LEAST_LOAD = 0.05
 """Minimum radial load for a friction coefficient, relative to the largest one of the run."""
 CRANK = "crank angle [deg]"
@@ -170,7 +166,7 @@ def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
         _friction(runs, body, film),
         _films(case, runs, film, gap),
         Section("Oil", _charts(runs, "oil", film=film)),
-        _envelopes(case, runs, body, film, gap),
+        _envelopes(case, runs, film, gap),
     ]
     if films == 1:
         return sections
@@ -363,26 +359,7 @@ def _forces(runs, body, films):
     for film in films:
         of = "the film" if len(films) == 1 else film
         drawn += _charts(runs, "radial_force", film=film, of=of)
-    return Section(
-        "Forces", [*drawn, *_charts(runs, "forces", body=body), *_over_position(runs, body)]
-    )
-
-
-def _over_position(runs, body) -> list[Drawn]:
-    """Return a chart of the gas pressure over the height of the pin."""
-    ports = f"{body}.piston_position", f"{body}.cylinder_pressure"
-    curves = [
-        Curve(
-            label,
-            k,
-            results.series(ports[0]).values * 1e3,
-            results.series(ports[1]).values * 1e-6,
-        )
-        for k, (label, results) in enumerate(runs.items())
-        if {*ports} <= {*results.ports} and results.series(ports[1]).values.any()
-    ]
-    title = "Gas pressure over the pin's height above the crank (p-V by the bore's area)"
-    return [Chart(title, "height [mm]", "[MPa]", curves)] if curves else []
+    return Section("Forces", [*drawn, *_charts(runs, "forces", body=body)])
 
 
 def _is_bearing(runs, film):
@@ -491,7 +468,7 @@ def _whole(results, port, blank):
     return values if there is None else np.where(there, values, blank)
 
 
-def _envelopes(case, runs, body, film, gap):
+def _envelopes(case, runs, film, gap):
     envelopes = (
         ("Maximum pressure of the last period", "MPa", f"{film}.pressure"),
         ("Minimum film thickness of the last period", "µm", gap),
@@ -501,39 +478,10 @@ def _envelopes(case, runs, body, film, gap):
     for title, unit, port in envelopes:
         found = [results.envelope(port) for results in runs.values()]
         fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in found]
-        drawn += _still(case, runs, title, unit, port, fields)
-    said = _every_step(runs, f"{film}.pressure")
-    wear = [] if _is_bearing(runs, film) else _wear(case, runs, body, f"{film}.asperity_pressure")
-    if not wear:
-        return Section("Envelopes", drawn, said)
-    said += (
-        " Wear is contact pressure times piston speed, summed over the recorded instants, "
-        f"times an assumed coefficient of {WEAR_COEFFICIENT:g} 1/Pa."
-    )
-    return Section("Envelopes and wear", drawn + wear, said)
-
-
-def _still(case, runs, title, unit, port, fields) -> list[Drawn]:
-    """Return a map of a field without time for every run; [] if all are zero or missing."""
-    if not any(np.any(values) for values in fields if values is not None):
-        return []
-    there = [
-        None if values is None else results.there(port)
-        for values, results in zip(fields, runs.values())
-    ]
-    return [StillMap(title, unit, case.axes_of(port), fields, there)]
-
-
-def _wear(case, runs, body, port) -> list[Drawn]:
-    """Return a map of the wear depth per hour, from the recorded contact pressure."""
-    fields = [
-        1e6 * wear_depth(last.dataset(port)[:], last, body) * _hourly(last)
-        if port in last.recorded
-        else None
-        for last in (results.last for results in runs.values())
-    ]
-    title = f"Archard's wear depth in an hour, {WEAR_COEFFICIENT:g} 1/Pa"
-    return _still(case, runs, title, "µm", port, fields)
+        if any(np.any(values) for values in fields if values is not None):
+            there = [one and results.there(port) for one, results in zip(found, runs.values())]
+            drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
+    return Section("Envelopes", drawn, _every_step(runs, f"{film}.pressure"))
 
 
 def _every_step(runs, port):
@@ -544,29 +492,3 @@ def _every_step(runs, port):
     if sparse:
         said += f" The envelopes of {', '.join(sparse)} hold recorded instants only."
     return said
-
-
-def _hourly(results):
-    return to_si("1 hour", "s") / float(np.ptp(results.instants) or 1.0)
-
-
-def wear_depth(pressure, results, body) -> np.ndarray:
-    """Return the wear depth of every cell over the recorded instants [m].
-
-    Eq. (X15):  depth = k integral p_c |v| dt      trapezoidal rule between recorded instants
-
-    Parameters
-    ----------
-    pressure : ndarray, shape (instants, n, m)
-        Contact pressure p_c [Pa].
-    results : Results
-    body : str
-        Participant whose `piston_velocity` is the sliding speed v.
-
-    References
-    ----------
-    [Archard1953]
-    """
-    speed = np.abs(results.series(f"{body}.piston_velocity").values)
-    power = pressure * np.interp(results.instants, results.time, speed)[:, None, None]
-    return WEAR_COEFFICIENT * trapezoid(power, results.instants, axis=0)  # Eq. (X15)

@@ -9,14 +9,7 @@ from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
 from piston_cosim.master.engine.headlines import friction_pressure, headlines
 from piston_cosim.master.engine.impacts import impacts
-from piston_cosim.master.engine.sections import (
-    STROKES,
-    WEAR_COEFFICIENT,
-    own_strokes,
-    special,
-    strokes,
-    wear_depth,
-)
+from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.pictures import handy_unit, names_of
@@ -233,7 +226,7 @@ def test_friction_of_a_bearing_is_a_torque_and_no_side_is_thrust():
     found = special(Case.model_construct(), {"a": bearing_run()}).sections
     titles = [one.title for section in found for one in section.drawn]
     assert "Friction torque on the shell" in titles and "Minimum film thickness" in titles
-    assert not [title for title in titles if "skirt" in title or "side" in title or "wear" in title]
+    assert not [title for title in titles if "skirt" in title or "side" in title]
 
 
 def test_envelopes_hold_every_step_and_say_so():
@@ -243,15 +236,6 @@ def test_envelopes_hold_every_step_and_say_so():
     assert [one.title for one in section.drawn] == ["Maximum pressure of the last period"]
     assert section.drawn[0].fields[0] == pytest.approx(np.array([[2.0, 25.8]]))
     assert section.said == "The envelopes hold every accepted macro step of the last period."
-
-
-def test_wear_is_the_integral_of_contact_pressure_and_speed():
-    # 2 MPa at 0, -3 and 4 m/s, 1 ms apart: 2e6 (1.5 + 3.5) 1e-3 = 1e4 Pa m
-    results = run([0.0, 1.0, 2.0], piston_velocity=[0.0, -3.0, 4.0])
-    pressure = np.zeros((3, 1, 2))
-    pressure[:, 0, 0] = 2e6
-    worn = wear_depth(pressure, results, "bodies")
-    assert worn == pytest.approx(np.array([[1e4 * WEAR_COEFFICIENT, 0.0]]))
 
 
 def test_nothing_special_of_a_case_without_a_crank():
