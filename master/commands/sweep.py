@@ -6,7 +6,7 @@ from pathlib import Path
 from ..case.checked import check_case
 from ..case.reading import find_case, read_tree
 from ..engine.headlines import directions
-from ..fmi.errors import BadInput, unknown
+from ..fmi.errors import BadInput
 from ..fmi.quantities import duration
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
@@ -37,9 +37,6 @@ def command(
     dask: str | None = None,
     time_limit: str | None = None,
     reports: bool = False,
-    maximise: list[str] = [],
-    minimise: list[str] = [],
-    ignore: list[str] = [],
 ):
     """Run a case over values of its keys.
 
@@ -76,14 +73,6 @@ def command(
         2 MB or more.
     time_limit
         Maximum time per point, e.g. "20 min". Local processes only.
-    maximise
-        Column of the table of which large values are good; repeatable. Default: minimum film
-        thicknesses.
-    minimise
-        Column of the table of which small values are good; repeatable. Default: friction, pressure,
-        side force, slap, rocking and contact.
-    ignore
-        Column of the table that does not judge a point; repeatable. Default: all others.
     """
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
@@ -96,16 +85,6 @@ def command(
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
     axes = sweeps.parse_axes(vary, tree, path.parent)
     points = sweeps.all_points(path, changes, axes)
-    wanted = directions(check_case(tree, path))
-    if faults := [
-        f"--{option}: {unknown('column', name, wanted)}"
-        for option, names in (("maximise", maximise), ("minimise", minimise), ("ignore", ignore))
-        for name in names
-        if name not in wanted
-    ]:
-        raise BadInput(faults)
-    wanted |= dict.fromkeys(maximise, "raise") | dict.fromkeys(minimise, "lower")
-    wanted |= dict.fromkeys(ignore, "none")
     folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
@@ -124,7 +103,7 @@ def command(
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     tell(f"table    {table}")
     with working(console, "drawing the page"):
-        page = _page(path, points, rows, axes, wanted, table, reports)
+        page = _page(path, points, rows, axes, directions(check_case(tree, path)), table, reports)
     tell(f"page     {page}")
     failed = [row for row in rows if row["status"] != "done"]
     if failed:

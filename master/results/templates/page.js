@@ -154,7 +154,7 @@ async function drawSectionCharts(parent, section) {
 }
 
 async function drawStillMaps(parent, layer) {
-  const kinds = { thickness: /thickness/i, contact: /contact|wear/i, pressure: /.*/ };
+  const kinds = { thickness: /thickness/i, contact: /contact/i, pressure: /.*/ };
   const kind = Object.keys(kinds).find(name => kinds[name].test(layer.name));
   for (const [r, run] of layer.runs.entries()) {
     if (!run) continue;
