@@ -72,7 +72,7 @@ def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
             inner = node[int(part)] if part.isdigit() and int(part) < len(node) else None
         else:
             inner = node.get(part)
-        if inner is None and isinstance(node, dict) and _is_known(tree, [*parents, last], folder):
+        if inner is None and isinstance(node, dict) and [*parents, last] in _known(tree, folder):
             inner = node[part] = {}
         if not isinstance(inner, (dict, list)):
             known = node if isinstance(node, dict) else map(str, range(len(node)))
@@ -136,10 +136,6 @@ def _known(tree: Tree, folder: Path) -> list[list[str]]:
         names = tree.get("participants", {}) if path[:2] == ["participants", ANY] else ()
         paths += [["participants", name, *path[2:]] for name in names] or [path]
     return paths
-
-
-def _is_known(tree: Tree, path: list[str], folder: Path) -> bool:
-    return path in _known(tree, folder)
 
 
 def _paths(node: Tree, before: tuple[str, ...] = ()) -> Iterator[list[str]]:

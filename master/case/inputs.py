@@ -98,10 +98,5 @@ def check_fixed(case, participants, faults):
             f"participants.{name}: expected an FMU with variable steps with local_error, got "
             f"{participant.path.name}; remove local_error"
             for name, participant in participants.items()
-            if _is_fixed(participant)
+            if getattr(getattr(participant, "described", participant), "fixed", False)
         ]
-
-
-def _is_fixed(participant):
-    """Return whether a participant takes steps of one length only."""
-    return getattr(getattr(participant, "described", participant), "fixed", False)

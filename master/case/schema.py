@@ -456,10 +456,6 @@ class Case(Table):
         names |= self.participants[participant].parameters.keys()
         return {name for name in names if base_of(name) != name}
 
-    def unrecorded(self, picture: Picture) -> list[str]:
-        """Return the fields of a picture that the case does not record."""
-        return [port for port in picture.fields if port not in self.record.fields]
-
     @property
     def period(self) -> str | None:
         """Period of the machine, None without crank angles.

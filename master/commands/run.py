@@ -149,7 +149,7 @@ def _say_ahead(cases, variants, plots, only):
     """Report what this run omits: pictures without recorded fields, and other variants."""
     first = next(iter(cases.values()))
     for picture in first.pictures if plots else ():
-        if lacking := first.unrecorded(picture):
+        if lacking := [port for port in picture.fields if port not in first.record.fields]:
             say(
                 f"picture  {picture.file} will be omitted: record.fields lacks {', '.join(lacking)}"
             )

@@ -6,7 +6,7 @@ from pathlib import Path
 from ..case.checked import check_case
 from ..case.reading import find_case, read_tree
 from ..engine.headlines import directions
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import duration
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
@@ -83,7 +83,7 @@ def command(
     if only:
         variant_trees(path, changes, only, say)
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
-    axes = sweeps.parse_axes(vary, tree, path.parent)
+    axes = for_all(lambda text: sweeps.parse_axis(text, tree, path.parent), vary)
     points = sweeps.all_points(path, changes, axes)
     folder = Path(
         output

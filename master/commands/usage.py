@@ -1,6 +1,5 @@
 """Faults of a call: errors of the command line, files and folders, as one sentence each."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
 
@@ -27,11 +26,12 @@ def _of_call(error: CycloptsError) -> str:
     match error:
         case usage.UnknownOptionError():
             word = error.token.keyword or error.token.value
-            known = [name for one in error.argument_collection for name in one.names]
-            return f"{word}: {unknown('option', word, _options(known))}"
+            names = (name for one in error.argument_collection for name in one.names)
+            return f"{word}: {unknown('option', word, (n for n in names if n.startswith('--')))}"
         case usage.UnknownCommandError():
             word = (error.unused_tokens or [""])[0]
-            return f"{word}: {unknown('command', word, _commands(error.app))}"
+            known = [name for name in error.app or () if not name.startswith("-")]
+            return f"{word}: {unknown('command', word, known)}"
         case usage.MissingArgumentError():
             return f"{_name(error)}: expected a value, got nothing"
         case usage.CoercionError():
@@ -55,15 +55,6 @@ def _name(error: Any) -> str:
     """Return an argument as the user writes it."""
     name = error.argument.name if error.argument else "arguments"
     return name if name.startswith("-") else name.upper()
-
-
-def _options(names: list[str]) -> Iterator[str]:
-    return (name for name in names if name.startswith("--"))
-
-
-def _commands(app: Any) -> list[str]:
-    """Return the names of the commands of an app."""
-    return [name for name in app or () if not name.startswith("-")]
 
 
 def new_file(_type: Any, path: Path | None) -> None:

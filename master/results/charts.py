@@ -146,7 +146,8 @@ def _panel(case, picture, ports, runs):
         for limits in windows.values()
     }
     words = " + ".join(name_of(port) for port in ports)
-    over = "" if _is_course(case, picture.x) else f" over {name_of(picture.x)}"
+    is_course = picture.x in ("time", crank_angle_port(case))
+    over = "" if is_course else f" over {name_of(picture.x)}"
     return Chart(
         title=words + over if len(ports) == 1 else picture.title,
         x=labelled(name_of(picture.x), x_unit),
@@ -155,11 +156,6 @@ def _panel(case, picture, ports, runs):
         cursor=picture.x == (crank_angle_port(case) or "time"),
         bands=[Band(low, high, f"expected for {kinds}") for (low, high), kinds in expected.items()],
     )
-
-
-def _is_course(case, port):
-    """Return whether an abscissa is the time or the crank angle."""
-    return port in ("time", crank_angle_port(case))
 
 
 def shown_unit(case, port, units):

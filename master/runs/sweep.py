@@ -77,11 +77,6 @@ def parse_axis(text, tree, folder=Path()):
     return Axis(name.strip(), keys, values)
 
 
-def parse_axes(texts, tree, folder):
-    """Return the axes of several texts; raise `BadInput` with every fault."""
-    return for_all(lambda text: parse_axis(text, tree, folder), texts)
-
-
 def _plain(text):
     """Return the TOML value of a text, or the text if it is none."""
     try:
