@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.errors import BadInput, Discard, unknown
-from ..master.fmi.notebook import html_table
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
 from . import journal
@@ -95,20 +94,6 @@ class Film:
     def __repr__(self) -> str:
         around, along = self.grid
         return f"<Film of a {self.model.parameters.surface}: {around} x {along} cells>"
-
-    def _repr_html_(self) -> str:
-        p = self.model.parameters
-        rows = {
-            "radius": f"{p.bore_radius:g} m",
-            "length": f"{p.skirt_length:g} m",
-            "viscosity": f"{p.oil.viscosity:g} Pa s ({p.oil.viscosity_law})",
-            "roughness": f"{p.roughness_rms:g} m",
-            "cavitation": p.cavitation_model,
-            "contact": p.contact_law,
-            "flow factors": p.flow_factors,
-            "state": "not started" if self.state is None else "started",
-        }
-        return html_table(repr(self)[1:-1], rows)
 
     @staticmethod
     def parameters() -> dict[str, Variable]:

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.notebook import html_table
 from .build import reduced_bodies
 from .finite_elements.element import corner_stress, nodal_stress, von_mises
 from .options import Bodies, read_options
@@ -83,17 +82,6 @@ class BodyReport:
 
     def __repr__(self) -> str:
         return f"<BodyReport {self.name}: {self.mass:.4g} kg, {len(self.modes)} modes>"
-
-    def _repr_html_(self) -> str:
-        rows = {
-            "mass": f"{self.mass:.4g} kg",
-            "centre of mass": f"({', '.join(f'{1e3 * x:.4g}' for x in self.centre)}) mm",
-            "nodes": self.nodes,
-            "elements": self.elements,
-            "modes": len(self.modes),
-            "files": ", ".join(path.name for path in self.files),
-        }
-        return html_table(f"BodyReport {self.name}", rows)
 
 
 @dataclass(frozen=True)

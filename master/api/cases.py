@@ -14,7 +14,6 @@ from ..case.contract import swap_all
 from ..case.reading import find_case, read_tree
 from ..case.system import open_system
 from ..fmi.errors import BadInput, for_all, unknown
-from ..fmi.notebook import html_table
 from ..participants.participant import Participant
 from ..results.file import Results
 from ..runs.run import run as run_system
@@ -181,17 +180,6 @@ class Case:
 
     def __repr__(self) -> str:
         return f"<Case {self.name}, {self.label}: {self.title}>"
-
-    def _repr_html_(self) -> str:
-        time = self.tree["time"]
-        rows = {
-            "variants": ", ".join(self.variants),
-            "participants": ", ".join(self.tree["participants"]),
-            "time": ", ".join(f"{key} {value}" for key, value in time.items()),
-            "method": self.tree.get("coupling", {}).get("method", "newton"),
-            "file": self.path,
-        }
-        return html_table(f"Case {self.name}, {self.label}: {self.title}", rows)
 
 
 def _model(model: type | str | Path | None) -> list[str]:

@@ -19,7 +19,6 @@ from ..fmi import fields
 from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder, write_whole
 from ..fmi.errors import BadInput, file_fault
-from ..fmi.notebook import html_table
 
 
 class DescribedFmu:
@@ -55,16 +54,6 @@ class DescribedFmu:
 
     def __repr__(self):
         return f"<FMU {self.path.name}, FMI {self.description.fmiVersion}>"
-
-    def _repr_html_(self):
-        kinds = [field.causality for field in self.fields.values()]
-        rows = {
-            "model": self.description.modelName,
-            "made by": self.description.generationTool or "",
-            **{f"{kind}s": kinds.count(kind) for kind in ("input", "output", "parameter")},
-            "directional derivatives": "yes" if self.has_derivatives else "no",
-        }
-        return html_table(repr(self)[1:-1], rows)
 
     def _read_description(self):
         """Read description and fields; raise `BadInput` if the file is no co-simulation FMU."""

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 from ..case.schema import Case
 from ..case.shown import Picture
 from ..fmi.errors import BadInput, names_of, unknown
-from ..fmi.notebook import html_table
 from .coordinates import crank_angle_port
 from .pictures import DRAWN
 
@@ -35,10 +34,6 @@ class Plots:
 
     def __repr__(self) -> str:
         return f"<Plots of {self._results.path.name}: lines, map, section>"
-
-    def _repr_html_(self) -> str:
-        pictures = {p.file: p.title for p in self._case.pictures}
-        return html_table(repr(self)[1:-1], pictures)
 
     def __call__(self, beside: "dict[str, Recorded] | None" = None) -> "dict[str, Figure]":
         """Draw every picture that the case describes: file name -> figure."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from ..case.checked import check_case
 from ..case.contract import envelope_kinds
-from ..fmi.notebook import html_table
 from .coordinates import crank_angle_port
 
 
@@ -26,9 +25,6 @@ class Series(NamedTuple):
     def __repr__(self) -> str:
         return f"<Series {self.description}: {_span(self.values, self.unit)}>"
 
-    def _repr_html_(self) -> str:
-        return html_table("Series", {self.description: _span(self.values, self.unit)})
-
 
 class RecordedField(NamedTuple):
     """Field at the instant `time` [s], in its SI unit."""
@@ -40,10 +36,6 @@ class RecordedField(NamedTuple):
 
     def __repr__(self) -> str:
         return f"<RecordedField {self.description}: {_span(self.values, self.unit)}>"
-
-    def _repr_html_(self) -> str:
-        rows = {self.description: _span(self.values, self.unit), "time": f"{self.time:g} s"}
-        return html_table("RecordedField", rows)
 
 
 class Envelope(NamedTuple):
@@ -333,17 +325,6 @@ class Recorded:
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.path.name}: {self.title}, {len(self.time)} rows>"
-
-    def _repr_html_(self) -> str:
-        summary = self.summary
-        rows = {
-            "rows": len(self.time),
-            "time": f"{self.time[0]:g} s to {self.time[-1]:g} s",
-            "scalars": len(self.ports),
-            "fields": ", ".join(self.recorded) if "fields" in self.file else "",
-            "state": f"finished, {summary['steps']} steps" if summary else "not finished",
-        }
-        return html_table(f"{type(self).__name__} {self.path.name}: {self.title}", rows)
 
     def close(self) -> None:
         """Close the file."""
