@@ -9,5 +9,5 @@ report          one HTML page
 charts          charts of the page, as data
 solids          bodies of the page, on their meshes
 packing         numbers of the page, as text
-fields_export   recorded fields as CSV, HDF5, VTU
+fields_export   recorded fields as CSV, VTU
 """

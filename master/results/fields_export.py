@@ -1,4 +1,4 @@
-"""Export of recorded fields as CSV or HDF5: all, one line, one instant or one grid point.
+"""Export of recorded fields as CSV: all, one line, one instant or one grid point.
 
 Surfaces and collections of films are for ParaView.
 """
@@ -20,9 +20,7 @@ class ExportedField:
 
     Parameters
     ----------
-    name : str
-        As the user wrote it.
-    unit : str
+    name, unit : str
     times : ndarray, shape (t,)
         [s]
     i, j : ndarray of int, shapes (a,), (b,)
@@ -38,35 +36,16 @@ class ExportedField:
     values: np.ndarray
 
 
-def read_block(results, expression):
-    """Return a recorded field, or a sum or product of recorded fields.
-
-    For example: ehd.pressure+ehd.asperity_pressure, or ehd.pressure*bodies.sliding_velocity
-
-    Raises
-    ------
-    BadInput
-        For a field that is not recorded, for different shapes or (in a sum) units, or for "+" and
-        "*" in one expression.
-    """
-    sign = "+" if "+" in expression else "*"
-    ports = [part.strip() for part in expression.split(sign)]
-    recorded = results.recorded
-    strange = [port for port in ports if port not in recorded]
-    if strange:
-        hint = "name fields in record.fields of the case, join them by + or *"
-        raise BadInput([f"field: {unknown('field', port, recorded, hint)}" for port in strange])
-    sets = [results.dataset(port) for port in ports]
-    units = [dataset.attrs["unit"] for dataset in sets]
-    if len({dataset.shape for dataset in sets}) > 1 or len(sets[0].shape) != 3:
-        shapes = ", ".join(str(dataset.shape[1:]) for dataset in sets)
-        raise BadInput(f"{expression}: expected equal grids, got shapes {shapes}")
-    if sign == "+" and len(set(units)) > 1:
-        raise BadInput(f"{expression}: expected equal units, got {', '.join(units)}")
-    values = np.sum(sets, axis=0) if sign == "+" else np.prod(sets, axis=0)
-    unit = units[0] if sign == "+" else ".".join(unit for unit in units if unit != "1") or "1"
-    i, j = (np.arange(1, size + 1) for size in values.shape[1:])
-    return ExportedField(expression, unit, results.instants, i, j, values)
+def read_block(results, port):
+    """Return a recorded field; raise `BadInput` if it was not recorded or has not two indices."""
+    if port not in results.recorded:
+        hint = "name it in record.fields of the case"
+        raise BadInput(f"field: {unknown('field', port, results.recorded, hint)}")
+    dataset = results.dataset(port)
+    if dataset.ndim != 3:
+        raise BadInput(f"{port}: expected a field of two indices, got shape {dataset.shape[1:]}")
+    i, j = (np.arange(1, size + 1) for size in dataset.shape[1:])
+    return ExportedField(port, dataset.attrs["unit"], results.instants, i, j, dataset[:])
 
 
 def chosen(block, time=None, i=None, j=None):
@@ -102,18 +81,18 @@ class Positions(NamedTuple):
     positions: np.ndarray
 
 
-def grid_positions(case, results, port, block):
+def grid_positions(case, results, block):
     """Return the crank angle of a block's instants and the positions of its grid points.
 
-    The positions are along the case's axes of the field `port`. Unknown ones are omitted.
+    The positions are along the case's axes of the field. Unknown ones are omitted.
     """
     found = []
     if crank := crank_angle(results):
         angle = np.degrees(np.interp(block.times, crank.time, crank.angle))
         found.append(Positions("crank angle", "deg", angle[:, None, None]))
-    axes = case.axes_of(port)
+    axes = case.axes_of(block.name)
     if axes is not NEUTRAL:
-        around, along = results.dataset(port).shape[1:]
+        around, along = results.dataset(block.name).shape[1:]
         first = axes.first.positions(around)[block.i - 1]
         second = axes.second.positions(along)[block.j - 1]
         found.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
@@ -122,7 +101,13 @@ def grid_positions(case, results, port, block):
 
 
 def write_csv(blocks, path, positions=()):
-    """Write a row for each instant and grid point: time, i, j, positions and quantities."""
+    """Write a row for each instant and grid point: time, i, j, positions and quantities.
+
+    Raises `BadInput` for fields on different grids.
+    """
+    if len({block.values.shape for block in blocks}) > 1:
+        names = ", ".join(block.name for block in blocks)
+        raise BadInput(f"--field: expected fields on one grid, got {names}")
     times, i, j = np.meshgrid(blocks[0].times, blocks[0].i, blocks[0].j, indexing="ij")
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)

@@ -59,11 +59,6 @@ def test_info_is_ten_lines_and_its_table_is_asked_for(any_fmu, capsys):
     info(any_fmu, all_=True)
     table = capsys.readouterr().out
     assert last["output"] in table and last["parameter"] in table
-    info(any_fmu, filter_=last["parameter"].upper())
-    chosen = capsys.readouterr().out
-    assert last["parameter"] in chosen and last["output"] not in chosen
-    with pytest.raises(pc.BadInput, match="--filter"):
-        info(any_fmu, filter_="no such word")
 
 
 def test_description_is_valid_and_says_who_made_it(any_fmu):

@@ -23,29 +23,19 @@ PRESSURE = np.arange(60.0).reshape(3, 5, 4)
 def results(tmp_path):
     fields = {
         "ehd.pressure": (PRESSURE, "Pa"),
-        "ehd.asperity_pressure": (2 * PRESSURE, "Pa"),
-        "bodies.sliding_velocity": (-PRESSURE, "m/s"),
+        "bodies.line": (PRESSURE[:, 0], "m"),
     }
     return write_results(tmp_path / "run.h5", TIMES, fields=fields, instants=TIMES)
 
 
-def test_sum_and_product(results):
-    both = read_block(results, "ehd.pressure+ehd.asperity_pressure")
-    assert np.array_equal(both.values, 3 * PRESSURE) and both.unit == "Pa"
-    power = read_block(results, "ehd.pressure*bodies.sliding_velocity")
-    assert np.array_equal(power.values, -(PRESSURE**2)) and power.unit == "Pa.m/s"
-
-
-@pytest.mark.parametrize(
-    "text, message",
-    [
-        ("ehd.film", "field: expected one of"),
-        ("ehd.pressure+bodies.sliding_velocity", "expected equal units, got Pa, m/s"),
-    ],
-)
-def test_what_cannot_be_added_says_so(results, text, message):
-    with pytest.raises(BadInput, match=message):
-        read_block(results, text)
+def test_what_cannot_be_written_is_refused(results, tmp_path):
+    with pytest.raises(BadInput, match="field: expected one of"):
+        read_block(results, "ehd.film")
+    with pytest.raises(BadInput, match="expected a field of two indices"):
+        read_block(results, "bodies.line")
+    whole = read_block(results, "ehd.pressure")
+    with pytest.raises(BadInput, match="expected fields on one grid, got ehd.pressure, ehd.press"):
+        write_csv([whole, chosen(whole, i=2)], tmp_path / "p.csv")
 
 
 def test_csv_of_a_line_at_an_instant(results, tmp_path):

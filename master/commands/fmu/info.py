@@ -8,7 +8,6 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from ...case.keys import range_of
-from ...fmi.errors import BadInput
 from ...participants.open import open_fmu
 from ..common import tell, wide_console
 
@@ -21,13 +20,12 @@ def command(
     /,
     *,
     all_: Annotated[bool, Parameter(name="--all")] = False,
-    filter_: Annotated[str | None, Parameter(name="--filter")] = None,
 ):
     """Print the interface of an FMU.
 
     The command prints what to connect, what to set, the step and the author.
 
-    Example: piston-cosim fmu info film.fmu --filter clearance
+    Example: piston-cosim fmu info film.fmu --all
 
     Parameters
     ----------
@@ -35,23 +33,13 @@ def command(
         File of the FMU, FMI 2.0 or 3.0.
     all_
         Print a table of all variables with units, start values and ranges.
-    filter_
-        Print the table of the variables whose name or description contains this word.
     """
     participant = open_fmu("fmu", fmu)
-    if not (all_ or filter_):
-        for line in summary(participant, fmu):
-            tell(line, markup=False)
+    if all_:
+        print_table(sorted(participant.fields.values(), key=_order))
         return
-    word = (filter_ or "").lower()
-    fields = [
-        field
-        for field in sorted(participant.fields.values(), key=_order)
-        if word in f"{field.name} {field.description}".lower()
-    ]
-    if not fields:
-        raise BadInput(f"--filter: expected a word of a variable, got {filter_!r}")
-    print_table(fields)
+    for line in summary(participant, fmu):
+        tell(line, markup=False)
 
 
 def _order(field):
@@ -81,7 +69,7 @@ def summary(participant, fmu):
     yield f"abilities  {', '.join(shown)}"
     for head, causality in (("connect", "input"), ("", "output"), ("set", "parameter")):
         yield f"{head:10s} {_listed([f for f in fields if f.causality == causality], causality)}"
-    yield "details    --all prints all variables, --filter WORD the variables that contain WORD"
+    yield "details    --all prints all variables"
 
 
 def _listed(fields, causality, width=100):

@@ -28,7 +28,7 @@ def command(
     file
         Results file.
     field
-        PARTICIPANT.FIELD, or a sum (+) or product of recorded fields; repeatable.
+        Recorded field, PARTICIPANT.VARIABLE; repeatable, a column each.
     output
         File .csv. `results movie` writes fields for ParaView.
     time
@@ -45,6 +45,5 @@ def command(
         raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
-    port = field[0].partition("+")[0].partition("*")[0].strip()
-    exports.write_csv(blocks, output, exports.grid_positions(case, results, port, blocks[0]))
+    exports.write_csv(blocks, output, exports.grid_positions(case, results, blocks[0]))
     tell(f"fields   {output}")
