@@ -46,13 +46,9 @@ class UnitDefinition:
         """Base unit as FMI writes it ("kg.m-1.s-2", "1")."""
         return ".".join(f"{unit}{power}" for unit, power in self.exponents) or "1"
 
-    def to_base(self, value: float) -> float:
-        """Convert a value from the unit to base units."""
-        return self.factor * value + self.offset  # Eq. (P4)
-
     def from_base(self, value: float) -> float:
         """Convert a value from base units to the unit."""
-        return (value - self.offset) / self.factor
+        return (value - self.offset) / self.factor  # Eq. (P4)
 
 
 Units = dict[str, UnitDefinition | None]
