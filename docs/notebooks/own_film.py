@@ -43,7 +43,6 @@ swapped = case.changed(
         "summary": {},
         "monitor": {},
         "pictures": [],
-        "report": {},
     }
 )
 
