@@ -32,6 +32,8 @@ def account(
     What they hold more of and what other forces took, Eq. (D15), by the trapezoidal rule. It does
     not go by the film's forces: where a time integrator returns a stop as a rebound E shows it. An
     integrator errs by a share of Z, and not of what the film did: in free flight that is nothing.
+    After an impact, Eq. (N7), O_0 has the acceleration that the step starts from: the film counts
+    all of its force at the start, but less of it drives the bodies, and O_0 holds the difference.
     T holds the rod that swings with x_A (Eq. (K12)): a stop throws it too, and its inertia among
     the O, up and gone within a step, would pass for energy.
 

@@ -56,6 +56,8 @@ class Instant(NamedTuple):
         Energy across the bore.
     other_forces : ndarray, shape (n,)
         All but the film's and the rod's inertia, on the motion across the bore.
+    next_other_forces : ndarray, shape (n,)
+        The same with the acceleration of `kept`: what acts at the start of the next step.
     guided : float
         Height at which the bore is read: that of A when x_A = 0 [m].
     load : Load
@@ -79,6 +81,7 @@ class Instant(NamedTuple):
     auxiliary: np.ndarray
     ledger: EnergyLedger
     other_forces: np.ndarray
+    next_other_forces: np.ndarray
     guided: float
     load: Load
     side_force: float
@@ -161,6 +164,7 @@ def end_of_step(
         auxiliary=predicted.auxiliary,
         ledger=ledger,
         other_forces=other_forces(with_rod, end.acceleration, film_forces),
+        next_other_forces=other_forces(with_rod, kept.acceleration, film_forces),
         guided=guided.height,
         load=load,
         side_force=-film_forces.lateral,

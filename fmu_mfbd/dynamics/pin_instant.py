@@ -378,9 +378,9 @@ def _axial_motion(mechanism, first, end, crank):
 
 
 @compilable
-def _other_forces(of, end, films):
+def _other_forces(of, acceleration, films):
     """Return all forces on the motion across the bore but the films' (Eq. (D15))."""
-    out = product(of.with_rod, end.acceleration)
+    out = product(of.with_rod, acceleration)
     for k in range(len(out)):
         out[k] -= films[k]  # Eq. (D15)
     return out
@@ -467,7 +467,8 @@ def end_of_pin_step(
             kept=kept,
             auxiliary=carried,
             ledger=_ledger(of, before, kept, end, all_forces, c.step * driven),
-            other_forces=_other_forces(of, end, all_forces),
+            other_forces=_other_forces(of, end.acceleration, all_forces),
+            next_other_forces=_other_forces(of, kept.acceleration, all_forces),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,

@@ -168,6 +168,7 @@ class PistonInSpace(PistonInBore):
             auxiliary=carried,
             ledger=self._ledger(before, kept, end, films, driven),
             other_forces=self.with_rod @ end.acceleration - films,  # Eq. (D15)
+            next_other_forces=self.with_rod @ kept.acceleration - films,
             guided=guided.height,
             load=plane,
             side_force=-skirt.lateral,

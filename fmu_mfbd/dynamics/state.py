@@ -30,7 +30,7 @@ class PistonState(NamedTuple):
     kinetic : float
         Energy of the motion across the bore, the rod's with it [J].
     other_forces : ndarray, shape (n,)
-        On that motion, all but the film's [N], [N m], [kg^-1/2 N].
+        On that motion at the start of the next step, all but the film's [N], [N m], [kg^-1/2 N].
     steps : int
         Taken since the start.
     thermal_opening : float
@@ -72,7 +72,7 @@ def state_at(
         now.kept.acceleration,
         auxiliary,
         now.ledger.accounted,
-        now.other_forces,
+        now.next_other_forces,
         steps,
         opening,
         np.zeros((0, 0)),

@@ -290,7 +290,7 @@ def result_of(
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
-            (before.other_forces, state.other_forces),
+            (before.other_forces, now.other_forces),
             now.ledger.axial_work,
         )
     inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)

@@ -173,24 +173,31 @@ def film_forces(model, state, at):
 
 
 @pytest.mark.parametrize("which", ["model", "followers"])
-def test_energy_taken_is_work_and_what_integration_made(which, request):
+@pytest.mark.parametrize("stop", [0.0, 10.0])
+def test_energy_taken_is_work_and_what_integration_made(which, stop, request):
     """Eq. (D14): the film's work by the trapezoidal rule, across and along, and what the time
-    integrator made or lost.
+    integrator made or lost, also in an impact (Eq. (N7)) and after it.
+
+    stop : force in the seventh step over the earlier ones, against the motion.
     """
     model = request.getfixturevalue(which)
     state, out = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
     assert out["energy_gain"] == 0.0
     push = film_forces(model, state, inputs(model, size=0.0))
+    impacts = 0
     for k in range(12):
-        end, out = model.advance(state, inputs(model, k), STEP)
-        push_then = film_forces(model, end, inputs(model, k))
+        given = inputs(model, k, size=-2.0 * stop if stop and k == 6 else 2.0)
+        end, out = model.advance(state, given, STEP)
+        push_then = film_forces(model, end, given)
         way = end.position - state.position
         along = out["film_work"] - push_then @ way
         work = (push + push_then) @ way / 2 + along
         # 1e-12 of the kinetic energy is what differences of it know
         small = 1e-10 * (abs(work) + out["kinetic_energy"])
         assert out["energy_gain"] == pytest.approx(work + out["energy_error"], abs=small)
+        impacts += k > 2 and bool(np.all(end.velocity[:2] == way[:2] / STEP))
         state, push = end, push_then
+    assert (impacts > 0) == (stop > 0.0)
 
 
 def test_a_push_on_the_skirt_is_none_of_the_other_forces(reduced):
