@@ -1,6 +1,6 @@
 """A mass that a film stops within a step: it stays stopped."""
 
-from contextlib import suppress
+from functools import cache
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -94,16 +94,19 @@ STILL = np.zeros((1, 8))
 
 
 class OnWedge(NamedTuple):
-    """A mass on a film: motion and auxiliary acceleration, memory and force of the film."""
+    """A mass on a film: motion and auxiliary acceleration, memory and force of the film [N], and
+    the other forces that act at the start of the next step (Eq. (D15)) [N].
+    """
 
     motion: Motion
     auxiliary: np.ndarray
     memory: Memory
     force: float
+    others: float
 
 
 class Wedge:
-    """A mass above a flooded wedge that only the ledger protects from energy out of nowhere.
+    """A mass above a flooded wedge that only the ledger protects from spurious energy.
 
     slope : rise of the film thickness over the wedge [m]; push [m/s2]; checked : whether steps that
     create energy are halved, nine times at most.
@@ -123,7 +126,7 @@ class Wedge:
         force = outputs["nodal_pressure_force"].sum()
         acceleration = np.array([self.push + force / MASS, 0.0])
         motion = Motion(np.array([thickness, 0.0]), np.array([-speed, 0.0]), acceleration)
-        now = OnWedge(motion, acceleration.copy(), memory, force)
+        now = OnWedge(motion, acceleration.copy(), memory, force, MASS * self.push)
         self.velocities = [-speed]
         for _ in range(20):
             now = self.advance(now, step, 9)
@@ -151,6 +154,7 @@ class Wedge:
         free = predicted.position[0] + c.to_position * self.push
         last = now.motion.position[0]
 
+        @cache  # the bracket, the root finder and the result share evaluations
         def film(x):
             memory, outputs = FILM.advance(now.memory, x + self.rise, STILL, step)
             return memory, outputs, outputs["nodal_pressure_force"].sum()
@@ -172,9 +176,9 @@ class Wedge:
         if self.limited:
             limit_memory(INERTIA, now.motion, end, auxiliary, step)
         way = end.position[:1] - now.motion.position[:1]
-        others = np.array([MASS * self.push])
+        others = np.array([now.others]), np.array([MASS * self.push])
         before, after = (MASS * one.velocity[0] ** 2 / 2 for one in (now.motion, end))
-        found = account((before, after), way, (others, others), 0.0)
+        found = account((before, after), way, others, 0.0)
         told = {"gain": found.gain, "size": found.size}
         participants = {
             "mass": SimpleNamespace(get=told.get),
@@ -182,12 +186,13 @@ class Wedge:
         }
         passed = (now.force + force) / 2 * abs(way[0])
         exchange = Exchange(np.zeros(2), 0.0, passed, 0.0)
-        return OnWedge(end, auxiliary, memory, force), participants, exchange
+        acting = MASS * end.acceleration[0] - force
+        return OnWedge(end, auxiliary, memory, force, acting), participants, exchange
 
 
 def on_wedges(count, limited, checked):
     """Largest velocities away from the wedge over that of the approach in random impacts, every
-    other one of a mass that is pushed; those without a step that creates no energy are left out.
+    other one of a mass that is pushed.
     """
     rng = np.random.default_rng(1)
     returned = []
@@ -195,23 +200,22 @@ def on_wedges(count, limited, checked):
         thickness, speed, step = 10 ** rng.uniform((-5.3, -2.0, -5.5), (-4.0, 0.0, -4.0))
         push = -(10 ** rng.uniform(1, 4)) if k % 2 else 0.0
         wedge = Wedge(10 ** rng.uniform(-6, -5), push, limited, checked)
-        with suppress(EnergyCreated):
-            returned.append(wedge.impact(thickness, speed, step))
+        returned.append(wedge.impact(thickness, speed, step))
     return np.array(returned)
 
 
 @pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
 def test_no_impact_on_a_flooded_wedge_creates_energy(count):
-    """None returns more than 2 % faster. Generalised-alpha alone returns half of them so, and the
-    ledger then halves these steps, or no step is accepted, one time in twenty at most.
+    """None returns more than 2 % faster, neither with the limit at impacts nor by the ledger alone.
+    Nine halvings always suffice.
     """
-    assert np.sum(on_wedges(count, limited=False, checked=False) > 1.02) > 0.3 * count
-    alone = on_wedges(count, limited=False, checked=True)
-    assert len(alone) > 0.95 * count
-    assert alone.max() <= 1.02
-    product = on_wedges(count, limited=True, checked=True)
-    assert len(product) == count
-    assert product.max() <= 0.1
+    assert on_wedges(count, limited=True, checked=True).max() <= 0.1
+    assert on_wedges(count, limited=False, checked=True).max() <= 1.02
+
+
+def test_generalised_alpha_alone_creates_energy():
+    """About half of the impacts return more than 2 % faster."""
+    assert np.mean(on_wedges(40, limited=False, checked=False) > 1.02) > 0.3
 
 
 @pytest.mark.parametrize("step", [1e-4, 2e-5, 2e-7])
