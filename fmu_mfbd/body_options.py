@@ -241,8 +241,6 @@ class Body(PlacedMesh):
     smooth pressures. Requires craig_bampton or characteristic_constraint_modes. Default: no
     selection.
     """
-    modes_off: list[Annotated[int, Field(ge=1)]] = []
-    """Numbers of the modes to switch off, as in the table of modes."""
 
     @model_validator(mode="after")
     def _source(self):
@@ -288,7 +286,7 @@ class Body(PlacedMesh):
         if self.rigid:
             return 0
         known = isinstance(self.modes, int) and self.basis != "trained"
-        return int(self.modes) - len(self.modes_off) if known else MOST_MODES
+        return int(self.modes) if known else MOST_MODES
 
     def _complete_sheet(self) -> None:
         """Raise ValueError unless a data sheet has what it needs, and no modes."""
@@ -333,10 +331,9 @@ class Piston(Body):
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
-    tie: Literal["rbe2", "rbe3", "rbe3_per_boss"] = "rbe2"
-    """Connection of the pin bores to pin point A. `rbe2` ties every node, `rbe3` the mean motion of
-    both bores, and `rbe3_per_boss` that of each. It affects the skirt compliance more than the
-    choice of modes.
+    tie: Literal["rbe2", "rbe3"] = "rbe2"
+    """Connection of the pin bores to pin point A. `rbe2` ties every node, and `rbe3` the mean
+    motion of both bores. It affects the skirt compliance more than the choice of modes.
     """
     rigid: RigidPiston | None = None
     """Data sheet of a rigid piston. It replaces the mesh."""
@@ -375,13 +372,8 @@ class Block(Body):
     """
 
     ENDS = ("bore_lower", "bore_upper")
-    tie: Literal["rbe2", "springs"] = "rbe2"
-    """Support of the bolt faces: rigid (rbe2), or springs."""
     rigid: RigidBlock | None = None
     """Data sheet of a rigid block. It replaces the mesh."""
-    spring_stiffness: Annotated[Stiffness, Field(ge=1e3, le=1e14)] = 1e9
-    """Stiffness of all springs together in each direction, distributed over all bolt faces."""
-
     bore_lower: Length | None = None
     """Lower end of the bore above the crank axis. Default: that of the surface in the mesh."""
     bore_upper: Length | None = None

@@ -337,7 +337,7 @@ class Common(BuildTable):
         return {name: one for name, one in given.items() if one}
 
     def faults(self, folder: Path) -> list[str]:
-        """Return the faults of modes, files and ends of the bodies; paths become absolute."""
+        """Return the faults of files and ends of the bodies; paths become absolute."""
         faults = []
         for name, surface in (("piston", "skirt"), ("block", "bore")):
             if body := getattr(self, name):
@@ -495,9 +495,6 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
         wanted = " or ".join(map(repr, films))
         faults.append(f"piston.basis: expected {wanted} with floating_pin, got {piston.basis!r}")
-    if piston.modes_off:
-        got = piston.modes_off
-        faults.append(f"piston.modes_off: expected no entry with floating_pin, got {got}")
     return faults
 
 
@@ -536,13 +533,8 @@ SOURCES = ("mesh", "stiffness", "mass", "reduced", "train_on")
 
 
 def _faults_of_body(name: str, body: Piston | Block, surface: str, folder: Path) -> list[str]:
-    """Return the faults of a body's modes, files and ends, and make its paths absolute."""
+    """Return the faults of a body's files and ends, and make its paths absolute."""
     faults = []
-    most = MOST_MODES if isinstance(body.modes, float) else body.modes
-    unknown = sorted({n for n in body.modes_off if n > most})
-    if unknown:
-        numbers = ", ".join(map(str, unknown))
-        faults.append(f"{name}.modes_off: expected at most {most} modes, got {numbers}")
     for source in SOURCES:
         path = getattr(body, source)
         if path:

@@ -1,6 +1,5 @@
 """Reduction bases: sets of displacement shapes of a body."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +33,7 @@ class Elastic:
     M : scipy.sparse matrix, shape (3 n, 3 n)
         Mass [kg].
     fixed_nodes : ndarray of int
-        Nodes that do not move; none for a body on springs.
+        Nodes that do not move.
     factors : callable
         Factorises a matrix: `solver.factorise` or a `solver.CachedFactorise`.
 
@@ -133,21 +132,18 @@ class MeanElastic(Elastic):
         return first - self._answer @ unknown[:m] + self._R @ unknown[m:]  # Eq. (J5)
 
 
-def mean_conditions(points: np.ndarray, weights: Sequence[np.ndarray]) -> np.ndarray:
-    """Return C of Eq. (J5) with six rows for each surface, (6 s, 3 n).
+def mean_conditions(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return C of Eq. (J5) for the mean motion of a surface, (6, 3 n).
 
     Parameters
     ----------
     points : ndarray, shape (n, 3)
         [m]
-    weights : sequence of ndarray, shape (n,)
-        Area of each node for each surface [m2].
+    weight : ndarray, shape (n,)
+        Area of each node [m2].
     """
-    rows = []
-    for weight in weights:
-        motions = rigid_motions(points - np.average(points, axis=0, weights=weight))
-        rows.append((motions * np.repeat(weight, 3)[:, None]).T / weight.sum())
-    return np.vstack(rows)
+    motions = rigid_motions(points - np.average(points, axis=0, weights=weight))
+    return (motions * np.repeat(weight, 3)[:, None]).T / weight.sum()
 
 
 def craig_bampton(body: Elastic, modes: int) -> np.ndarray:

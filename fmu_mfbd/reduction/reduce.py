@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body_options import MOST_MODES, Block, Piston
-from ..finite_elements.element import Sparse, each_direction, rigid_motions
+from ..finite_elements.element import Sparse, rigid_motions
 from ..finite_elements.faces import face_load, surface_matrix
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
@@ -461,7 +461,6 @@ def _modes(
     classed = symmetric_modes(elastic, modes, mesh.points)
     if options.modes_from:
         classed = _selected(classed, film, int(wanted))
-    classed = _switched_on(classed, options.modes_off)
     progress(f"{len(classed.omega)} modes")
     radial, axial = (one @ classed.shapes for one in film.reading)
     left = left_out(answers, StaticModes(classed.omega, radial, axial), film.there)
@@ -478,17 +477,6 @@ def _selected(modes: ClassedModes, film: FilmSide, count: int) -> ClassedModes:
     part = np.linalg.norm(radial, axis=0) * felt / modes.omega**2  # Eq. (J35)
     best = np.sort(np.argsort(-part, kind="stable")[:count])
     return ClassedModes(modes.shapes[:, best], modes.omega[best], modes.kind[best])
-
-
-def _switched_on(modes: ClassedModes, off: list[int]) -> ClassedModes:
-    """Return the modes without those of the given numbers, counted from 1."""
-    count = len(modes.omega)
-    if unknown := [number for number in off if number > count]:
-        raise ValueError(
-            f"modes_off: expected at most {count} modes, got {', '.join(map(str, unknown))}"
-        )
-    on = np.setdiff1d(np.arange(count), np.asarray(off, dtype=int) - 1)
-    return ClassedModes(modes.shapes[:, on], modes.omega[on], modes.kind[on])
 
 
 def _film_shapes(
@@ -586,14 +574,8 @@ def _held(
     """Return the body, supported at the named surface by the chosen tie, None without modes."""
     if not options.modes:
         return None
-    if options.tie == "rbe2":
+    if isinstance(options, Block) or options.tie == "rbe2":
         return Elastic(K, M, mesh.nodes(surface), factors)
     area = surface_matrix(mesh.points, mesh.faces[surface])
-    if options.tie == "springs":
-        spread = area * (options.spring_stiffness / area.sum())
-        return Elastic(K + each_direction(spread), M, np.empty(0, dtype=int), factors)
-    share = np.asarray(area.sum(axis=1)).ravel()
-    z = mesh.points[:, 2]
-    bosses = [share * (z > 0), share * (z < 0)] if options.tie == "rbe3_per_boss" else [share]
-    conditions = mean_conditions(mesh.points, bosses)
+    conditions = mean_conditions(mesh.points, np.asarray(area.sum(axis=1)).ravel())
     return MeanElastic(K, M, conditions, rigid_motions(mesh.points), factors)

@@ -35,7 +35,7 @@ SOURCES = ("finite_elements", "geometry", "reduction")
 """Folders whose code determines a reduced body."""
 SHIPPED = MODELS / "bodies"
 """Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
-IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "modes_off", "tie", "spring_stiffness"}
+IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "tie"}
 """Options that have no effect on a body without modes."""
 
 Say = Callable[[str], None]

@@ -58,7 +58,7 @@ class Whole:
         self.loose = np.setdiff1d(np.arange(len(self.rigid)), supports)
         self.factors = factorise(self.K.tocsr()[self.loose][:, self.loose].tocsc())
         area = surface_matrix(points, self.mesh.faces["pin_bore"])
-        self.mean = mean_conditions(points, [np.asarray(area.sum(axis=1)).ravel()])
+        self.mean = mean_conditions(points, np.asarray(area.sum(axis=1)).ravel())
 
     def balanced(self, pressure):
         """Nodal forces of cells' forces in both bosses, (2, c, a), of gas that carries what of them

@@ -46,7 +46,7 @@ def mean_held(body, surface):
     """A body whose mean motion over a surface is held, which loads in balance do not feel."""
     points = body.mesh.points
     area = np.asarray(surface_matrix(points, body.mesh.faces[surface]).sum(axis=1)).ravel()
-    return MeanElastic(body.K, body.M, mean_conditions(points, [area]), rigid_motions(points))
+    return MeanElastic(body.K, body.M, mean_conditions(points, area), rigid_motions(points))
 
 
 def write(path, points, tets, surfaces):

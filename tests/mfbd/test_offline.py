@@ -179,34 +179,12 @@ def test_rigid_bodies_are_named_and_left_alone(cache, tmp_path):
 
 
 def test_ties_by_option(coarse, cache):
-    """The rigid tie is the stiffest; a mean over each boss holds more than one over both; springs
-    hold less than a clamp.
-    """
+    """The rigid tie is stiffer than a mean over both bosses."""
     from piston_cosim.fmu_mfbd.build import reduced_bodies
 
     folder, options = coarse
-    piston, block = (
-        options[name] | {"modes": 6, "basis": "craig_bampton"} for name in ("piston", "block")
-    )
-    tables = [{"piston": piston | {"tie": tie}} for tie in ("rbe2", "rbe3_per_boss", "rbe3")]
-    tables += [
-        {"block": block | {"tie": "springs", "spring_stiffness": f"{k} N/m"}}
-        for k in (1e14, 1e9, 1e7)
-    ]
-    tables += [{"block": block}]
-    rbe2, per_boss, rbe3, stiff, middle, soft, clamp = (
-        np.load(
-            next(
-                iter(reduced_bodies({"grid": [16, 12]} | table, folder, lambda text: None).values())
-            )
-        )["omega"]
-        for table in tables
-    )
-    assert (
-        rbe2[0] > per_boss[0]
-        and np.all(rbe2 > per_boss)
-        and np.all(per_boss >= rbe3 * (1 - 1e-9))
-        and per_boss[0] > rbe3[0]
-    )
-    assert clamp == pytest.approx(stiff, rel=2e-3)
-    assert np.all(stiff > middle) and np.all(middle > soft)
+    piston = options["piston"] | {"modes": 6, "basis": "craig_bampton"}
+    tables = [{"grid": [16, 12], "piston": piston | {"tie": tie}} for tie in ("rbe2", "rbe3")]
+    files = [reduced_bodies(table, folder, lambda text: None)["piston"] for table in tables]
+    rbe2, rbe3 = (np.load(file)["omega"] for file in files)
+    assert np.all(rbe2 > rbe3)

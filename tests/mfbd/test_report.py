@@ -4,7 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
+from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     corner_stress,
     von_mises,
@@ -23,7 +23,6 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedPiston,
     load,
 )
-from piston_cosim.master.fmi.errors import BadInput
 
 
 @pytest.fixture(scope="module")
@@ -94,16 +93,3 @@ def test_stress_is_the_mean_at_corners_and_its_largest_value_is_found(report):
     assert peak.jump == pytest.approx(np.ptp(von_mises(np.array(own))), rel=1e-9)
     first = anatomy.tets[0]
     np.testing.assert_allclose(stress[first[4]], stress[first[:2]].mean(axis=0), rtol=1e-12)
-
-
-def test_modes_switched_off(bodies, report, kept_bodies, monkeypatch):
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-    folder, options = bodies
-    options, files = prepare(
-        options | {"piston": options["piston"] | {"modes_off": [2, 5]}}, folder, lambda text: None
-    )
-    omega = np.load(files[0])["omega"]
-    assert options["piston"]["modes"] == len(omega) == 10
-    np.testing.assert_array_equal(omega, np.delete(report["piston"].body.omega, [1, 4]))
-    with pytest.raises(BadInput, match="modes_off: expected at most 12 modes, got 13"):
-        prepare(bodies[1] | {"piston": bodies[1]["piston"] | {"modes_off": [13]}}, folder, print)
