@@ -535,7 +535,7 @@ def film_now(
     dx = velocity[0]
     turning = velocity[1]
     dq = velocity[2:]
-    k = skirt.radial.modes
+    k = len(skirt.radial.table)
     a = skirt.gap.shape[1]
     sliding_velocity = sliding(skirt, bore, window, axial_velocity, turning, dq[:k], dq[k:])
     inner, inner_velocity = read_both(skirt.radial, 0, a, q[:k], dq[:k])
