@@ -49,6 +49,8 @@ Frequency = Annotated[float, in_unit("Hz")]
 
 
 Number = Annotated[float, in_unit("1")]
+FILE = "file"
+"""Mark of an option that names a file."""
 
 
 MOST_MODES = 200
@@ -187,11 +189,11 @@ class Body(PlacedMesh):
 
     ENDS: ClassVar[tuple[str, str]]
 
-    mesh: str | None = None
+    mesh: Annotated[str | None, FILE] = None
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz). For a body of matrices, also a
     CSV file of nodes.
     """
-    reduced: str | None = None
+    reduced: Annotated[str | None, FILE] = None
     """Reduced body, a file of `piston-cosim reduce` (.npz). It replaces mesh, material, basis and
     modes.
     """
@@ -205,9 +207,9 @@ class Body(PlacedMesh):
     """Young's modulus."""
     poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
     """Poisson's ratio."""
-    stiffness: str | None = None
+    stiffness: Annotated[str | None, FILE] = None
     """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
-    mass: str | None = None
+    mass: Annotated[str | None, FILE] = None
     """Mass matrix of another program (.mtx, .pch, .bdf)."""
     stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
     """Unit of the stiffness matrix."""
@@ -223,7 +225,7 @@ class Body(PlacedMesh):
     """Modes of the reduced body. The default modes are deflections under smooth film pressures.
     `trained` adds modes from an earlier run.
     """
-    train_on: str | None = None
+    train_on: Annotated[str | None, FILE] = None
     """Results file of the earlier run for `trained`. It must hold both nodal forces on the same
     grid.
     """
@@ -301,7 +303,7 @@ class ShapeTable(BaseModel):
     """Measured shape in a CSV file, see `tables.profile_table`."""
 
     model_config = STRICT
-    file: str
+    file: Annotated[str, FILE]
     """CSV file. The first row holds angles. Each further row holds a height and its values."""
     angle_unit: Annotated[Angle, Field(gt=0)]
     """Unit of the angles."""

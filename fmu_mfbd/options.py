@@ -15,6 +15,7 @@ from pydantic import (
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import validated, with_meanings
 from .body_options import (
+    FILE,
     MOST_MODES,
     STRICT,
     Angle,
@@ -41,7 +42,7 @@ class Table(BaseModel):
     """Table of two columns, in a CSV file (comma or semicolon) or as `points` in the case."""
 
     model_config = STRICT
-    file: str | None = None
+    file: Annotated[str | None, FILE] = None
     """CSV file with two columns."""
     points: list[tuple[float, float]] | None = None
     """The two columns as a list of pairs."""
@@ -108,7 +109,7 @@ class BuildTable(BaseModel):
 
     def faults(self, folder: Path) -> list[str]:
         """Return the faults that depend on files; paths become absolute."""
-        raise NotImplementedError
+        return resolve(self, folder)
 
 
 class ElasticShell(PlacedMesh):
@@ -133,7 +134,7 @@ class SmallEnd(ElasticShell):
     """Density of the material, for the inertia of the modes. Mass and inertia of the rod are
     parameters.
     """
-    mesh: str
+    mesh: Annotated[str, FILE]
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
     surfaces: dict[Literal["eye", "cut"], Surface] = {}
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
@@ -179,7 +180,7 @@ class RoundShell(ElasticShell):
     holds the shell. Its axes are those of the film's shell.
     """
 
-    mesh: str | None = None
+    mesh: Annotated[str | None, FILE] = None
     """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
     ring: RingMesh | None = None
     """Ring that replaces a mesh file."""
@@ -290,7 +291,7 @@ class Common(BuildTable):
     """
     speed: Speed | None = None
     """Crank speed over time or crank angle. It replaces the input crank_speed."""
-    start: str | None = None
+    start: Annotated[str | None, FILE] = None
     """File of `piston-cosim results snapshot`. It replaces the parameters start_*."""
     film_surfaces: list[FilmSurface] = []
     """Bands of the skirt with separate films, in ascending order. Rows between them have no film.
@@ -338,20 +339,10 @@ class Common(BuildTable):
 
     def faults(self, folder: Path) -> list[str]:
         """Return the faults of files and ends of the bodies; paths become absolute."""
-        faults = []
+        faults = super().faults(folder)
         for name, surface in (("piston", "skirt"), ("block", "bore")):
             if body := getattr(self, name):
-                faults += _faults_of_body(name, body, surface, folder)
-        if self.start:
-            faults += resolve(self, "start", "start", folder)
-        if self.floating_pin and (eye := self.floating_pin.small_end):
-            faults += resolve(eye, "mesh", "floating_pin.small_end.mesh", folder)
-        for name, one in self.crank_films().items():
-            if one.shell and one.shell.mesh:
-                faults += resolve(one.shell, "mesh", f"{name}.shell.mesh", folder)
-        for name, table in (("gas", self.gas), ("speed", self.speed)):
-            if table and table.file:
-                faults += resolve(table, "file", f"{name}.file", folder)
+                faults += _faults_of_ends(name, body, surface)
         return faults
 
     @model_validator(mode="after")
@@ -528,31 +519,29 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     return build
 
 
-SOURCES = ("mesh", "stiffness", "mass", "reduced", "train_on")
-"""Keys of a body that name a file."""
-
-
-def _faults_of_body(name: str, body: Piston | Block, surface: str, folder: Path) -> list[str]:
-    """Return the faults of a body's files and ends, and make its paths absolute."""
-    faults = []
-    for source in SOURCES:
-        path = getattr(body, source)
-        if path:
-            faults += resolve(body, source, f"{name}.{source}", folder)
-    for table in body.profiles:
-        faults += resolve(table, "file", f"{name}.profiles", folder)
+def _faults_of_ends(name: str, body: Piston | Block, surface: str) -> list[str]:
+    """Return a sentence if the ends of a body's surface are reversed."""
     low_key, high_key = f"{surface}_lower", f"{surface}_upper"
     low, high = getattr(body, low_key), getattr(body, high_key)
-    if low is not None and high is not None and low >= high:
-        faults.append(
-            f"{name}.{low_key}: expected a height below {high_key} = {high:g} m, got {low:g} m"
-        )
+    if low is None or high is None or low < high:
+        return []
+    return [f"{name}.{low_key}: expected a height below {high_key} = {high:g} m, got {low:g} m"]
+
+
+def resolve(table: BaseModel, folder: Path, where: str = "") -> list[str]:
+    """Make all paths of a table absolute; a sentence for each that is no file."""
+    faults = []
+    for key, field in type(table).model_fields.items():
+        given = getattr(table, key)
+        if FILE in field.metadata and given:
+            path = (folder / given).resolve()
+            setattr(table, key, str(path))
+            if not path.is_file():
+                faults.append(f"{where}{key}: expected a file in {folder}, got {given!r}")
+        elif isinstance(given, BaseModel):
+            faults += resolve(given, folder, f"{where}{key}.")
+        elif isinstance(given, list):
+            tables = [one for one in given if isinstance(one, BaseModel)]
+            for k, one in enumerate(tables):
+                faults += resolve(one, folder, f"{where}{key}.{k}.")
     return faults
-
-
-def resolve(table: BaseModel, key: str, where: str, folder: Path) -> list[str]:
-    """Make a path absolute; a sentence if there is no such file."""
-    given = getattr(table, key)
-    path = (folder / given).resolve()
-    setattr(table, key, str(path))
-    return [] if path.is_file() else [f"{where}: expected a file in {folder}, got {given!r}"]

@@ -76,7 +76,7 @@ def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalFiel
     lines = part.transpose(2, 1, 0).reshape(k, rows * len(part))
     return ModalField(
         table=lines.astype(np.float32),
-        kind=kind.astype(np.int64),
+        kind=np.asarray(kind, dtype=np.int64),
         classes=classes,
         part=len(part),
         image=image,

@@ -1,12 +1,20 @@
 """What a case file may say about a block of several cylinders."""
 
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
-from ..body_options import BoreFromOutside, Density, Length, Mass, Number, PlacedMesh, Pressure
-from ..options import BuildTable, resolve
+from ..body_options import (
+    FILE,
+    BoreFromOutside,
+    Density,
+    Length,
+    Mass,
+    Number,
+    PlacedMesh,
+    Pressure,
+)
+from ..options import BuildTable
 
 FREE_MODES = 10
 """Number of lowest modes of the free block among all modes."""
@@ -19,7 +27,7 @@ class BuildMonoblock(PlacedMesh, BuildTable):
     upright and in line along z. Surfaces: bore_1 .., deck, bearing_1 .., mount_1 ...
     """
 
-    mesh: str
+    mesh: Annotated[str, FILE]
     """Mesh of 10-node tetrahedra (.msh, .inp, .cdb, also .xz, .gz) that names all surfaces."""
     density: Annotated[Density, Field(ge=500, le=25000)]
     """Density of the material."""
@@ -73,7 +81,3 @@ class BuildMonoblock(PlacedMesh, BuildTable):
                 f"forces, got {self.modes}"
             )
         return self
-
-    def faults(self, folder: Path) -> list[str]:
-        """Return the faults of the mesh file; its path becomes absolute."""
-        return resolve(self, "mesh", "mesh", folder)

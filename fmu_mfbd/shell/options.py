@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from ..body_options import MOST_MODES, Count, Length
-from ..options import BuildTable, RoundShell, resolve, shell_faults
+from ..options import BuildTable, RoundShell, shell_faults
 
 
 class BuildShell(RoundShell, BuildTable):
@@ -24,5 +24,4 @@ class BuildShell(RoundShell, BuildTable):
 
     def faults(self, folder: Path) -> list[str]:
         """Return the faults of modes and mesh; the path becomes absolute."""
-        faults = shell_faults("", self.modes, self.grid)
-        return faults + (resolve(self, "mesh", "mesh", folder) if self.mesh else [])
+        return shell_faults("", self.modes, self.grid) + super().faults(folder)
