@@ -163,9 +163,12 @@ def test_a_number_or_an_error(given, read):
         ({"modes": "1 mm"}, "got '1 mm'"),
         ({"modes": True}, "got True"),
         ({"modes": "1 %", "basis": "craig_bampton"}, "modes: expected a number of modes with"),
+        ({"basis": "trained"}, "train_on: expected it with basis ="),
+        ({"train_on": "run.h5"}, "train_on: expected it with basis ="),
+        ({"basis": "trained", "train_on": "none.h5"}, "train_on: expected a file"),
     ],
 )
-def test_other_modes_are_rejected(coarse, change, said):
+def test_other_modes_and_bases_are_rejected(coarse, change, said):
     folder, options = coarse
     with pytest.raises(BadInput, match=said):
         reduced_bodies(options | {"piston": options["piston"] | change}, folder, print)

@@ -207,20 +207,6 @@ def test_a_cache_knows_the_forces_and_not_the_file(coarse, run, tmp_path):
     np.testing.assert_array_equal(one.radial, two.radial)
 
 
-@pytest.mark.parametrize(
-    "change, said",
-    [
-        ({"basis": "trained"}, "train_on: expected it with basis ="),
-        ({"train_on": "run.h5"}, "train_on: expected it with basis ="),
-        ({"basis": "trained", "train_on": "none.h5"}, "train_on: expected a file"),
-    ],
-)
-def test_what_does_not_belong_together_is_refused(coarse, change, said):
-    folder, options = coarse
-    with pytest.raises(BadInput, match=said):
-        reduced_bodies(options | {"piston": options["piston"] | change}, folder, print)
-
-
 def test_what_a_run_cannot_train_is_refused(coarse, run, tmp_path):
     folder, options = coarse
     table = trained(options, run)
