@@ -300,6 +300,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         right[i, 0] += _inflow_part(
             k, t, edge_pressure[LOWER], edge_fraction[LOWER], edges.limit[i, 0]
         )
+        right[i, 0] += min(t, 0.0) * lift[i, 0]
         for j in range(1, n_a):
             k = k_a[i, j]
             t = t_a[i, j]
@@ -317,6 +318,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         right[i, n_a - 1] += _inflow_part(
             k, -t, edge_pressure[UPPER], edge_fraction[UPPER], edges.limit[i, n_a]
         )
+        right[i, n_a - 1] += min(-t, 0.0) * lift[i, n_a]
     return stencil, right
 
 
@@ -367,7 +369,7 @@ def _inflow_axial(filling, faces, edges, i, edge):
         edges.pressure[edge],
         edges.film_fraction[edge],
         filling.pressure[i, j],
-        filling.film_fraction[i, j],
+        filling.film_fraction[i, j] + filling.lift[i, face],
         edges.limit[i, face],
     )
 

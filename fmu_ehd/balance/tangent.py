@@ -107,14 +107,14 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
 
 
 @compiled(inline="always")
-def _edge_slopes(cell, pressure, entering, sign, aspect, width):
+def _edge_slopes(cell, pressure, entering, sign, aspect, width, lift=0.0):
     """Return the derivatives of the flow over an edge of a cell, whose film stands on both sides.
 
     sign : -1 if the flow counts into the cell, 1 if it counts out of it.
     """
     beyond = Side(cell.conductivity, cell.transport, cell.velocity, pressure, entering)
     a, b = (beyond, cell) if sign < 0.0 else (cell, beyond)
-    return _flow_slopes(a, b, aspect, width)
+    return _flow_slopes(a, b, aspect, width, lift)
 
 
 @compiled(inline="always")
@@ -133,7 +133,7 @@ def _add_edge(q, sign, row, slopes, du, centre, i, j):
 def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
     """Add the derivatives of the flows over the edges to both centres."""
     dx, dy, ring = cells
-    pressure, fraction, _ = filling
+    pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     t = film[TRANSPORT]
     g = film[CONDUCTIVITY_A]
@@ -147,7 +147,8 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
             face = 0 if edge == LOWER else n_a
             if -sign * dx * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
                 entering = 0.0  # a given inflow follows neither film nor velocity
-            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dx)
+            leaving = lift[i, face]
+            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dx, leaving)
             _add_edge(q, sign, CONDUCTIVITY_A, slopes, du, centre, i, j)
     if ring:
         return

@@ -73,7 +73,7 @@ LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
 # in an explicit step and with the memory of the last step; from order tests in the step
-NEAR_FULL = 0.5
+NEAR_FULL = 0.75
 NEAR_FULL_WITH_MEMORY = 3.0
 FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
@@ -179,7 +179,8 @@ def _row_flow(content, i, way, steps, given, flow):
             flow[j] = given[j] / steps
             continue
         here = min(content[up] / stored[i, up], 1.0)
-        if not 0 <= down < n_a or resting[i, down]:
+        outside = not 0 <= down < n_a
+        if not outside and resting[i, down]:
             flow[j] = width * x * here * between[i, j]
             continue
         beyond = 2 * up - down
@@ -189,9 +190,15 @@ def _row_flow(content, i, way, steps, given, flow):
             before = supply[UPPER, i] * mobile[i, n_a - 1]
         else:
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
-        there = min(content[down] / stored[i, down], 1.0)
-        value = _face_value(before, here * mobile[i, up], there * mobile[i, down])
-        if _holds_front(down, down - up, i, full):
+        mid = here * mobile[i, up]
+        if outside:
+            down = up
+            there = here
+            value = min(max(2.0 * mid - 1.0 * before, 0.0), mobile[i, up])
+        else:
+            there = min(content[down] / stored[i, down], 1.0)
+            value = _face_value(before, mid, there * mobile[i, down])
+        if not outside and _holds_front(down, down - up, i, full):
             there = here
         room = NEAR_FULL * (1.0 - max(here, there))
         # Eq. (T14)
@@ -200,21 +207,46 @@ def _row_flow(content, i, way, steps, given, flow):
 
 
 @compiled(inline="always")
-def _lift_at_fronts(i, through, way, fraction):
+def _lift_at_fronts(i, way, given, through, content, growth, fraction):
     """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
 
-    through : volumes that pass the axial faces in the step [m3].
+    given, through : volumes that passed the axial faces in the last step, over the length of this
+    one, and that oil without pressure passes in it [m3]; content : at the end of the step [m];
+    growth : of the stored film in the step, times the area of a cell [m3].
     """
-    for j in range(1, way.mobile.shape[1]):
+    n_a = content.size
+    for j in range(1, n_a):
         x = way.travel[i, j]
+        onward = 1 if x > 0.0 else -1
         cell = j - 1 if x > 0.0 else j
-        entry = j - 1 if x > 0.0 else j + 1
-        if x * way.travel[i, entry] <= 0.0 or way.resting[i, cell]:
+        if way.resting[i, cell] or not way.full[i, cell + onward]:
             continue
-        if way.full[i, 2 * j - 1 - cell]:
-            swept = way.width * way.travel[i, entry] * way.mobile[i, cell]
-            entering = min(max(through[entry] / swept, 0.0), 1.0)
-            fraction[i, j] = min(0.5 * (1.0 - entering), entering)  # Eq. (T16)
+        flow = onward * given[j]
+        if 0 < j + onward < n_a and way.full[i, cell + 2 * onward]:
+            flow = onward * given[j + onward] + growth[cell + onward]
+        ahead = cell - onward
+        while 0 <= ahead < n_a and not way.resting[i, ahead]:
+            if content[cell] <= way.stored[i, cell]:
+                break
+            flow += growth[cell]  # the cell fills in this step: the front goes on
+            cell = ahead
+            ahead -= onward
+        entry = cell if x > 0.0 else cell + 1
+        face = entry + onward
+        if way.travel[i, face] * way.travel[i, entry] <= 0.0:
+            continue
+        swept = way.width * way.travel[i, entry] * way.mobile[i, cell]
+        entering = min(max(through[entry] / swept, 0.0), 1.0)
+        if entering == 1.0:
+            continue
+        deficit = 1.0 - entering
+        filled = (content[cell] / way.stored[i, cell] - entering) / deficit
+        drawn = way.width * abs(way.travel[i, face]) * way.between[i, face]
+        passing = min(max(flow / drawn, 0.0), 1.0)
+        moved = (entering - passing) * (min(max(filled, 0.0), 1.0) - 0.5)
+        room = NEAR_FULL * deficit
+        wanted = 0.5 * deficit + min(max(moved, -room), room)
+        fraction[i, face] = max(wanted, -entering)  # Eq. (T16)
 
 
 @compiled(inline="always")
@@ -351,24 +383,27 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             for j in range(n_a):
                 if not states.resting[i, j]:
                     content[j] += source[j] + (flow[j] - flow[j + 1]) / area
-        for j in range(1, n_a):
+        for j in range(n_a + 1):
             x = travel[i, j]
-            if abs(x) <= NEAREST * cells.dy or states.resting[i, j - 1] or states.resting[i, j]:
-                continue
             up = j - 1 if x > 0.0 else j
+            down = 2 * j - 1 - up
+            if abs(x) <= NEAREST * cells.dy or not 0 <= up < n_a or states.resting[i, up]:
+                continue
+            if 0 <= down < n_a and states.resting[i, down]:
+                continue
             swept = width * x * end.between[i, j]
             # a last flow that pressure drove is none of transport
             last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
             reached = min(content[up] / end.stored[i, up], 1.0)
             # Eq. (T11)
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
-            down = 2 * j - 1 - up
             fuller = content[up] / end.stored[i, up]
-            if not _holds_front(down, down - up, i, states.full):
+            if 0 <= down < n_a and not _holds_front(down, down - up, i, states.full):
                 fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
-        _lift_at_fronts(i, through, end, fraction)
+        growth = (end.stored[i] - past.film[STORED][i]) * area
+        _lift_at_fronts(i, end, given, through, content, growth, fraction)
     return Lift(fraction, travel)
 
 
@@ -389,8 +424,8 @@ def along(lift: Lift, axial_velocity: Array):
     fraction = np.zeros_like(lift.fraction)
     n_c, n_a = axial_velocity.shape
     for i in range(n_c):
-        for j in range(1, n_a):
-            onward = axial_velocity[i, j - 1] + axial_velocity[i, j]
+        for j in range(n_a + 1):
+            onward = axial_velocity[i, max(j - 1, 0)] + axial_velocity[i, min(j, n_a - 1)]
             if onward * lift.travel[i, j] > 0.0:
                 fraction[i, j] = lift.fraction[i, j]
     return fraction
