@@ -2,7 +2,7 @@
 
 tables        common parts of all tables of a case file
 schema        the tables and their checks; shown: those of pictures and axes
-keys          every key of a case and of its FMUs, as a list
+keys          every key of a case and of its FMUs, as a list and as a JSON schema
 reading       search and reading of case files
 changes       changes of keys, dotted or short
 checked       a case from its TOML tree, with every fault

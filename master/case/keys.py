@@ -1,4 +1,4 @@
-"""Every key of a case file and of the FMUs that it builds.
+"""Every key of a case file and of the FMUs that it builds; also as a JSON schema.
 
 Each key has its unit, default, range and meaning.
 """
@@ -185,3 +185,63 @@ def matching_oils(oils: list[Any], word: str) -> list[Any]:
         return oils
     text = word.lower().replace("-", "_")
     return [oil for oil in oils if text in f"{oil.name} {oil.title}".lower().replace("-", "_")]
+
+
+def json_schema(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the JSON schema of a case and its participants, for editors.
+
+    It contains the `build` and `parameters` that the part of each participant declares. No key is
+    required, because the case may extend another one.
+    """
+    schema = Case.model_json_schema()
+    general = schema["properties"]["participants"]
+    general["properties"] = {}
+    for name, table in _built(tree).items():
+        own = {"properties": {}}
+        if options := part_function(table["package"], "options_schema"):
+            inner = options()
+            _adapt(inner, f"{table['package']}.")
+            schema["$defs"] |= {
+                f"{table['package']}.{key}": one for key, one in inner.pop("$defs", {}).items()
+            }
+            own["properties"]["build"] = inner
+        own["properties"]["parameters"] = {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {one.name: _property(one) for one in _settable(table, folder)},
+        }
+        general["properties"][name] = {"allOf": [{"$ref": "#/$defs/ParticipantTable"}, own]}
+    _adapt(schema, "")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _adapt(node: Any, before: str) -> None:
+    """Add a prefix to all references to definitions, and require no key, in place."""
+    if isinstance(node, dict):
+        if "$ref" in node:
+            node["$ref"] = "#/$defs/" + before + node["$ref"].rpartition("/")[-1]
+        if isinstance(node.get("required"), list):
+            del node["required"]
+    for value in node.values() if isinstance(node, dict) else node:
+        if isinstance(value, (dict, list)):
+            _adapt(value, before)
+
+
+def _property(variable: Variable) -> dict[str, Any]:
+    """Return a parameter as a JSON schema property; one with a unit is a string."""
+    described: dict[str, Any] = {"description": f"{variable.description}. {_range_text(variable)}"}
+    if variable.choices:
+        return described | {"enum": list(variable.choices), "default": variable.start}
+    if variable.unit != "1":
+        return described | {"type": "string", "unit": variable.unit}
+    bounds = {"minimum": variable.minimum, "maximum": variable.maximum}
+    given = {word: bound for word, bound in bounds.items() if bound is not None}
+    return described | {"type": ["number", "string"], "default": variable.start} | given
+
+
+def _range_text(variable: Variable) -> str:
+    """Return default, unit and range as a sentence."""
+    key = _key(variable, "")
+    unit = f" {key.unit}" if key.unit else ""
+    allowed = f"; allowed {key.allowed}{unit}" if key.allowed else ""
+    return f"Default {key.default}{allowed}."

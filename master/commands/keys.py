@@ -1,8 +1,12 @@
 """`piston-cosim keys`."""
 
+import json
+from typing import Annotated
+
+from cyclopts import Parameter
 from rich.table import Table
 
-from ..case.keys import case_keys, chosen_keys, library_oils, matching_oils
+from ..case.keys import case_keys, chosen_keys, json_schema, library_oils, matching_oils
 from ..case.reading import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import Key
@@ -14,6 +18,7 @@ def command(
     /,
     *,
     case: str = "data_sheet",
+    json_schema_: Annotated[bool, Parameter(name="--json-schema")] = False,
 ):
     """List the keys of a case file.
 
@@ -33,9 +38,14 @@ def command(
         contains this word. Default: all keys.
     case
         Case whose participants are listed.
+    json_schema_
+        Print a JSON schema of such a case for editors.
     """
     path = find_case(case)
     tree = read_tree(path)
+    if json_schema_:
+        print(json.dumps(json_schema(tree, path.parent), indent=1))
+        return
     found = case_keys(tree, path.parent)
     if word is None:
         print_tables(found)

@@ -32,7 +32,7 @@ from .tree import ROOT, import_part, reached
 
 Say = Callable[[str], object]
 
-EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled")
+EMBEDDED = ("errors", "variables", "requirements", "slave", "tree", "compiled", "call_order")
 """Modules of master.fmi that a running FMU needs."""
 
 OF_PYTHONFMU = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
@@ -102,6 +102,8 @@ for code in CODES:
     finally:
         sys.path.pop(0)
 Fmi2Slave = sys.modules[f"{{CODES[0]}}.master.fmi.tree"].slave_class("{slave}")
+if not {any_host}:  # the library does not check the order of calls
+    Fmi2Slave = import_module(f"{{CODES[0]}}.master.fmi.call_order").in_order(Fmi2Slave)
 
 
 class Entry(Fmi2Slave):
@@ -281,7 +283,8 @@ def pack_fmu(
     fmu = cache_folder("fmus") / f"{name}-{_digest(contents | front | packing)}.fmu"
     if not fmu.exists():
         progress(f"packing {fmu.name}")
-        entry = ENTRY.format(codes=tuple(codes), slave=code.slave).encode()
+        any_host = bool(compiler())
+        entry = ENTRY.format(codes=tuple(codes), slave=code.slave, any_host=any_host).encode()
         module = "_".join([*codes, "entry"])  # another one in FMUs with other participants
         for one in codes.values():
             contents |= {f"{one.name}/{path}": data for path, data in one.files.items()}

@@ -176,6 +176,19 @@ def test_misuse_gives_one_sentence(fmu):
         assert not words or re.match(r"fmi[23]\w+: expected .{20,200}$", words[0]), name
 
 
+def test_misuse_without_a_c_compiler_gives_one_sentence(monkeypatch):
+    """pythonfmu's library returns no status but that of a step."""
+    monkeypatch.setenv("CC", "no-such-compiler")
+    stock = build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", {"texts": True})
+    asked = [one for one in CALLS if one[0][-1][0] not in ("derive", "null", "log")]
+    answers = edge_host(stock, [calls for calls, _ in asked])
+    for (calls, sentence), (statuses, words) in zip(asked, answers, strict=True):
+        discarded = [2] if sentence and calls[-1][0] == "step" else [0]
+        assert statuses == [0] * (len(calls) - 1) + discarded, (calls, words)
+        assert len(words) == bool(sentence) or calls[-1][0] == "enter"  # which is two calls
+        assert sentence in "".join(words[:1]), (calls, words)
+
+
 def test_resources_of_another_place(fmu):
     """The sentence names the folder, and no Python."""
     ((statuses, words),) = edge_host(fmu, [[]], "/elsewhere")

@@ -2,12 +2,16 @@
 what is like a name that is none.
 """
 
+import json
+import tomllib
+
 import pytest
+from jsonschema import Draft202012Validator
 
 from piston_cosim.master.case.changes import whole_key
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.keys import case_keys, chosen_keys
-from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
+from piston_cosim.master.case.reading import case_names, find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.keys import command
 from piston_cosim.master.fmi.errors import BadInput
@@ -48,6 +52,28 @@ def test_every_parameter_of_a_case_is_listed(found):
         assert {f"participants.{owner}.parameters.{key}" for key in table["parameters"]} <= known
 
 
+def test_schema_takes_the_shipped_cases_and_refuses_a_wrong_key():
+    for name in case_names():
+        path = find_case(name)
+        schema = json_schema(read_tree(path), path.parent)
+        Draft202012Validator.check_schema(schema)
+        validator = Draft202012Validator(schema)
+        for tree in (read_tree(path), tomllib.loads(path.read_text())):
+            tree = json.loads(json.dumps(tree))
+            assert [error.message for error in validator.iter_errors(tree)] == []
+    tree["coupling"] = {"max_iteration": 3}
+    assert any("max_iteration" in error.message for error in validator.iter_errors(tree))
+    tree = read_tree(PATH)
+    tree["participants"]["bodies"]["parameters"]["radial_clearence"] = "20 um"
+    tree["participants"]["bodies"]["build"]["piston"]["mode"] = 20
+    messages = [
+        error.message
+        for error in Draft202012Validator(json_schema(read_tree(PATH), FOLDER)).iter_errors(tree)
+    ]
+    assert any("radial_clearence" in text for text in messages)
+    assert any("'mode'" in text for text in messages)
+
+
 def test_a_path_chooses_a_table_and_a_word_what_contains_it(found):
     chosen, is_table = chosen_keys(found, "ehd.parameters")
     assert is_table and all("ehd.parameters" in key.path for key in chosen)
@@ -72,6 +98,8 @@ def test_the_command_prints_tables_matches_and_oils(capsys):
     command("5W-30")
     printed = capsys.readouterr().out
     assert "sae_5w_30" in printed and "heavy_machine_oil" not in printed
+    command(json_schema_=True)
+    assert json.loads(capsys.readouterr().out)["title"] == "Case"
 
 
 @pytest.mark.parametrize(
