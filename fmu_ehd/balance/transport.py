@@ -14,7 +14,7 @@ cell:
 
 Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
 Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
-Eq. (T14):  |m / t - f_up| <= (1 - f) / 2
+Eq. (T14):  |m / t - f_up| <= 3 (1 - f) / 4
 
 c content, t transported film [m], f the larger film fraction of the two cells of the face, or that
 of the upstream cell where the other one holds a front, m = f t of a cell or at a face [m], d and D
@@ -26,15 +26,22 @@ and a cell that fills or empties must not see a lift appear. Film quantities are
 the middle of the step, for f* those at its end. `gain` is the content that came in
 circumferentially in the last step; over a face beside a full cell goes what went in the last step.
 
+At an edge that oil leaves over there is no cell behind, and m goes on as in the two cells before:
+
+Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above t
+
 Where oil enters a full zone, the last cell before it holds the front:
 
-Eq. (T16):  l = min((1 - f_in) / 2, f_in)      at the face into the full zone
+Eq. (T16):  l = (1 - f_in) / 2 + (f_in - f_z) (a - 1/2)      at the face into the full zone
 
-f_in is the film fraction that enters this cell. The pressure is zero at its centre. If the front is
-s cells before the centre of the first full cell, a steady zone needs f = f_in + (1 - f_in) s at the
-face, and the share s - 1/2 of this cell is full. Its content is then f_in + (1 - f_in) (s - 1/2).
-Eq. (T16) is the difference, limited so that the cell owes no oil. Without it, the oil of each front
-is half a cell too much, and a film on scarce oil carries too little.
+f_in is the film fraction that enters this cell, f_z that of the flow into the zone, and a the share
+of the cell that is full. The front is thus s = a + 1/2 cells before the centre of the first full
+cell, and the flow into the zone is T - K p / s, with the pressure p there. The balance has no
+pressure at the centre of the cell of the front, so it needs f = f_z + (1 - f_z) s at this face. The
+cell holds f_in + (1 - f_in) a, and Eq. (T16) is the difference. Its last term is at most
+3 (1 - f_in) / 4, and l at least -f_in. f_z comes from the flow behind the first full cell in the
+last step. If the cell of the front fills in the step to come, the front goes on to the cell before
+it.
 
 Travel of the last step and of this one:
 
@@ -46,10 +53,10 @@ bit for bit, and in the tangent l is a constant beside the upstream film fractio
 through a face, the same for both cells, so oil is conserved to round-off. A film that is steady
 stays so whatever the step, since F is then X times a flow that knows no step.
 
-Without lift, transport is of first order. That is so at faces behind a full cell, at edges, in the
-first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in a step (thus
-in a film asked for at once as steady), and around the circumference. Film and velocity that jump
-within a step can make a cell owe oil: its row is solved again without lift.
+Without lift, transport is of first order. That is so at faces behind a full cell, at edges that oil
+enters over, in the first step, where sliding reverses, where oil travels farther than `FARTHEST`
+cells in a step (thus in a film asked for at once as steady), and around the circumference. Film and
+velocity that jump within a step can make a cell owe oil: its row is solved again without lift.
 
 Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
 
@@ -179,8 +186,8 @@ def _row_flow(content, i, way, steps, given, flow):
             flow[j] = given[j] / steps
             continue
         here = min(content[up] / stored[i, up], 1.0)
-        outside = not 0 <= down < n_a
-        if not outside and resting[i, down]:
+        at_edge = not 0 <= down < n_a
+        if not at_edge and resting[i, down]:
             flow[j] = width * x * here * between[i, j]
             continue
         beyond = 2 * up - down
@@ -190,16 +197,15 @@ def _row_flow(content, i, way, steps, given, flow):
             before = supply[UPPER, i] * mobile[i, n_a - 1]
         else:
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
-        mid = here * mobile[i, up]
-        if outside:
-            down = up
-            there = here
-            value = min(max(2.0 * mid - 1.0 * before, 0.0), mobile[i, up])
+        filled = here * mobile[i, up]
+        there = here
+        if at_edge:
+            value = min(max(2.0 * filled - before, 0.0), mobile[i, up])  # Eq. (T17)
         else:
-            there = min(content[down] / stored[i, down], 1.0)
-            value = _face_value(before, mid, there * mobile[i, down])
-        if not outside and _holds_front(down, down - up, i, full):
-            there = here
+            beside = min(content[down] / stored[i, down], 1.0)
+            value = _face_value(before, filled, beside * mobile[i, down])
+            if not _holds_front(down, down - up, i, full):
+                there = beside
         room = NEAR_FULL * (1.0 - max(here, there))
         # Eq. (T14)
         lifted = min(max(value / between[i, j], here - room), here + room)
@@ -240,13 +246,13 @@ def _lift_at_fronts(i, way, given, through, content, growth, fraction):
         if entering == 1.0:
             continue
         deficit = 1.0 - entering
-        filled = (content[cell] / way.stored[i, cell] - entering) / deficit
+        share = (content[cell] / way.stored[i, cell] - entering) / deficit
         drawn = way.width * abs(way.travel[i, face]) * way.between[i, face]
         passing = min(max(flow / drawn, 0.0), 1.0)
-        moved = (entering - passing) * (min(max(filled, 0.0), 1.0) - 0.5)
+        moving = (entering - passing) * (min(max(share, 0.0), 1.0) - 0.5)
         room = NEAR_FULL * deficit
-        wanted = 0.5 * deficit + min(max(moved, -room), room)
-        fraction[i, face] = max(wanted, -entering)  # Eq. (T16)
+        # Eq. (T16)
+        fraction[i, face] = max(0.5 * deficit + min(max(moving, -room), room), -entering)
 
 
 @compiled(inline="always")
@@ -389,7 +395,8 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             down = 2 * j - 1 - up
             if abs(x) <= NEAREST * cells.dy or not 0 <= up < n_a or states.resting[i, up]:
                 continue
-            if 0 <= down < n_a and states.resting[i, down]:
+            at_edge = not 0 <= down < n_a
+            if not at_edge and states.resting[i, down]:
                 continue
             swept = width * x * end.between[i, j]
             # a last flow that pressure drove is none of transport
@@ -398,7 +405,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             # Eq. (T11)
             wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
             fuller = content[up] / end.stored[i, up]
-            if 0 <= down < n_a and not _holds_front(down, down - up, i, states.full):
+            if not at_edge and not _holds_front(down, down - up, i, states.full):
                 fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)

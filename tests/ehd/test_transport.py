@@ -5,8 +5,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_ehd import step_parts
+from piston_cosim.fmu_ehd.balance.film_step import FilmStep
+from piston_cosim.fmu_ehd.balance.films import CARRIERS
+from piston_cosim.fmu_ehd.balance.grid import Edges, Grid
+from piston_cosim.fmu_ehd.balance.transport import StepRatios
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
+from piston_cosim.fmu_ehd.step_parts import PreviousFilm
 from piston_cosim.master.fmi.block import row_of
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
@@ -105,6 +111,78 @@ def test_a_smooth_film_fraction_is_carried_with_second_order():
     errors = [error(cells) for cells in (20, 40, 80)]
     assert np.log2(errors[1] / errors[2]) >= 1.8  # first order is 1
     assert errors[2] <= 2.5e-3
+
+
+ENTERING, ZONE, TRAVEL = 0.6, 0.5, 0.1  # f_in, f_z [-], travel of the step [cells]
+
+
+def lift_of(contents, pressures, flows, sign):
+    """Lift of a parallel film of one row, in order along the flow, after steps without memory."""
+    n_a = len(contents)
+    along = slice(None, None, sign)
+    grid = Grid((1, n_a), 1.0, float(n_a))
+    content, pressure = (np.array([row[along]]) for row in (contents, pressures))
+    unknown = np.where(pressure > 0.0, pressure, content - 1.0)
+    travel = np.full((1, n_a + 1), sign * TRAVEL)
+    still, carriers = np.zeros((1, n_a)), np.ones((CARRIERS, 1, n_a))
+    passed = sign * TRAVEL * np.array([flows[along]])
+    before = PreviousFilm(
+        unknown,
+        unknown,
+        pressure,
+        content,
+        still,
+        still,
+        still,
+        carriers,
+        carriers,
+        passed,
+        travel,
+        1.0,
+    )
+    limit = np.full((1, n_a + 1), np.inf)
+    edges = Edges(np.zeros(5), np.full(5, ENTERING), limit)
+    pace = StepRatios(1.0, 0.0, 1.0)
+    return step_parts.lift(before, pace, edges, 1.0, FilmStep(grid).domain).fraction[0][along]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_lift_at_the_front_of_a_full_zone_by_hand(share, sign):
+    """Eq. (T16), with the share of its cell that is full at the end of the step."""
+    reached = share + TRAVEL * (ENTERING - ZONE) / (1.0 - ENTERING)
+    contents = [ENTERING, ENTERING, ENTERING + (1.0 - ENTERING) * share, 1.0, 1.0, 1.0]
+    flows = [ENTERING, ENTERING, ENTERING, ZONE, ZONE, ZONE, ZONE]
+    lift = lift_of(contents, [0.0, 0.0, 0.0, 1.0, 2.0, 1.0], flows, sign)
+    expected = 0.5 * (1.0 - ENTERING) + (ENTERING - ZONE) * (reached - 0.5)
+    assert lift[3] == pytest.approx(expected, rel=1e-12)
+    assert lift[[0, 1, 4, 5, 6]] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_front_goes_on_when_its_cell_fills(sign):
+    contents = [ENTERING, ENTERING, 0.995, 1.0, 1.0, 1.0]
+    flows = [ENTERING, ENTERING, ENTERING, ZONE, ZONE, ZONE, ZONE]
+    lift = lift_of(contents, [0.0, 0.0, 0.0, 1.0, 2.0, 1.0], flows, sign)
+    assert lift[2] == pytest.approx(0.5 * (1.0 - ENTERING) - 0.5 * (ENTERING - ZONE), rel=1e-12)
+    assert lift[3] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    "last, expected",
+    [
+        (0.5, 0.42 - 0.518),  # (0.4 + 0.44) / 2 leaves in a step of Heun
+        (0.2, 0.0 - 0.26),  # nothing leaves
+        (0.9, 0.9703125 - 0.86296875),  # Eq. (T14): (0.975 + 0.965625) / 2 leaves
+    ],
+)
+def test_lift_at_an_edge_that_oil_leaves_over_by_hand(last, expected, sign):
+    """Eq. (T17), less what the last cell has at the end of the step; 0.6 enters it."""
+    contents = [ENTERING] * 5 + [last]
+    lift = lift_of(contents, [0.0] * 6, [ENTERING] * 7, sign)
+    assert lift[6] == pytest.approx(expected, rel=1e-12)
+    assert lift[:6] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_step_repeats_bit_for_bit():

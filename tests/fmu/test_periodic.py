@@ -85,7 +85,7 @@ def test_another_period_changes_the_numbers_by_less_than_a_hundredth(tmp_path):
             measured = measures(described, results.path)
             summaries.append(summary | measured | {"tilt": np.ptp(tilt)})
     one, other = summaries
-    assert one["periodic"] and other["periods"] == one["periods"] + 1
+    assert one["periodic"] and other["periods"] > one["periods"]
     for name in (
         *("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w"),
         *("lateral_displacement_min_m", "lateral_displacement_max_m", "slap_energy_j", "tilt"),
