@@ -27,8 +27,9 @@ in one step and then held would end with a void, and plates that close on a cavi
 as much again as they should. Eq. (T4) drops the memory where the last growth is unlike the one
 before: after a jump, and when all oil that moved stands still. In smooth motion both are alike but
 for O(H), and m = 1: the factor 3 keeps it there until one is less than a third of the other. A
-front that goes on by a cell changes g at one face alone, so the film remembers. Only where the oil turns round a step or two are of first order, which costs no order. Where
-nothing moves but round-off, m = 0.
+front that goes on by a cell changes g at one face alone, so the film remembers. Only where the oil
+turns round a step or two are of first order, which costs no order. Where nothing moves but
+round-off, m = 0.
 
 What m cannot see is the step to come. A film squeezed evenly for two steps or more and then stopped
 within one still gives up a third of its last growth there.
