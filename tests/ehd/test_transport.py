@@ -108,6 +108,8 @@ def test_a_smooth_film_fraction_is_carried_with_second_order():
         y = (np.arange(cells) + 0.5) / cells
         return np.abs(run.fraction - wave(run.distance - y)).mean()
 
+    for sign in (1.0, -1.0):  # also over the edges
+        assert carry(20, 0.4, wave, sign=sign).imbalance <= 1e-12  # round-off
     errors = [error(cells) for cells in (20, 40, 80)]
     assert np.log2(errors[1] / errors[2]) >= 1.8  # first order is 1
     assert errors[2] <= 2.5e-3
@@ -116,7 +118,7 @@ def test_a_smooth_film_fraction_is_carried_with_second_order():
 ENTERING, ZONE, TRAVEL = 0.6, 0.5, 0.1  # f_in, f_z [-], travel of the step [cells]
 
 
-def lift_of(contents, pressures, flows, sign):
+def lift_of(contents, pressures, flows, sign, film_before=1.0):
     """Lift of a parallel film of one row, in order along the flow, after steps without memory."""
     n_a = len(contents)
     along = slice(None, None, sign)
@@ -127,18 +129,18 @@ def lift_of(contents, pressures, flows, sign):
     still, carriers = np.zeros((1, n_a)), np.ones((CARRIERS, 1, n_a))
     passed = sign * TRAVEL * np.array([flows[along]])
     before = PreviousFilm(
-        unknown,
-        unknown,
-        pressure,
-        content,
-        still,
-        still,
-        still,
-        carriers,
-        carriers,
-        passed,
-        travel,
-        1.0,
+        unknown=unknown,
+        unknown_before=unknown,
+        pressure=pressure,
+        content=content,
+        growth=still,
+        growth_before=still,
+        deflection=still,
+        film=carriers,
+        film_before=film_before * carriers,
+        passed=passed,
+        travel=travel,
+        step=1.0,
     )
     limit = np.full((1, n_a + 1), np.inf)
     edges = Edges(np.zeros(5), np.full(5, ENTERING), limit)
@@ -166,6 +168,23 @@ def test_a_front_goes_on_when_its_cell_fills(sign):
     lift = lift_of(contents, [0.0, 0.0, 0.0, 1.0, 2.0, 1.0], flows, sign)
     assert lift[2] == pytest.approx(0.5 * (1.0 - ENTERING) - 0.5 * (ENTERING - ZONE), rel=1e-12)
     assert lift[3] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("share, at", [(0.8, 3), (0.9975, 2)])
+def test_oil_that_a_growing_film_takes_passes_the_front(share, at, sign):
+    """The film grows by 1 % in the step, as in the last one: 0.01 in each full cell."""
+    contents = [ENTERING, ENTERING, ENTERING + (1.0 - ENTERING) * share, 1.0, 1.0, 1.0]
+    flows = [ENTERING, ENTERING, ENTERING, 0.4, ZONE, ZONE, ZONE]
+    lift = lift_of(contents, [0.0, 0.0, 0.0, 1.0, 2.0, 1.0], flows, sign, film_before=0.99)
+    entering = ENTERING / 1.01
+    passing = (TRAVEL * ZONE + 0.01 * (4 - at)) / (TRAVEL * 1.01)
+    reached = 0.0
+    if at == 3:
+        content = contents[2] + TRAVEL * (ENTERING - 0.4)
+        reached = (content / 1.01 - entering) / (1.0 - entering)
+    expected = 0.5 * (1.0 - entering) + (entering - passing) * (reached - 0.5)
+    assert lift[at] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
