@@ -18,7 +18,7 @@ TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
-SHARE_AMBER = 0.01
+SHARE_AMBER = 0.05
 """Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
 MADE_AMBER, MADE_RED = 1e-3, 1e-2
 """Spurious energy over the energy exchanged over the run, an assumption as for `WORK_AMBER`."""

@@ -119,7 +119,7 @@ def test_a_sound_run_is_green_whatever_its_first_period_was(tmp_path):
     assert found["periodicity"].said == "In words."
 
 
-def ledgered(refused=0, share=0.009, made=0.0):
+def ledgered(refused=0, share=0.049, made=0.0):
     """Summary entries of the ledger: two participants that exchanged 2 J, one took more."""
     return {
         "energy_refused_steps": refused,
@@ -149,7 +149,7 @@ def ledgered(refused=0, share=0.009, made=0.0):
         ({"interface_work_imbalance": float("nan")}, "interface work", "red"),
         (ledgered(), "energy balance", "green"),
         (ledgered(refused=1), "energy balance", "amber"),
-        (ledgered(share=0.011), "energy balance", "amber"),
+        (ledgered(share=0.051), "energy balance", "amber"),
         (ledgered(made=0.0009), "energy balance", "green"),
         (ledgered(made=0.0011), "energy balance", "amber"),
         (ledgered(made=0.011), "energy balance", "red"),
