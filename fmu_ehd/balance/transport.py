@@ -39,9 +39,9 @@ of the cell that is full. The front is thus s = a + 1/2 cells before the centre 
 cell, and the flow into the zone is T - K p / s, with the pressure p there. The balance has no
 pressure at the centre of the cell of the front, so it needs f = f_z + (1 - f_z) s at this face. The
 cell holds f_in + (1 - f_in) a, and Eq. (T16) is the difference. Its last term is at most
-3 (1 - f_in) / 4, and l at least -f_in. f_z comes from the flow behind the first full cell in the
-last step. If the cell of the front fills in the step to come, the front goes on to the cell before
-it.
+3 (1 - f_in) / 4. l is at least -f_in, and takes no more oil than the cell holds and gets. f_z comes
+from the flow behind the first full cell in the last step. If the cell of the front fills in the
+step to come, the front goes on to the cell before it.
 
 Travel of the last step and of this one:
 
@@ -213,13 +213,14 @@ def _row_flow(content, i, way, steps, given, flow):
 
 
 @compiled(inline="always")
-def _lift_at_fronts(i, way, given, through, content, growth, fraction):
+def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
     """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
 
     given, through : volumes that passed the axial faces in the last step, over the length of this
     one, and that oil without pressure passes in it [m3]; content : at the end of the step [m];
-    growth : of the stored film in the step, times the area of a cell [m3].
+    past : step_parts.PreviousFilm; area : of a cell [m2].
     """
+    before = past.film[STORED]
     n_a = content.size
     for j in range(1, n_a):
         x = way.travel[i, j]
@@ -229,12 +230,14 @@ def _lift_at_fronts(i, way, given, through, content, growth, fraction):
             continue
         flow = onward * given[j]
         if 0 < j + onward < n_a and way.full[i, cell + 2 * onward]:
-            flow = onward * given[j + onward] + growth[cell + onward]
+            grown = way.stored[i, cell + onward] - before[i, cell + onward]
+            flow = onward * given[j + onward] + grown * area
         ahead = cell - onward
         while 0 <= ahead < n_a and not way.resting[i, ahead]:
             if content[cell] <= way.stored[i, cell]:
                 break
-            flow += growth[cell]  # the cell fills in this step: the front goes on
+            # the cell fills in this step: the front goes on
+            flow += (way.stored[i, cell] - before[i, cell]) * area
             cell = ahead
             ahead -= onward
         entry = cell if x > 0.0 else cell + 1
@@ -251,8 +254,10 @@ def _lift_at_fronts(i, way, given, through, content, growth, fraction):
         passing = min(max(flow / drawn, 0.0), 1.0)
         moving = (entering - passing) * (min(max(share, 0.0), 1.0) - 0.5)
         room = NEAR_FULL * deficit
+        wanted = 0.5 * deficit + min(max(moving, -room), room)
+        there = abs(through[entry]) + past.content[i, cell] * area
         # Eq. (T16)
-        fraction[i, face] = max(0.5 * deficit + min(max(moving, -room), room), -entering)
+        fraction[i, face] = max(min(wanted, there / drawn), -entering)
 
 
 @compiled(inline="always")
@@ -409,8 +414,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
                 fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
-        growth = (end.stored[i] - past.film[STORED][i]) * area
-        _lift_at_fronts(i, end, given, through, content, growth, fraction)
+        _lift_at_fronts(i, end, given, through, content, past, area, fraction)
     return Lift(fraction, travel)
 
 

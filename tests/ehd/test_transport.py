@@ -118,16 +118,16 @@ def test_a_smooth_film_fraction_is_carried_with_second_order():
 ENTERING, ZONE, TRAVEL = 0.6, 0.5, 0.1  # f_in, f_z [-], travel of the step [cells]
 
 
-def lift_of(contents, pressures, flows, sign, film_before=1.0):
+def lift_of(contents, pressures, flows, sign, film_before=1.0, distance=TRAVEL):
     """Lift of a parallel film of one row, in order along the flow, after steps without memory."""
     n_a = len(contents)
     along = slice(None, None, sign)
     grid = Grid((1, n_a), 1.0, float(n_a))
     content, pressure = (np.array([row[along]]) for row in (contents, pressures))
     unknown = np.where(pressure > 0.0, pressure, content - 1.0)
-    travel = np.full((1, n_a + 1), sign * TRAVEL)
+    travel = np.full((1, n_a + 1), sign * distance)
     still, carriers = np.zeros((1, n_a)), np.ones((CARRIERS, 1, n_a))
-    passed = sign * TRAVEL * np.array([flows[along]])
+    passed = sign * distance * np.array([flows[along]])
     before = PreviousFilm(
         unknown=unknown,
         unknown_before=unknown,
@@ -168,6 +168,16 @@ def test_a_front_goes_on_when_its_cell_fills(sign):
     lift = lift_of(contents, [0.0, 0.0, 0.0, 1.0, 2.0, 1.0], flows, sign)
     assert lift[2] == pytest.approx(0.5 * (1.0 - ENTERING) - 0.5 * (ENTERING - ZONE), rel=1e-12)
     assert lift[3] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_cell_gives_a_full_zone_no_more_oil_than_there_is(sign):
+    """0.4 + 0.3 by Eq. (T16), but 0.2 is in the cell, and 2/3 of 0.2 comes in."""
+    contents = [0.2, 0.2, 0.2, 1.0, 1.0, 1.0]
+    flows = [0.2, 0.2, 0.2, 0.2, 0.8, 0.8, 0.8]
+    pressures = [0.0, 0.0, 0.0, 1.0, 2.0, 1.0]
+    lift = lift_of(contents, pressures, flows, sign, distance=2.0 / 3.0)
+    assert lift[3] == pytest.approx((0.2 + 0.2 * 2.0 / 3.0) * 1.5, rel=1e-12)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
