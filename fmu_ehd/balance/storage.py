@@ -7,12 +7,11 @@ At the end of the step:
 Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta H_n r_n,   H_e = H - beta H_n
 Eq. (T2):  beta = m w^2 / (1 + 2 w),   w = min(H / H_n, 2)
 Eq. (T3):  beta = 0  where c_e < 0 in any cell
-Eq. (T4):  m = 3 g_n.g_{n-1} / max(g_n.g_n, g_{n-1}.g_{n-1}),   not below 0, not above 1
+Eq. (T4):  m = 4 r_n.r_{n-1} / max(r_n.r_n, r_{n-1}.r_{n-1}),   not below 0, not above 1
 
 c = f s content of a cell [m] (film fraction x stored film), c_n at the beginning of the step, r_n
 and r_{n-1} its growth in the last step and in the one before [m/s], H and H_n this step and the
-last one [s]. g at an axial face is half of what the cells before it in its row grew more than those
-behind it [m/s]. The dot is a sum over all axial faces, m the memory of the film [-].
+last one [s]. The dot is a sum over all cells, m the memory of the film [-].
 
 Eq. (T1) is exact for a content linear in time whatever beta is, and for a quadratic one with that
 of Eq. (T2) with m = 1, which makes it BDF2; beta = 0 is backward Euler. The balance of a cell is
@@ -26,10 +25,9 @@ where a motion stops, and gives 3/2 of the pressure where one sets in: a full fi
 in one step and then held would end with a void, and plates that close on a cavity would carry half
 as much again as they should. Eq. (T4) drops the memory where the last growth is unlike the one
 before: after a jump, and when all oil that moved stands still. In smooth motion both are alike but
-for O(H), and m = 1: the factor 3 keeps it there until one is less than a third of the other. A
-front that goes on by a cell changes g at one face alone, so the film remembers. Only where the oil
-turns round a step or two are of first order, which costs no order. Where nothing moves but
-round-off, m = 0.
+for O(H), and m = 1: the factor 4 keeps it there until one growth is less than a quarter of the
+other. Only where the oil turns round a step or two are of first order, which costs no order. Where
+nothing moves but round-off, m = 0.
 
 What m cannot see is the step to come. A film squeezed evenly for two steps or more and then stopped
 within one still gives up a third of its last growth there.
@@ -69,7 +67,7 @@ NEGLIGIBLE = 1e-20
 # change of the content in a step, over the content, below which nothing moves: far above the
 # round-off of film fractions, and that of a plate that closes at 1 mm/s on 100 um in 1 us is 1e-5
 STANDSTILL = 1e-10
-WHOLE_MEMORY = 3.0  # the factor of Eq. (T4)
+WHOLE_MEMORY = 4.0  # the factor of Eq. (T4)
 
 
 class ContentHistory(NamedTuple):
@@ -111,18 +109,12 @@ def memory(past: ContentHistory):
     last = 0.0
     before = 0.0
     whole = 0.0
-    n_c, n_a = content.shape
-    for i in range(n_c):
-        now = -0.5 * growth[i].sum()
-        then = -0.5 * growth_before[i].sum()
-        for j in range(n_a + 1):
-            both += now * then
-            last += now * now
-            before += then * then
-            if j < n_a:
-                now += growth[i, j]
-                then += growth_before[i, j]
-                whole += content[i, j] * content[i, j]
+    for i in range(content.shape[0]):
+        for j in range(content.shape[1]):
+            both += growth[i, j] * growth_before[i, j]
+            last += growth[i, j] * growth[i, j]
+            before += growth_before[i, j] * growth_before[i, j]
+            whole += content[i, j] * content[i, j]
     larger = max(last, before)
     if larger * step * step <= STANDSTILL * STANDSTILL * whole:
         return 0.0

@@ -29,7 +29,7 @@ PEAK_AMBER, PEAK_RED = 4, 2
 parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
 ZONE = 10
 """Minimum length of the full film along the axis in cells, where cavities limit it: a load on a
-thin layer is 1 % low with 12 cells (docs/measurements/limits.md)."""
+thin layer is 2 % low with 12 cells (docs/measurements/limits.md)."""
 OPENING = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
 PLAY_AMBER, PLAY_RED = 0.02, 0.1

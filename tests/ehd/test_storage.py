@@ -76,15 +76,15 @@ def test_no_cell_ever_owes_oil():
         ([1.0, 2.0], [0.0, 0.0], 0.0),  # the oil sets in
         ([0.0, 0.0], [1.0, 2.0], 0.0),  # it stopped
         ([1.0, 2.0], [-1.0, -2.0], 0.0),  # it turned round
-        ([0.4, 0.0], [1.0, 0.0], 1.0),  # 3 x 0.4 / 1
-        ([0.2, 0.0], [1.0, 0.0], 0.6),
-        ([1.0, 0.0], [0.2, 0.0], 0.6),
-        ([1.0, 3.0], [4.0, -1.0], 3.0 * 3.5 / 10.75),  # -2, -1, 2 and -1.5, 2.5, 1.5
+        ([0.3, 0.0], [1.0, 0.0], 1.0),  # 4 x 0.3 / 1
+        ([0.2, 0.0], [1.0, 0.0], 0.8),
+        ([1.0, 0.0], [0.2, 0.0], 0.8),
+        ([1.0, 3.0], [4.0, -1.0], 4.0 * 1.0 / 17.0),
         ([1e-11, 0.0], [1e-11, 0.0], 0.0),  # round-off of a content of 1
     ],
 )
 def test_memory_by_hand(growth, before, expected):
-    """3 g_n.g_{n-1}/max(g_n.g_n, g_{n-1}.g_{n-1}) from 0 to 1."""
+    """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1."""
     content = np.ones((1, 2))
     past = ContentHistory(content, np.array([growth]), np.array([before]), 1.0)
     assert memory(past) == pytest.approx(expected, rel=1e-14)
