@@ -10,6 +10,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.faces import surface_matrix
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, outer_faces
+from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, MeanElastic, mean_conditions
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
@@ -20,18 +21,9 @@ def tube(cells, low, high, inner, outer):
     """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the
     cylinders.
     """
-    points, tets = box_mesh(cells, (1.0, 1.0, 1.0))
-    # wrap: nodes at the end of the first direction are those at its start
-    wrapped = points.copy()
-    wrapped[np.isclose(wrapped[:, 0], 1.0), 0] = 0.0
-    _, first, place = np.unique(
-        np.round(wrapped, 9), axis=0, return_index=True, return_inverse=True
-    )
-    angle, radius = -2 * np.pi * wrapped[first, 0], inner + (outer - inner) * wrapped[first, 1]
-    height = low + (high - low) * wrapped[first, 2]
-    return np.stack(
-        [radius * np.sin(angle), height, radius * np.cos(angle)], axis=1
-    ), place.ravel()[tets]
+    mesh = ring_mesh(Ring(inner, outer, high - low, 2 * np.pi, cells))
+    x, y, z = mesh.points.T
+    return np.stack([y, z + (low + high) / 2, x], axis=1), mesh.tets
 
 
 def clamped_box(cells, size):

@@ -22,9 +22,7 @@ from .pin_models import (
     UNBALANCE,
     all_that_yields,
     crank_model,
-    rough_inputs,
     rough_way,
-    tied_model,
 )
 from .test_crank_films import derivative, joints
 from .test_motion_in_space import Points, load_on, space_bodies
@@ -128,46 +126,6 @@ def test_block_and_drive_change_the_momentum_of_all_bodies(name):
     arm = PARAMETERS.rod_length
     assert out["moment_on_block"] == pytest.approx(drive - change[2], abs=1e-8 * size * arm)
     assert np.abs(force).min() > 1e-3 * size
-
-
-def missed(model, bodies, steps):
-    """What the mean of the outputs over 20 deg misses of the change of momentum, and that change;
-    `bodies` floats, its play is 0 beside a tied pin.
-    """
-    given = rough_inputs(model, 3)
-    step = np.radians(20.0) / SPEED / steps
-    state, out = model.start(0.4, 2e-6, 1e-4, given)
-    n = bodies.coordinates
-
-    def momentum(state):
-        padded = [
-            np.resize(np.append(one, np.zeros(n)), n) for one in (state.position, state.velocity)
-        ]
-        return all_momentum(bodies, *padded, CrankMotion(state.crank_angle, SPEED, 0.0))
-
-    def acting(out):
-        force = out["force_on_block_x"], out["force_on_block_y"]
-        return np.array([*force, out["moment_on_block"] - out["crank_torque"]])
-
-    first, impulse = momentum(state), np.zeros(3)
-    for _ in range(steps):
-        before = acting(out)
-        state, out = model.advance(state, given, step)
-        impulse += step * (before + acting(out)) / 2
-    change = momentum(state) - first
-    return change + impulse, change
-
-
-@pytest.mark.parametrize("make, order", [(tied_model, 2), (lambda: made("pin"), 1)])
-def test_momentum_over_steps_closes_with_the_order_of_the_method(make, order):
-    """Steady loads. Backward Euler of the play is of first order, generalised alpha of second."""
-    model, bodies = make(), made("pin")
-    if order == 2:
-        bodies.unbalanced = 0.0
-    (coarse, _), (fine, change) = (missed(model, bodies, steps) for steps in (80, 160))
-    share = {1: 3e-3, 2: 1e-4}[order]
-    assert (np.abs(fine) < share * np.abs(change)).all()
-    np.testing.assert_allclose(coarse / fine, 2.0**order, rtol=0.1)
 
 
 def missed_in_space(size, direction):

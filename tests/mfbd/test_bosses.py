@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
-from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault, outer_faces
+from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault
+from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
 from piston_cosim.fmu_mfbd.reduction.reduced_body import BossFilms
 
-from .conftest import mean_held, tube
+from .conftest import mean_held
 
 INNER, OUTER, HALF = 8e-3, 14e-3, 20e-3
 YOUNG, POISSON = 75e9, 0.33
@@ -21,14 +22,10 @@ GRID = (48, 8)
 @pytest.fixture(scope="module")
 def pipe():
     """A thick pipe about z with a groove's worth of bore left out amid it: two bosses."""
-    points, tets = tube((32, 2, 10), -HALF, HALF, INNER, OUTER)
-    x, y, z = points.T
-    points = np.stack([z, x, y], axis=1)  # y to z, as turned as before
-    faces = outer_faces(tets)
-    inside = np.isclose(np.hypot(points[:, 0], points[:, 1]), INNER)
-    own = faces[inside[faces].all(axis=1)]
-    own = own[np.abs(points[own[:, :3], 2].mean(axis=1)) > 4e-3]
-    return Mesh(points, tets, {"pin_bore": own})
+    mesh = ring_mesh(Ring(INNER, OUTER, 2 * HALF, np.pi, (32, 2, 10)))
+    bore = mesh.faces["bore"]
+    own = np.abs(mesh.points[bore[:, :3], 2].mean(axis=1)) > 4e-3
+    return Mesh(mesh.points, mesh.tets, {"pin_bore": bore[own]})
 
 
 def test_displacements_that_are_known_are_read(pipe):

@@ -370,140 +370,74 @@ def edited(lines, old, new):
     return [*lines[:place], *new, *lines[place + 1 :]]
 
 
-def abaqus_with(*more):
-    return lambda source: [*abaqus_part(source, source.points), *more]
-
-
-def nastran_with(old, *new, style="blank"):
-    return lambda source: edited(nastran(source, style), old, new)
-
-
-def ansys_with(old, *new):
-    return lambda source: edited(ansys(source), old, new)
-
-
-REFUSED = {
-    "hexahedra beside": (
-        "a.bdf",
-        nastran_with("RBE2", "CHEXA,8,7,1,2,3,4,5,6", ",7,8"),
-        "a.bdf: expected 10-node tetrahedra only, got also 1 CHEXA$",
-    ),
-    "some middles": (
-        "a.bdf",
-        nastran_with("RBE2", "CTETRA,8000,7,90001,89998,89995,89992,,89986"),
-        "a.bdf: CTETRA 8000: expected 4 or 10 nodes, got 5$",
-    ),
-    "no such node": (
-        "a.bdf",
-        nastran_with("RBE2", "CTETRA,8000,7,90001,89998,89995,3"),
-        "a.bdf: CTETRA 8000: expected a known node, got 3$",
-    ),
-    "linear beside": (
-        "a.bdf",
-        nastran_with("RBE2", "CTETRA,8000,7,90001,89998,89995,89992"),
-        "a.bdf: body: expected ten-node tetrahedra only, got 1 of 577 with four nodes",
-    ),
-    "cylindrical": (
-        "a.bdf",
-        nastran_with("RBE2", "CORD2C,5,,0.,0.,0.,0.,0.,1.", ",1.,0.,0.", "GRID,1,5,1.,0.,0."),
-        "a.bdf: GRID 1: expected the basic system or CORD2R, got CORD2C 5$",
-    ),
-    "no such system": (
-        "a.bdf",
-        nastran_with("RBE2", "GRID,1,5,1.,0.,0."),
-        "a.bdf: GRID 1: expected a known coordinate system, got 5$",
-    ),
-    "continuation elsewhere": (
-        "a.bdf",
-        nastran_with("+E2", "+E9    1       2       3       4", style="marked"),
-        r"a.bdf: CTETRA 2: expected its continuations right behind it, got '\+E9    1",
-    ),
-    "not a number": (
-        "a.bdf",
-        nastran_with("RBE2", "GRID,1,,1.x"),
-        "a.bdf: GRID 1: expected a number in field 4, got '1.X'$",
-    ),
-    "two places": (
-        "a.bdf",
-        nastran_with("RBE2", "GRID,90001,,1.,2.,3."),
-        "a.bdf: node 90001: expected one position, got two$",
-    ),
-    "no file": (
-        "a.bdf",
-        nastran_with("RBE2", "INCLUDE 'b.bdf'"),
-        "a.bdf: expected to include 'b.bdf', got no such file .*b.bdf$",
-    ),
-    "itself": (
-        "a.bdf",
-        nastran_with("RBE2", "INCLUDE 'a.bdf'"),
-        "a.bdf: expected no circular include, got 'a.bdf'$",
-    ),
-    "generated": (
-        "a.inp",
-        abaqus_with("*Ngen", "1, 5, 1"),
-        r"a.inp: expected written nodes, got \*NGEN; write the mesh in full",
-    ),
-    "bricks beside": (
-        "a.inp",
-        abaqus_with("*Element, type=C3D8R", "7, 1, 2, 3, 4, 5, 6, 7, 8"),
-        "a.inp: expected 10-node tetrahedra only, got also 1 C3D8R$",
-    ),
-    "cylindrical nodes": (
-        "a.inp",
-        abaqus_with("*Node, system=C", "1, 1., 0."),
-        r"a.inp: \*Node: expected nodes in x, y, z, got system=C$",
-    ),
-    "no such part": (
-        "a.inp",
-        abaqus_with("*Instance, name=I, part=Q"),
-        r"a.inp: \*Instance I: expected a known part, got 'Q'$",
-    ),
-    "no such set": (
-        "a.inp",
-        abaqus_with("*Nset, nset=n", "other"),
-        "a.inp: set: expected a set defined before it, got 'other'$",
-    ),
-    "no include": (
-        "a.inp",
-        abaqus_with("*Include, input=b.inp"),
-        "a.inp: expected to include 'b.inp', got no such file .*b.inp$",
-    ),
-    "short element": (
-        "a.inp",
-        abaqus_with("*Element, type=C3D10", "7, 1, 2"),
-        r"a.inp: \*Element, type=C3D10: expected a multiple of 11 numbers, got 3$",
-    ),
-    "parts without instance": (
-        "a.inp",
-        abaqus_with("*Part, name=A", "*End Part", "*Part, name=B", "*End Part"),
-        r"a.inp: expected an \*Instance of a part, got parts a, b alone$",
-    ),
-    "no blocks": (
-        "a.cdb",
-        lambda source: ["/PREP7", "N,1,0.,0.,0."],
-        "a.cdb: expected NBLOCK and EBLOCK, got 0 nodes and 0 elements; .*CDWRITE",
-    ),
-    "ansys bricks": (
-        "a.cdb",
-        ansys_with("ET,        4", "ET,4,186"),
-        "a.cdb: expected 10-node tetrahedra only, got also 1 SOLID186$",
-    ),
-    "ansys unnamed type": (
-        "a.cdb",
-        ansys_with("ET,        4"),
-        "a.cdb: expected 10-node tetrahedra only, got also 1 type 4, which no ET names$",
-    ),
-    "ansys format": (
-        "a.cdb",
-        ansys_with("(19i9)", "(free)"),
-        r"a.cdb: block: expected a known format, got '\(free\)'$",
-    ),
+CARDS = {
+    "expected 10-node tetrahedra only, got also 1 CHEXA$": "CHEXA,8,7,1,2,3,4,5,6\n,7,8",
+    "CTETRA 8000: expected 4 or 10 nodes, got 5$": "CTETRA,8000,7,90001,89998,89995,89992,,89986",
+    "CTETRA 8000: expected a known node, got 3$": "CTETRA,8000,7,90001,89998,89995,3",
+    "body: expected ten-node tetrahedra only, got 1 of 577 with four nodes": "CTETRA,8000,7,90001,"
+    "89998,89995,89992",
+    "GRID 1: expected the basic system or CORD2R, got CORD2C 5$": "CORD2C,5,,0.,0.,0.,0.,0.,1.\n"
+    ",1.,0.,0.\nGRID,1,5,1.,0.,0.",
+    "GRID 1: expected a known coordinate system, got 5$": "GRID,1,5,1.,0.,0.",
+    "GRID 1: expected a number in field 4, got '1.X'$": "GRID,1,,1.x",
+    "node 90001: expected one position, got two$": "GRID,90001,,1.,2.,3.",
+    "expected to include 'b.bdf', got no such file .*b.bdf$": "INCLUDE 'b.bdf'",
+    "expected no circular include, got 'a.bdf'$": "INCLUDE 'a.bdf'",
 }
+"""What is told of a Nastran deck by its cards."""
+
+KEYWORDS = {
+    r"expected written nodes, got \*NGEN; write the mesh in full": "*Ngen\n1, 5, 1",
+    "expected 10-node tetrahedra only, got also 1 C3D8R$": "*Element, type=C3D8R\n"
+    "7, 1, 2, 3, 4, 5, 6, 7, 8",
+    r"\*Node: expected nodes in x, y, z, got system=C$": "*Node, system=C\n1, 1., 0.",
+    r"\*Instance I: expected a known part, got 'Q'$": "*Instance, name=I, part=Q",
+    "set: expected a set defined before it, got 'other'$": "*Nset, nset=n\nother",
+    "expected to include 'b.inp', got no such file .*b.inp$": "*Include, input=b.inp",
+    r"\*Element, type=C3D10: expected a multiple of 11 numbers, got 3$": "*Element, type=C3D10\n"
+    "7, 1, 2",
+    r"expected an \*Instance of a part, got parts a, b alone$": "*Part, name=A\n*End Part\n"
+    "*Part, name=B\n*End Part",
+}
+"""What is told of an Abaqus deck by the lines at its end."""
+
+BLOCKS = {
+    "expected 10-node tetrahedra only, got also 1 SOLID186$": ("ET,        4", ["ET,4,186"]),
+    "expected 10-node tetrahedra only, got also 1 type 4, which no ET names$": ("ET,        4", []),
+    r"block: expected a known format, got '\(free\)'$": ("(19i9)", ["(free)"]),
+}
+"""What is told of an Ansys archive by a line of it and what takes its place."""
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_refused_in_a_sentence(source, tmp_path, name):
-    file, lines, message = REFUSED[name]
-    (tmp_path / file).write_text("\n".join([*lines(source), ""]))
-    with pytest.raises(MeshFault, match=message):
-        read_mesh(tmp_path / file, {})
+def refused(path, lines, message):
+    path.write_text("\n".join([*lines, ""]))
+    with pytest.raises(MeshFault, match=f"{path.name}: {message}"):
+        read_mesh(path, {})
+
+
+@pytest.mark.parametrize("message", CARDS)
+def test_cards_that_are_refused(source, tmp_path, message):
+    lines = edited(nastran(source, "blank"), "RBE2", [CARDS[message]])
+    refused(tmp_path / "a.bdf", lines, message)
+
+
+def test_a_continuation_elsewhere_is_refused(source, tmp_path):
+    lines = edited(nastran(source, "marked"), "+E2", ["+E9    1       2       3       4"])
+    message = r"CTETRA 2: expected its continuations right behind it, got '\+E9    1"
+    refused(tmp_path / "a.bdf", lines, message)
+
+
+@pytest.mark.parametrize("message", KEYWORDS)
+def test_keywords_that_are_refused(source, tmp_path, message):
+    lines = [*abaqus_part(source, source.points), KEYWORDS[message]]
+    refused(tmp_path / "a.inp", lines, message)
+
+
+@pytest.mark.parametrize("message", BLOCKS)
+def test_blocks_that_are_refused(source, tmp_path, message):
+    refused(tmp_path / "a.cdb", edited(ansys(source), *BLOCKS[message]), message)
+
+
+def test_an_archive_without_blocks_is_refused(tmp_path):
+    message = "expected NBLOCK and EBLOCK, got 0 nodes and 0 elements; .*CDWRITE"
+    refused(tmp_path / "a.cdb", ["/PREP7", "N,1,0.,0.,0."], message)

@@ -46,23 +46,27 @@ def stacked(field, surfaces):
     return np.concatenate([field[:, one.first : one.last].ravel() for one in surfaces])
 
 
-def steps(model, surfaces, count=8):
+def steps(model, surfaces, count=8, rows=slice(None)):
+    loaded = np.zeros(ALONG)
+    loaded[rows] = 1.0
     """Outputs after some steps under `loads`."""
     nothing = stacked(np.zeros((AROUND, ALONG)), surfaces)
     state, out = model.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, nothing, nothing))
     for k in range(count):
-        push, drag = (stacked(field, surfaces) for field in loads(k))
+        push, drag = (stacked(field * loaded, surfaces) for field in loads(k))
         state, out = model.advance(state, Inputs(SPEED, 5e5, push, drag), STEP)
     return state, out
 
 
-def test_two_surfaces_that_cover_the_skirt_are_the_skirt(built):
+@pytest.mark.parametrize("surfaces", [BANDS, GROOVE])
+def test_surfaces_are_the_skirt_without_forces_between_them(built, surfaces):
     """The sums over both run in another order: round-off, some 1e-13 of each output's size."""
-    whole = steps(built(()), (SurfaceOptions("", 0, ALONG),))[1]
-    parts = steps(built(BANDS), BANDS)[1]
+    rows = np.concatenate([np.arange(one.first, one.last) for one in surfaces])
+    whole = steps(built(()), (SurfaceOptions("", 0, ALONG),), rows=rows)[1]
+    parts = steps(built(surfaces), surfaces)[1]
     for name in ("film_thickness", "sliding_velocity"):
-        joined = np.concatenate([parts[f"{one.name}.{name}"] for one in BANDS], axis=1)
-        np.testing.assert_allclose(joined, whole[name], rtol=1e-12, atol=0.0)
+        joined = np.concatenate([parts[f"{one.name}.{name}"] for one in surfaces], axis=1)
+        np.testing.assert_allclose(joined, whole[name][:, rows], rtol=1e-12, atol=0.0)
     for name in ("rocking_angle", "side_force", "pin_force_y", "crank_torque", "film_work"):
         assert parts[name] == pytest.approx(whole[name], rel=1e-11)
     np.testing.assert_allclose(
@@ -70,29 +74,6 @@ def test_two_surfaces_that_cover_the_skirt_are_the_skirt(built):
         whole["modal_coordinate"],
         rtol=0.0,
         atol=1e-12 * np.abs(whole["modal_coordinate"]).max(),
-    )
-
-
-def test_a_row_between_two_surfaces_carries_nothing(built):
-    """As the whole skirt with no forces on that row."""
-    whole = built(())
-    plain = (SurfaceOptions("", 0, ALONG),)
-    nothing = np.zeros((AROUND, ALONG))
-    state, _ = whole.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, nothing, nothing))
-    push, drag = (np.where(np.arange(ALONG) == 5, 0.0, field) for field in loads(0))
-    _, one = whole.advance(
-        state, Inputs(SPEED, 0.0, stacked(push, plain), stacked(drag, plain)), STEP
-    )
-    grooved = built(GROOVE)
-    none = stacked(nothing, GROOVE)
-    state, _ = grooved.start(0.3, 2e-6, 1e-4, Inputs(SPEED, 0.0, none, none))
-    _, two = grooved.advance(
-        state, Inputs(SPEED, 0.0, stacked(push, GROOVE), stacked(drag, GROOVE)), STEP
-    )
-    assert two["rocking_velocity"] == pytest.approx(one["rocking_velocity"], rel=1e-11)
-    assert two["upper.film_thickness"].shape == (AROUND, 6)
-    np.testing.assert_allclose(
-        two["upper.film_thickness"], one["film_thickness"][:, 6:], rtol=1e-12, atol=0.0
     )
 
 

@@ -25,8 +25,6 @@ from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthon
 from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
 from piston_cosim.tests.verification.cases.bodies import (
-    bar,
-    beam_in_frame,
     box_mesh,
     flexible_body,
     rigid_body,
@@ -187,13 +185,6 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
         np.testing.assert_allclose(
             matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max()
         )
-
-
-def test_bar_and_frame_agree_on_rigid_inertia():
-    points, K, M, ends = bar((8, 1, 1))
-    body = beam_in_frame()
-    assert body.mass == pytest.approx(0.5 * 0.02 * 0.01 * 7850, rel=1e-12)
-    assert body.I0 == pytest.approx(body.mass * (0.5**2 / 3 + 0.02**2 / 12), rel=1e-12)
 
 
 @pytest.mark.parametrize("step", [0.0, 5e-5])

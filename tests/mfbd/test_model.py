@@ -134,24 +134,6 @@ def test_a_repeated_step_gives_the_same_bytes(model):
         assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
 
 
-def test_the_step_map_is_symmetric(model):
-    """Maxwell-Betti: with the same matrices both ways, film at a from a force at b equals film at b
-    from a force at a.
-    """
-    state, _ = run(model, size=0.0)
-    nothing = np.zeros(model.film_surfaces[0].skirt.gap.shape)
-    model.advance(
-        state._replace(velocity=0 * state.velocity, crank_speed=0.0),
-        Inputs(0.0, 0.0, nothing, nothing),
-        STEP,
-    )
-    a, b = (2, 3), (11, 8)
-    push = [nothing.copy(), nothing.copy()]
-    push[0][a] = push[1][b] = 1.0
-    there, back = (model.directional_derivative(p, nothing)["film_thickness"] for p in push)
-    assert there[b] == pytest.approx(back[a], rel=1e-9)
-
-
 def test_non_finite_force_is_refused(model):
     state, _ = run(model, 2)
     F, f = forces(model)
@@ -198,25 +180,6 @@ def test_energy_taken_is_work_and_what_integration_made(which, stop, request):
         impacts += k > 2 and bool(np.all(end.velocity[:2] == way[:2] / STEP))
         state, push = end, push_then
     assert (impacts > 0) == (stop > 0.0)
-
-
-def test_a_push_on_the_skirt_is_none_of_the_other_forces(reduced):
-    """Eqs. (D15), (K12): the rod, that a push throws with the piston, is inertia and no force.
-
-    At top dead centre, where it stands upright but for the step's 1 deg: its slope squared, 3e-5,
-    is left, and rounding.
-    """
-    options, piston, block = reduced
-    heavy = Parameters(rod_mass=0.8, rod_inertia=5e-3, pin_friction_coefficient=0.0)
-    rigid = assemble(without_modes(piston), without_modes(block), options, heavy)
-    nothing = np.zeros(rigid.film_surfaces[0].skirt.gap.shape)
-    begun, _ = rigid.start(0.0, 0.0, 0.0, Inputs(SPEED, 0.0, nothing, nothing))
-    push, _ = forces(rigid, size=100.0)
-    free, _ = rigid.advance(begun, Inputs(SPEED, 0.0, nothing, nothing), STEP)
-    pushed, out = rigid.advance(begun, Inputs(SPEED, 0.0, push, nothing), STEP)
-    assert abs(out["side_force"]) > 100.0
-    change = np.abs(pushed.other_forces - free.other_forces)
-    assert change[0] < 2e-4 * abs(out["side_force"])
 
 
 def test_what_nothing_moves_stays_at_rest(model):

@@ -141,24 +141,6 @@ def test_sliding_velocity_by_hand():
     np.testing.assert_allclose(out["sliding_velocity"], wanted, atol=1e-15)
 
 
-@pytest.mark.parametrize("cell", [(0, 2), (3, 9), (13, 11)])
-def test_forces_of_one_cell_by_hand(cell):
-    """r x F about A, which stands 1 mm off the skirt's axis: 7 N inwards and 2 N along y."""
-    model = space_model()
-    i, j = cell
-    push, drag = np.zeros(GRID), np.zeros(GRID)
-    push[cell], drag[cell] = 7.0, 2.0
-    theta = 2 * np.pi * i / 16
-    height = -45.5e-3 + 82.8e-3 * (j + 0.5) / 12
-    out = np.array([np.sin(theta), 0.0, np.cos(theta)])
-    arm = 55e-3 * out + [-OFFSET, height, 0.0]
-    force = -7.0 * out + [0.0, 2.0, 0.0]
-    (side,) = model._levers(0.28)
-    found = side.forces(NodalForces(push, drag))
-    moment = np.cross(arm, force)
-    np.testing.assert_allclose(found, [force[2], moment[0], moment[1]], atol=1e-15)
-
-
 def test_forces_are_the_transpose_of_gap_and_sliding():
     """In a bore with lobes that change with height, random fields: to round-off."""
     rng = np.random.default_rng(5)
@@ -350,29 +332,6 @@ def test_power_on_the_grid_is_that_in_the_coordinates():
 def standing(parameters=PARAMETERS, space=SYMMETRIC, **own):
     """A model whose crank stands at the top, without friction of the pin."""
     return space_model(space, parameters=parameters, **own)
-
-
-FLAT = InSpace(0.0, np.diag([4.1e-3, 3.7e-3, 3.98e-3]))
-
-
-def test_free_flight_under_a_force_at_the_skirt():
-    """10 N on the skirt at -z, nothing else: each coordinate goes by a t^2/2, a of the inertia of
-    piston and pin; the first two steps are backward Euler's, which add h^2/2 each to t^2/2.
-    """
-    push = np.zeros(GRID)
-    push[8, 3] = 10.0
-    given = Inputs(0.0, 0.0, push, np.zeros(GRID))
-    model = standing(space=FLAT, **NO_DAMPER)
-    state, _ = model.start(0.0, 0.0, 0.0, given)
-    for _ in range(50):
-        state, _ = model.advance(state, given, 1e-5)
-    height = -45.5e-3 + 82.8e-3 * 3.5 / 12
-    force = [10.0, 10.0 * height, 10.0 * OFFSET]
-    pin = 0.5 * (0.018**2 / 4 + (1.5 * 54.95e-3) ** 2 / 12)
-    x, y = MASS * CENTRE
-    M = [[1.89, y, -x], [y, 4.1e-3 + pin, 0.0], [-x, 0.0, 3.7e-3 + pin]]
-    wanted = np.linalg.solve(M, force) * ((50e-5) ** 2 / 2 + 1e-10)
-    np.testing.assert_allclose(state.position[2:], wanted, rtol=1e-9)
 
 
 def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():

@@ -8,7 +8,6 @@ import pytest
 from piston_cosim.fmu_mfbd import preview_picture
 from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape
 from piston_cosim.fmu_mfbd.preview import (
-    mass_properties,
     preview,
 )
 from piston_cosim.fmu_mfbd.preview_remarks import remarks_on_gas, remarks_on_profiles, runs
@@ -46,17 +45,6 @@ def test_mass_of_a_mesh_is_that_of_the_reduced_body(bodies, reduced):
     assert seen.figure("inertia").value == pytest.approx(about, rel=1e-3)
     assert seen.figure("skirt_length").value == piston.skirt_upper - piston.skirt_lower
     assert seen.figure("covered_share").value == 1.0 and options.skirt is None
-
-
-def test_mass_properties_of_a_box():
-    from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh
-    from piston_cosim.tests.verification.cases.bodies import box_mesh
-
-    points, tets = box_mesh((2, 1, 1), (0.2, 0.1, 0.05))
-    found = mass_properties(Mesh(points + [0.3, 0.0, 0.0], tets, {}), 1000.0)
-    assert found.mass == pytest.approx(1.0, rel=1e-12)
-    assert found.centre == pytest.approx([0.4, 0.05, 0.025], rel=1e-12)
-    assert found.inertia == pytest.approx((0.2**2 + 0.1**2) / 12, rel=1e-9)  # m (a^2 + b^2)/12
 
 
 def test_sheet_stroke_and_clearance_by_hand(tmp_path):
