@@ -15,6 +15,7 @@ log = logging.getLogger("piston_cosim")
 OFFLINE = "fmu_mfbd.offline"
 """Module with `reduce(options, folder, output, progress)`, called by name because this package
 does not import bodies."""
+PACKAGE = OFFLINE.split(".")[0]
 
 
 def reduce_bodies(
@@ -71,12 +72,11 @@ def reduced(
 
 def build_tables(tree: dict[str, Any], names: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Return the build tables of those participants that consist of bodies, by name."""
-    package = OFFLINE.split(".")[0]
     tables = {name: tree["participants"][name] for name in names}
     return {
         name: table.get("build", {})
         for name, table in tables.items()
-        if table.get("package") == package
+        if table.get("package") == PACKAGE
     }
 
 
@@ -84,11 +84,9 @@ def build_table(tree: dict[str, Any]) -> dict[str, Any]:
     """Return the table that describes the bodies: of the case's participant, or the file itself."""
     if "participants" not in tree:
         return tree
-    package = OFFLINE.split(".")[0]
-    for table in tree["participants"].values():
-        if table.get("package") == package:
-            return table.get("build", {})
+    for table in build_tables(tree, tree["participants"]).values():
+        return table
     raise BadInput(
-        f"participants: expected one with package = {package!r}, got none; "
+        f"participants: expected one with package = {PACKAGE!r}, got none; "
         "`piston-cosim list` lists the cases"
     )

@@ -25,6 +25,7 @@ import numpy as np
 from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder
 from ..fmi.description import VENDOR
+from ..fmi.description3 import TYPES
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import base_of
 from ..fmi.quantities import base_unit, is_known, pint_unit
@@ -106,19 +107,11 @@ def _has_arrays(participant):
     return any(field.shape and len(field.references) == 1 for field in participant.fields.values())
 
 
-TYPES_3 = {
-    "Real": "Float64",
-    "Integer": "Int32",
-    "String": "String",
-    "Enumeration": "Enumeration",
-}
-
-
 def _type(participant, field):
     """Return the name of a variable's type in the FMU's version of FMI."""
     if not _has_arrays(participant):
         return field.type
-    return field.native or TYPES_3[field.type]
+    return field.native or TYPES[field.type]
 
 
 def _xml(root):

@@ -131,6 +131,23 @@ def open_runs(files):
     return check_case(next(iter(runs.values())).case, files[0]), runs
 
 
+def open_run(file):
+    """Return the case of a results file, and the results."""
+    case, runs = open_runs((file,))
+    return case, *runs.values()
+
+
+def bodies_of(file):
+    """Return the results of a file, and the build tables of its bodies by participant."""
+    from ..api.bodies import build_tables
+
+    _, results = open_run(file)
+    tables = build_tables(results.case, results.case["participants"])
+    if not tables:
+        raise BadInput(f"{file}: expected a participant of bodies, got none")
+    return results, tables
+
+
 def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
     """Return the surfaces of the bodies by label and participant.
 

@@ -5,8 +5,9 @@ minimum, and envelopes.
 """
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -322,18 +323,30 @@ def _motion(runs, body, skirt):
     return Section("Motion of the piston", [*drawn, *charts, *_slaps(runs, body)])
 
 
+def _points(runs: Runs, points: Callable, title: str, x: str, y: str, **how: Any) -> list[Drawn]:
+    """Return a chart of the points (x, y) of each run; `points` returns None if it has none."""
+    found = [points(results) for results in runs.values()]
+    curves = [
+        Curve(label, k, *one, points=True)
+        for k, (label, one) in enumerate(zip(runs, found))
+        if one is not None
+    ]
+    drawn: list[Drawn] = [Chart(title, x, y, curves, **how)]
+    return drawn if curves else []
+
+
 def _slaps(runs, body) -> list[Drawn]:
     """Return a chart of the energy that the piston loses in each impact."""
-    curves = []
-    for k, (label, results) in enumerate(runs.items()):
+
+    def lost(results):
         found = impacts(results, body)
         if found is None:
-            continue
+            return None
         rows = [impact.row for impact in found]
-        shown = 1e3 * np.array([impact.loss for impact in found])
-        curves.append(Curve(label, k, _degrees(results)[rows], shown, points=True))
+        return _degrees(results)[rows], 1e3 * np.array([impact.loss for impact in found])
+
     title = "Energy of the piston lost in each impact"
-    return [Chart(title, CRANK, "[mJ]", curves, cursor=True)] if curves else []
+    return _points(runs, lost, title, CRANK, "[mJ]", cursor=True)
 
 
 def _eccentricity(runs, body, skirt) -> list[Drawn]:
@@ -376,15 +389,13 @@ def _friction(runs, body, film):
 
 def _cycles(case, runs) -> list[Drawn]:
     """Return a chart of the FMEP of every whole period shown, if there are several."""
-    curves = []
-    for k, (label, results) in enumerate(runs.items()):
-        found = friction_pressures(case, results)
-        if len(found) > 1:
-            ends = np.degrees([cycle.end for cycle in found])
-            shown = np.array([cycle.pressure for cycle in found]) * 1e-3
-            curves.append(Curve(label, k, ends, shown, points=True))
+
+    def cycles(results):
+        ends, pressures = np.array(friction_pressures(case, results)).reshape(-1, 2).T
+        return (np.degrees(ends), 1e-3 * pressures) if len(ends) > 1 else None
+
     title = "Friction mean effective pressure of every period"
-    return [Chart(title, "end of the period, crank angle [deg]", "[kPa]", curves)] if curves else []
+    return _points(runs, cycles, title, "end of the period, crank angle [deg]", "[kPa]")
 
 
 def _stribeck(runs, body, film) -> list[Drawn]:
@@ -403,22 +414,22 @@ def _stribeck(runs, body, film) -> list[Drawn]:
         f"{film}.radial_force_anti_thrust_side",
         f"{body}.piston_velocity",
     ]
-    curves = []
-    for k, (label, results) in enumerate(runs.items()):
+
+    def coefficients(results):
         given = results.case["participants"][film].get("parameters", {})
         if not {*ports} <= {*results.ports} or not {"viscosity", "skirt_length"} <= {*given}:
-            continue
+            return None
         hydrodynamic, contact, thrust, anti, speed = (results.series(port).values for port in ports)
         load = np.abs(thrust) + np.abs(anti)
         carries = load > LEAST_LOAD * load.max()
         scale = to_si(given["viscosity"], "Pa.s") * to_si(given["skirt_length"], "m")
         # Eq. (X17)
         number = scale * np.abs(speed[carries]) / load[carries]
-        coefficient = np.abs(hydrodynamic + contact)[carries] / load[carries]
-        curves.append(Curve(label, k, 1e6 * number, coefficient, points=True))
+        return 1e6 * number, np.abs(hydrodynamic + contact)[carries] / load[carries]
+
     title = f"Friction coefficient, steps with more than {LEAST_LOAD:.0%} of the largest load"
     x = "viscosity x speed x skirt length / load [1e-6]"
-    return [Chart(title, x, "[-]", curves, logarithmic=True)] if curves else []
+    return _points(runs, coefficients, title, x, "[-]", logarithmic=True)
 
 
 def _films(case, runs, film, gap):
@@ -430,42 +441,24 @@ def _films(case, runs, film, gap):
 def _place_of_thinnest(case, runs, port) -> list[Drawn]:
     """Return charts of angle and height of the thinnest film at every recorded instant."""
     axes = case.axes_of(port)
-    around, along = [], []
-    for k, (label, results) in enumerate(runs.items()):
+
+    def positions(k, axis, results):
         if port not in results.recorded:
-            continue
-        values = _whole(results, port, np.inf)
+            return None
+        values, there = results.dataset(port)[:], results.there(port)
+        values = values if there is None else np.where(there, values, np.inf)
         flat = values.reshape(len(values), -1).argmin(axis=1)
-        i, j = np.unravel_index(flat, values.shape[1:])
-        at = _instants(results)
-        around.append(Curve(label, k, at, axes.first.positions(values.shape[1])[i], points=True))
-        along.append(Curve(label, k, at, axes.second.positions(values.shape[2])[j], points=True))
-    if not around:
-        return []
-    title = "Position of the minimum film thickness: "
-    return [
-        Chart(
-            title + axes.first.label,
-            CRANK,
-            f"[{axes.first.unit}]",
-            around,
-            cursor=True,
-            around=axes.first.centred is not None,
-        ),
-        Chart(title + axes.second.label, CRANK, f"[{axes.second.unit or '-'}]", along, cursor=True),
-    ]
+        cells = np.unravel_index(flat, values.shape[1:])[k]
+        at = np.interp(results.instants, results.time, _degrees(results))
+        return at, axis.positions(values.shape[1 + k])[cells]
 
-
-def _instants(results):
-    """Return the crank angle at the recorded instants [deg]."""
-    return np.interp(results.instants, results.time, _degrees(results))
-
-
-def _whole(results, port, blank):
-    """Return a field at all instants, with `blank` in missing cells."""
-    values = results.dataset(port)[:]
-    there = results.there(port)
-    return values if there is None else np.where(there, values, blank)
+    drawn = []
+    for k, axis in enumerate((axes.first, axes.second)):
+        title = f"Position of the minimum film thickness: {axis.label}"
+        how = dict(cursor=True, around=axis.centred is not None)
+        of_axis = partial(positions, k, axis)
+        drawn += _points(runs, of_axis, title, CRANK, f"[{axis.unit or '-'}]", **how)
+    return drawn
 
 
 def _envelopes(case, runs, film, gap):

@@ -82,7 +82,8 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
     if len(solids) != 1:
         raise BadInput(f"--step: expected one solid, got {len(solids)}")
     faces = [_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
-    found = {"skirt": _skirt(faces), "crown": _crown(faces), "pin_bore": _pin_bore(faces)}
+    found = {"skirt": _skirt(faces), "crown": _crown(faces)}
+    found["pin_bore"] = [one.tag for one in _cylinders(faces, 2)]
     missing = [name for name, tags in found.items() if not tags]
     if missing:
         raise BadInput(
@@ -114,15 +115,20 @@ def _face(gmsh: Any, tag: int) -> Face:
 
 def _skirt(faces: list[Face]) -> list[int]:
     """Return the cylinders about y with the largest radius."""
-    about = [
+    about = _cylinders(faces, 1)
+    largest = max((one.radius for one in about), default=0.0)
+    return [one.tag for one in about if one.radius > (1 - ALIKE) * largest]
+
+
+def _cylinders(faces: list[Face], axis: int) -> list[Face]:
+    """Return the cylinders about one of the axes x, y, z."""
+    return [
         one
         for one in faces
         if one.shape == "Cylinder"
-        and np.abs(one.normals[:, 1]).max() < STRAIGHT
-        and np.ptp(np.hypot(one.points[:, 0], one.points[:, 2])) < ALIKE * one.radius
+        and np.abs(one.normals[:, axis]).max() < STRAIGHT
+        and np.ptp(np.hypot(*np.delete(one.points, axis, axis=1).T)) < ALIKE * one.radius
     ]
-    largest = max((one.radius for one in about), default=0.0)
-    return [one.tag for one in about if one.radius > (1 - ALIKE) * largest]
 
 
 def _crown(faces: list[Face]) -> list[int]:
@@ -134,14 +140,3 @@ def _crown(faces: list[Face]) -> list[int]:
     ]
     top = max((one.points[:, 1].max() for one in across), default=0.0)
     return [one.tag for one in across if one.points[:, 1].min() > top - 1e-6]
-
-
-def _pin_bore(faces: list[Face]) -> list[int]:
-    """Return the cylinders about the pin axis, z."""
-    return [
-        one.tag
-        for one in faces
-        if one.shape == "Cylinder"
-        and np.abs(one.normals[:, 2]).max() < STRAIGHT
-        and np.ptp(np.hypot(one.points[:, 0], one.points[:, 1])) < ALIKE * one.radius
-    ]

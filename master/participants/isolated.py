@@ -16,6 +16,19 @@ from .open import open_fmu
 from .participant import StartedInHalves
 from .worker import Worker
 
+DESCRIBED = ("description", "declares_units", "has_clocks", "has_derivatives")
+DESCRIBED += ("can_redo", "can_serialise", "can_interpolate")
+"""Properties that the model description determines."""
+
+
+def _in_process(method):
+    """Return the method of a participant that its process runs."""
+
+    def run(self, *arguments):
+        return self._ask(method, *arguments)
+
+    return run
+
 
 class IsolatedParticipant(StartedInHalves):
     """Participant whose FMU runs in another process, with the same methods and results.
@@ -36,19 +49,13 @@ class IsolatedParticipant(StartedInHalves):
     runs_apart = True
 
     def __init__(self, participant, timeout):
-        self.description = participant.description
+        self.name, self.path = participant.name, participant.path
+        self.fields: Any = participant.fields
         self.described = participant
         self.ended = ""
         self.timeout = timeout
-        self.name = participant.name
-        self.fields = participant.fields
-        self.path = participant.path
-        self.has_derivatives = participant.has_derivatives
-        self.can_redo = participant.can_redo
-        self.can_serialise = participant.can_serialise
-        self.can_interpolate = participant.can_interpolate
-        self.declares_units = participant.declares_units
-        self.has_clocks = participant.has_clocks
+        for name in DESCRIBED:
+            setattr(self, name, getattr(participant, name))
         self._process: Any = None
         self._queue: list[tuple[str, tuple]] = []
         self._awaited: Any = None
@@ -80,9 +87,9 @@ class IsolatedParticipant(StartedInHalves):
         self._fresh = {}
         self._ask("leave")
 
-    def warned(self):
-        """Return the warnings of the start, see `FmuParticipant.warned`."""
-        return self._ask("warned")
+    warned, get_many, serialise, derivative, next_tick, stop_at = map(
+        _in_process, ("warned", "get_many", "serialise", "derivative", "next_tick", "stop_at")
+    )
 
     def set(self, name, value):
         """Set a field (array of its shape), or a scalar of any type."""
@@ -104,20 +111,9 @@ class IsolatedParticipant(StartedInHalves):
             self._fresh[name] = self._ask("read", name)
         return _copied(self._fresh[name])
 
-    def get_many(self, names):
-        """Return the values of several scalars by name."""
-        return self._ask("get_many", list(names))
-
-    def stop_at(self, clocks):
-        self._ask("stop_at", clocks)
-
     def tick(self, time, step):
         self._fresh = {}
         self._ask("tick", time, step)
-
-    def next_tick(self):
-        """Return the time of the next tick, see `ClockedFmu3.next_tick`."""
-        return self._ask("next_tick")
 
     def step(self, time, step):
         """Take a step [s]; raise `Discard` or `ParticipantFault` as `FmuParticipant.step`."""
@@ -146,10 +142,6 @@ class IsolatedParticipant(StartedInHalves):
         """Free a saved state."""
         self._queue.append(("free", (saved,)))
 
-    def serialise(self, saved):
-        """Return the saved state as bytes."""
-        return self._ask("serialise", saved)
-
     def deserialise(self, data):
         """Return the number of the state in bytes of `serialise`."""
         return self._numbered("deserialise", data)
@@ -159,10 +151,6 @@ class IsolatedParticipant(StartedInHalves):
         number = next(self._numbers)
         self._queue.append((method, (number, *arguments)))
         return number
-
-    def derivative(self, seeds, products):
-        """Return the directional derivative of the last step; see `FmuParticipant.derivative`."""
-        return self._ask("derivative", dict(seeds), list(products))
 
     def close(self):
         """Terminate the FMU and its process."""

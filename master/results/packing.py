@@ -64,16 +64,6 @@ def packed_frames(values: np.ndarray) -> dict[str, Any]:
     return {"text": text, "low": low, "high": high}
 
 
-def packed_shorts(values: np.ndarray) -> str:
-    """Return numbers from -1 to 1 as 16-bit integers, packed."""
-    return packed(np.round(32767 * values).astype("<i2").tobytes())
-
-
-def packed_singles(values: np.ndarray) -> str:
-    """Return numbers of single precision, packed."""
-    return packed(np.ascontiguousarray(values, dtype="<f4").tobytes())
-
-
-def packed_counts(values: np.ndarray) -> str:
-    """Return whole numbers below 2^32, packed."""
-    return packed(np.ascontiguousarray(values, dtype="<u4").tobytes())
+def packed_as(dtype: str, values: np.ndarray) -> str:
+    """Return numbers of a type, packed."""
+    return packed(np.ascontiguousarray(values, dtype=dtype).tobytes())

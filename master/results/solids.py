@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .packing import Columns, packed_counts, packed_frames, packed_shorts, packed_singles
+from .packing import Columns, packed_as, packed_frames
 
 LEAST = 1e-4
 """Smallest singular value of the displacement on the page, relative to the largest one."""
@@ -145,9 +145,10 @@ def principal(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
 def _solid(solid, meshes, columns, fields):
     modes, coordinates = principal(solid)
     texts = (
-        packed_singles(solid.points),
-        packed_counts(solid.triangles),
-        packed_shorts(np.moveaxis(modes, 2, 0)),  # one mode after the other
+        packed_as("<f4", solid.points),
+        packed_as("<u4", solid.triangles),
+        # one mode after the other, numbers from -1 to 1
+        packed_as("<i2", np.round(32767 * np.moveaxis(modes, 2, 0))),
     )
     return {
         "name": solid.name,

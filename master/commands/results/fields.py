@@ -5,7 +5,7 @@ from pathlib import Path
 from ...fmi.errors import BadInput
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import OutputFile, open_runs, tell
+from ..common import OutputFile, open_run, tell
 
 
 def command(
@@ -39,8 +39,7 @@ def command(
     j
         Index in axial direction, 1 or more.
     """
-    case, runs = open_runs((file,))
-    (results,) = runs.values()
+    case, results = open_run(file)
     if output.suffix != ".csv":
         raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     moment = None if time is None else instant(results, time)

@@ -4,11 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...api.bodies import OFFLINE, build_tables
-from ...case.contract import players
-from ...fmi.errors import BadInput
+from ...api.bodies import OFFLINE
 from ...fmi.tree import import_part
-from ..common import OutputFolder, case_folder, open_runs, say, tell
+from ..common import OutputFolder, bodies_of, case_folder, say, tell
 
 
 def command(file: Path, /, *, case: str | None = None, output: OutputFolder | None = None):
@@ -32,12 +30,8 @@ def command(file: Path, /, *, case: str | None = None, output: OutputFolder | No
     """
     from ...engine.noise import level, noise, write_noise
 
-    _, runs = open_runs((file,))
-    (results,) = runs.values()
+    results, tables = bodies_of(file)
     folder = case_folder(results, case)
-    tables = build_tables(results.case, players(results.case, "bodies"))
-    if not tables:
-        raise BadInput(f"{file}: expected a participant of bodies, got none")
     for owner, table in tables.items():
         radiation = import_part(OFFLINE).radiation(table, folder, say)
         found = noise(results, owner, radiation)

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from ...api.bodies import OFFLINE, build_tables
+from ...api.bodies import OFFLINE
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, instant_text
-from ..common import OutputFolder, case_folder, open_runs, say, tell
+from ..common import OutputFolder, bodies_of, case_folder, say, tell
 
 PORT = "{}.modal_coordinate"
 
@@ -38,11 +38,7 @@ def command(
     output
         Folder. Default: the folder of the results.
     """
-    _, runs = open_runs((file,))
-    (results,) = runs.values()
-    tables = build_tables(results.case, results.case["participants"])
-    if not tables:
-        raise BadInput(f"{file}: expected a participant of bodies, got none")
+    results, tables = bodies_of(file)
     participant, table = next(iter(tables.items()))
     port = PORT.format(participant)
     if port not in results.recorded:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from fmpy.util import write_csv
 
-from ..common import OutputFile, open_runs, tell
+from ..common import OutputFile, open_run, tell
 
 
 def command(file: Path, /, *, output: OutputFile):
@@ -22,7 +22,6 @@ def command(file: Path, /, *, output: OutputFile):
     output
         CSV file: a column `time` and a column for every PARTICIPANT.VARIABLE.
     """
-    _, runs = open_runs((file,))
-    (results,) = runs.values()
+    _, results = open_run(file)
     write_csv(output, results.structured())
     tell(f"scalars  {output}")
