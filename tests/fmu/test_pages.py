@@ -28,7 +28,7 @@ from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.pictures import entry_in_words
 from piston_cosim.master.results.report import views
 
-from ..master.browser import Browser, found
+from ..master.browser import Browser
 from .runs import coarse, run_tree
 
 SMALL = coarse(grid=(20, 16), modes=None)
@@ -52,8 +52,6 @@ SLOW = {"twin": pytest.mark.slow, "pin": pytest.mark.slow}
 )
 def seen(request, tmp_path_factory):
     """A run, its results and its page, the results in a folder that is not named after the case."""
-    if not found():
-        pytest.skip("no chromium: no page was looked at")
     name, changes = CASES[request.param]
     folder = tmp_path_factory.mktemp(request.param)
     path = find_case(name)
@@ -331,8 +329,6 @@ def test_results_in_any_folder_find_their_bodies(seen):
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
     """A sweep of two by two short runs and its reports, as the command makes them."""
-    if not found():
-        pytest.skip("no chromium: the sweep's page was not looked at")
     folder = tmp_path_factory.mktemp("sweep")
     # the first impact is about 90 deg after the start
     changes = [*SMALL, ("time.stop", "120 deg"), ("time.step", "4 deg"), ("record.every", "40 deg")]

@@ -2,8 +2,6 @@
 protocol by hand.
 """
 
-import pickle
-from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,37 +10,7 @@ import pytest
 from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 
-from .toys import variable
-
-
-@dataclass
-class Toy:
-    """Protocol with states as plain copies; subclasses give `_advance` and `derivative`."""
-
-    name: str
-    fields: dict
-    state: np.ndarray
-    values: dict = field(default_factory=dict)
-    has_derivatives: bool = True
-    steps: int = 0
-
-    def set(self, name, value):
-        self.values[name] = np.array(value, dtype=float)
-
-    def get(self, name):
-        return self.values[name]
-
-    def save(self):
-        return self.state.copy(), {k: v.copy() for k, v in self.values.items()}
-
-    def restore(self, saved):
-        self.state, self.values = saved[0].copy(), {k: v.copy() for k, v in saved[1].items()}
-
-    def free(self, saved):
-        pass
-
-    def step(self, time, step):
-        self._advance(step)
+from .toys import Toy, variable
 
 
 class Film(Toy):
@@ -109,8 +77,6 @@ class Affine(Toy):
     twice without going back shows. Steps longer than `longest` are refused.
     """
 
-    can_redo = can_serialise = declares_units = True
-    can_interpolate = False
     longest = np.inf
 
     def __init__(self, name, inputs, outputs, matrix, offset):
@@ -136,24 +102,6 @@ class Affine(Toy):
             size = int(np.prod(output.shape))
             values[key], vector = vector[:size].reshape(output.shape), vector[size:]
         return values
-
-    def enter(self, parameters, start_time, stop_time):
-        self.values |= {key: np.array(value, dtype=float) for key, value in parameters.items()}
-
-    def leave(self):
-        pass
-
-    def get_many(self, names):
-        return {name: float(self.values[name]) for name in names}
-
-    def serialise(self, saved):
-        return pickle.dumps(saved)
-
-    def deserialise(self, data):
-        return pickle.loads(data)
-
-    def close(self):
-        pass
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from scipy.linalg import expm
 
 import piston_cosim as pc
 
-from .toys import variable
+from .toys import Toy, variable
 
 TROLLEY, LOAD, ROPE, GRAVITY, FRICTION = 10.0, 4.0, 2.0, 9.81, 3.0
 """[kg], [kg], [m], [m/s2], [N s/m]."""
@@ -39,52 +39,25 @@ CONTROLLER = (  # lead filter of 0.2 s: force = -20 N/m (position + 2 s (positio
 )
 
 
-class Linear:
+class Linear(Toy):
     """dx/dt = A x + B u with u held, exactly; y = C x + D u whenever it is read."""
 
-    has_derivatives = can_redo = can_serialise = declares_units = True
-    can_interpolate = False
     path = SimpleNamespace(name="linear")
 
     def __init__(self, name, matrices, begin):
-        self.name, self.x, self.u = name, np.array(begin), 0.0
+        fields = {"u": variable("u", "input"), "y": variable("y", "output")}
+        super().__init__(name, fields, np.array(begin), {"u": np.array(0.0)})
         self.a, self.b, self.c, self.d = matrices
-        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
-
-    def enter(self, parameters, start_time, stop_time):
-        pass
-
-    def leave(self):
-        pass
-
-    def set(self, name, value):
-        self.u = float(value)
 
     def get(self, name):
-        if name == "u":
-            return self.u
-        return float(self.c @ self.x + self.d * self.u)
+        u = super().get("u")
+        return u if name == "u" else self.c @ self.state + self.d * u
 
-    def get_many(self, names):
-        return {name: self.get(name) for name in names}
-
-    def step(self, time, step):
-        size = len(self.x)
+    def _advance(self, step):
+        size = len(self.state)
         whole = np.zeros((size + 1, size + 1))
         whole[:size, :size], whole[:size, size] = step * self.a, step * self.b
-        self.x = expm(whole)[:size] @ np.append(self.x, self.u)
-
-    def save(self):
-        return self.x, self.u
-
-    def restore(self, saved):
-        self.x, self.u = saved
-
-    def free(self, saved):
-        pass
-
-    def close(self):
-        pass
+        self.state = expm(whole)[:size] @ np.append(self.state, self.values["u"])
 
 
 def position(tmp_path, step, **coupling):

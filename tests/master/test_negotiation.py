@@ -17,46 +17,23 @@ from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.fmi.errors import Discard, ParticipantFault
 from piston_cosim.master.participants.derivatives import DIFFERENT, SILENT, Differenced, objection
 
-from .toys import variable
+from .toys import Toy, variable
 
 H = 0.1
 GAIN = 3.0
 SLOPE = H * GAIN / (1 + H)
 
 
-class Cell:
+class Cell(Toy):
     """Eq. (X10); `respond(u, steps taken)` is what an input does, `answer` its own derivative by
     u.
     """
 
-    name, has_derivatives, can_redo = "cell", True, True
-
     def __init__(self, answer=SLOPE, respond=lambda u, count: GAIN * u, start=0.0):
-        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
-        self.state = np.array([start, 0.0])
-        self.values = {"u": np.array(0.0), "y": np.array(start)}
-        self.answer = answer
-        self.respond = respond
-        self.steps = 0
-
-    def set(self, name, value):
-        self.values[name] = np.array(value, dtype=float)
-
-    def get(self, name):
-        return self.values[name]
-
-    def save(self):
-        return self.state.copy(), dict(self.values)
-
-    def restore(self, saved):
-        self.state, self.values = saved[0].copy(), dict(saved[1])
-
-    def free(self, saved):
-        pass
-
-    def step(self, time, step):
-        self.steps += 1
-        self._advance(step)
+        fields = {"u": variable("u", "input"), "y": variable("y", "output")}
+        values = {"u": np.array(0.0), "y": np.array(start)}
+        super().__init__("cell", fields, np.array([start, 0.0]), values)
+        self.answer, self.respond = answer, respond
 
     def _advance(self, step):
         x, count = self.state

@@ -20,7 +20,7 @@ from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.report import Special, write_report
 from piston_cosim.master.results.solids import Solid, solids_data
 
-from .browser import Browser, found, pace
+from .browser import Browser, pace
 from .by_hand import coupling, write_results
 
 AROUND, ALONG, INSTANTS = 8, 5, 19
@@ -167,12 +167,6 @@ def large_page(folder):
     for results in runs.values():
         results.close()
     return page
-
-
-@pytest.fixture(scope="module", autouse=True)
-def browser():
-    if not found():
-        pytest.skip("no chromium: the page was not opened")
 
 
 @pytest.fixture(scope="module")
@@ -380,22 +374,20 @@ def test_keys_and_address_hold_instant_and_run(page, tmp_path):
     assert told[0] == "240 deg" and len(told[1]) == 1 and told[1][0].startswith("two")
 
 
-def test_details_are_folded_and_every_chart_in_them_is_drawn(page, tmp_path):
-    with Browser(tmp_path / "profile", 1440) as shown:
-        shown.open(page[0])
-        assert shown.run("return document.documentElement.scrollHeight") <= 3600
-        titles = shown.run("""byId("details").open = true; await showDetails();
-          await new Promise(done => setTimeout(done, 500));
-          return [...document.querySelectorAll("#sections h2")].map(one => one.textContent);""")
-        charts = shown.run("return document.querySelectorAll('#sections .chart svg path').length")
-        assert shown.said() == []
+def test_details_are_folded_and_every_chart_in_them_is_drawn(window, page):
+    window.open(page[0])
+    assert window.run("return document.documentElement.scrollHeight") <= 3600
+    titles = window.run("""byId("details").open = true; await showDetails();
+      await new Promise(done => setTimeout(done, 500));
+      return [...document.querySelectorAll("#sections h2")].map(one => one.textContent);""")
+    charts = window.run("return document.querySelectorAll('#sections .chart svg path').length")
     assert charts > 20
     assert {"Motion of the piston", "Over crank angle and height"} <= {*titles}
 
 
-def test_stress_on_a_body_has_the_colour_of_its_legend(page, tmp_path):
+def test_stress_on_a_body_has_the_colour_of_its_legend(window):
     """The shader darkens a colour by the normal of the plate under the first angles of the page."""
-    script = """
+    told = window.run("""
       byId("bodies").open = true; await showSolids();
       const plate = document.querySelector(".scene canvas").scene, painted = [];
       const [coloured, over] = document.querySelectorAll("#solids select");
@@ -409,11 +401,7 @@ def test_stress_on_a_body_has_the_colour_of_its_legend(page, tmp_path):
         gl.readPixels(...middle, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, dot);
         painted.push({ k, choice, dot: [...dot], ...scale });
       }
-      return { painted, names, table: data.colours };"""
-    with Browser(tmp_path / "profile") as shown:
-        shown.open(page[0])
-        told = shown.run(script)
-        assert shown.said() == []
+      return { painted, names, table: data.colours };""")
     assert told["names"] == ["von Mises stress", "displacement of the piston"]
     table = np.array(told["table"])
     turned, up = -0.45, 0.3
@@ -511,7 +499,7 @@ def test_caption_and_cursor_agree_on_paper(page, tmp_path, width):
     assert 1 <= sheets <= 3
 
 
-def test_measured_values_have_a_table_and_charts_with_bands(page, tmp_path):
+def test_measured_values_have_a_table_and_charts_with_bands(window, page, tmp_path):
     """One run is in the band in the first half; so does the other, as its forces are the same."""
     _, runs = page
     file = tmp_path / "measured.csv"
@@ -524,18 +512,15 @@ def test_measured_values_have_a_table_and_charts_with_bands(page, tmp_path):
     compared = agreement(runs, read_measured(file))
     case = check_case(TREE, "case.toml")
     path = write_report(case, runs, tmp_path / "report", special=Special(measured=compared))
-    script = """const [chart] = data.measured.drawn, section = byId("measured");
+    window.open(path)
+    told = window.run("""const [chart] = data.measured.drawn, section = byId("measured");
       return { names: chart.curves.map(one => one.name),
         low: [...column(chart.corridor.low)], high: [...column(chart.corridor.high)],
         rows: [...section.querySelectorAll("tr")]
           .map(row => [...row.cells].map(one => one.textContent)),
         cursors: section.querySelectorAll("svg .now").length,
         heads: [...section.querySelectorAll("figcaption .values")].map(one => one.textContent),
-        areas: section.querySelectorAll("svg [aria-label=area]").length };"""
-    with Browser(tmp_path / "profile") as shown:
-        shown.open(path)
-        told = shown.run(script)
-        assert shown.said() == []
+        areas: section.querySelectorAll("svg [aria-label=area]").length };""")
     assert told["areas"] == told["cursors"] == 1 and "grey: measured band" in told["heads"][0]
     inside = np.interp(at, np.linspace(0, 720, 73), np.sin(np.linspace(0, 4 * np.pi, 73)))
     share = np.mean((inside >= low) & (inside <= high))

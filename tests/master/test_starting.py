@@ -9,41 +9,28 @@ from piston_cosim.master.coupling.wiring import System, Wire
 from piston_cosim.master.fmi.errors import BadInput, Discard, ParticipantFault
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant
 
-from .toys import variable
+from .toys import Toy, variable
 
 
-class Follower:
+class Follower(Toy):
     """y = f(u), at the start as at any other time; notes what happens to it in `events`."""
 
     def __init__(self, name, follows, events=None, refuse=None):
-        self.name = name
-        self.follows = follows
-        self.fields = {"u": variable("u", "input"), "y": variable("y", "output")}
-        self.u = 0.0
+        fields = {"u": variable("u", "input"), "y": variable("y", "output")}
+        super().__init__(name, fields, np.zeros(0), {"u": np.array(0.0)})
+        self.follows, self.refuse = follows, refuse
         self.events = [] if events is None else events
-        self.refuse = refuse
 
     def start(self, parameters, start_time, stop_time):
         self.enter(parameters, start_time, stop_time)
         self.leave()
 
-    def enter(self, parameters, start_time, stop_time):
-        self.u = float(parameters.get("u", 0.0))
-
     def leave(self):
-        self.left_with = self.u
-
-    def set(self, name, value):
-        self.u = float(value)
+        self.left_with = self.get("u")
 
     def get(self, name):
-        return self.u if name == "u" else float(self.follows(self.u))
-
-    def save(self):
-        return self.u
-
-    def restore(self, saved):
-        self.u = saved
+        u = float(self.values["u"])
+        return u if name == "u" else float(self.follows(u))
 
     def step(self, time, step):
         self.events.append(f"{self.name} steps")
@@ -126,7 +113,11 @@ def evaluated(kinds, wires, order, parallel=False):
     participants = {name: kinds.get(name, Apart)(name, lambda u: u + 1, events) for name in order}
     interface = Interface(participants, wires, parallel)
     x = np.linspace(1.0, 2.0, len(wires))
-    return interface.evaluate(x, 0.0, 1.0, dict.fromkeys(order, 0.0)), events
+    return interface.evaluate(x, 0.0, 1.0, saved(participants)), events
+
+
+def saved(participants):
+    return {name: one.save() for name, one in participants.items()}
 
 
 def test_all_step_at_once_in_jacobi_order():
@@ -165,7 +156,7 @@ def test_every_one_is_waited_for_before_a_refusal_is_heard():
     }
     interface = Interface(participants, (wire("a", "b"), wire("b", "a")), True)
     with pytest.raises(Discard, match="a: refused"):
-        interface.evaluate(np.zeros(2), 0.0, 1.0, {"a": 0.0, "b": 0.0})
+        interface.evaluate(np.zeros(2), 0.0, 1.0, saved(participants))
     assert events[-2:] == ["a ends", "b ends"]
 
 

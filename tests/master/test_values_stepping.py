@@ -31,6 +31,8 @@ from piston_cosim.master.participants.interpolated import (
     linear,
 )
 
+from .toys import Toy, variable
+
 FINE = 1e-3
 PLAIN = Relaxation(1.0, False, 9)
 """Exact in one evaluation where A = 0; the second finds so."""
@@ -338,35 +340,19 @@ def test_courses_by_hand():
     assert (taylor, slope) == (3.0, 4.0)
 
 
-class Told:
+class Told(Toy):
     """A participant that only notes the courses it is told; its state is their number."""
 
-    name, has_derivatives = "told", True
-
     def __init__(self):
-        self.fields = {"u": SimpleNamespace(name="u", shape=(1,), unit="m", causality="input")}
-        self.courses, self.state = [], 0
-
-    def enter(self, parameters, start_time, stop_time):
-        self.parameters = parameters
-
-    def leave(self):
-        pass
-
-    def get(self, name):
-        return np.array([1.0])
+        fields = {"u": variable("u", "input", shape=(1,), unit="m")}
+        super().__init__("told", fields, np.zeros(1), {"u": np.array([1.0])})
+        self.courses = []
 
     def set_course(self, name, course):
         self.courses.append(course[:, 0].tolist())
 
-    def step(self, time, step):
-        self.state += 1
-
-    def save(self):
-        return self.state
-
-    def restore(self, saved):
-        self.state = saved
+    def _advance(self, step):
+        self.state = self.state + 1
 
 
 def tried(participant, time, end, **more):
@@ -392,7 +378,7 @@ def test_a_step_begins_with_the_ends_of_the_last_one(kind, first, second):
     participant = InterpolatedParticipant(told, {"u": kind})
     participant.start({"der(u)": np.array([0.5])} if kind == "hermite" else {}, 0.0, 9.0)
     if kind == "hermite":
-        assert told.parameters == {}
+        assert [*told.values] == ["u"]
         participant.set("der(u)", [0.5])
     for time, end, slope, course in ((0.0, 3.0, 4.0, first), (2.0, 2.0, 0.0, second)):
         tried(participant, time, end, **{"der(u)": [slope]} if kind == "hermite" else {})

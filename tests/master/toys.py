@@ -1,10 +1,13 @@
 """Variables of toys, and their whole runs: the case, a run, one that goes on after a stop."""
 
 import os
+import pickle
 import signal
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import h5py
+import numpy as np
 import pytest
 
 from piston_cosim.master.case.checked import check_case
@@ -32,6 +35,56 @@ def variable(name, causality, **more):
     usual = {"shape": (), "nominal": 1.0, "unit": "1", "type": "Real", "description": ""}
     unknown = dict.fromkeys(("minimum", "maximum", "derivative_of"))
     return SimpleNamespace(**{"name": name, "causality": causality} | usual | unknown | more)
+
+
+@dataclass
+class Toy:
+    """Protocol with states as plain copies; subclasses give `_advance` and `derivative`."""
+
+    name: str
+    fields: dict
+    state: np.ndarray
+    values: dict = field(default_factory=dict)
+    steps: int = 0
+    has_derivatives = can_redo = can_serialise = declares_units = True
+    can_interpolate = False
+
+    def enter(self, parameters, start_time, stop_time):
+        self.values |= {key: np.array(value, dtype=float) for key, value in parameters.items()}
+
+    def leave(self):
+        pass
+
+    def set(self, name, value):
+        self.values[name] = np.array(value, dtype=float)
+
+    def get(self, name):
+        return self.values[name]
+
+    def get_many(self, names):
+        return {name: float(self.get(name)) for name in names}
+
+    def step(self, time, step):
+        self.steps += 1
+        self._advance(step)
+
+    def save(self):
+        return self.state.copy(), {k: v.copy() for k, v in self.values.items()}
+
+    def restore(self, saved):
+        self.state, self.values = saved[0].copy(), {k: v.copy() for k, v in saved[1].items()}
+
+    def free(self, saved):
+        pass
+
+    def serialise(self, saved):
+        return pickle.dumps(saved)
+
+    def deserialise(self, data):
+        return pickle.loads(data)
+
+    def close(self):
+        pass
 
 
 def go(system, output, watch=lambda *args: None, *, tree, **given):
