@@ -1,9 +1,10 @@
 """The coupled system as one slave: participants, wires and iteration inside, scalars outside."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib import import_module
 from math import ceil
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -29,23 +30,6 @@ class CoupledState:
 
 
 @dataclass(frozen=True)
-class Coupling:
-    """The case's coupling table, as far as it holds inside one FMU; see `case.schema.Coupling`."""
-
-    method: str
-    parallel: bool
-    predictor: int
-    max_iterations: int
-    relaxation: float
-    probing: bool
-    windows: int
-    filter_limit: float
-    largest_krylov_space: int
-    differences: bool
-    halvings: int
-
-
-@dataclass(frozen=True)
 class Options:
     """Content of build.json of a coupled FMU; `case.export` writes it.
 
@@ -56,7 +40,7 @@ class Options:
     order        : stepping order
     step         : macro step [s]
     wires        : those of the system
-    coupling     : how a macro step is solved
+    coupling     : the case's table, see `case.schema.Coupling`
     variables    : the table seen from outside
     parameter, input, output : (participant, variable) inside by the name outside
     """
@@ -67,7 +51,7 @@ class Options:
     order: tuple[str, ...]
     step: float
     wires: tuple[Wire, ...]
-    coupling: Coupling
+    coupling: SimpleNamespace
     variables: tuple[Variable, ...]
     parameter: dict[str, Port]
     input: dict[str, Port]
@@ -83,7 +67,7 @@ class Options:
             tuple(tree["order"]),
             tree["step"],
             tuple(_read_wire(entry) for entry in tree["wires"]),
-            Coupling(**{f.name: tree["coupling"][f.name] for f in fields(Coupling)}),
+            SimpleNamespace(**tree["coupling"]),
             tuple(
                 Variable(**entry | {key: tuple(entry[key]) for key in ("shape", "choices")})
                 for entry in tree["variables"]

@@ -4,7 +4,7 @@ The layers above choose them, and the page's script draws them (templates/page.j
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -192,52 +192,18 @@ def health_section(runs) -> Section:
     )
 
 
-def as_data(section: Section, columns: Columns) -> dict[str, Any]:
-    """Return a section for the page's script, and add its numbers to `columns`."""
-    return {
-        "title": section.title,
-        "said": section.said,
-        "phases": None if section.phases is None else [vars(phase) for phase in section.phases],
-        "drawn": [_DATA[type(one)](one, columns) for one in section.drawn],
-    }
-
-
-def _chart_data(chart: Chart, columns: Columns):
-    return {
-        "kind": "chart",
-        "title": chart.title,
-        "x": chart.x,
-        "y": chart.y,
-        "cursor": chart.cursor,
-        "around": chart.around,
-        "logarithmic": chart.logarithmic,
-        "bands": [vars(band) for band in chart.bands],
-        "corridor": _corridor_data(chart.corridor, columns),
-        "curves": [
-            vars(curve) | {"x": columns.add(curve.x), "y": columns.add(curve.y)}
-            for curve in chart.curves
-        ],
-    }
-
-
-def _corridor_data(corridor, columns):
-    if corridor is None:
-        return None
-    arrays = {name: columns.add(getattr(corridor, name)) for name in ("x", "low", "high")}
-    return arrays | {"said": corridor.said}
-
-
-def _map_data(still: StillMap, columns: Columns):
-    return {"kind": "map"} | field_data(
-        still.title,
-        still.unit,
-        still.axes,
-        [None if values is None else values[None] for values in still.fields],
-        still.there,
-    )
-
-
-_DATA: dict[type, Any] = {Chart: _chart_data, StillMap: _map_data}
+def as_data(part: Any, columns: Columns) -> Any:
+    """Return a section or a part of it for the page's script, and add its numbers to `columns`."""
+    if isinstance(part, np.ndarray):
+        return columns.add(part)
+    if isinstance(part, StillMap):
+        stacks = [None if values is None else values[None] for values in part.fields]
+        return {"kind": "map"} | field_data(part.title, part.unit, part.axes, stacks, part.there)
+    if is_dataclass(part):
+        return {name: as_data(value, columns) for name, value in vars(part).items()}
+    if isinstance(part, (list, tuple)):
+        return [as_data(one, columns) for one in part]
+    return part
 
 
 def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
