@@ -1,6 +1,8 @@
 """Checks of a finished run against limits, with the positions of the extreme values."""
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import chain
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -72,25 +74,21 @@ def verdicts(case, results) -> list[Verdict]:
     results = results.last
     summary = results.summary or {}
     found = [*_of_summary(summary), *_of_conjugates(results.case), *_of_truncation(summary)]
-    films = players(results.case, "lubrication")
-    for name in films:
-        own = [*_of_film(case, results, name), *_of_grid(case, results, name)]
-        of = f" of {name}" if len(films) > 1 else ""
-        found += [one._replace(what=f"{one.what}{of}") for one in own]
-    found += _of_each(results, _of_side_force)
-    found += _of_each(results, _of_play)
+    found += _of_each(results, "lubrication", partial(_of_film, case), partial(_of_grid, case))
+    found += _of_each(results, "bodies", _of_side_force)
+    found += _of_each(results, "bodies", _of_play)
     if "settled" in summary:
         colour = "green" if summary["periodic"] else "amber"
         found.append(Verdict(colour, "periodicity", f"{summary['settled']}."))
     return found
 
 
-def _of_each(results, judge):
-    """Yield the checks of every piston, with its participant's name if there are several."""
-    names = players(results.case, "bodies")
+def _of_each(results, role, *judges):
+    """Yield the checks of every film or piston, with its participant's name if there are several."""
+    names = players(results.case, role)
     for name in names:
         of = f" of {name}" if len(names) > 1 else ""
-        for one in judge(results, name):
+        for one in chain(*(judge(results, name) for judge in judges)):
             yield one._replace(what=f"{one.what}{of}")
 
 

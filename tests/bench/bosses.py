@@ -16,11 +16,9 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from piston_cosim.fmu_mfbd.build import boss_films, reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load, surface_matrix
@@ -33,6 +31,7 @@ from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings
 from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
 from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.results.file import Results
 
 PATH = find_case("yielding_bosses")
 FILM = "left_film"
@@ -81,19 +80,21 @@ class Whole:
         return out - self.rigid @ np.linalg.solve(self.mean @ self.rigid, self.mean @ out)
 
 
+def pressed(around):
+    """Shapes of pressure around a bore: an even half turn, a cosine over +-30 deg."""
+    lift = np.sin(shell_angles(around))
+    return lift > 1e-9, np.maximum(lift - np.cos(np.pi / 6), 0.0)
+
+
 def known_pressures(grid, results):
     """Cells' forces in both bosses by name, the right one mirrored from the left."""
-    around, along = grid
-    a = shell_angles(around)
-    even = np.outer(np.maximum(np.sin(a), 0.0) > 1e-9, np.ones(along))
-    edge = np.cos(np.pi / 6)
-    patch = np.maximum(np.cos(a - np.pi / 2) - edge, 0.0)
-    loads = {"half a turn, even": even, "+-30 deg": np.outer(patch, np.linspace(0.0, 2.0, along))}
+    even, patch = pressed(grid[0])
+    loads = {
+        "half a turn, even": np.outer(even, np.ones(grid[1])),
+        "+-30 deg": np.outer(patch, np.linspace(0.0, 2.0, grid[1])),
+    }
     if results:
-        import h5py
-
-        with h5py.File(results) as file:
-            pressures = file["fields"][FILM]["pressure"][:]
+        pressures = Results(results).dataset(f"{FILM}.pressure")[:]
         for name, at in (
             ("at the highest pressure", pressures.max(axis=(1, 2)).argmax()),
             ("amid the run", len(pressures) // 2 + len(pressures) // 8),
@@ -183,7 +184,7 @@ def main():
     build = read_options(tree["participants"]["bodies"]["build"], PATH.parent)
     whole = Whole(build)
     of_skirt(whole, build)
-    of_bosses(whole, build, tree, Path(sys.argv[1]) if len(sys.argv) > 1 else None)
+    of_bosses(whole, build, tree, sys.argv[1] if len(sys.argv) > 1 else None)
 
 
 if __name__ == "__main__":

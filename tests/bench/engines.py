@@ -9,17 +9,15 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
-import sys
 import tempfile
 from pathlib import Path
 from time import process_time
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
-from tests.fmu.engines import ENGINES, PATH, alone, engine_tree
+from piston_cosim.tests.fmu.engines import ENGINES, PATH, alone, engine_tree
 
 GRID, STOP, PASSES = (40, 40), "40 deg", 2
 

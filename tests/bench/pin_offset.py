@@ -22,7 +22,6 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres

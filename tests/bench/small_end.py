@@ -16,11 +16,10 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
 import sys
-from pathlib import Path
 
 import numpy as np
+from bosses import pressed
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
@@ -32,6 +31,7 @@ from piston_cosim.fmu_mfbd.reduction.shell import (
     reduce_shell,
 )
 from piston_cosim.master.case.reading import find_case
+from piston_cosim.master.results.file import Results
 
 PATH = find_case("yielding_bosses").parent / "small_end.msh.xz"
 STEEL = (206e9, 0.3, 7850.0)
@@ -58,16 +58,12 @@ class Once:
 def known_pressures(results):
     """Cells' forces in the eye by name."""
     around, along = GRID
-    a = shell_angles(around)
-    lift = np.sin(a)
-    even = np.outer(lift > 1e-9, np.ones(along))
-    edge = np.cos(np.pi / 6)
-    patch = np.maximum(np.cos(a - np.pi / 2) - edge, 0.0)
-    ends = np.array([8.0, 3.0, 1.0, 0.5, 0.5, 1.0, 3.0, 8.0])
+    lift = np.sin(shell_angles(around))
+    even, patch = pressed(around)
     shapes = {
-        "half a turn, even": even,
+        "half a turn, even": np.outer(even, np.ones(along)),
         "+-30 deg, falling": np.outer(patch, np.linspace(0.0, 2.0, along)),
-        "+-30 deg, at both ends": np.outer(patch, ends),
+        "+-30 deg, at both ends": np.outer(patch, [8.0, 3.0, 1.0, 0.5, 0.5, 1.0, 3.0, 8.0]),
     }
     loads = {}
     for name, up in shapes.items():
@@ -75,10 +71,7 @@ def known_pressures(results):
         loads[f"{name}, down"] = np.roll(force, around // 2, axis=0)
         loads[f"{name}, up"] = force
     if results:
-        import h5py
-
-        with h5py.File(results) as file:
-            pressures = file["fields"][FILM]["pressure"][:]
+        pressures = Results(results).dataset(f"{FILM}.pressure")[:]
         highest = pressures.max(axis=(1, 2)).argmax()
         most = np.abs(np.einsum("tij,i->t", pressures, lift)).argmax()
         cell = 2 * np.pi * 8.5e-3 / around * LENGTH / along
