@@ -84,7 +84,7 @@ def verdicts(case, results) -> list[Verdict]:
 
 
 def _of_each(results, role, *judges):
-    """Yield the checks of every film or piston, with its participant's name if there are several."""
+    """Yield the checks of every film or piston, with its name if there are several."""
     names = players(results.case, role)
     for name in names:
         of = f" of {name}" if len(names) > 1 else ""
