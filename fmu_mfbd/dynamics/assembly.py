@@ -44,8 +44,8 @@ from .parameters import (
 from .pin_coordinates import Crankshaft, PinBodies
 from .pin_films import PinSystem
 from .pin_friction import PinFriction
-from .pin_inertia import inertia, inertia_with_rod
 from .pin_shells import EYE
+from .pin_tangent import inertia
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
@@ -289,7 +289,7 @@ def with_inertia(model: BodyModel) -> BodyModel:
     parts = model.parts
     bodies = parts.bodies
     parts = PinSystem(
-        parts.system, bodies, parts.surfaces, inertia(bodies), inertia_with_rod(bodies)
+        parts.system, bodies, parts.surfaces, inertia(bodies, 0.0), inertia(bodies, 1.0)
     )
     return BodyModel(
         parts,

@@ -9,12 +9,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
-from .carrier import FIXED, Carrier, carried, carrier_from, place
+from ...master.fmi.compiled import compiled
+from .carrier import carried, place
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Motion
 from .piston_motion import LATERAL, Load, imbalance, lateral_motion
-from .response import Response, StepEnd
+from .response import Response, StepEnd, loaded
 from .slider_crank import CrankMotion, Mechanism, motion
 from .system import BodySystem
 
@@ -141,46 +141,6 @@ def force_at(system: BodySystem, crank_unbalance: float, last: StepEnd) -> Block
 
 
 @compiled
-def _carried_by(load, change, share):
-    """Return a load with the block's motion changed by a share of a change, (4,)."""
-    own = load.carrier
-    more = carrier_from(share * change)
-    carrier = Carrier(own.ax + more.ax, own.ay + more.ay, own.alpha + more.alpha, own.w + more.w)
-    return Load(load.lateral, load.axial, load.moment, load.guided, load.modal, carrier)
-
-
-@compiled
-def by_carrier(system: BodySystem, last: StepEnd) -> np.ndarray:
-    """Compute the change of the forces on the piston with each motion of the block, (4, 2 + k).
-
-    Eq. (D19):  -dR/dc,    R of Eq. (D5), of second order in the block's motion c: central
-                           differences over 1 m/s2, 1 rad/s2, 1 rad/s are exact
-    """
-    motions = len(FIXED)
-    piston, mechanism = system.piston, system.mechanism
-    columns = np.empty((motions, len(last.now.position)))
-    for j in range(motions):
-        one = np.zeros(motions)
-        one[j] = 1.0
-        above = _carried_by(last.load, one, 1.0)
-        below = _carried_by(last.load, one, -1.0)
-        up = imbalance(piston, mechanism, above, last.now, last.crank).residual
-        down = imbalance(piston, mechanism, below, last.now, last.crank).residual
-        for k in range(len(up)):
-            columns[j, k] = (down[k] - up[k]) / 2  # Eq. (D19)
-    return columns
-
-
-@compilable
-def carried_force(columns: np.ndarray, carried: np.ndarray) -> np.ndarray:
-    """Return the change of the forces on the piston with a change of the block's motion, (4,).
-
-    `columns` come from `by_carrier`.
-    """
-    return carried @ columns
-
-
-@compiled
 def force_change(
     system: BodySystem, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
 ) -> BlockForce:
@@ -205,8 +165,8 @@ def force_change(
         size = max(size, abs(one))
     for one in carried:
         size = max(size, abs(one))
-    ahead = _moved_along(last, change, carried, 1.0 / size)
-    behind = _moved_along(last, change, carried, -1.0 / size)
+    ahead = _moved_along(last, change, 1.0 / size)
+    behind = _moved_along(last, change, -1.0 / size)
     up = force_at(system, crank_unbalance, ahead)
     down = force_at(system, crank_unbalance, behind)
     # Eq. (D20)
@@ -220,18 +180,10 @@ def force_change(
 
 
 @compiled
-def _moved_along(last, change, carried, s):
+def _moved_along(last, change, s):
     """Return the end of a step a share s along a change."""
     c = last.coefficients
-    own = _carried_by(last.load, carried, s)
-    load = Load(
-        own.lateral + s * change.lateral,
-        own.axial + s * change.axial,
-        own.moment + s * change.moment,
-        own.guided,
-        own.modal,
-        own.carrier,
-    )
+    load = loaded(last.load, change.load, s)
     n = len(last.now.position)
     moved = Motion(np.empty(n), np.empty(n), np.empty(n))
     for k in range(n):

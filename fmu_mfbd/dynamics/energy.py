@@ -5,12 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..geometry.film import FilmForces
 from .floating_frame import FlexibleBody, X
 from .generalised_alpha import Motion
-from .impact import Inertia, inertia_product
+from .impact import Inertia
 from .piston_motion import LATERAL, RIGID, ROCKING
-from .skirt_films import by_coordinate
 
 
 class EnergyLedger(NamedTuple):
@@ -23,7 +21,7 @@ class EnergyLedger(NamedTuple):
     film_work : float
         Of the film on both bodies over the step [J].
     error : float
-        `energy_error` [J].
+        e of Eq. (D10) [J].
     axial_work : float
         Part of `film_work` along the bore's axis [J].
     accounted : float
@@ -60,26 +58,26 @@ class MovingBodies(NamedTuple):
 
 
 @compiled
-def motion_product(moving: MovingBodies, a: np.ndarray, b: np.ndarray) -> float:
-    """Return a . M b of the rigid motion across the bore (Eq. (N6)) and of modes with inertia.
+def momentum(moving: MovingBodies, velocity: np.ndarray) -> np.ndarray:
+    """Return M v of the motion across the bore (Eq. (N6)) and of modes with inertia, shape (n,).
 
-    Eq. (D9):  a . M b = Eq. (N6) + sum ((a_x T_x + a_t g) b_q + (b_x T_x + b_t g) a_q + a_q b_q)
+    Eq. (D9):  a . M v = Eq. (N6) + sum ((a_x T_x + a_t g) v_q + (v_x T_x + v_t g) a_q + a_q v_q)
 
-    Parameters
-    ----------
-    moving : MovingBodies
-    a, b : ndarray, shape (n,)
+    Modes that follow statically have none.
     """
-    body = moving.body
-    total = inertia_product(moving.rigid, a, b)
+    body, rigid, v = moving.body, moving.rigid, velocity
+    out = np.zeros(len(v))
+    # Eq. (D9)
+    out[LATERAL] = rigid.mass * v[LATERAL] - rigid.moment * v[ROCKING]
+    out[ROCKING] = rigid.inertia * v[ROCKING] - rigid.moment * v[LATERAL]
     for k in range(len(body.stiffness)):
-        # Eq. (D9)
-        total += (a[LATERAL] * body.T[X, k] + a[ROCKING] * body.g[k]) * b[RIGID + k]
-        total += (b[LATERAL] * body.T[X, k] + b[ROCKING] * body.g[k]) * a[RIGID + k]
-        total += a[RIGID + k] * b[RIGID + k]
+        m = RIGID + k
+        out[LATERAL] += body.T[X, k] * v[m]
+        out[ROCKING] += body.g[k] * v[m]
+        out[m] = v[m] + body.T[X, k] * v[LATERAL] + body.g[k] * v[ROCKING]
     for k in range(moving.block, moving.block + len(moving.block_stiffness)):
-        total += a[k] * b[k]
-    return total
+        out[k] = v[k]
+    return out
 
 
 @compiled
@@ -94,94 +92,89 @@ def elastic_energy(moving: MovingBodies, position: np.ndarray) -> float:
     return total
 
 
+class Momenta(NamedTuple):
+    """Products of M, shape (n,), with the rod's inertia except for `moving`.
+
+    Parameters
+    ----------
+    before, kept : ndarray
+        Of the velocities at the start, and at the end as the next step starts from it.
+    mean : ndarray
+        Of the mean acceleration.
+    moving : ndarray
+        Of the velocities of `kept`, without the rod.
+    """
+
+    before: np.ndarray
+    kept: np.ndarray
+    mean: np.ndarray
+    moving: np.ndarray
+
+
 @compiled
-def energy_error(moving: MovingBodies, before: Motion, kept: Motion, end: Motion) -> float:
-    """Return the energy that time integration created (+) or lost (-) in a step [J].
+def mean_acceleration(before: Motion, end: Motion) -> np.ndarray:
+    """Return the mean of the accelerations at both ends of a step, shape (n,)."""
+    out = np.empty(len(before.acceleration))
+    for k in range(len(out)):
+        out[k] = (before.acceleration[k] + end.acceleration[k]) / 2
+    return out
+
+
+@compiled
+def energy_ledger(
+    before: Motion,
+    kept: Motion,
+    end: Motion,
+    momenta: Momenta,
+    push: np.ndarray,
+    driven: float,
+    elastic: float,
+) -> EnergyLedger:
+    """Return the energies at the end of a step.
 
     Eq. (D10):  e = T_1 - T_0 - (q_1 - q_0) . M (q''_0 + q''_1)/2,   T = q' . M q'/2
-
-    The second part is the work of all forces by the trapezoidal rule, springs' exactly; e falls
-    with the third power of the step in smooth motion.
-
-    Parameters
-    ----------
-    moving : MovingBodies
-    before, kept, end : Motion
-        At the start; at the end, as the next step starts from it and as the equations hold.
-    """
-    n = len(before.position)
-    way = np.empty(n)
-    mean = np.empty(n)
-    for k in range(n):
-        way[k] = end.position[k] - before.position[k]
-        mean[k] = (before.acceleration[k] + end.acceleration[k]) / 2
-    first = motion_product(moving, before.velocity, before.velocity)
-    last = motion_product(moving, kept.velocity, kept.velocity)
-    return (last - first) / 2 - motion_product(moving, way, mean)  # Eq. (D10)
-
-
-@compiled
-def film_work(
-    forces: FilmForces, before: np.ndarray, position: np.ndarray, rubbing: float
-) -> float:
-    """Return the work of the film on both bodies over a step, with its forces at the end [J].
-
     Eq. (D11):  W = Q . (q_1 - q_0) + h (axial power)
 
-    Without a film that stores energy this is minus what the film turns into heat.
+    The last part of e is the work of all forces by the trapezoidal rule, springs' exactly; e falls
+    with the third power of the step in smooth motion. W is the work of the film with its forces at
+    the end. If the film stores no energy, -W is what it turns into heat.
 
     Parameters
     ----------
-    forces : FilmForces
-    before, position : ndarray, shape (n,)
-        At both ends of the step.
-    rubbing : float
-        Work along the bore's axis [J].
+    before, kept, end : Motion
+        At the start; at the end, as the next step starts from it and as the equations hold.
+    momenta : Momenta
+    push : ndarray, shape (n,)
+        Generalised forces Q of all films [N], [N m], [kg^-1/2 N].
+    driven, elastic : float
+        Work along the bore's axis, energy of all modes [J].
     """
-    push = by_coordinate(forces)
-    work = rubbing
-    for k in range(len(position)):
-        work += push[k] * (position[k] - before[k])  # Eq. (D11)
-    return work
+    first = 0.0
+    last = 0.0
+    moving = 0.0
+    by_forces = 0.0
+    work = driven
+    for k in range(len(push)):
+        way = end.position[k] - before.position[k]
+        work += push[k] * way  # Eq. (D11)
+        by_forces += way * momenta.mean[k]
+        first += before.velocity[k] * momenta.before[k]
+        last += kept.velocity[k] * momenta.kept[k]
+        moving += kept.velocity[k] * momenta.moving[k]
+    error = (last - first) / 2 - by_forces  # Eq. (D10)
+    return EnergyLedger(moving / 2, elastic, work, error, driven, last / 2)
 
 
 @compiled
-def other_forces(moving: MovingBodies, acceleration: np.ndarray, forces: FilmForces) -> np.ndarray:
-    """Compute all forces on the motion across the bore except the film's, from its acceleration.
+def other_forces(inertia_force: np.ndarray, push: np.ndarray) -> np.ndarray:
+    """Compute all forces on the motion across the bore except the film's, shape (n,).
 
-    They are forces of springs, damping, gas, pin and rod. If `moving` holds the rod's inertia
-    against x_A'', that part is omitted.
+    They are forces of springs, damping, gas, pin and rod. The part that the rod's inertia needs is
+    omitted.
 
     Eq. (D15):  O = M q'' - Q
-
-    Parameters
-    ----------
-    moving : MovingBodies
-    acceleration : ndarray, shape (n,)
-        As the equations of motion hold.
-    forces : FilmForces
-        Q.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        [N], [N m], [kg^-1/2 N].
     """
-    body = moving.body
-    rigid = moving.rigid
-    a = acceleration
-    push = by_coordinate(forces)
-    out = np.empty(len(a))
-    # Eq. (D15), with M of Eq. (D9); modes that follow statically have none
-    out[LATERAL] = rigid.mass * a[LATERAL] - rigid.moment * a[ROCKING] - push[LATERAL]
-    out[ROCKING] = rigid.inertia * a[ROCKING] - rigid.moment * a[LATERAL] - push[ROCKING]
-    for k in range(RIGID, len(a)):
-        out[k] = -push[k]
-    for k in range(len(body.stiffness)):
-        m = RIGID + k
-        out[LATERAL] += body.T[X, k] * a[m]
-        out[ROCKING] += body.g[k] * a[m]
-        out[m] += a[m] + body.T[X, k] * a[LATERAL] + body.g[k] * a[ROCKING]
-    for k in range(moving.block, moving.block + len(moving.block_stiffness)):
-        out[k] += a[k]
+    out = np.empty(len(push))
+    for k in range(len(out)):
+        out[k] = inertia_force[k] - push[k]  # Eq. (D15)
     return out

@@ -73,6 +73,21 @@ class PinFilms(NamedTuple):
 
 
 @compilable
+def no_film(shapes: int) -> PinResultants:
+    """Return no forces, on so many shapes of the pin."""
+    return PinResultants(np.zeros(2), 0.0, 0.0, np.zeros((shapes, 2)))
+
+
+@compilable
+def no_films(first: Layout) -> PinFilms:
+    """Return films without forces."""
+    pin = no_film((first.eye - first.shapes) // 2)
+    on_shells = np.zeros(first.crank - first.eye)
+    on_modes = np.zeros(first.shapes - first.modes)
+    return PinFilms(pin, pin, on_modes, on_shells, on_shells, no_film(0), no_film(0))
+
+
+@compilable
 def on_rod(films: PinFilms) -> float:
     """Return the moments of the films on the rod about the axes of its shells [N m]."""
     return films.eye.on_shell + films.big_end.on_shell

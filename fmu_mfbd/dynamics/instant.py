@@ -15,11 +15,12 @@ from ..geometry.film import (
 from .carrier import carried
 from .energy import (
     EnergyLedger,
+    Momenta,
     MovingBodies,
     elastic_energy,
-    energy_error,
-    film_work,
-    motion_product,
+    energy_ledger,
+    mean_acceleration,
+    momentum,
     other_forces,
 )
 from .floating_frame import in_frame
@@ -35,7 +36,14 @@ from .piston_motion import (
     lateral_motion,
 )
 from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
-from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
+from .skirt_films import (
+    AxialMotion,
+    SkirtFilms,
+    by_coordinate,
+    forces_by_film,
+    skirt_films,
+    together,
+)
 from .slider_crank import carried_mass, height, motion
 from .system import BodySystem, OtherForces, StepProblem
 
@@ -149,22 +157,21 @@ def end_of_step(
     films = skirt_films(system, guided, forces, parts, axial_velocity, end.position, end.velocity)
     with_rod = _moving_bodies(system, carried_mass(mechanism))
     axial_power = film_forces.axial * axial_velocity + films.on_slopes * guided.velocity
-    axial_work = c.step * axial_power
-    ledger = EnergyLedger(
-        kinetic=motion_product(moving, kept.velocity, kept.velocity) / 2,
-        elastic=elastic_energy(moving, end.position),
-        film_work=film_work(film_forces, before.position, end.position, axial_work),
-        error=energy_error(with_rod, before, kept, end),
-        axial_work=axial_work,
-        accounted=motion_product(with_rod, kept.velocity, kept.velocity) / 2,
+    by_film = by_coordinate(film_forces)
+    momenta = Momenta(
+        momentum(with_rod, before.velocity),
+        momentum(with_rod, kept.velocity),
+        momentum(with_rod, mean_acceleration(before, end)),
+        momentum(moving, kept.velocity),
     )
+    elastic = elastic_energy(moving, end.position)
     return Instant(
         end=end,
         kept=kept,
         auxiliary=predicted.auxiliary,
-        ledger=ledger,
-        other_forces=other_forces(with_rod, end.acceleration, film_forces),
-        next_other_forces=other_forces(with_rod, kept.acceleration, film_forces),
+        ledger=energy_ledger(before, kept, end, momenta, by_film, c.step * axial_power, elastic),
+        other_forces=other_forces(momentum(with_rod, end.acceleration), by_film),
+        next_other_forces=other_forces(momentum(with_rod, kept.acceleration), by_film),
         guided=guided.height,
         load=load,
         side_force=-film_forces.lateral,

@@ -19,6 +19,7 @@ from .modal_damping import modal_springs
 from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
+from .pin_response import PinResponse
 from .piston_motion import LATERAL, RIGID, ROCKING
 from .slider_crank import CrankMotion
 from .state import PistonState, motion_of, step_coefficients
@@ -373,12 +374,8 @@ class PistonInBore:
             By output.
         """
         model, last = self.model, self._last
-        if self._common is None and not self.pins:
-            self._common = linearised(model, last)
-            self.jacobian_evaluations += 1
         seeds = _stacked(Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins))
-        common = cast(Linearisation, self._common)  # pins need none
-        found = response_to(model, last, common, seeds, carried)
+        found = self._response(seeds, carried)
         change = found.change
         products = {
             **by_film(self.films, "film_thickness", change.film_thickness),
@@ -396,6 +393,14 @@ class PistonInBore:
             products["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
             products["force_on_deck"] = 0.0
         return products
+
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
+        """Return the change of films and motion with forces and the block's motion (4,)."""
+        if self._common is None and not self.pins:
+            self._common = linearised(self.model, self._last)
+            self.jacobian_evaluations += 1
+        common = cast(Linearisation, self._common)  # pins need none
+        return response_to(self.model, self._last, common, seeds, carried)
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
         """Return the change of film thickness with a bore's deflection from outside, by output.

@@ -26,7 +26,7 @@ from ..geometry.pin import (
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
-from .floating_pin import PinFilms
+from .floating_pin import PinFilms, no_film
 from .generalised_alpha import Motion
 from .pin_coordinates import Layout, PinBodies, layout, of_shapes
 from .pin_shells import (
@@ -57,7 +57,7 @@ class PinSystem(NamedTuple):
     surfaces : ndarray
         Films of pin and crank, a block of `geometry.pin_surfaces`.
     inertia, with_rod : ndarray, shape (n, n)
-        `pin_inertia.inertia` and `inertia_with_rod`; (0, 0) if the pin is tied.
+        `pin_tangent.inertia` without and with the rod; (0, 0) if the pin is tied.
     """
 
     system: BodySystem
@@ -102,12 +102,6 @@ def added(one: PinResultants, other: PinResultants) -> PinResultants:
         one.on_shell + other.on_shell,
         shapes,
     )
-
-
-@compilable
-def no_film(shapes: int) -> PinResultants:
-    """Return the resultants of an absent film, 0."""
-    return PinResultants(np.zeros(2), 0.0, 0.0, np.zeros((shapes, 2)))
 
 
 class OnModes(NamedTuple):

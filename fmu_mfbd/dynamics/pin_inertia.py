@@ -1,14 +1,12 @@
-"""Inertia and elastic energy of a piston on a floating pin."""
+"""Elastic energy of a piston on a floating pin, and the motion that each coordinate gives."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
-from .floating_frame import X, Y
+from ...master.fmi.compiled import compilable
 from .pin_coordinates import NOWHERE, PIN, Layout, PinBodies, layout
 from .piston_motion import LATERAL, ROCKING
-from .slider_crank import carried_mass
 
 
 @compilable
@@ -76,74 +74,3 @@ def way_of(first: Layout, j: int) -> UnitMotion:
         mode=j - first.modes if first.modes <= j < first.shapes else NOWHERE,
         shell_mode=j - first.eye if first.eye <= j < first.crank else NOWHERE,
     )
-
-
-@compilable
-def _coupled(piston, a, b):
-    """Return rows of rotation and modes of Eq. (D22) for a pair of coordinates."""
-    total = a.rocking * (piston.S[X] * b.y - piston.S[Y] * b.x)
-    if b.mode >= 0:
-        total += a.rocking * piston.g[b.mode]
-        total += a.x * piston.T[X, b.mode] + a.y * piston.T[Y, b.mode]
-    return total
-
-
-@compiled
-def inertia(bodies: PinBodies) -> np.ndarray:
-    """Return M of the motion across the bore and of the pin in its shells.
-
-    Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
-                                     bore as its big end, at rest without play in it; each shape
-                                     and the shells' modes by their own mass
-
-    Driven motion along the bore is none of it, as with a pin that is tied, nor is the rod.
-    """
-    piston = bodies.piston
-    first = layout(bodies)
-    out = np.empty((first.size, first.size))
-    for i in range(first.size):
-        a = way_of(first, i)
-        for j in range(first.size):
-            b = way_of(first, j)
-            # Eq. (D22)
-            both = _coupled(piston, a, b) + _coupled(piston, b, a)
-            out[i, j] = piston.mass * (a.x * b.x + a.y * b.y) + both
-            out[i, j] += bodies.mechanism.pin_mass * (a.pin_x * b.pin_x + a.pin_y * b.pin_y)
-    out[ROCKING, ROCKING] += piston.I0
-    out[PIN.spin, PIN.spin] += bodies.spin_inertia
-    for k in range(first.modes, first.shapes):
-        out[k, k] += 1.0
-    n = len(bodies.shapes.mass)
-    for k in range(n):
-        for way in range(2):
-            m = first.shapes + way * n + k
-            out[m, m] += bodies.shapes.mass[k]
-    for k in range(first.eye, first.eye + len(bodies.shells.stiffness)):
-        out[k, k] += 1.0
-    return out
-
-
-@compiled
-def inertia_with_rod(bodies: PinBodies) -> np.ndarray:
-    """Compute M of `inertia` with the rod that swings with its eye (Eqs. (K12), (K16)).
-
-    It includes the motion of rod and crank due to play at the crank.
-
-    Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
-    """
-    out = inertia(bodies)
-    mechanism = bodies.mechanism
-    first = layout(bodies)
-    swung = carried_mass(mechanism)
-    for i in range(first.size):
-        a = way_of(first, i)
-        for j in range(first.size):
-            b = way_of(first, j)
-            out[i, j] += swung * (a.eye * b.eye)
-            # Eq. (D35)
-            both = mechanism.rod_centre * (a.eye * b.shift_x + b.eye * a.shift_x)
-            shifted = a.shift_x * b.shift_x + a.shift_y * b.shift_y
-            out[i, j] += mechanism.rod_mass * (shifted + both)
-            thrown = a.journal_x * b.journal_x + a.journal_y * b.journal_y
-            out[i, j] += bodies.crank.mass * thrown
-    return out

@@ -14,7 +14,7 @@ from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
 from .block_force import BlockForce, all_on_block
 from .elimination import LUFactors, factorise, substitute
-from .energy import EnergyLedger
+from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_pin import (
     PinFilms,
     PinImbalance,
@@ -267,37 +267,6 @@ def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def scalar_product(a: np.ndarray, b: np.ndarray) -> float:
-    """Return a . b, by a loop."""
-    total = 0.0
-    for k in range(len(a)):
-        total += a[k] * b[k]
-    return total
-
-
-@compilable
-def _ledger(of, before, kept, end, forces, driven):
-    """Return the energies as in `energy`, by the inertia of Eqs. (D22), (D35)."""
-    n = len(end.position)
-    way = np.empty(n)
-    mean = np.empty(n)
-    for k in range(n):
-        way[k] = end.position[k] - before.position[k]
-        mean[k] = (before.acceleration[k] + end.acceleration[k]) / 2
-    first = scalar_product(before.velocity, product(of.with_rod, before.velocity))
-    last = scalar_product(kept.velocity, product(of.with_rod, kept.velocity))
-    moving = scalar_product(kept.velocity, product(of.inertia, kept.velocity))
-    return EnergyLedger(
-        kinetic=moving / 2,
-        elastic=elastic_energy(of.bodies, kept.position),
-        film_work=scalar_product(forces, way) + driven,  # Eq. (D11)
-        error=(last - first) / 2 - scalar_product(way, product(of.with_rod, mean)),  # Eq. (D10)
-        axial_work=driven,
-        accounted=last / 2,
-    )
-
-
-@compilable
 def _widened(surfaces, first, position, k):
     """Return the changes of diameter of the shell of film k, 0 without this film."""
     if k < 0:
@@ -378,15 +347,6 @@ def _axial_motion(mechanism, first, end, crank):
 
 
 @compilable
-def _other_forces(of, acceleration, films):
-    """Return all forces on the motion across the bore but the films' (Eq. (D15))."""
-    out = product(of.with_rod, acceleration)
-    for k in range(len(out)):
-        out[k] -= films[k]  # Eq. (D15)
-    return out
-
-
-@compilable
 def _block_force(mechanism, first, load, end, axial, films, lack):
     """Return the forces on the block.
 
@@ -461,14 +421,21 @@ def end_of_pin_step(
     driven += _along_crank(films, crank, on_pins.rod_turning)
     pushes = PistonForces(skirt.lateral, skirt.axial, skirt.moment, on_modes)
     all_forces = generalised_forces(at, films, pushes)
+    momenta = Momenta(
+        product(of.with_rod, before.velocity),
+        product(of.with_rod, kept.velocity),
+        product(of.with_rod, mean_acceleration(before, end)),
+        product(of.inertia, kept.velocity),
+    )
+    elastic = elastic_energy(bodies, kept.position)
     return PinInstant(
         Instant(
             end=end,
             kept=kept,
             auxiliary=carried,
-            ledger=_ledger(of, before, kept, end, all_forces, c.step * driven),
-            other_forces=_other_forces(of, end.acceleration, all_forces),
-            next_other_forces=_other_forces(of, kept.acceleration, all_forces),
+            ledger=energy_ledger(before, kept, end, momenta, all_forces, c.step * driven, elastic),
+            other_forces=other_forces(product(of.with_rod, end.acceleration), all_forces),
+            next_other_forces=other_forces(product(of.with_rod, kept.acceleration), all_forces),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,

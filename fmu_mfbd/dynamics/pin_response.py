@@ -7,6 +7,7 @@ import numpy as np
 from ...master.fmi.compiled import compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
+from .carrier import FIXED
 from .elimination import substitute
 from .floating_pin import PistonForces, pushed
 from .generalised_alpha import Motion
@@ -14,7 +15,7 @@ from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
 from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
 from .pin_instant import reach_of
 from .piston_motion import LATERAL, ROCKING
-from .response import Response, StepEnd
+from .response import Response, StepEnd, load_change
 from .skirt_films import Change, forces_by_film, skirt_changes, together
 from .slider_crank import motion
 from .system import RingForce
@@ -70,13 +71,9 @@ def respond_pin(
     mechanism = bodies.mechanism
     by = on_modes_of(of.surfaces, at, forces)
     films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
-    arm = system.pin_offset + end.position[LATERAL]
-    changes = PistonForces(
-        skirt.lateral + rings.lateral,
-        skirt.axial + rings.axial,
-        skirt.moment + rings.moment - rings.axial * arm,  # Eq. (D8)
-        total(skirt.piston, by.on_piston),
-    )
+    change = load_change(system, skirt, rings, total(skirt.piston, by.on_piston), FIXED)
+    moment = change.moment + change.guided * end.position[LATERAL]
+    changes = PistonForces(change.lateral, change.axial, moment, change.modal)
     link = motion(mechanism, eye_motion(at, end), crank)
     right = pushed(at, link, films, changes)
     # Eq. (D23)
@@ -102,9 +99,7 @@ def respond_pin(
             moved.velocity[ROCKING],
             rising,
             acceleration,
-            skirt.lateral + rings.lateral,
-            skirt.axial + rings.axial,
-            skirt.moment + rings.moment - rings.axial * system.pin_offset,
+            change,
         ),
         on_pins.film_thickness,
         on_pins.sliding_velocity,

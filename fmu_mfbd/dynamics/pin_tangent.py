@@ -2,15 +2,17 @@
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
+from ...master.fmi.compiled import compilable, compiled
 from ..geometry.pin import across, in_axes, in_space, pair
+from .carrier import FIXED
 from .floating_frame import RIGID as FRAME
 from .floating_frame import TURN, FlexibleBody, FrameMotion, X, Y, frame_arrow, mode_coupling
-from .floating_pin import PinFilms, PinImbalance, on_rod
+from .floating_pin import PinFilms, PinImbalance, imbalance, no_films, on_rod
 from .generalised_alpha import Motion
-from .pin_coordinates import COORDINATES, PIN, PinBodies, layout
+from .pin_coordinates import COORDINATES, PIN, Crankshaft, PinBodies, layout
 from .pin_inertia import way_of
 from .piston_motion import LATERAL, ROCKING, Load
+from .slider_crank import CrankMotion, Mechanism
 
 
 @compilable
@@ -222,3 +224,55 @@ def _frame_tangent(
             out[FRAME + i, FRAME + j] = coupling[i, j]
         out[FRAME + i, FRAME + i] += modal.diagonal[i]
     return out
+
+
+@compiled
+def inertia(bodies: PinBodies, of_rod: float) -> np.ndarray:
+    """Return M of the motion across the bore and of the pin in its shells.
+
+    Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
+                                     bore as its big end, at rest without play in it; each shape
+                                     and the shells' modes by their own mass
+    Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
+
+    With the rod, it swings with its eye (Eqs. (K12), (K16)), and rod and crank move by the play at
+    the crank. Driven motion along the bore is none of it, as with a pin that is tied.
+
+    Parameters
+    ----------
+    bodies : PinBodies
+    of_rod : float
+        Share of the masses of rod and crank that counts: 0 or 1.
+    """
+    rod, crank = bodies.mechanism, bodies.crank
+    upright = PinBodies(
+        bodies.piston,
+        Mechanism(
+            rod.crank_radius,
+            rod.rod_length,
+            0.0,
+            of_rod * rod.rod_mass,
+            of_rod * rod.rod_inertia,
+            rod.rod_centre,
+            rod.pin_mass,
+            rod.friction,
+        ),
+        bodies.spin_inertia,
+        bodies.shapes,
+        bodies.shells,
+        Crankshaft(
+            crank.big_end,
+            crank.main_bearing,
+            of_rod * crank.mass,
+            crank.unbalance,
+            crank.big_end_modes,
+            crank.main_bearing_modes,
+        ),
+    )
+    first = layout(bodies)
+    none = np.zeros(first.size)
+    still = Motion(none, none, none)
+    load = Load(0.0, 0.0, 0.0, 0.0, np.zeros(first.shapes - first.modes), FIXED)
+    films = no_films(first)
+    lack = imbalance(upright, load, still, CrankMotion(0.0, 0.0, 0.0), films)
+    return tangent(upright, load, still, films, lack, none, none)  # Eqs. (D22), (D35)

@@ -6,13 +6,12 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.arrays import Matrix
-from ..geometry.film import NodalForces
-from .carrier import carried
+from ..geometry.film import FilmForces, NodalForces
+from .carrier import Carrier, carried
 from .elimination import LUFactors
 from .floating_frame import Arrow, in_frame, mode_coupling
 from .generalised_alpha import Coefficients, Motion
 from .instant import Instant
-from .pin_friction import friction_moment
 from .piston_motion import (
     LATERAL,
     RIGID,
@@ -63,8 +62,8 @@ def step_end(
     return StepEnd(c, now.guided, now.load, motion, crank, factors)
 
 
-class LinearisedMotion(NamedTuple):
-    """The piston's motion at the end of a step, linearised.
+class Linearisation(NamedTuple):
+    """The piston's motion at the end of a step, linearised: what all directions share.
 
     Parameters
     ----------
@@ -75,12 +74,6 @@ class LinearisedMotion(NamedTuple):
         dY/dx_A [-].
     axial_velocity_slope : float
         Change of A's velocity along y with x_A [1/s].
-    arm : float
-        Of A from the bore's axis, pin offset + x_A [m].
-    rod_slope : float
-        dpsi/dx_A [1/m].
-    friction_x, friction_y : float
-        Change of the pin's friction moment with the pin force [m].
     x_by_lateral, y_by_lateral : float
         Change of A's acceleration in the body frame with x_A'' [-].
     x_by_rocking, y_by_rocking, spin_by_rocking : float
@@ -93,10 +86,6 @@ class LinearisedMotion(NamedTuple):
     coupling: Matrix
     slope: float
     axial_velocity_slope: float
-    arm: float
-    rod_slope: float
-    friction_x: float
-    friction_y: float
     x_by_lateral: float
     y_by_lateral: float
     x_by_rocking: float
@@ -108,7 +97,7 @@ class LinearisedMotion(NamedTuple):
 
 
 @compiled
-def linearise(system: BodySystem, last: StepEnd) -> LinearisedMotion:
+def linearise(system: BodySystem, last: StepEnd) -> Linearisation:
     """Return the piston's motion linearised about the end of a step."""
     piston = system.piston
     mechanism = system.mechanism
@@ -117,27 +106,19 @@ def linearise(system: BodySystem, last: StepEnd) -> LinearisedMotion:
     c2 = last.coefficients.to_position
     lateral = lateral_motion(now)
     angle = now.position[ROCKING]
-    slip = now.velocity[ROCKING]
-    w = slip + load.carrier.w
-    pin = imbalance(piston, mechanism, load, now, crank)
+    w = now.velocity[ROCKING] + load.carrier.w
     link = motion(mechanism, lateral, crank)
-    rod = link.rod
-    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
     added = carried(mechanism, load.carrier, lateral, crank)
     across = lateral.acceleration + added.x
     ax, ay = in_frame(across, link.axial_acceleration + added.y, angle)
     alpha = now.acceleration[ROCKING] + load.carrier.alpha
     axial = link.axial_by_acceleration + c1 * link.axial_by_velocity + c2 * link.axial_by_position
     x, y = in_frame(1.0, axial, angle)
-    return LinearisedMotion(
+    return Linearisation(
         arrow=tangent(piston, mechanism, load, now, crank, c1, c2),
         coupling=mode_coupling(piston, alpha, w, c1, c2),
         slope=link.slope,
         axial_velocity_slope=link.axial_by_velocity / 2,
-        arm=system.pin_offset + lateral.position,
-        rod_slope=rod.slope,
-        friction_x=friction.by_x,
-        friction_y=friction.by_y,
         x_by_lateral=x,
         y_by_lateral=y,
         x_by_rocking=c2 * ay,
@@ -160,8 +141,8 @@ class Response(NamedTuple):
         [m/s], [rad/s], [m/s]
     acceleration : ndarray, shape (2 + k,)
         Of the piston's moving coordinates [m/s2], [rad/s2], [kg^1/2 m/s2].
-    lateral, axial, moment : float
-        Of films and rings on the piston, the moment about A [N], [N m].
+    load : Load
+        Of the films and rings on the piston, and of the motion of the block.
     """
 
     film_thickness: np.ndarray
@@ -170,19 +151,81 @@ class Response(NamedTuple):
     rocking_velocity: float
     piston_velocity: float
     acceleration: np.ndarray
-    lateral: float
-    axial: float
-    moment: float
+    load: Load
+
+
+@compilable
+def load_change(
+    system: BodySystem, films: FilmForces, rings: RingForce, modal: np.ndarray, carrier: Carrier
+) -> Load:
+    """Return the change of the load on the piston with films, rings and the block's motion."""
+    return Load(
+        films.lateral + rings.lateral,
+        films.axial + rings.axial,
+        films.moment + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
+        -rings.axial,
+        modal,
+        carrier,
+    )
+
+
+@compiled
+def loaded(load: Load, change: Load, s: float) -> Load:
+    """Return a load a share s along a change."""
+    own, more = load.carrier, change.carrier
+    modal = np.empty(len(load.modal))
+    for k in range(len(modal)):
+        modal[k] = load.modal[k] + s * change.modal[k]
+    carrier = Carrier(
+        own.ax + s * more.ax, own.ay + s * more.ay, own.alpha + s * more.alpha, own.w + s * more.w
+    )
+    return Load(
+        load.lateral + s * change.lateral,
+        load.axial + s * change.axial,
+        load.moment + s * change.moment,
+        load.guided + s * change.guided,
+        modal,
+        carrier,
+    )
+
+
+@compiled
+def _largest(change):
+    """Return the size of a change of load, by its largest number."""
+    size = max(abs(change.lateral), abs(change.axial), abs(change.moment), abs(change.guided))
+    for one in change.carrier:
+        size = max(size, abs(one))
+    for one in change.modal:
+        size = max(size, abs(one))
+    return max(size, 1e-300)
+
+
+@compiled
+def _right_side(system, last, change):
+    """Return dQ of Eq. (D7) on the piston's moving coordinates.
+
+    Eq. (D19):  dQ = (R(-s) - R(s))/(2 s),    R of Eq. (D5) along the change of the load and of the
+                block's motion, s such that the largest number changes by 1 (SI units): only the
+                friction of the pin is not linear or square, and smaller by its force squared
+    """
+    size = _largest(change)
+    up = loaded(last.load, change, 1 / size)
+    down = loaded(last.load, change, -1 / size)
+    right = imbalance(system.piston, system.mechanism, down, last.now, last.crank).residual
+    above = imbalance(system.piston, system.mechanism, up, last.now, last.crank).residual
+    for k in range(len(right)):
+        right[k] = (right[k] - above[k]) * (size / 2)  # Eq. (D19)
+    return right
 
 
 @compiled
 def response(
     system: BodySystem,
-    guided: float,
-    linear: LinearisedMotion,
+    last: StepEnd,
+    linear: Linearisation,
     forces: NodalForces,
     rings: RingForce,
-    carried_force: np.ndarray,
+    carrier: Carrier,
 ) -> Response:
     """Return the change of film and motion at the end of a step with the forces there.
 
@@ -193,24 +236,25 @@ def response(
     Parameters
     ----------
     system : BodySystem
-    guided : float
-        Height at which the bore is read [m].
-    linear : LinearisedMotion
+    last : StepEnd
+    linear : Linearisation
     forces : NodalForces
         Direction, stacked [N].
     rings : RingForce
         Direction.
-    carried_force : ndarray, shape (2 + k,)
-        What else changes dQ: the block's motion.
+    carrier : Carrier
+        Direction of the motion of a mounted block.
 
     Returns
     -------
     Response
     """
-    film_forces = together(forces_by_film(system, guided, forces))
-    acceleration = solve_coupled(  # Eq. (D7)
-        linear.arrow, linear.coupling, _right_side(linear, film_forces, rings, carried_force)
-    )
+    film_forces = together(forces_by_film(system, last.guided, forces))
+    moving = len(system.piston.stiffness)
+    change = load_change(system, film_forces, rings, film_forces.piston[:moving], carrier)
+    # Eq. (D7)
+    right = _right_side(system, last, change)
+    acceleration = solve_coupled(linear.arrow, linear.coupling, right)
     lateral = acceleration[LATERAL]
     axial_slope = (
         linear.to_velocity * linear.slope + linear.to_position * linear.axial_velocity_slope
@@ -218,7 +262,7 @@ def response(
     rising = axial_slope * lateral
     piston = _piston_change(system, linear, acceleration, film_forces.piston)
     block = _block_change(system, linear, film_forces.block)
-    films = skirt_changes(system, guided, rising, piston, block)
+    films = skirt_changes(system, last.guided, rising, piston, block)
     return Response(
         films.film_thickness,
         films.sliding_velocity,
@@ -226,31 +270,8 @@ def response(
         piston.velocity[ROCKING],
         rising,
         acceleration,
-        film_forces.lateral + rings.lateral,
-        film_forces.axial + rings.axial,
-        film_forces.moment + rings.moment - rings.axial * system.pin_offset,
+        change,
     )
-
-
-@compiled
-def _right_side(linear, forces, rings, carried_force):
-    """Return dQ of Eq. (D7) on the piston's moving coordinates.
-
-    The pin carries what film and rings do not. The block's motion adds to it.
-    """
-    lateral = forces.lateral + rings.lateral
-    axial = forces.axial + rings.axial
-    moment = forces.moment + rings.moment - rings.axial * linear.arm  # Eq. (D8)
-    rubbing = -linear.friction_x * lateral - linear.friction_y * axial
-    modes = len(linear.arrow.diagonal)
-    right = np.empty(RIGID + modes)
-    right[LATERAL] = lateral + linear.slope * axial - linear.rod_slope * rubbing
-    right[ROCKING] = moment + rubbing
-    for k in range(modes):
-        right[RIGID + k] = forces.piston[k]
-    for k in range(len(right)):
-        right[k] += carried_force[k]
-    return right
 
 
 @compiled
@@ -286,7 +307,7 @@ def _block_change(system, linear, force):
 
 
 @compiled
-def ridden(linear: LinearisedMotion, lateral: float, rocking: float) -> FrameAcceleration:
+def ridden(linear: Linearisation, lateral: float, rocking: float) -> FrameAcceleration:
     """Return the change of the frame's motion with changes of its accelerations.
 
     These are x_A'' [m/s2] and the angular acceleration [rad/s2].

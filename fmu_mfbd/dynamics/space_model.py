@@ -4,18 +4,19 @@ It shifts along the pin, rolls and yaws in addition to the motion in the plane o
 five equations are in plain numpy.
 """
 
+from collections.abc import Iterable
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..geometry.film import NodalForces, film_now, opening, sliding
-from ..geometry.pin import PinForces
+from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
-from .energy import EnergyLedger
+from .carrier import FIXED
+from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import Inertia, limit_memory
 from .instant import Instant, load_of
-from .model import NOT_CARRIED, Inputs, PistonInBore, by_film
+from .model import Inputs, PistonInBore
 from .motion_in_space import (
     COORDINATES,
     IN_SPACE,
@@ -34,20 +35,23 @@ from .motion_in_space import (
     with_pin,
 )
 from .pin_instant import PinInstant
+from .pin_response import PinResponse
 from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
+from .response import Response, load_change
 from .skirt_films import (
     AxialMotion,
+    Change,
     FilmParts,
     SkirtFilms,
     forces_by_film,
-    part_of,
+    skirt_changes,
+    skirt_films,
     together,
     window_of,
-    work_error,
 )
 from .slider_crank import CrankMotion, height, motion
 from .step import StepInputs, StepResult, tied
-from .system import NO_RINGS, RingForce, StepProblem
+from .system import StepProblem
 
 PASSES = 60
 """Most iterations of Newton's method; four are usual."""
@@ -156,9 +160,16 @@ class PistonInSpace(PistonInBore):
 
         now = height(system.mechanism, end.position[LATERAL], crank.angle)
         axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
-        on_grids = self._films(guided, nodal, parts, axial_velocity, end)
+        on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
         driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
         films = np.array([skirt.lateral, skirt.moment, *across])
+        M = self.with_rod
+        momenta = Momenta(
+            M @ before.velocity,
+            M @ kept.velocity,
+            M @ mean_acceleration(before, end),
+            self.inertia @ kept.velocity,
+        )
         lack = solved.lack
         pin_x, pin_y = lack.on_piston
         rod = motion(system.mechanism, lateral_motion(end), crank).rod
@@ -166,9 +177,9 @@ class PistonInSpace(PistonInBore):
             end=end,
             kept=kept,
             auxiliary=carried,
-            ledger=self._ledger(before, kept, end, films, driven),
-            other_forces=self.with_rod @ end.acceleration - films,  # Eq. (D15)
-            next_other_forces=self.with_rod @ kept.acceleration - films,
+            ledger=energy_ledger(before, kept, end, momenta, films, driven, 0.0),
+            other_forces=other_forces(M @ end.acceleration, films),  # Eq. (D15)
+            next_other_forces=other_forces(M @ kept.acceleration, films),
             guided=guided.height,
             load=plane,
             side_force=-skirt.lateral,
@@ -188,6 +199,7 @@ class PistonInSpace(PistonInBore):
     def _films(
         self,
         guided: AxialMotion,
+        forces: NodalForces,
         nodal: list[NodalForces],
         parts: FilmParts,
         axial_velocity: float,
@@ -195,38 +207,22 @@ class PistonInSpace(PistonInBore):
     ) -> SkirtFilms:
         """Return all films of the skirt at the end of a step."""
         shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
-        gaps = []
-        velocities = []
+        position, velocity = end.position[:RIGID], end.velocity[:RIGID]
+        flat = skirt_films(self.system, guided, forces, parts, axial_velocity, position, velocity)
+        sides = self._space.levers
+        slid = [side.sliding * shifting[ROLL - SHIFT] for side in sides]
         errors = []
-        on_slopes = 0.0
-        for k, surface in enumerate(self.film_surfaces):
-            side, own = self._space.levers[k], nodal[k]
-            film = film_now(
-                surface.skirt,
-                surface.bore,
-                window_of(surface, guided.height),
-                own,
-                axial_velocity,
-                guided.velocity,
-                end.position[:RIGID],
-                end.velocity[:RIGID],
-            )
-            slid = side.sliding * shifting[ROLL - SHIFT]
-            gaps.append((film.film_thickness + side.opening(shift)).ravel())
-            velocities.append((film.sliding_velocity + slid).ravel())
-            on_grid = own.pressure * side.opening(shifting) + own.friction * slid
+        for side, own, sliding, error in zip(sides, nodal, slid, flat.work_error):
+            on_grid = own.pressure * side.opening(shifting) + own.friction * sliding
             work = side.forces(own) * shifting
             size = np.abs(on_grid).sum() + np.abs(work).sum()
-            film = film._replace(
-                power=film.power + float(on_grid.sum() - work.sum()),
-                power_size=film.power_size + float(size),
-            )
-            part = part_of(parts, k)
-            in_plane = end.velocity[:RIGID]
-            errors.append(work_error(part, film, axial_velocity, guided.velocity, in_plane))
-            on_slopes += film.axial_force
+            apart = abs(on_grid.sum() - work.sum())
+            errors.append(max(error, apart / size if size else 0.0))
         return SkirtFilms(
-            np.concatenate(gaps), np.concatenate(velocities), np.array(errors), on_slopes
+            flat.film_thickness + on_cells(side.opening(shift) for side in sides),
+            flat.sliding_velocity + on_cells(slid),
+            np.array(errors),
+            flat.on_slopes,
         )
 
     def _nodal(self, forces: NodalForces) -> list[NodalForces]:
@@ -311,24 +307,6 @@ class PistonInSpace(PistonInBore):
             )
             limit_memory(rigid, begun, ended, carried[pair], step)
 
-    def _ledger(
-        self, before: Motion, kept: Motion, end: Motion, films: np.ndarray, driven: float
-    ) -> EnergyLedger:
-        """Return the energies as in `energy`, by the inertia of Eq. (D28)."""
-        M = self.with_rod
-        way = end.position - before.position
-        mean = (before.acceleration + end.acceleration) / 2
-        first = float(before.velocity @ M @ before.velocity)
-        last = float(kept.velocity @ M @ kept.velocity)
-        return EnergyLedger(
-            kinetic=float(kept.velocity @ self.inertia @ kept.velocity) / 2,
-            elastic=0.0,
-            film_work=float(films @ way) + driven,  # Eq. (D11)
-            error=(last - first) / 2 - float(way @ M @ mean),  # Eq. (D10)
-            axial_work=driven,
-            accounted=last / 2,
-        )
-
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return the outputs of a piston in its plane, and those across it."""
         now = result.instant.now
@@ -343,39 +321,21 @@ class PistonInSpace(PistonInBore):
         scalars = SpaceScalars._make([*motion, *held, *across])
         return super()._outputs(result) | on_block._asdict() | scalars._asdict()
 
-    def directional_derivative(
-        self,
-        pressure_force: np.ndarray,
-        friction_force: np.ndarray,
-        rings: RingForce = NO_RINGS,
-        carried: np.ndarray = NOT_CARRIED,
-        *,
-        pins: tuple[PinForces, ...] = (),
-    ) -> dict[str, np.ndarray | float]:
-        """Return the change of outputs with the forces at the end of the last step.
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
+        """Return the change of the skirt's films and of the motion with forces.
 
         Eq. (D29):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D27)
 
-        Parameters
-        ----------
-        pressure_force, friction_force, rings
-            As of a piston in its plane.
-        carried, pins
-            Of no effect: the block does not move, and the pin is tied.
+        The block does not move, and the pin is tied.
         """
         c, solved, crank, guided, sides = self._space
         load, end = solved.load, solved.end
         system = self.system
-        forces = NodalForces(np.ravel(pressure_force), np.ravel(friction_force))
-        skirt = together(forces_by_film(system, guided, forces))
-        nodal = self._nodal(forces)
-        change = SpaceLoad(
-            lateral=skirt.lateral + rings.lateral,
-            axial=skirt.axial + rings.axial,
-            moment=skirt.moment + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
-            guided=-rings.axial,
-            across=np.sum([side.forces(one) for side, one in zip(sides, nodal)], axis=0),
-        )
+        skirt = together(forces_by_film(system, guided, seeds.skirt))
+        across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
+        plane = load_change(system, skirt, seeds.rings, NO_MODES, FIXED)
+        rigid = plane.lateral, plane.axial, plane.moment, plane.guided
+        change = SpaceLoad(*rigid, across=np.sum(across, axis=0))
         if self._inverse is None:
             self._inverse = np.linalg.inv(
                 tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
@@ -387,19 +347,20 @@ class PistonInSpace(PistonInBore):
         speed = c.to_velocity * acceleration
         link = motion(system.mechanism, lateral_motion(end), crank)
         rising = link.slope * speed[LATERAL] + link.axial_by_velocity / 2 * place[LATERAL]
-        gaps = []
-        velocities = []
-        for surface, side in zip(self.film_surfaces, sides):
-            window = window_of(surface, guided)
-            parts = surface.skirt, surface.bore, window
-            gap = opening(*parts, place[LATERAL], place[ROCKING], NO_MODES, NO_MODES)
-            slid = sliding(*parts, rising, speed[ROCKING], NO_MODES, NO_MODES)
-            gaps.append((gap + side.opening(place[IN_SPACE])).ravel())
-            velocities.append((slid + side.sliding * speed[ROLL]).ravel())
-        return {
-            **by_film(self.films, "film_thickness", np.concatenate(gaps)),
-            **by_film(self.films, "sliding_velocity", np.concatenate(velocities)),
-            "lateral_velocity": speed[LATERAL],
-            "rocking_velocity": speed[ROCKING],
-            "piston_velocity": rising,
-        }
+        in_plane = Change(place[:RIGID], speed[:RIGID])
+        flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
+        found = Response(
+            flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
+            flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),
+            speed[LATERAL],
+            speed[ROCKING],
+            rising,
+            acceleration,
+            plane,
+        )
+        return PinResponse(found, NO_MODES, NO_MODES)
+
+
+def on_cells(fields: Iterable[np.ndarray]) -> np.ndarray:
+    """Return fields of all surfaces, stacked."""
+    return np.concatenate([field.ravel() for field in fields])

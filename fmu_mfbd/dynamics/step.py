@@ -6,13 +6,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.arrays import Matrix
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
 from .account import EnergyAccount, account
-from .block_force import BlockForce, by_carrier, carried_force, force_at
-from .carrier import FIXED, Carrier
+from .block_force import BlockForce, force_at
+from .carrier import Carrier, carrier_from
 from .drive import Scalars, demand_of, moved_inertia, others_of, scalars_of
 from .elimination import no_factors
 from .instant import Instant, end_of_step
@@ -22,7 +21,7 @@ from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
 from .piston_motion import RIGID, imbalance
-from .response import LinearisedMotion, StepEnd, linearise, response, step_end
+from .response import Linearisation, StepEnd, linearise, response, step_end
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, crank_of, state_at
@@ -327,24 +326,10 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
 # ---- derivatives at its end
 
 
-class Linearisation(NamedTuple):
-    """Data that all directions of a derivative of a tied pin share.
-
-    by_carrier : of a mounted block, `block_force.by_carrier`.
-    """
-
-    linear: LinearisedMotion
-    by_carrier: Matrix
-
-
 @compilable
 def linearised(model: BodyModel, last: StepEnd) -> Linearisation:
     """Return what the derivatives of a tied pin share."""
-    system = model.parts.system
-    columns = np.zeros((len(FIXED), 0))
-    if model.mounted:
-        columns = by_carrier(system, last)
-    return Linearisation(linearise(system, last), columns)
+    return linearise(model.parts.system, last)
 
 
 @compilable
@@ -362,9 +347,7 @@ def response_to(
     system = model.parts.system
     if has_pins(model):
         return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins)
-    on_piston = np.zeros(RIGID + len(system.piston.stiffness))
-    if model.mounted:
-        on_piston = carried_force(common.by_carrier, carried)
     none = np.zeros(0)
-    found = response(system, last.guided, common.linear, seeds.skirt, seeds.rings, on_piston)
+    carrier = carrier_from(carried)
+    found = response(system, last, common, seeds.skirt, seeds.rings, carrier)
     return PinResponse(found, none, none)

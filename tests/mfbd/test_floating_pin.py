@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, pla
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES, PIN
-from piston_cosim.fmu_mfbd.dynamics.pin_inertia import inertia
+from piston_cosim.fmu_mfbd.dynamics.pin_tangent import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
@@ -134,10 +134,10 @@ def test_rows_of_shapes_and_shells_by_hand():
     s, v, a = (one[COORDINATES:] for one in now)
     wanted = a * [3, 3, 1, 1] + v * [2, 2, 2, 0.5] + s * [7, 7, 7, 11] - [*push, *push]
     np.testing.assert_allclose(found.residual[COORDINATES:], wanted, rtol=1e-12)
-    M = inertia(own)
+    M = inertia(own, 0.0)
     assert np.array_equal(M[COORDINATES:, COORDINATES:], np.diag([3.0, 3.0, 1.0, 1.0]))
     assert not M[COORDINATES:, :COORDINATES].any()
-    assert np.array_equal(M[:COORDINATES, :COORDINATES], inertia(plain))
+    assert np.array_equal(M[:COORDINATES, :COORDINATES], inertia(plain, 0.0))
 
 
 def test_modes_of_a_standing_engine_yield_by_their_springs():
@@ -194,7 +194,7 @@ def test_inertia_of_modes_by_hand():
     """Eq. (D22): a mode alone, with the piston's shift along either axis, and with its turning."""
     model = yielding_model()
     piston, *_ = yielding_bodies()
-    M = inertia(model.bodies)
+    M = inertia(model.bodies, 0.0)
     assert np.array_equal(M, M.T)
     np.testing.assert_allclose(M[7:, 7:], np.eye(MODES))
     np.testing.assert_allclose(M[LATERAL, 7:], piston.T[0])
