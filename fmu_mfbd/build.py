@@ -40,7 +40,6 @@ from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     SMALL_END,
     Anatomy,
-    BossFilms,
     MeshProperties,
     ReducedBlock,
     ReducedBody,
@@ -270,12 +269,12 @@ def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
     )
 
 
-def boss_films(build: Build | Bodies) -> BossFilms | None:
+def boss_films(build: Build | Bodies) -> ShellFilm | None:
     """Return the films in the bosses of a flexible piston, else None."""
     pin = build.floating_pin
     if pin is None or not pin.boss_modes:
         return None
-    return BossFilms(pin.grid, pin.boss_length, pin.boss_modes)
+    return ShellFilm(pin.grid, pin.boss_length, pin.boss_modes)
 
 
 def reduced_bodies(
@@ -412,7 +411,7 @@ def _check_own(
         )
 
 
-def _check_bosses(path: Path, films: BossFilms) -> None:
+def _check_bosses(path: Path, films: ShellFilm) -> None:
     """Raise ValueError unless a user's piston has its modes in the bosses on the films' grid."""
     around, along, _ = load(ReducedBosses, path).boss_outward.shape[1:]
     if (around, along) != films.grid:

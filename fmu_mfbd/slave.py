@@ -199,7 +199,7 @@ class Mfbd(FieldSlave):
             float(values["land_pressure"]),
             self._pins(values),
             Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
-            _deflection(values),
+            np.asarray(values.get(BORE, np.zeros((0, 0)))),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),
             float(values["piston_temperature"]),
@@ -221,11 +221,6 @@ class Mfbd(FieldSlave):
 def _taken(kind: type[Kind], values: dict[str, Any]) -> Kind:
     """Return the parameters of a class."""
     return kind(**{name: values[name] for name in vars(kind())})
-
-
-def _deflection(values: dict[str, Any]) -> np.ndarray:
-    """Return the deflection of a bore from outside [m], (0, 0) for another bore."""
-    return np.asarray(values.get(BORE, np.zeros((0, 0))))
 
 
 def _rings(values: dict[str, Any]) -> RingForce:

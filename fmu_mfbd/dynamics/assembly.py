@@ -236,7 +236,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     bodies = PinBodies(
         system.piston,
         system.mechanism,
-        pin_spin_inertia(p.pin_mass, radius, p.pin_inertia),
+        p.pin_inertia if p.pin_inertia > 0.0 else p.pin_mass * radius**2 / 2,
         AxisShapes(none, none, none, none, none),
         modal_springs(setup.shell_omega, p),
         Crankshaft(
@@ -391,12 +391,6 @@ def with_shapes(
         for one, z, relief, long in each
     ]
     return (*of_pin, *films[len(of_pin) :])
-
-
-@compilable
-def pin_spin_inertia(mass: float, radius: float, given: float) -> float:
-    """Return the inertia of a pin about its axis [kg m2]; default: solid cylinder."""
-    return given if given > 0.0 else mass * radius**2 / 2
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:

@@ -10,13 +10,11 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import count_of, surface_at
 from .account import EnergyAccount
-from .carrier import Carrier
 from .floating_frame import FlexibleBody
-from .gas_on_bore import WallPressures
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion, LateralMotion, PistonLoad, motion, side_force_demand
-from .system import BodySystem, OtherForces, RingForce
+from .system import BodySystem, OtherForces
 
 
 class Scalars(NamedTuple):
@@ -108,23 +106,6 @@ class Scalars(NamedTuple):
         "Change of the film thickness on the skirt with piston_temperature and bore_temperature",
         1e-5,
     ]
-
-
-@compilable
-def others_of(
-    gas_area: float,
-    pressure: float,
-    crankcase_pressure: float,
-    rings: RingForce,
-    land_pressure: float,
-    carrier: Carrier,
-) -> OtherForces:
-    """Return the forces other than those of film and pin, with gas area [m2] and pressures [Pa].
-
-    Eq. (K29):  G = A_b (p - p_c)    p on the crown, p_c below the piston, A_b area of the bore
-    """
-    gas = gas_area * (pressure - crankcase_pressure)  # Eq. (K29)
-    return OtherForces(gas, rings, WallPressures(pressure, land_pressure), carrier)
 
 
 @compilable

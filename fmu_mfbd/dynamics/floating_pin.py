@@ -332,27 +332,16 @@ def imbalance(
     return PinImbalance(residual, on_piston, above_eye, torque, on_bearings, at, force)
 
 
-class PistonForces(NamedTuple):
-    """Forces on the piston other than the pin's, or changes of them.
-
-    They act along x and y [N], about A [N m], and on its modes (k,) [kg^-1/2 N].
-    """
-
-    lateral: float
-    axial: float
-    moment: float
-    modal: np.ndarray
-
-
 @compilable
-def generalised_forces(first: Layout, films: PinFilms, on_piston: PistonForces) -> np.ndarray:
+def generalised_forces(first: Layout, films: PinFilms, on_piston: Load) -> np.ndarray:
     """Return the generalised forces, but for what they do along the driven motion.
 
     Parameters
     ----------
     first : Layout
     films : PinFilms
-    on_piston : PistonForces
+    on_piston : Load
+        Of others than the pin.
 
     Returns
     -------
@@ -384,7 +373,7 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: PistonForces) 
 
 
 @compilable
-def pushed(first: Layout, link: Link, films: PinFilms, on_piston: PistonForces) -> np.ndarray:
+def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Load) -> np.ndarray:
     """Return what changes of the forces add to the residual of Eq. (D21), shape (7 + k + 2 n,).
 
     Parameters
@@ -393,7 +382,8 @@ def pushed(first: Layout, link: Link, films: PinFilms, on_piston: PistonForces) 
     link : Link
     films : PinFilms
         Changes.
-    on_piston : PistonForces
+    on_piston : Load
+        Of others than the pin.
         Changes.
     """
     along = on_piston.axial

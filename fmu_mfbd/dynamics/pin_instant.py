@@ -13,12 +13,12 @@ from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
 from .block_force import BlockForce, all_on_block
+from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_pin import (
     PinFilms,
     PinImbalance,
-    PistonForces,
     generalised_forces,
     imbalance,
     on_rod,
@@ -149,13 +149,6 @@ class PinInstant(NamedTuple):
     scalars: PinScalars
     factors: LUFactors
     on_block: BlockForce
-
-
-@compilable
-def _along_crank(films, crank, rod_turning):
-    """Return the power of the films on what the crank drives [W]."""
-    on_crank = films.big_end.on_pin + films.main_bearing.on_pin
-    return on_rod(films) * rod_turning + on_crank * crank.speed
 
 
 # ---- a step
@@ -418,8 +411,9 @@ def end_of_pin_step(
     on_pins = pin_films(of, forces, end, crank)
     films = found.films
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
-    driven += _along_crank(films, crank, on_pins.rod_turning)
-    pushes = PistonForces(skirt.lateral, skirt.axial, skirt.moment, on_modes)
+    driven += on_rod(films) * on_pins.rod_turning  # and on what the crank drives
+    driven += (films.big_end.on_pin + films.main_bearing.on_pin) * crank.speed
+    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, on_modes, FIXED)
     all_forces = generalised_forces(at, films, pushes)
     momenta = Momenta(
         product(of.with_rod, before.velocity),

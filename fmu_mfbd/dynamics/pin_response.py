@@ -9,12 +9,12 @@ from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from .carrier import FIXED
 from .elimination import substitute
-from .floating_pin import PistonForces, pushed
+from .floating_pin import pushed
 from .generalised_alpha import Motion
 from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
 from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
 from .pin_instant import reach_of
-from .piston_motion import LATERAL, ROCKING
+from .piston_motion import LATERAL, ROCKING, Load
 from .response import Response, StepEnd, load_change
 from .skirt_films import Change, forces_by_film, skirt_changes, together
 from .slider_crank import motion
@@ -73,7 +73,7 @@ def respond_pin(
     films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
     change = load_change(system, skirt, rings, total(skirt.piston, by.on_piston), FIXED)
     moment = change.moment + change.guided * end.position[LATERAL]
-    changes = PistonForces(change.lateral, change.axial, moment, change.modal)
+    changes = Load(change.lateral, change.axial, moment, 0.0, change.modal, FIXED)
     link = motion(mechanism, eye_motion(at, end), crank)
     right = pushed(at, link, films, changes)
     # Eq. (D23)

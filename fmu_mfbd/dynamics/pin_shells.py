@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import PIN_SURFACES, ShapeMotion, across, axes_of, in_axes, pair, turned
+from ..geometry.pin import PIN_SURFACES, ModeMotion, across, axes_of, in_axes, pair, turned
 from .generalised_alpha import Motion
 from .pin_coordinates import (
     PIN,
@@ -34,7 +34,7 @@ class Shell(NamedTuple):
         Of the pin's axis from the shell's, in space [m], [m/s].
     own_turning, turning : float
         chi' of the shell, phi' - chi' of the pin in it [rad/s].
-    bent : ShapeMotion
+    bent : ModeMotion
         Of the pin, in space; no shapes of a journal of the crank, which stays parallel.
     """
 
@@ -43,7 +43,7 @@ class Shell(NamedTuple):
     velocity: np.ndarray
     own_turning: float
     turning: float
-    bent: ShapeMotion
+    bent: ModeMotion
 
     def own_place(self) -> np.ndarray:
         """Return d of Eq. (H6) [m]."""
@@ -62,7 +62,7 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
             pair(velocity[PIN.boss_x], velocity[PIN.boss_y]),
             velocity[ROCKING],
             velocity[PIN.spin] - velocity[ROCKING],
-            ShapeMotion(of_shapes(first, position), of_shapes(first, velocity)),
+            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
         )
     eye = eye_motion(first, now)
     rod = motion(mechanism, eye, crank).rod
@@ -76,9 +76,9 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
             pair(velocity[PIN.eye_x], velocity[PIN.eye_y]),
             rod.velocity,
             velocity[PIN.spin] - rod.velocity,
-            ShapeMotion(of_shapes(first, position), of_shapes(first, velocity)),
+            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
         )
-    parallel = ShapeMotion(np.zeros((0, 2)), np.zeros((0, 2)))
+    parallel = ModeMotion(np.zeros((0, 2)), np.zeros((0, 2)))
     if k == _big_end(first):
         at = first.big_end
         place = play_at(at, position)
@@ -120,11 +120,11 @@ def own_velocity(shell: Shell) -> np.ndarray:
 
 
 @compilable
-def own_bent(shell: Shell) -> ShapeMotion:
+def own_bent(shell: Shell) -> ModeMotion:
     """Return tilt and bending of the pin in the axes of the shell."""
     bent = shell.bent
     still = np.zeros(bent.position.shape)
-    return ShapeMotion(
+    return ModeMotion(
         turned_back(shell, still, bent.position, 0.0),
         turned_back(shell, bent.position, bent.velocity, shell.own_turning),
     )

@@ -21,7 +21,6 @@ from .floating_frame import (
     TURN,
     Arrow,
     FlexibleBody,
-    FrameForce,
     FrameMotion,
     X,
     Y,
@@ -271,7 +270,8 @@ def tangent(
     dx = c + s * axial  # dA''/dx_A'' in the body frame
     dy = -s + c * axial
     rows = _by_coordinates(frame.top, dx, dy, at.frame.ax, at.frame.ay, c2)
-    _turn_with_frame(rows, force, c2)
+    rows[X, ROCKING] -= c2 * force.y  # the force turns with the frame
+    rows[Y, ROCKING] += c2 * force.x
 
     slip_by_lateral = -c1 * rod.slope - c2 * rod.velocity_slope
     top = np.empty((RIGID, len(now.position)))
@@ -298,13 +298,6 @@ def tangent(
     )
     left = _by_coordinates(frame.left, dx, dy, at.frame.ax, at.frame.ay, c2)
     return Arrow(top, left, frame.diagonal)
-
-
-@compiled
-def _turn_with_frame(rows, force: FrameForce, c2):
-    """Add the rotation of the force with the frame."""
-    rows[X, ROCKING] -= c2 * force.y
-    rows[Y, ROCKING] += c2 * force.x
 
 
 @compiled

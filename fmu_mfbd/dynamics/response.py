@@ -11,7 +11,6 @@ from .carrier import Carrier, carried
 from .elimination import LUFactors
 from .floating_frame import Arrow, in_frame, mode_coupling
 from .generalised_alpha import Coefficients, Motion
-from .instant import Instant
 from .piston_motion import (
     LATERAL,
     RIGID,
@@ -52,16 +51,6 @@ class StepEnd(NamedTuple):
     factors: LUFactors
 
 
-@compilable
-def step_end(
-    c: Coefficients, now: Instant, crank: CrankMotion, moving: int, factors: LUFactors
-) -> StepEnd:
-    """Return what is kept of a step's end, of so many coordinates."""
-    position, velocity, acceleration = now.end
-    motion = Motion(position[:moving], velocity[:moving], acceleration[:moving])
-    return StepEnd(c, now.guided, now.load, motion, crank, factors)
-
-
 class Linearisation(NamedTuple):
     """The piston's motion at the end of a step, linearised: what all directions share.
 
@@ -78,8 +67,6 @@ class Linearisation(NamedTuple):
         Change of A's acceleration in the body frame with x_A'' [-].
     x_by_rocking, y_by_rocking, spin_by_rocking : float
         Change of the same [m] and of w^2 [-] with the angular acceleration.
-    step, to_velocity, to_position : float
-        As of `Coefficients`.
     """
 
     arrow: Arrow
@@ -91,9 +78,6 @@ class Linearisation(NamedTuple):
     x_by_rocking: float
     y_by_rocking: float
     spin_by_rocking: float
-    step: float
-    to_velocity: float
-    to_position: float
 
 
 @compiled
@@ -124,9 +108,6 @@ def linearise(system: BodySystem, last: StepEnd) -> Linearisation:
         x_by_rocking=c2 * ay,
         y_by_rocking=-c2 * ax,
         spin_by_rocking=2 * w * c1,
-        step=last.coefficients.step,
-        to_velocity=c1,
-        to_position=c2,
     )
 
 
@@ -256,12 +237,10 @@ def response(
     right = _right_side(system, last, change)
     acceleration = solve_coupled(linear.arrow, linear.coupling, right)
     lateral = acceleration[LATERAL]
-    axial_slope = (
-        linear.to_velocity * linear.slope + linear.to_position * linear.axial_velocity_slope
-    )
-    rising = axial_slope * lateral
-    piston = _piston_change(system, linear, acceleration, film_forces.piston)
-    block = _block_change(system, linear, film_forces.block)
+    c = last.coefficients
+    rising = (c.to_velocity * linear.slope + c.to_position * linear.axial_velocity_slope) * lateral
+    piston = _piston_change(system, c, linear, acceleration, film_forces.piston)
+    block = _block_change(system, c, film_forces.block)
     films = skirt_changes(system, last.guided, rising, piston, block)
     return Response(
         films.film_thickness,
@@ -275,56 +254,49 @@ def response(
 
 
 @compiled
-def _piston_change(system, linear, acceleration, force):
+def _piston_change(system, c, linear, acceleration, force):
     """Return the changes of the piston's coordinates, static modes included.
 
     They follow from changes of accelerations and modal forces.
     """
     moving = len(system.piston.stiffness)
-    out = _changes(linear, acceleration, RIGID + len(force))
-    ride = ridden(linear, acceleration[LATERAL], acceleration[ROCKING])
+    out = _changes(c, acceleration, RIGID + len(force))
+    lateral, rocking = acceleration[LATERAL], acceleration[ROCKING]
+    ride = FrameAcceleration(
+        linear.x_by_lateral * lateral + linear.x_by_rocking * rocking,
+        linear.y_by_lateral * lateral + linear.y_by_rocking * rocking,
+        rocking,
+        linear.spin_by_rocking * rocking,
+    )
     q = static_coordinates(system.piston_static, force[moving:], ride)
     before = np.zeros(len(out.position))
-    follow(out.position, out.velocity, before, q, RIGID + moving, linear.step)
+    follow(out.position, out.velocity, before, q, RIGID + moving, c.step)
     return out
 
 
 @compiled
-def _block_change(system, linear, force):
+def _block_change(system, c, force):
     """Return the changes of all coordinates of the block with its modal forces."""
     block = system.block
     moving = len(block.stiffness)
     acceleration = np.empty(moving)
     for k in range(moving):
-        damper = linear.to_velocity * block.damping[k]
-        spring = linear.to_position * block.stiffness[k]
-        inertia = 1 + damper + spring
+        inertia = 1 + c.to_velocity * block.damping[k] + c.to_position * block.stiffness[k]
         acceleration[k] = force[k] / inertia
-    out = _changes(linear, acceleration, len(force))
+    out = _changes(c, acceleration, len(force))
     q = static_coordinates(system.block_static, force[moving:], STILL)
-    follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, linear.step)
+    follow(out.position, out.velocity, np.zeros(len(out.position)), q, moving, c.step)
     return out
 
 
 @compiled
-def ridden(linear: Linearisation, lateral: float, rocking: float) -> FrameAcceleration:
-    """Return the change of the frame's motion with changes of its accelerations.
-
-    These are x_A'' [m/s2] and the angular acceleration [rad/s2].
-    """
-    x = linear.x_by_lateral * lateral + linear.x_by_rocking * rocking
-    y = linear.y_by_lateral * lateral + linear.y_by_rocking * rocking
-    return FrameAcceleration(x, y, rocking, linear.spin_by_rocking * rocking)
-
-
-@compiled
-def _changes(linear, acceleration, size):
+def _changes(c, acceleration, size):
     """Return the changes of positions and velocities at the end of a step with accelerations there.
 
     They have zeros up to `size`.
     """
     out = Change(np.zeros(size), np.zeros(size))
     for k in range(len(acceleration)):
-        out.position[k] = linear.to_position * acceleration[k]
-        out.velocity[k] = linear.to_velocity * acceleration[k]
+        out.position[k] = c.to_position * acceleration[k]
+        out.velocity[k] = c.to_velocity * acceleration[k]
     return out

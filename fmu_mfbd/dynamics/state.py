@@ -86,12 +86,6 @@ def motion_of(state: PistonState) -> Motion:
 
 
 @compilable
-def crank_of(state: PistonState) -> CrankMotion:
-    """Return the motion of the crank."""
-    return CrankMotion(state.crank_angle, state.crank_speed, state.crank_acceleration)
-
-
-@compilable
 def step_coefficients(state: PistonState, step: float, spectral_radius: float) -> Coefficients:
     """Return the coefficients of a step [s] that starts from a state."""
     if state.steps < FIRST_STEPS:

@@ -12,8 +12,10 @@ from ..geometry.surfaces import pins_of
 from .account import EnergyAccount, account
 from .block_force import BlockForce, force_at
 from .carrier import Carrier, carrier_from
-from .drive import Scalars, demand_of, moved_inertia, others_of, scalars_of
+from .drive import Scalars, demand_of, moved_inertia, scalars_of
 from .elimination import no_factors
+from .gas_on_bore import WallPressures
+from .generalised_alpha import Motion
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
@@ -21,10 +23,10 @@ from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
 from .piston_motion import RIGID, imbalance
-from .response import Linearisation, StepEnd, linearise, response, step_end
+from .response import Linearisation, StepEnd, linearise, response
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
-from .state import PistonState, crank_of, state_at
+from .state import PistonState, state_at
 from .system import OtherForces, RingForce, StepProblem
 from .tables import GasTable, gas_pressure
 from .thermal_growth import Radii, growth_work, thermal_opening
@@ -187,7 +189,8 @@ def crank_after(model: BodyModel, state: PistonState, step: float, speed: float)
     if len(model.speed.at) > 0:
         return crank_motion(model.speed, state.crank_angle, state.time, step)
     if model.settings.crank_free == 0.0:
-        return driven(crank_of(state), step, speed)
+        now = CrankMotion(state.crank_angle, state.crank_speed, state.crank_acceleration)
+        return driven(now, step, speed)
     # Eq. (K8)
     before = state.crank_acceleration
     after = before + step * state.crank_jerk
@@ -205,19 +208,17 @@ def is_gas_twice(model: BodyModel, inputs: StepInputs) -> bool:
 
 @compilable
 def others_at(model: BodyModel, inputs: StepInputs, crank: CrankMotion) -> OtherForces:
-    """Return the forces other than those of films, with the gas of input and table."""
+    """Return the forces other than those of films, with the gas of input and table.
+
+    Eq. (K29):  G = A_b (p - p_c)    p on the crown, p_c below the piston, A_b area of the bore
+    """
     source = model.settings.gas_source
     pressure = 0.0 if source == GAS.table else inputs.gas_pressure
     if len(model.gas.angle) > 0 and source != GAS.input:
         pressure += gas_pressure(model.gas, crank.angle)
-    return others_of(
-        model.gas_area,
-        pressure,
-        inputs.crankcase_pressure,
-        inputs.rings,
-        inputs.land_pressure,
-        inputs.carrier,
-    )
+    gas = model.gas_area * (pressure - inputs.crankcase_pressure)  # Eq. (K29)
+    walls = WallPressures(pressure, inputs.land_pressure)
+    return OtherForces(gas, inputs.rings, walls, inputs.carrier)
 
 
 @compilable
@@ -266,7 +267,9 @@ def result_of(
     moving = RIGID + len(system.piston.stiffness)  # derivatives of a tied pin need the piston alone
     if has_pins(model):
         moving = len(now.end.position)
-    last = step_end(step.coefficients, now, crank, moving, instant.factors)
+    position, velocity, acceleration = now.end
+    motion = Motion(position[:moving], velocity[:moving], acceleration[:moving])
+    last = StepEnd(step.coefficients, now.guided, now.load, motion, crank, instant.factors)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:

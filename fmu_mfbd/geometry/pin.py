@@ -36,14 +36,10 @@ class ShellModes(NamedTuple):
 
 
 class ModeMotion(NamedTuple):
-    """Modal coordinates and velocities of a shell, (k,)."""
+    """Modal coordinates of a shell (k,), or coordinates of a pin's shapes along x and y (n, 2) [m].
 
-    position: np.ndarray
-    velocity: np.ndarray
-
-
-class ShapeMotion(NamedTuple):
-    """Coordinates of a pin's n shapes along x and y [m], and velocities [m/s], each (n, 2)."""
+    And their velocities.
+    """
 
     position: np.ndarray
     velocity: np.ndarray
@@ -408,7 +404,7 @@ def power_on_grid(
     velocity: np.ndarray,
     turning: float,
     yielding: ModeMotion,
-    bent: ShapeMotion,
+    bent: ModeMotion,
 ) -> FilmPower:
     """Return the power of the film on pin and shell as the sum over its cells.
 
@@ -428,7 +424,7 @@ def power_on_grid(
         w [rad/s].
     yielding : ModeMotion
         Modal motion of a shell with modes.
-    bent : ShapeMotion
+    bent : ModeMotion
         Motion of a pin with shapes, in the axes of the shell; d is then d_j of Eq. (H11).
 
     Returns

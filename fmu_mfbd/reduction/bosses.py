@@ -11,7 +11,7 @@ from ..geometry.pin import shell_angles
 from .bases import Elastic, of_unit_energy, pressure_modes
 from .geometry import OUT_OF_ROUND
 from .interpolation import covered, directed, interpolation
-from .reduced_body import BossFilms
+from .reduced_body import ShellFilm
 
 SURFACE = "pin_bore"
 """Surface of the mesh that contains both bosses."""
@@ -44,7 +44,7 @@ class Shells(NamedTuple):
         return sp.vstack([side.outward for side in self.sides], format="csr")
 
 
-def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
+def boss_readings(mesh: Mesh, position: np.ndarray, films: ShellFilm) -> Shells:
     """Return the readings of both bosses of a mesh on the grids of their films.
 
     A film begins where its boss begins, seen from z = 0.
@@ -55,7 +55,7 @@ def boss_readings(mesh: Mesh, position: np.ndarray, films: BossFilms) -> Shells:
         With a surface `pin_bore`.
     position : ndarray, shape (n, 3)
         Its nodes from pin point A, with the pin's axis along z [m].
-    films : BossFilms
+    films : ShellFilm
 
     Raises
     ------

@@ -34,13 +34,13 @@ from .geometry import block_faults, pin_bore, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import (
     Anatomy,
-    BossFilms,
     MeshProperties,
     MissingShapes,
     ReducedBlock,
     ReducedBody,
     ReducedBosses,
     ReducedPiston,
+    ShellFilm,
 )
 from .smooth_prior import (
     ALONG,
@@ -120,7 +120,7 @@ class FilmSide(NamedTuple):
     there: np.ndarray
     training: FilmLoads | None
     bosses: Shells | None = None
-    boss_films: BossFilms | None = None
+    boss_films: ShellFilm | None = None
 
 
 class Basis(NamedTuple):
@@ -185,7 +185,7 @@ def reduce_piston(
     progress: Say = print,
     factors: Factorise = factorise,
     training: Training | None = None,
-    bosses: BossFilms | None = None,
+    bosses: ShellFilm | None = None,
 ) -> Reduced:
     """Reduce a piston to mass properties, modes and their values on the skirt grid.
 
@@ -202,7 +202,7 @@ def reduce_piston(
         Factorises a matrix (`solver`).
     training : Training, optional
         Forces for the basis `trained`.
-    bosses : BossFilms, optional
+    bosses : ShellFilm, optional
         Films in the bosses, for which modes are added.
 
     Raises

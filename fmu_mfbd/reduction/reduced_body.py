@@ -28,22 +28,10 @@ def offset_faults(bore: float, radius: float, pin_offset: float) -> list[str]:
     ]
 
 
-class BossFilms(NamedTuple):
-    """Films in both bosses.
-
-    grid : cells around and along the pin. length : along the pin [m]. modes : number of the
-    piston's modes that are selected for these films.
-    """
-
-    grid: tuple[int, int]
-    length: float
-    modes: int
-
-
 class ShellFilm(NamedTuple):
-    """Film in a shell, such as the eye of the rod.
+    """Film in a shell, such as the eye of the rod, or films in both bosses.
 
-    grid : cells around and along it. length : along its axis [m]. modes : number of modes.
+    grid : cells around and along it. length : along its axis [m]. modes : number of modes for it.
     """
 
     grid: tuple[int, int]

@@ -21,7 +21,6 @@ from ..body_options import Block, Piston
 from ..options import RoundShell, SmallEnd
 from .film_loads import Training
 from .reduced_body import (
-    BossFilms,
     ReducedShell,
     ShellFilm,
     ShellKind,
@@ -58,7 +57,7 @@ def kept_body(
     folder: Path | str,
     progress: Say = print,
     training: Training | None = None,
-    bosses: BossFilms | None = None,
+    bosses: ShellFilm | None = None,
     shapes: bool = True,
 ) -> Path:
     """Return the path of a reduced body's .npz: shipped, cached in `folder`, or reduced now.
@@ -78,7 +77,7 @@ def kept_body(
     progress : callable
     training : Training, optional
         Forces for the basis `trained`. The key contains the forces, not the path of their file.
-    bosses : BossFilms, optional
+    bosses : ShellFilm, optional
         Films in a piston's bosses.
     shapes : bool
         Whether the file must contain mode shapes on the mesh. Shipped files do not.
@@ -110,7 +109,7 @@ def kept_body(
 
 
 def _decided(
-    options: Piston | Block, grid: Grid, training: Training | None, bosses: BossFilms | None
+    options: Piston | Block, grid: Grid, training: Training | None, bosses: ShellFilm | None
 ) -> dict[str, Any]:
     """Return what determines a reduced body besides the code."""
     later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}

@@ -10,7 +10,7 @@ from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault
 from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
-from piston_cosim.fmu_mfbd.reduction.reduced_body import BossFilms
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 
 from .conftest import mean_held
 
@@ -32,7 +32,7 @@ def test_displacements_that_are_known_are_read(pipe):
     """A shift, a turn about the pin and a widening, by hand: linear fields are exact on ten-node
     faces, but for the faces' bend between a cell and the mesh, (pi/64)^4/8 and less.
     """
-    films = BossFilms(GRID, 16e-3, 0)
+    films = ShellFilm(GRID, 16e-3, 0)
     found = boss_readings(pipe, pipe.points, films)
     assert found.radius == pytest.approx(INNER, rel=1e-12)
     np.testing.assert_allclose(found.sides[1].stations, 4e-3 + 2e-3 * (np.arange(8) + 0.5))
@@ -64,7 +64,7 @@ def test_modes_for_bosses_answer_smooth_pressure(pipe):
     """A half-sine of pressure in both bosses, along them as well; what 10, 20 and 40 shapes miss
     falls with each doubling.
     """
-    films = BossFilms(GRID, 16e-3, 0)
+    films = ShellFilm(GRID, 16e-3, 0)
     found = boss_readings(pipe, pipe.points, films)
     elastic = mean_held(assembled(pipe, YOUNG, POISSON, 1.0), "pin_bore")
     a = shell_angles(GRID[0])
@@ -85,11 +85,11 @@ def test_modes_for_bosses_answer_smooth_pressure(pipe):
 
 def test_a_film_longer_than_its_boss_and_a_boss_that_is_not_there_are_told(pipe):
     with pytest.raises(MeshFault, match="boss_length = 18 mm begins where it does"):
-        boss_readings(pipe, pipe.points, BossFilms(GRID, 18e-3, 0))
+        boss_readings(pipe, pipe.points, ShellFilm(GRID, 18e-3, 0))
     z = pipe.points[pipe.faces["pin_bore"][:, :3], 2].mean(axis=1)
     one = Mesh(pipe.points, pipe.tets, {"pin_bore": pipe.faces["pin_bore"][z > 0]})
     with pytest.raises(MeshFault, match="'pin_bore': expected faces at z < 0, got none"):
-        boss_readings(one, one.points, BossFilms(GRID, 16e-3, 0))
+        boss_readings(one, one.points, ShellFilm(GRID, 16e-3, 0))
     beside = pipe.points + [1e-3, 0.0, 0.0]
     with pytest.raises(MeshFault, match="beside a cylinder about the pin's axis"):
-        boss_readings(pipe, beside, BossFilms(GRID, 16e-3, 0))
+        boss_readings(pipe, beside, ShellFilm(GRID, 16e-3, 0))

@@ -21,7 +21,6 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     ModeMotion,
     PinForces,
     PinResultants,
-    ShapeMotion,
     diameters,
     modal_push,
     opening_of,
@@ -100,7 +99,7 @@ def test_a_shell_that_yields_by_hand():
     np.testing.assert_allclose(slope_push(surface, push), [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
     # pressure stands where the mode has no displacement, friction acts against u_t = sin 90 deg
     np.testing.assert_allclose(modal_push(surface, forces), [-5.0], atol=1e-14)
-    none, straight = np.zeros(2), ShapeMotion(PARALLEL, PARALLEL)
+    none, straight = np.zeros(2), ModeMotion(PARALLEL, PARALLEL)
     still = power_on_grid(surface, forces, none, none, 30.0, ModeMotion(q, 0 * q), straight)
     turned_by = -7.0 * 2 * 4 / np.pi * 3e-6 * 30.0
     assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
