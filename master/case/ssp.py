@@ -140,7 +140,7 @@ def _structure(tree, system, version):
         _component(elements, participant, wired | set(_scalars(participant)))
     joined = SubElement(top, _q("ssd:Connections"))
     for c in system.wires:
-        for index in [""] if _has_arrays(system.participants[c.source[0]]) else _indices(c.shape):
+        for index in _indices(system.participants[c.source[0]], c.shape):
             SubElement(
                 joined,
                 _q("ssd:Connection"),
@@ -249,13 +249,11 @@ def _binding(parent, name):
     SubElement(bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{name}.ssv"})
 
 
-def _indices(shape):
-    """Return the suffixes of an array's scalars; one empty suffix for a scalar."""
-    return (
-        [f"[{','.join(str(k + 1) for k in index)}]" for index in np.ndindex(*shape)]
-        if shape
-        else [""]
-    )
+def _indices(participant, shape):
+    """Return the suffixes of an array's scalars; one empty suffix for one variable."""
+    if not shape or _has_arrays(participant):
+        return [""]
+    return [f"[{','.join(str(k + 1) for k in index)}]" for index in np.ndindex(*shape)]
 
 
 def _component(parent, participant, names):
@@ -271,7 +269,7 @@ def _component(parent, participant, names):
     connectors = SubElement(node, _q("ssd:Connectors"))
     for name in sorted(names):
         field = participant.fields[name]
-        for index in [""] if _has_arrays(participant) else _indices(field.shape):
+        for index in _indices(participant, field.shape):
             _connector(connectors, participant, field, name + index)
     _binding(node, participant.name)
 

@@ -493,28 +493,17 @@ def monitors(case, system):
     ]
 
 
-def split(spent, whole):
-    """Return the summary entries of time [s]: those in `spent`, and the rest as acceleration."""
-    return {
-        f"wall_time_{name}_s": seconds
-        for name, seconds in (spent | {"acceleration": whole - sum(spent.values())}).items()
-    }
-
-
 def summarise(account, control, wall_time):
     """Return the summary of a finished run.
 
     Only `explicit` coupling accepts steps that have not converged.
     """
     counters = account.counters
-    controlled = (
-        {
-            "rejected_steps": counters.rejected_steps,
-            "inaccurate_smallest_steps": control.at_smallest,
-        }
-        if control
-        else {}
-    )
+    controlled = {}
+    if control:
+        controlled["rejected_steps"] = counters.rejected_steps
+        controlled["inaccurate_smallest_steps"] = control.at_smallest
+    spent = account.spent | {"acceleration": wall_time - sum(account.spent.values())}
     return {
         "steps": counters.steps,
         "unconverged_steps": counters.unconverged_steps,
@@ -526,7 +515,7 @@ def summarise(account, control, wall_time):
         "jacobian_evaluations": counters.jacobian_evaluations,
         "derivative_products": counters.derivative_products,
         "wall_time_s": wall_time,
-        **split(account.spent, wall_time),
+        **{f"wall_time_{name}_s": seconds for name, seconds in spent.items()},
         **account.work.summary(),
         **_of_ledger(account),
         **{r.name: r.result() for r in account.reductions},

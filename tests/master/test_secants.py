@@ -25,36 +25,6 @@ def matrix():
     return np.eye(N) + 0.5 * np.random.default_rng(0).standard_normal((N, N))
 
 
-# Ageing's noise of 1e-6 a pair leaves that share, times the condition of the pairs, unexplained
-@pytest.mark.parametrize(
-    "way, tolerance",
-    [
-        (LeastSquares(limit=1e-9), 1e-9),
-        (MultiVector(limit=1e-9), 1e-9),
-        (Ageing(noise=1e-12), 1e-6),
-    ],
-)
-def test_as_many_pairs_as_dimensions_give_the_newton_update(way, tolerance, matrix):
-    r = np.arange(1.0, N + 1)
-    change, rest = taught(way, matrix, N).update(r, [slice(0, N)])
-    assert np.allclose(change, np.linalg.solve(matrix, r), rtol=tolerance, atol=tolerance * 10)
-    assert np.linalg.norm(rest) < tolerance * np.linalg.norm(r) * 10
-
-
-@pytest.mark.parametrize("way", [LeastSquares(), MultiVector(), Ageing()])
-def test_what_no_pair_knows_is_left(way, matrix):
-    memory = way.memory()
-    memory.begin()
-    change = np.eye(N)[0]
-    memory.learn(change, -matrix @ change)
-    unknown = np.linalg.svd(np.array([matrix @ change]))[2][
-        -1
-    ]  # a residual at right angles to the only pair
-    answer, rest = memory.update(unknown, [slice(0, N)])
-    assert np.allclose(answer, 0.0, atol=1e-12)
-    assert np.allclose(rest, unknown, atol=1e-12)
-
-
 def drifting(way, pairs_a_step, steps=40, seed=3):
     """Mean error of the answer, while the map drifts by 1 % a step and each step teaches a few
     pairs.
