@@ -16,6 +16,26 @@ from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 INNER, OUTER = 24e-3, 28e-3
 
+SHEET = {
+    "mass": "1.39 kg",
+    "centre": ["1.5 mm", "26.5 mm"],
+    "inertia": "0.003 kg*m^2",
+    "radius": "54.95 mm",
+}
+"""Data sheet of a piston, as in `pin_models`."""
+
+
+def sheets(piston=(), block=(), **build):
+    """Build table of rigid bodies from data sheets, with more options of both and of the table."""
+    ends = {"skirt_lower": "-45.5 mm", "skirt_upper": "37.3 mm"}
+    bore = {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"}
+    bodies = {"piston": {"rigid": SHEET} | ends | dict(piston), "block": bore | dict(block)}
+    return {"grid": [16, 12]} | bodies | build
+
+
+def quiet(text):
+    """Take a message of a reduction."""
+
 
 def tube(cells, low, high, inner, outer):
     """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the

@@ -12,6 +12,8 @@ from piston_cosim.fmu_mfbd.reduction.shell import film_shell, held_shell
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.errors import BadInput
 
+from .conftest import quiet
+
 INSIDE, OUTSIDE, LENGTH = 25e-3, 33e-3, 25e-3
 YOUNG, POISSON = 3.6e9, 0.4
 GRID = (48, 10)
@@ -29,7 +31,7 @@ def table(**changed):
 
 @pytest.fixture(scope="module")
 def liner():
-    return elastic_shell(table(), progress=lambda text: None)
+    return elastic_shell(table(), progress=quiet)
 
 
 def test_a_ring_has_its_volume_and_its_surfaces():
@@ -53,7 +55,7 @@ def test_even_pressure_on_a_bonded_ring_by_closed_form():
     free ends stay plane. 40 modes and 24 blocks around miss 0.1 % of the mean and 2 % in places,
     forces on points instead of cells 19 %.
     """
-    shell = elastic_shell(table(poisson=0.0, modes=40), progress=lambda text: None)
+    shell = elastic_shell(table(poisson=0.0, modes=40), progress=quiet)
     pressure = 4e6
     cell = WHOLE * INSIDE / GRID[0] * LENGTH / GRID[1]
     q = shell.coordinates(PinForces(np.full(GRID, pressure * cell), np.zeros(GRID)))
@@ -125,5 +127,5 @@ FAULTS = {
 @pytest.mark.parametrize("wanted", FAULTS)
 def test_faults_of_a_shell(wanted, tmp_path):
     with pytest.raises(BadInput) as raised:
-        elastic_shell(table(**FAULTS[wanted]), tmp_path, progress=lambda text: None)
+        elastic_shell(table(**FAULTS[wanted]), tmp_path, progress=quiet)
     assert wanted in "\n".join(raised.value.faults)

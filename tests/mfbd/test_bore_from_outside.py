@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
     periodic_rule,
     seen,
 )
-from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
+from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid
 from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
@@ -27,6 +27,7 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes
 from piston_cosim.master.fmi.errors import BadInput
 
+from .conftest import sheets
 from .differences import products_by_differences
 from .test_model import SPEED, STEP, forces
 
@@ -178,26 +179,7 @@ def test_derivatives_with_a_bore_from_outside_are_differences(reduced):
         assert set(names) == products.keys()
 
 
-RIGID = {
-    "grid": [16, 12],
-    "mounted": True,
-    "piston": {
-        "rigid": {
-            "mass": "1 kg",
-            "centre": ["0 mm", "5 mm"],
-            "inertia": "0.001 kg*m^2",
-            "radius": "28 mm",
-        },
-        "skirt_lower": "-10 mm",
-        "skirt_upper": "10 mm",
-    },
-    "block": {
-        "rigid": {"radius": "28.05 mm"},
-        "bore_lower": "50 mm",
-        "bore_upper": "155 mm",
-        "bore_from_outside": {"around": 12, "axial": 20},
-    },
-}
+RIGID = sheets(block={"bore_from_outside": {"around": 12, "axial": 20}}, mounted=True)
 
 
 def changed(**block):
@@ -210,15 +192,6 @@ def test_variables_of_a_bore_from_outside(tmp_path):
     assert shapes["force_on_deck"] == ()
     plain = {one.name for one in declared_variables(changed(bore_from_outside=None), tmp_path)}
     assert set(shapes) - plain == {"bore_deflection", "force_on_bore", "force_on_deck"}
-
-
-def test_build_options_survive_their_file(reduced):
-    options, _, _ = reduced
-    there = dataclasses.replace(options.block, bore_from_outside=BoreGrid(12, 20))
-    there = dataclasses.replace(options, block=there, mounted=True)
-    again = BuildOptions.from_json(there.to_json())
-    assert again.block.bore_from_outside == BoreGrid(12, 20)
-    assert "bore_from_outside" not in options.to_json()["block"]
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,14 @@
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
+from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.film import on_knots, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
@@ -17,6 +19,9 @@ from piston_cosim.fmu_mfbd.offline import reduce
 from piston_cosim.fmu_mfbd.reduction import store
 from piston_cosim.fmu_mfbd.reduction.interpolation import covered, interpolation
 from piston_cosim.master.fmi.errors import BadInput
+
+from .conftest import quiet
+from .pin_models import crank_options, options
 
 
 def test_all_faults_of_the_table_at_once(bodies):
@@ -185,57 +190,46 @@ def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):
         "piston": options["piston"] | {"modes": 4},
         "block": options["block"] | {"modes": 3},
     }
-    made = reduced_bodies(small, folder, lambda text: None)["piston"]
+    made = reduced_bodies(small, folder, quiet)["piston"]
     (tmp_path / "own.npz").write_bytes(made.read_bytes())
-    own = (
-        small
-        | {"piston": {"reduced": "own.npz"}}
-        | {"block": small["block"] | {"mesh": str(folder / "block.msh")}}
-    )
-    resolved, files = prepare(own, tmp_path, lambda text: None)
-    assert (
-        files == prepare(small, folder, lambda text: None)[1] and resolved["piston"]["modes"] == 4
-    )
-    assert "shapes" in np.load(reduced_bodies(own, tmp_path, lambda text: None)["piston"])
+
+    def of_file(name):
+        return small | {"piston": {"reduced": str(tmp_path / name)}}
+
+    resolved, files = prepare(of_file("own.npz"), folder, quiet)
+    assert files == prepare(small, folder, quiet)[1] and resolved["piston"]["modes"] == 4
+    assert "shapes" in np.load(reduced_bodies(of_file("own.npz"), folder, quiet)["piston"])
     assert "shapes" not in np.load(files[0])
-    with pytest.raises(
-        BadInput, match=r"expected 144 rows of modes for this film grid in own\.npz, got"
-    ):
-        prepare(
-            {
-                "grid": [12, 12],
-                "piston": {"reduced": str(tmp_path / "own.npz")},
-                "block": small["block"],
-            },
-            folder,
-            lambda text: None,
-        )
     with np.load(tmp_path / "own.npz") as new:
         np.savez(tmp_path / "old.npz", **{name: new[name] for name in new if name != "skirt"})
-    with pytest.raises(BadInput, match=r"reduced: expected skirt in old\.npz, got nothing; run"):
-        prepare(
-            small | {"piston": {"reduced": str(tmp_path / "old.npz")}}, folder, lambda text: None
-        )
     np.savez(tmp_path / "poor.npz", mass=1.0)
-    with pytest.raises(
-        BadInput, match=r"piston\.reduced: expected S, I0, .* in poor\.npz, got nothing"
+    for table, words in (
+        (of_file("own.npz") | {"grid": [12, 12]}, r"expected 144 rows of .* in own\.npz, got"),
+        (of_file("old.npz"), r"reduced: expected skirt in old\.npz, got nothing; run"),
+        (of_file("poor.npz"), r"piston\.reduced: expected S, I0, .* in poor\.npz, got nothing"),
+        (small | {"piston": {"modes": 3}}, "piston: expected one of mesh, reduced and rigid, got"),
     ):
-        prepare(
-            small | {"piston": {"reduced": str(tmp_path / "poor.npz")}}, folder, lambda text: None
-        )
-    with np.load(files[0]) as slim:
-        np.savez(tmp_path / "slim.npz", **slim)
-    with pytest.raises(
-        BadInput, match=r"reduced: expected points, tets, skin, shapes.* in slim\.npz, got"
-    ):
-        reduce(
-            small | {"piston": {"reduced": str(tmp_path / "slim.npz")}},
-            folder,
-            tmp_path,
-            lambda text: None,
-        )
-    with pytest.raises(BadInput, match="piston: expected one of mesh, reduced and rigid, got none"):
-        prepare(small | {"piston": {"modes": 3}}, folder, print)
+        with pytest.raises(BadInput, match=words):
+            prepare(table, folder, quiet)
+    (tmp_path / "slim.npz").write_bytes(files[0].read_bytes())
+    words = r"reduced: expected points, tets, skin, shapes.* in slim\.npz, got"
+    with pytest.raises(BadInput, match=words):
+        reduce(of_file("slim.npz"), folder, tmp_path, quiet)
+
+
+def test_build_options_come_back_from_json_and_defaults_are_left_out():
+    plain = options(True)
+    pin = replace(plain.floating_pin, pin_shapes=3, small_end="eye.npz", small_end_modes=9)
+    block = replace(plain.block, bore_from_outside=BoreGrid(12, 20))
+    crank = crank_options(("big_end", "main_bearing")).crank_bearings
+    built = replace(plain, block=block, floating_pin=pin, crank_bearings=crank, mounted=True)
+    assert BuildOptions.from_json(built.to_json()) == built
+    content = plain.to_json()
+    assert content.keys() == {"grid", "piston", "block", "floating_pin"}
+    assert content["floating_pin"].keys() == {"grid", "boss_length", "small_end_length"}
+    assert content["block"].keys() == {"file", "modes"}
+    content["piston"] |= {"profiles": []}
+    assert BuildOptions.from_json(content) == plain
 
 
 def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():

@@ -13,6 +13,8 @@ from piston_cosim.fmu_mfbd.reduction.interpolation import covered
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.models import MODELS
 
+from .conftest import quiet
+
 SURFACES = dict.fromkeys(("skirt", "crown", "pin_bore"))
 TURNS = {
     "upside down": np.diag([1.0, -1.0, -1.0]),
@@ -26,7 +28,7 @@ MASS = 0.2  # [kg]
 @pytest.fixture(scope="module")
 def piston():
     """Mesh of the shipped fired piston."""
-    return read_mesh(MODELS / "fired_motorcycle/piston.msh.xz", SURFACES, say=lambda text: None)
+    return read_mesh(MODELS / "fired_motorcycle/piston.msh.xz", SURFACES, say=quiet)
 
 
 UNTURNED = np.eye(3)
@@ -45,10 +47,10 @@ def test_circle_of_three_points():
 @pytest.mark.parametrize("case", ["fired_motorcycle", "numerical_example"])
 def test_shipped_meshes_lie_right(case):
     folder = MODELS / case
-    mesh = read_mesh(folder / "piston.msh.xz", SURFACES, say=lambda text: None)
+    mesh = read_mesh(folder / "piston.msh.xz", SURFACES, say=quiet)
     assert piston_faults(mesh, MASS, 0.0) == []
     bore = dict.fromkeys(("bore", "bolts"))
-    assert block_faults(read_mesh(folder / "block.msh.xz", bore, say=lambda text: None)) == []
+    assert block_faults(read_mesh(folder / "block.msh.xz", bore, say=quiet)) == []
 
 
 @pytest.mark.parametrize(
@@ -89,7 +91,7 @@ def test_all_faults_of_both_bodies_are_one_answer(coarse, tmp_path, monkeypatch)
     table = {"grid": options["grid"]}
     table |= {name: options[name] | {"modes": 0} for name in ("piston", "block")}
     with pytest.raises(BadInput) as refused:
-        reduced_bodies(table, tmp_path, lambda text: None)
+        reduced_bodies(table, tmp_path, quiet)
     told = str(refused.value)
     for words in (
         "'skirt': expected an axis at x = z = 0, got x = 3 mm",
@@ -102,7 +104,7 @@ def test_all_faults_of_both_bodies_are_one_answer(coarse, tmp_path, monkeypatch)
 def test_a_window_in_the_skirt_is_seen(coarse):
     """A skirt whose faces from theta = 22.5 to 67.5 deg are gone, two of sixteen around."""
     folder, _ = coarse
-    mesh = read_mesh(folder / "piston.msh", SURFACES, say=lambda text: None)
+    mesh = read_mesh(folder / "piston.msh", SURFACES, say=quiet)
     faces = mesh.faces["skirt"]
     middle = mesh.points[faces[:, :3]].mean(axis=1)
     theta = np.degrees(np.arctan2(middle[:, 0], middle[:, 2])) % 360.0

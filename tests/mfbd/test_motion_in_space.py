@@ -48,6 +48,7 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
 
+from .conftest import quiet, sheets
 from .differences import products_by_differences, rough_change
 from .pin_models import (
     CENTRE,
@@ -566,19 +567,9 @@ def test_motion_against_points_in_space():
 
 def sheet(**space):
     """Build table of a data sheet; `None` leaves a key out."""
-    piston = dict(mass="1.39 kg", centre=["0 mm", "26.5 mm"], inertia="0.003 kg*m^2")
     moments = {"inertia_x": "0.0033 kg*m^2", "inertia_y": "0.0029 kg*m^2"} | space
-    return {
-        "grid": [16, 12],
-        "piston": {
-            "rigid": piston | {"radius": "54.95 mm"},
-            "skirt_lower": "-45.5 mm",
-            "skirt_upper": "37.3 mm",
-            "pin_offset": "1 mm",
-        },
-        "block": {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"},
-        "motion_in_space": {key: value for key, value in moments.items() if value is not None},
-    }
+    moments = {key: value for key, value in moments.items() if value is not None}
+    return sheets(piston={"pin_offset": "2.5 mm"}, motion_in_space=moments)
 
 
 @pytest.fixture
@@ -589,7 +580,7 @@ def cached(tmp_path, monkeypatch):
 def test_a_data_sheet_by_hand(cached, tmp_path):
     """Centre of mass at (-1, 26.5, 2) mm from A, products of inertia about it."""
     given = sheet(centre_z="2 mm", product_xy="1e-4 kg*m^2", product_yz="-2e-4 kg*m^2")
-    content, _ = prepare(given, tmp_path, lambda text: None)
+    content, _ = prepare(given, tmp_path, quiet)
     space = BuildOptions.from_json(content).in_space
     assert space.first_moment_z == pytest.approx(1.39 * 2e-3)
     x, y, z = -1e-3, 26.5e-3, 2e-3
@@ -614,7 +605,7 @@ def test_a_mesh_says_its_inertia_itself(coarse, cached):
     """
     folder, table = coarse
     rigid = {name: table[name] | {"modes": 0} for name in ("piston", "block")}
-    content, files = prepare(table | rigid | {"motion_in_space": {}}, folder, lambda text: None)
+    content, files = prepare(table | rigid | {"motion_in_space": {}}, folder, quiet)
     space = BuildOptions.from_json(content).in_space
     piston = load(ReducedPiston, files[0])
     assert space.inertia[2, 2] == pytest.approx(piston.I0, rel=1e-9)
@@ -624,7 +615,7 @@ def test_a_mesh_says_its_inertia_itself(coarse, cached):
 
 def refused(table, folder):
     with pytest.raises(BadInput) as caught:
-        prepare(table, folder, lambda text: None)
+        prepare(table, folder, quiet)
     return "; ".join(caught.value.faults)
 
 
@@ -653,7 +644,7 @@ def test_what_cannot_move_in_space_is_refused(coarse, cached, tmp_path):
     ):
         assert words in told
     rigid = table | {name: table[name] | {"modes": 0} for name in ("piston", "block")}
-    _, files = prepare(rigid, folder, lambda text: None)
+    _, files = prepare(rigid, folder, quiet)
     slim = rigid | {"piston": {"reduced": str(files[0]), "modes": 0}, "motion_in_space": {}}
     assert "piston.reduced: expected rigid_mass, angles, skirt" in refused(slim, folder)
 

@@ -13,6 +13,7 @@ from piston_cosim.fmu_mfbd.finite_elements.solver import CachedFactorise, factor
 from piston_cosim.fmu_mfbd.offline import reduce
 
 from ..command import call
+from .conftest import quiet
 
 
 @pytest.fixture
@@ -23,9 +24,7 @@ def cache(tmp_path, monkeypatch):
 
 def test_one_body_from_a_small_table(bodies, cache, tmp_path):
     folder, options = bodies
-    [block] = reduce(
-        {"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", lambda text: None
-    )
+    [block] = reduce({"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", quiet)
     assert (
         block.name == "block"
         and block.degrees_of_freedom == 3 * block.nodes
@@ -91,7 +90,7 @@ def test_a_stopped_reduction_goes_on(coarse, cache, tmp_path, monkeypatch):
 
     monkeypatch.setattr(solver, "factorise", lambda K: Stopping(K, 20))
     with pytest.raises(Stopped):
-        reduce(table, folder, tmp_path / "a", lambda text: None)
+        reduce(table, folder, tmp_path / "a", quiet)
     assert len(list((cache / "bodies" / "unfinished").rglob("*.npy"))) == 20
     said = []
     monkeypatch.setattr(solver, "factorise", lambda K: Stopping(K, -1))
@@ -101,7 +100,7 @@ def test_a_stopped_reduction_goes_on(coarse, cache, tmp_path, monkeypatch):
     assert not list((cache / "bodies" / "unfinished").rglob("*.npy"))
     solved.clear()
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "fresh"))
-    reduce(table, folder, tmp_path / "b", lambda text: None)
+    reduce(table, folder, tmp_path / "b", quiet)
     assert len(solved) == replayed
     one, other = (np.load(tmp_path / name / "block.npz") for name in "ab")
     for key in set(one) - {"seconds", "peak_memory"}:
@@ -112,7 +111,7 @@ def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
     import scipy.sparse as sp
 
     same = partial(np.testing.assert_allclose, rtol=4 * np.finfo(float).eps)  # PARDISO rounds
-    remembering = CachedFactorise(tmp_path, lambda text: None)
+    remembering = CachedFactorise(tmp_path, quiet)
     one, other = (remembering(k * sp.identity(3, format="csc")) for k in (2.0, 4.0))
     load = np.array([1.0, 2.0, 3.0])
     for _ in range(2):
@@ -154,7 +153,7 @@ def test_recovery_at_an_instant(coarse, cache, tmp_path):
         in done.stdout
     )
     assert "mm (jump between elements 0 MPa)" in done.stdout
-    shapes = np.load(reduced_bodies(options, folder, lambda text: None)["block"])["shapes"]
+    shapes = np.load(reduced_bodies(options, folder, quiet)["block"])["shapes"]
     mesh = meshio.read(tmp_path / "run-1000us-block.vtu")
     np.testing.assert_allclose(mesh.point_data["displacement"], 1e-7 * shapes[:, :, 1])
     assert mesh.point_data["von_mises"].max() > 0
@@ -185,6 +184,6 @@ def test_ties_by_option(coarse, cache):
     folder, options = coarse
     piston = options["piston"] | {"modes": 6, "basis": "craig_bampton"}
     tables = [{"grid": [16, 12], "piston": piston | {"tie": tie}} for tie in ("rbe2", "rbe3")]
-    files = [reduced_bodies(table, folder, lambda text: None)["piston"] for table in tables]
+    files = [reduced_bodies(table, folder, quiet)["piston"] for table in tables]
     rbe2, rbe3 = (np.load(file)["omega"] for file in files)
     assert np.all(rbe2 > rbe3)

@@ -9,7 +9,6 @@ import pytest
 from scipy.linalg import expm
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
-from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.geometry.pin import (
     ModeMotion,
     PinForces,
@@ -33,7 +32,6 @@ from .pin_models import (
     bending_model,
     bending_options,
     bodies,
-    options,
     rough_inputs,
     shells_of,
 )
@@ -273,11 +271,3 @@ def test_what_a_pin_cannot_be_is_told():
     ]
     fine = dataclasses.replace(AXIS, pin_length=86e-3)
     assert faults(bodies(), bending_options(3), PARAMETERS, OwnParameters(axis=fine)) == []
-
-
-def test_a_pin_without_shapes_stays_the_same_file():
-    plain, bent = options(True), bending_options(3)
-    assert "pin_shapes" not in plain.to_json()["floating_pin"]
-    content = bent.to_json()
-    content["piston"] |= {"profiles": []}
-    assert BuildOptions.from_json(content).floating_pin == bent.floating_pin

@@ -5,11 +5,14 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.finite_elements.element import EDGES, von_mises
+from piston_cosim.fmu_mfbd.finite_elements.element import von_mises
 from piston_cosim.fmu_mfbd.offline import AROUND, _skin, cylinder, skins
 from piston_cosim.fmu_mfbd.reduction.mode_tables import recover
 from piston_cosim.fmu_mfbd.reduction.reduce import Reduced
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedBlock, ReducedPiston
+from piston_cosim.tests.verification.cases.bodies import box_mesh
+
+from .conftest import sheets
 
 
 def body_of(kind, **given):
@@ -38,30 +41,12 @@ def test_displacement_at_the_corners_is_the_recovered_one():
     assert _skin("block", Reduced(body_of(ReducedBlock), anatomy, None)).skirt is None
 
 
-def quadratic(corners):
-    """Ten-node tetrahedra of the given corners: nodes (n, 3), numbers (e, 10)."""
-    known, points, tets = {}, [], []
-    for element in corners:
-        four = np.array(element, float)
-        ten = [*four, *(four[list(EDGES)].mean(axis=1))]
-        tets.append([known.setdefault(tuple(p), len(known)) for p in ten])
-    points = np.array(list(known))
-    return points, np.array(tets)
-
-
 def test_stress_on_the_skin_is_the_recovered_one():
-    """Three elements in a row, the skin on the first: its corners take the mean with the second;
-    the third, which is left out, has no say there.
+    """A row of cells, the skin on the first element: its corners take the mean of all around them;
+    elements that are left out have no say there.
     """
-    a, b, c, d, e, f = (
-        (0.0, 0.0, 0.0),
-        (1.0, 0.0, 0.0),
-        (0.0, 1.0, 0.0),
-        (0.0, 0.0, 1.0),
-        (1.0, 1.0, 1.0),
-        (2.0, 2.0, 0.5),
-    )
-    points, tets = quadratic([(a, b, c, d), (b, c, d, e), (c, d, e, f)])
+    points, tets = box_mesh((3, 1, 1), (3.0, 1.0, 1.0))
+    assert not np.isin(tets, tets[0]).any(axis=1).all()
     random = np.random.default_rng(7)
     anatomy = body_of(
         Anatomy,
@@ -103,12 +88,10 @@ def test_a_cylinder_has_the_area_and_the_volume_of_its_prism(top):
 
 
 def test_bodies_of_a_data_sheet_are_cylinders(tmp_path):
-    sheet = {"mass": "1 kg", "centre": ["0 mm", "0 mm"], "inertia": "1 g*m^2", "radius": "40 mm"}
-    piston = {"rigid": sheet, "skirt_lower": "-20 mm", "skirt_upper": "30 mm"}
-    block = {"rigid": {"radius": "41 mm"}, "bore_lower": "90 mm", "bore_upper": "200 mm"}
-    drawn = skins({"grid": [4, 4], "piston": piston, "block": block}, tmp_path, print)
-    assert [(one.name, one.skirt) for one in drawn] == [("piston", (-0.02, 0.03)), ("block", None)]
+    drawn = skins(sheets(), tmp_path, print)
+    skirt = -0.0455, 0.0373
+    assert [(one.name, one.skirt) for one in drawn] == [("piston", skirt), ("block", None)]
     reached = [np.hypot(one.points[:, 0], one.points[:, 2]).max() for one in drawn]
-    assert reached == pytest.approx([0.04, 0.041], rel=1e-12)
+    assert reached == pytest.approx([0.05495, 0.055], rel=1e-12)
     low, high = drawn[1].points[:, 1].min(), drawn[1].points[:, 1].max()
-    assert (low, high) == pytest.approx((0.09, 0.2), rel=1e-12)
+    assert (low, high) == pytest.approx((0.09, 0.36), rel=1e-12)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import faults
-from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault
@@ -194,12 +193,3 @@ def test_a_pin_that_is_not_the_eyes_is_told():
     (told,) = faults(yielding, options(True), wide)
     assert told == ("pin_radius: expected within 2 % of the eye in its mesh, 18 mm, got 18.5 mm")
     assert faults(yielding, options(True), PARAMETERS) == []
-
-
-def test_a_rigid_eye_stays_the_same_file():
-    plain = options(True)
-    assert not {"small_end", "small_end_modes"} & plain.to_json()["floating_pin"].keys()
-    assert plain.floating_pin
-    pin = dataclasses.replace(plain.floating_pin, small_end="eye.npz", small_end_modes=9)
-    content = dataclasses.replace(plain, floating_pin=pin).to_json()
-    assert BuildOptions.from_json(content).floating_pin == pin

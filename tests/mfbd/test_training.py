@@ -18,7 +18,7 @@ from piston_cosim.fmu_mfbd.reduction.training import (
 from piston_cosim.fmu_mfbd.truncations import truncations
 from piston_cosim.master.fmi.errors import BadInput
 
-from .conftest import clamped_box
+from .conftest import clamped_box, quiet
 from .test_truncation import GRID, film_forces, results
 
 AROUND, ALONG = 8, 3
@@ -170,7 +170,7 @@ def test_a_run_adds_its_shapes_to_those_of_the_prior(coarse, run):
         assert before[body].error > 0.01
         assert after[body].error < 3 * ENOUGH
         own, prior = (
-            load(kind, reduced_bodies(one, folder, lambda text: None)[body])
+            load(kind, reduced_bodies(one, folder, quiet)[body])
             for one in (trained(options, run), options)
         )
         assert 0 < len(own.omega) - len(prior.omega) <= 16
@@ -190,7 +190,6 @@ def beside_the_pin():
 def test_a_cache_knows_the_forces_and_not_the_file(coarse, run, tmp_path):
     """The same forces in another file: the same body. Others: another one."""
     folder, options = coarse
-    quiet = lambda text: None  # noqa: E731
     first = reduced_bodies(trained(options, run), folder, quiet)
     again = results(tmp_path / "again.h5", {"title": "other"}, film_forces(GRID))
     assert reduced_bodies(trained(options, again), folder, quiet) == first
@@ -211,10 +210,10 @@ def test_what_a_run_cannot_train_is_refused(coarse, run, tmp_path):
     folder, options = coarse
     table = trained(options, run)
     with pytest.raises(BadInput, match="train_on: expected a piston with the block,"):
-        reduced_bodies({"grid": list(GRID), "block": table["block"]}, folder, lambda text: None)
+        reduced_bodies({"grid": list(GRID), "block": table["block"]}, folder, quiet)
     with pytest.raises(BadInput, match=r"the film grid is \(20, 12\)"):
-        reduced_bodies(table | {"grid": [20, 12]}, folder, lambda text: None)
+        reduced_bodies(table | {"grid": [20, 12]}, folder, quiet)
     still = FilmLoads(np.zeros((3, *GRID)), np.zeros((3, *GRID)))
     nothing = trained(options, results(tmp_path / "still.h5", {}, still))
     with pytest.raises(BadInput, match="train_on: expected a run whose film loads"):
-        reduced_bodies(nothing, folder, lambda text: None)
+        reduced_bodies(nothing, folder, quiet)

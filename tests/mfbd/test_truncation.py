@@ -44,6 +44,8 @@ from piston_cosim.fmu_mfbd.reduction.truncation import (
 from piston_cosim.fmu_mfbd.truncations import truncations
 from piston_cosim.master.engine.truncation import state_truncation
 
+from .conftest import quiet
+
 GRID = (16, 12)
 ROWS = np.linspace(-10e-3, 10e-3, 5)
 
@@ -64,7 +66,7 @@ def skirt(coarse):
     """The small piston whole: its elastic body, how its skirt is read, and S of Eq. (J31)."""
     folder, options = coarse
     piston = read_options(options, folder).piston
-    mesh, K, M = full_model(piston, ("skirt", "crown", "pin_bore"), lambda text: None)
+    mesh, K, M = full_model(piston, ("skirt", "crown", "pin_bore"), quiet)
     heights = mesh.points[mesh.nodes("skirt"), 1]
     angle, height = cell_centres(*GRID, heights.min(), heights.max())
     surface = film_surface(mesh, "skirt", angle, height)
@@ -80,7 +82,7 @@ def files(coarse, kept_bodies):
     folder, options = coarse
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-        yield reduced_bodies(options, folder, lambda text: None)
+        yield reduced_bodies(options, folder, quiet)
 
 
 def missing(skirt, modes, film):
@@ -230,21 +232,25 @@ def case_text(wires, surfaces=()):
     )
 
 
-def test_wires_tell_which_film_acts_on_the_skirt(tmp_path):
-    """A second film that records forces, of rings, has no part in it."""
+@pytest.mark.parametrize(
+    "skirt, other",
+    [("bodies", f"other.{FORCES[1]}s"), ("bodies.skirt", f"bodies.boss_left.{FORCES[0]}")],
+)
+def test_wires_tell_which_film_acts_on_the_skirt(tmp_path, skirt, other):
+    """A second film that records forces on a grid of the same size, of rings or of a floating pin,
+    has no part in it.
+    """
     film = film_forces(GRID)
     path = results(tmp_path / "run.h5", {}, film)
-    wires = [(f"ehd.{name}", f"bodies.{name}") for name in FORCES]
+    wires = [(f"ehd.{name}", f"{skirt}.{name}") for name in FORCES]
     with h5py.File(path, "a") as file:
         for name in FORCES:
-            file[f"fields/rings/{name}"] = 7.0 * film.pressure
-        file.attrs["case"] = case_text([("rings.nodal_pressure_force", "other.force"), *wires])
+            file[f"fields/second/{name}"] = 7.0 * film.pressure
+        file.attrs["case"] = case_text([(f"second.{FORCES[0]}", other), *wires])
     found = recorded_loads(path, GRID)
     np.testing.assert_array_equal(found.film.pressure, film.pressure)
     with h5py.File(path, "a") as file:
-        file.attrs["case"] = case_text(
-            [*wires, ("rings.nodal_pressure_force", f"other.{FORCES[0]}")]
-        )
+        file.attrs["case"] = case_text([*wires, (f"second.{FORCES[0]}", f"other.{FORCES[0]}")])
     with pytest.raises(NotRecorded, match="on bodies and other: of one piston"):
         recorded_loads(path, GRID)
 
@@ -278,20 +284,6 @@ def test_forces_of_several_films_are_those_of_the_skirt(tmp_path):
         recorded_loads(path, GRID)
 
 
-def test_films_of_a_floating_pin_are_none_of_the_skirt(tmp_path):
-    """On a grid of the same size, whose forces would pass for the skirt's."""
-    film = film_forces(GRID)
-    path = results(tmp_path / "run.h5", {}, film)
-    wires = [(f"ehd.{name}", f"bodies.skirt.{name}") for name in FORCES]
-    with h5py.File(path, "a") as file:
-        for name in FORCES:
-            file[f"fields/boss/{name}"] = 7.0 * film.pressure
-        wires += [(f"boss.{FORCES[0]}", f"bodies.boss_left.{FORCES[0]}")]
-        file.attrs["case"] = case_text(wires)
-    found = recorded_loads(path, GRID)
-    np.testing.assert_array_equal(found.film.pressure, film.pressure)
-
-
 @pytest.fixture
 def kept(kept_bodies, monkeypatch):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
@@ -316,7 +308,7 @@ def test_a_run_states_it_of_both_bodies(coarse, files, kept, tmp_path):
         bore.missing.reshape(on_bore.pressure.shape), loads.height_of_A, rows, block.heights
     )
     gap = skirt.missing.reshape(film.pressure.shape) + of_bore
-    added = state_truncation(case_tree(options), folder, path, lambda text: None)
+    added = state_truncation(case_tree(options), folder, path, quiet)
     assert added == {
         "truncation_error_piston": skirt.error,
         "truncation_error_piston_largest": skirt.largest,
@@ -334,13 +326,13 @@ def test_a_run_that_cannot_state_it_says_why(coarse, kept, tmp_path):
     folder, options = coarse
     tree = case_tree(options)
     path = results(tmp_path / "run.h5", tree, film_forces(GRID), ("nodal_pressure_force",))
-    added = state_truncation(tree, folder, path, lambda text: None)
+    added = state_truncation(tree, folder, path, quiet)
     assert list(added) == ["truncation_error"]
     assert added["truncation_error"].startswith("unknown: run.h5 has not recorded nodal_pressure")
     with h5py.File(path) as file:
         assert json.loads(file.attrs["summary"]) == {"steps": 3} | added
     once = results(tmp_path / "once.h5", tree, film_forces(GRID, instants=1))
-    assert state_truncation(tree, folder, once, lambda text: None) == {
+    assert state_truncation(tree, folder, once, quiet) == {
         "truncation_error": "unknown: the last period has one recorded instant (record.every)"
     }
 
@@ -351,7 +343,7 @@ def test_rigid_and_foreign_bodies_have_none(coarse, kept, tmp_path):
     rigid = options | {name: options[name] | {"modes": 0} for name in ("piston", "block")}
     assert state_truncation(case_tree(rigid), folder, path, print) == {}
     half = options | {"block": rigid["block"]}
-    found = state_truncation(case_tree(half), folder, path, lambda text: None)
+    found = state_truncation(case_tree(half), folder, path, quiet)
     assert list(found) == [
         *("truncation_error_piston", "truncation_error_piston_largest"),
         "truncation_error_film",

@@ -16,6 +16,8 @@ from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
 from piston_cosim.master.fmi.errors import BadInput
 
+from .conftest import SHEET, quiet, sheets
+
 BLOCK = dict(inner=28.025e-3, outer=36e-3, length=105e-3)
 
 
@@ -27,7 +29,7 @@ def reduce(coarse, tmp_path, monkeypatch):
 
     def reduced(name, **changes):
         table = {"grid": options["grid"], name: options[name] | changes}
-        return dict(np.load(reduced_bodies(table, folder, lambda text: None)[name]))
+        return dict(np.load(reduced_bodies(table, folder, quiet)[name]))
 
     return reduced
 
@@ -107,17 +109,10 @@ def test_bore_ends_and_stations(reduce):
         reduce("block", modes=0, bore_lower="40 mm")
 
 
-SHEET = dict(
-    mass="1.39 kg", centre=["1.5 mm", "26.5 mm"], inertia="0.003 kg*m^2", radius="54.95 mm"
-)
-ENDS = dict(skirt_lower="-45.5 mm", skirt_upper="37.3 mm")
-
-
 def sheet(tmp_path, monkeypatch, **piston):
     """Arrays of a piston of a data sheet."""
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
-    table = {"grid": [8, 4], "piston": {"rigid": SHEET} | ENDS | piston}
-    return dict(np.load(reduced_bodies(table, tmp_path, lambda text: None)["piston"]))
+    return dict(np.load(reduced_bodies(sheets(piston), tmp_path, quiet)["piston"]))
 
 
 def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
