@@ -104,7 +104,9 @@ def options_ahead(build: Build, tables: Tables) -> BuildOptions:
         gas=tables.gas,
         speed=tables.speed,
         start=tables.start,
-        surfaces=film_surfaces(build),
+        surfaces=tuple(
+            SurfaceOptions(one.name, one.rows[0] - 1, one.rows[1]) for one in build.film_surfaces
+        ),
         floating_pin=floating_pin(build),
         crank_bearings=crank_bearings(build),
         mounted=build.mounted,
@@ -226,15 +228,6 @@ def in_space(build: Build, piston: Path) -> InSpace:
     steiner = mass * (float(centre @ centre) * np.eye(3) - np.outer(centre, centre))
     *_, z = centre
     return InSpace(float(mass * z), about_centre + steiner)
-
-
-def film_surfaces(build: Build) -> tuple[SurfaceOptions, ...]:
-    """Return the film surfaces of a build table."""
-    out = []
-    for one in build.film_surfaces:
-        first, last = one.rows
-        out.append(SurfaceOptions(one.name, first - 1, last))
-    return tuple(out)
 
 
 def floating_pin(build: Build) -> FloatingPin | None:
@@ -477,7 +470,7 @@ def _gas(table: Gas) -> GasTable:
 def _speed(table: Speed) -> SpeedTable:
     rows = _rows("speed", table)
     cycle = pi * table.strokes
-    if table.time_unit:
-        return speed_table(rows, "time", cycle, table.time_unit, table.speed_unit)
-    assert table.angle_unit  # one of the two is given
-    return speed_table(rows, "angle", cycle, table.angle_unit, table.speed_unit)
+    unit = table.time_unit or table.angle_unit
+    assert unit  # one of the two is given
+    over = "time" if table.time_unit else "angle"
+    return speed_table(rows, over, cycle, unit, table.speed_unit)

@@ -186,7 +186,8 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     else:
         found = cylinder_faults(mesh, "skirt")
     refuse(found, options)
-    angle, height, lower, upper = _grid(build, mesh)
+    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    angle, height = cell_centres(*build.grid, lower, upper)
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
     if films := boss_films(build):
         axis, _ = pin_bore(mesh)
@@ -202,14 +203,6 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
     return BodyPreview(rigid_piston(rigid, build.grid), there, mesh)
-
-
-def _grid(build: Build, mesh: Mesh) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Return angles and heights of the film grid's cells, and the skirt's edges."""
-    options = build.piston
-    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
-    angle, height = cell_centres(*build.grid, lower, upper)
-    return angle, height, lower, upper
 
 
 def _block(build: Build, remarks: list[str]) -> BodyPreview:
@@ -366,8 +359,8 @@ def _of_block(build: Build, block: BodyPreview) -> list[Figure]:
 def _of_mechanism(
     build: Build, block: BodyPreview, chosen: Parameters, speed: float | None
 ) -> list[Figure]:
-    turns = stroke_of(build.piston.pin_offset, chosen)
-    stroke = turns.highest - turns.lowest
+    lowest, highest = stroke_of(build.piston.pin_offset, chosen)
+    stroke = highest - lowest
     figures = [
         Figure("crank", "crank_radius", chosen.crank_radius, "m"),
         Figure("crank", "rod_length", chosen.rod_length, "m"),
@@ -380,26 +373,17 @@ def _of_mechanism(
     return figures
 
 
-class Stroke(NamedTuple):
-    """Lowest and highest place of A above the crank axis [m]."""
-
-    lowest: float
-    highest: float
-
-
-def stroke_of(pin_offset: float, chosen: Parameters) -> Stroke:
-    """Return the lowest and highest position of A.
+def stroke_of(pin_offset: float, chosen: Parameters) -> tuple[float, float]:
+    """Return the lowest and highest position of A above the crank axis [m].
 
     Eq. (K10):  Y = sqrt((L +- r)^2 - e^2)      e = pin offset - crank offset
 
     A rod that is too short, which `faults` names, ends at the crank axis.
     """
     offset = pin_offset - chosen.crank_offset
-    lowest, highest = (
-        float(np.sqrt(max((chosen.rod_length + reach) ** 2 - offset**2, 0.0)))  # Eq. (K10)
-        for reach in (-chosen.crank_radius, chosen.crank_radius)
-    )
-    return Stroke(lowest, highest)
+    reach = chosen.rod_length + chosen.crank_radius * np.array([-1.0, 1.0])
+    lowest, highest = np.sqrt(np.maximum(reach**2 - offset**2, 0.0))  # Eq. (K10)
+    return float(lowest), float(highest)
 
 
 def _shapes(
@@ -410,6 +394,7 @@ def _shapes(
     angle, height = cell_centres(*prepared.grid, body.skirt_lower, body.skirt_upper)
     cold = replace(chosen, **dict.fromkeys(COLD, 0.0))
     heights = block.body.heights
+    straight = np.zeros((len(angle), len(heights)))
     return Shapes(
         angle=angle,
         height=height,
@@ -417,11 +402,9 @@ def _shapes(
         skirt_cold=skirt_gap(body, angle, height, prepared.piston, cold),
         skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen),
         bore_height=heights,
-        bore_cold=bore_shape(heights, angle, prepared.block, cold)
-        + np.zeros((len(angle), len(heights))),
-        bore_hot=bore_shape(heights, angle, prepared.block, chosen)
-        + np.zeros((len(angle), len(heights))),
-        pin_height=_places(prepared, chosen),
+        bore_cold=bore_shape(heights, angle, prepared.block, cold) + straight,
+        bore_hot=bore_shape(heights, angle, prepared.block, chosen) + straight,
+        pin_height=np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS),
     )
 
 
@@ -431,11 +414,6 @@ def _with_a_film(prepared: BuildOptions, piston: BodyPreview) -> np.ndarray:
     for one in prepared.film_surfaces():
         film[:, one.first : one.last] = True
     return film if piston.skirt is None else film & piston.skirt
-
-
-def _places(prepared: BuildOptions, chosen: Parameters) -> np.ndarray:
-    """Return the heights of A along the stroke, bottom to top [m]."""
-    return np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS)
 
 
 def _of_film(build: Build, shapes: Shapes) -> list[Figure]:
