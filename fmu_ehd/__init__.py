@@ -18,5 +18,5 @@ faults      why a step is rejected; contradictions: between parameters
 
 In Python: parameters, surroundings, model (`advance` and `tangent`), journal (under a load), alone
 (`piston_cosim.Film`).
-The FMU: variables, slave, build, preview. Without Python: native_step (memory), native (entries).
+The FMU: variables, slave, build, preview. Without Python: native (memory and entries).
 """

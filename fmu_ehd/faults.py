@@ -3,11 +3,8 @@
 Kernels note a fault by number, cell and up to three numbers. The sentence is made outside.
 """
 
-from collections import namedtuple
-from typing import Any
-
 from ..master.fmi.compiled import compiled
-from ..master.fmi.noted import DAMAGED_STATE, sentences_of
+from ..master.fmi.noted import DAMAGED_STATE, numbers_of, sentences_of
 from ..master.fmi.noted import refuse as note
 from .balance.grid import Array
 from .laws.cavitation import NotConverged
@@ -71,8 +68,7 @@ SENTENCES = {
 }
 """Sentences of the faults; {i} and {j} are the cell, {a} to {c} numbers."""
 FAULTS = tuple(SENTENCES.values())
-FAULT: Any = namedtuple("FAULT", SENTENCES)._make(map(float, range(len(FAULTS))))
-"""Numbers of the faults, no integers: numba compiles a kernel anew for every literal integer."""
+FAULT = numbers_of(SENTENCES)
 
 
 @compiled

@@ -6,20 +6,14 @@ import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
 from . import constants, step, step_tangent
-from .balance import oil_layer, openings
-from .balance.film_step import FilmStep
-from .balance.grid import Array, Grid
-from .contradictions import FULL_TURN
+from .balance.grid import Array
 from .faults import FAULTS, raise_noted
-from .laws.asperity import contact_table
-from .laws.roughness import factor_table
 from .parameters import Parameters, chosen_of, is_of, numbers_of
+from .solvers.sparse import linear_solver
 from .state import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import Directions, Linearisation
-from .summary import halves
 from .surroundings import Surroundings, surroundings
 
-NOTHING = np.zeros((0, 0))
 NO_DIRECTION = np.zeros((0, 0, 0))
 
 
@@ -33,31 +27,13 @@ class LubricationModel:
 
     def __init__(self, parameters: Parameters):
         p = self.parameters = parameters
-        n_circumferential, _ = p.shape
-        ring = p.sector_angle == FULL_TURN
-        self.grid = Grid(p.shape, p.sector_angle * p.bore_radius, p.skirt_length, ring)
+        x, chosen = numbers_of(p), chosen_of(p)
+        open_cells = np.zeros(p.shape, dtype=bool) if p.open_cells is None else p.open_cells
         self._bearing = p.surface == "bearing"
-        self.film_step = FilmStep(self.grid, p.cavitation_model, p.open_cells)
-        domain = self.film_step.domain
-        cells = self.grid.cells
-        self._beside = openings.nearest(domain.open_cells, cells.dx, cells.dy)
-        factors = NOTHING
-        if p.flow_factors == "patir_cheng_1978":
-            factors = factor_table(
-                p.roughness_share_skirt,
-                p.peklenik_number_skirt,
-                p.peklenik_number_bore,
-                self._bearing,
-            )
-        tables = constants.Tables(
-            contact_table(p.contact_law),
-            halves(n_circumferential),
-            factors,
-            oil_layer.skirt_edges(domain.open_cells),
-        )
-        self.fixed = constants.fixed_of(
-            numbers_of(p), chosen_of(p), self._bearing, True, domain, tables
-        )
+        self._tables = constants.tables_of(open_cells, self._bearing)
+        constants.fill(x, chosen, self._tables)
+        self.fixed = constants.fixed_of(x, chosen, self._tables, True)
+        self.solver = linear_solver(p.shape)
         self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {})
@@ -146,7 +122,7 @@ class LubricationModel:
         faults = none_yet()
         begun = step.begin(fixed, state, inputs, faults)
         raise_noted(faults)
-        solved = step.solve(fixed, state, inputs, begun, self.film_step.solver, faults)
+        solved = step.solve(fixed, state, inputs, begun, self.solver, faults)
         raise_noted(faults)
         ended = step.end(fixed, state, inputs, begun, solved, faults)
         raise_noted(faults)
@@ -191,7 +167,7 @@ class LubricationModel:
             )
         if self._linear is None:
             self._linear = step_tangent.linearise(self.fixed, last)
-        shape = (-1, *self.grid.shape)
+        shape = (-1, *self.parameters.shape)
         motions = (dfilm_thickness, dsliding_velocity, dcircumferential_velocity)
         stacked = [
             self._filled(np.ascontiguousarray(one).reshape(shape))
@@ -203,9 +179,7 @@ class LubricationModel:
         directions = Directions(*stacked)
         right = np.empty(directions.film.shape)
         forces = np.empty((3 if self._bearing else 2, *right.shape))
-        step_tangent.changes(
-            self.fixed, last, self._linear, directions, self.film_step.solver, right, forces
-        )
+        step_tangent.changes(self.fixed, last, self._linear, directions, self.solver, right, forces)
         given = np.shape(dfilm_thickness)
         return tuple(forces[k].reshape(given) for k in range(len(forces)))
 
@@ -218,7 +192,7 @@ class LubricationModel:
         film, sliding, turning = motion
         around = self._surroundings(conditions) if conditions else self._given
         if turning is None:
-            turning = np.zeros(self.grid.shape)
+            turning = np.zeros(self.parameters.shape)
         return Inputs(
             self._filled(film), self._filled(sliding), self._filled(turning), around, length
         )
@@ -235,8 +209,8 @@ class LubricationModel:
         if not self.fixed.domain.has_openings:
             return field
         given = np.ascontiguousarray(field, dtype=float)
-        stacked = given.reshape(-1, *self.grid.shape)
-        return openings.filled(self._beside, stacked).reshape(given.shape)
+        stacked = given.reshape(-1, *self.parameters.shape)
+        return constants.filled(self._tables, True, stacked).reshape(given.shape)
 
     def _outputs(self, fields: Fields, scalars: Scalars, iterations: int) -> dict[str, Any]:
         """Return the outputs by name, without those of the other surface."""

@@ -1,68 +1,143 @@
 """Lubrication FMU that needs no Python: its entries, its memory and its limits.
 
 An entry takes the slave's real and integer variables, as `master.fmi.slave` lays them out, and its
-memory of float64 numbers (`native_step`).
+memory of float64 numbers. What is done with it is the model's own text, so every number has the
+same bits; viscosities differ by the last bit of exp and log where the C library does.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import memory_of, room, row_of
-from ..master.fmi.compiled import compiled
-from ..master.fmi.native_parts import Entry, NativePart, tell_size
+from ..master.fmi.block import (
+    alike,
+    checker,
+    flatten,
+    given_part,
+    is_head,
+    memory_of,
+    parts,
+    room_of,
+    row_of,
+)
+from ..master.fmi.compiled import compilable, compiled, packed
+from ..master.fmi.native_parts import Entry, NativePart, positions_of, put_each, tell_size
 from ..master.fmi.noted import ROOM
-from ..master.fmi.slave import PRODUCT, SEED, reserved
-from . import state, step, step_tangent
+from ..master.fmi.slave import PRODUCT, SEED
+from . import constants, contradictions, step, step_tangent
 from .balance.grid import Array, keep
-from .balance.oil_layer import skirt_edges
+from .balance.oil_layer import NO_EDGE
 from .contradictions import FROM_EDGES, FULL_TURN
 from .faults import FAULT, FAULTS, refuse
-from .laws.asperity import CONTACT_LAWS, contact_table
-from .laws.piezoviscosity import PressureLaw
-from .laws.roughness import TABLE as FACTOR_TABLE
-from .native_step import (
-    INITIAL_FILM_FRACTION,
-    ROOM_ON_BORE,
-    SECTOR_ANGLE,
-    STROKES,
-    FilmSetup,
-    InputPositions,
-    Solver,
-    VariablePositions,
-    block_of,
-    check_supply,
-    clear_solver,
-    domain_of,
-    factors_of,
-    filled,
-    fixed_of,
-    is_memory,
-    is_sound,
-    last_of,
-    linear_of,
-    memory_of_state,
-    parts_of,
-    put_last,
-    put_linear,
-    put_memory,
-    set_up,
-    surroundings_of,
-    warm,
-)
 from .options import BuildOptions
-from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE
-from .state import Fields, Inputs, Scalars
-from .step_tangent import FORCE, Directions
-from .summary import halves
+from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers
+from .solvers.blocks import Factors, no_factors
+from .state import Fields, Inputs, LastStep, Memory, Scalars
+from .step_tangent import FORCE, Directions, Linearisation
+from .surroundings import surroundings_of, temperature_between_edges
 
-NOWHERE = -1
+SECTOR_ANGLE = NUMBERS.index("sector_angle")
+INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
 COUNTS = np.array([len(CHOICES[name]) for name in CHOSEN], float)
 """Numbers of alternatives of each choice, which a file may exceed."""
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
+STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
+ROOM_ON_BORE = 1 + 2 * STROKES
 
-# ---- what the memory begins with
+# ---- memory
+
+Vector = Annotated[Array, "n"]
+Number = Annotated[Array, "1"]
+"""An array of one, for what changes."""
+
+CELLS = "tables.n_c * tables.n_a"
+ON_CELLS = f"has_room(x, {CELLS}, reals)"
+ON_FACES = f"has_room(x, (2 + tables.bearing) * {CELLS}, reals)"
+"""Conditions on the position of a field, and of one of each direction."""
+
+
+class InputPositions(NamedTuple):
+    """Positions of the input fields."""
+
+    film_thickness: Annotated[int, ON_CELLS]
+    sliding_velocity: Annotated[int, ON_CELLS]
+    circumferential_velocity: Annotated[int, f"not tables.bearing or {ON_CELLS}"]
+    oil_temperature: Annotated[int, f"x == -1 or {ON_CELLS}"]
+
+
+class VariablePositions(NamedTuple):
+    """Positions of everything among the variables; -1 if it does not exist.
+
+    numbers, chosen, fields, scalars : of `NUMBERS`, `CHOSEN`, `step.Fields` and `step.Scalars`;
+    seeds, products : where those of all directions begin.
+    """
+
+    numbers: Annotated[Array, f"{len(NUMBERS)}", "within(x, -1.0, reals)"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}", "within(x, 0.0, integers)"]
+    inputs: InputPositions
+    fields: Annotated[Array, f"{len(Fields._fields)}", f"within(x, -1.0, reals - {CELLS} + 1)"]
+    scalars: Annotated[Array, f"{len(Scalars._fields)}", "within(x, -1.0, reals)"]
+    solver_iterations: Annotated[int, "0 <= x < integers"]
+    seeds: Annotated[int, ON_FACES]
+    products: Annotated[int, ON_FACES]
+
+
+class FilmSetup(NamedTuple):
+    """Constant part of a memory, and parameters of the last step.
+
+    follows : 1 for each of `NUMBERS` that may change; numbers, chosen : `NUMBERS` and `CHOSEN`;
+    has_last, has_linear : whether there is one of the last step.
+    """
+
+    places: VariablePositions
+    follows: Annotated[Array, f"{len(NUMBERS)}"]
+    tables: constants.Tables
+    numbers: Annotated[Array, f"{len(NUMBERS)}"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}"]
+    has_last: Number
+    has_linear: Number
+
+
+class Parts(NamedTuple):
+    """Parts of the memory.
+
+    They are rows of `FilmSetup`, `step.Memory`, that at the start, `step.LastStep`,
+    `step_tangent.Linearisation` and `blocks.Factors`, and the faults.
+    """
+
+    given: Vector
+    state: Vector
+    begun: Vector
+    last: Vector
+    linear: Vector
+    solver: Vector
+    faults: Vector
+
+
+PARTS = float(len(Parts._fields))
+parts_of = parts(Parts)
+_, numbers_from = packed(Numbers)
+_, chosen_from = packed(Chosen)
+_, setup_from = flatten(FilmSetup)
+put_factors, factors_from = flatten(Factors)
+put_memory, memory_of_state = flatten(Memory)
+is_memory = alike(Memory)
+put_last, last_of = flatten(LastStep)
+put_linear, linear_of = flatten(Linearisation)
+_room_of_memory = room_of(Memory, "n_c, n_a, n_e, n_b")
+_room_of_last = room_of(LastStep, "n_c, n_a")
+_room_of_linear = room_of(Linearisation, "n_c, n_a")
+_room_of_factors = room_of(Factors, "n_c, n_a")
+
+
+@compilable
+def lengths_of(tables: constants.Tables):
+    """Return the lengths of all parts after the first one."""
+    n_c, n_a = tables.open_cells.shape
+    state = _room_of_memory(n_c, n_a, len(tables.faces), ROOM_ON_BORE * n_a)
+    last, linear = _room_of_last(n_c, n_a), _room_of_linear(n_c, n_a)
+    return state, state, last, linear, _room_of_factors(n_c, n_a), int(ROOM)
 
 
 def given(slave: Any) -> Array:
@@ -73,62 +148,52 @@ def given(slave: Any) -> Array:
     slave : slave.Ehd
     """
     built = BuildOptions.read(slave.options)
-    n_c, n_a = built.grid
     cut = built.open_cells
-    faces = skirt_edges(np.zeros((n_c, n_a), dtype=bool) if cut is None else cut)
-    field = np.zeros((n_c, n_a))
-    lengths = dict(n_c=n_c, n_a=n_a, n_e=len(faces), n_b=ROOM_ON_BORE * n_a)
-    block = FilmSetup(
-        places=_places(slave),
+    open_cells = np.zeros(built.grid, dtype=bool) if cut is None else cut
+    places = VariablePositions(
+        positions_of(slave, NUMBERS),
+        positions_of(slave, CHOSEN),
+        InputPositions(*positions_of(slave, InputPositions._fields)),
+        positions_of(slave, Fields._fields),
+        positions_of(slave, Scalars._fields),
+        *positions_of(slave, ("solver_iterations",)),
+        *positions_of(slave, slave.derivative_inputs[:1], SEED),
+        *positions_of(slave, slave.derivative_outputs[:1], PRODUCT),
+    )
+    setup = FilmSetup(
+        places,
         follows=np.array([float(name in TUNABLE) for name in NUMBERS]),
-        bearing=built.surface == "bearing",
-        tables=np.array([contact_table(law) for law in CONTACT_LAWS]),
-        share=halves(n_c).share,
-        sine=halves(n_c).sine,
-        mask=field + 1.0 if cut is None else (~cut).astype(float),
-        faces=faces,
-        beside=field,
+        tables=constants.tables_of(open_cells, built.surface == "bearing"),
         numbers=np.zeros(len(NUMBERS)),
         chosen=np.zeros(len(CHOSEN)),
-        temperature=field,
-        viscosity=field,
-        factors=np.zeros(FACTOR_TABLE),
-        law=np.zeros(room(PressureLaw)),
         has_last=np.zeros(1),
         has_linear=np.zeros(1),
     )
-    return memory_of(
-        {"given": row_of(block)},
-        {
-            "state": room(state.Memory, **lengths),
-            "begun": room(state.Memory, **lengths),
-            "last": room(state.LastStep, **lengths),
-            "linear": room(step_tangent.Linearisation, **lengths),
-            "solver": room(Solver, **lengths),
-            "faults": ROOM,
-        },
-    )
+    lengths = dict(zip(Parts._fields[1:], lengths_of(setup.tables)))
+    return memory_of({"given": row_of(setup)}, lengths)
 
 
-def _places(slave) -> VariablePositions:
-    """Return where everything lies among a slave's variables."""
+@compilable
+def are_edges(faces: Array, n_a: int):
+    """Return whether `oil_layer.Bore.faces` are faces of a film, those of even rows below it."""
+    for edge in range(faces.shape[0]):
+        for i in range(faces.shape[1]):
+            face = faces[edge, i]
+            upper = edge % 2
+            is_edge = upper <= face < n_a + upper and face == np.floor(face)
+            if not (is_edge or face == NO_EDGE):
+                return False
+    return True
 
-    def place(name, kind=""):
-        return slave.references.get(reserved(kind, name) if kind else name, NOWHERE)
 
-    def each(names):
-        return np.array([place(name) for name in names], dtype=float)
+_check = checker(FilmSetup, "reals, integers", are_edges=are_edges)
 
-    return VariablePositions(
-        each(NUMBERS),
-        each(CHOSEN),
-        InputPositions(*(place(name) for name in InputPositions._fields)),
-        each(Fields._fields),
-        each(Scalars._fields),
-        place("solver_iterations"),
-        place(slave.derivative_inputs[0], SEED),
-        place(slave.derivative_outputs[0], PRODUCT),
-    )
+
+@compilable
+def is_sound(real: Array, integer: Array, memory: Array):
+    """Return whether a memory from a file has no position or length out of range."""
+    row = given_part(memory, PARTS, _check, len(real), len(integer))
+    return len(row) > 0 and is_head(memory, lengths_of(setup_from(row).tables), 0.0, 0)
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -148,7 +213,14 @@ def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
         )
 
 
-# ---- between variables and block
+# ---- between variables and memory
+
+
+@compiled
+def constants_of(setup: FilmSetup, on_bore: bool):
+    """Return `constants.FilmConstants`; a tangent needs no bore."""
+    x, chosen = numbers_from(setup.numbers), chosen_from(setup.chosen)
+    return constants.fixed_of(x, chosen, setup.tables, on_bore)
 
 
 @compiled
@@ -159,59 +231,63 @@ def _field(real, place, shape):
 
 
 @compiled
-def _input(real, block, place, domain):
+def _input(real, tables, place, has_openings):
     """Return an input field, without values in cells that have no film."""
-    n_c, n_a = block.mask.shape
-    field = _field(real, place, block.mask.shape)
-    return filled(block, field.reshape((1, n_c, n_a)), domain)[0]
+    n_c, n_a = tables.open_cells.shape
+    field = _field(real, place, (n_c, n_a)).reshape((1, n_c, n_a))
+    return constants.filled(tables, has_openings, field)[0]
 
 
 @compiled
-def inputs_of(real, block, domain, length):
+def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float):
     """`state.Inputs` for a step of a length [s]."""
-    places = block.places.inputs
-    turning = np.zeros(block.mask.shape)
-    if block.bearing:
-        turning = _input(real, block, places.circumferential_velocity, domain)
+    places, tables = setup.places.inputs, setup.tables
+    x = numbers_from(setup.numbers)
+    turning = np.zeros(tables.open_cells.shape)
+    if tables.bearing:
+        turning = _input(real, tables, places.circumferential_velocity, has_openings)
+    if places.oil_temperature >= 0:
+        temperature = _input(real, tables, places.oil_temperature, has_openings)
+    else:
+        temperature = temperature_between_edges(x, tables.open_cells.shape)
     return Inputs(
-        _input(real, block, places.film_thickness, domain),
-        _input(real, block, places.sliding_velocity, domain),
+        _input(real, tables, places.film_thickness, has_openings),
+        _input(real, tables, places.sliding_velocity, has_openings),
         turning,
-        surroundings_of(block),
+        surroundings_of(x, chosen_from(setup.chosen), temperature),
         length,
     )
 
 
 @compiled
-def take_numbers(real, integer, block, length, faults):
+def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, faults: Array):
     """Take parameters from the variables, and note what contradicts.
 
     For a step of a length [s] only those that may change are taken.
     """
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
-    block.has_last[0] = 0.0  # a refused step has no tangent
-    places = block.places
-    all_of_them = length == 0.0
-    changed = all_of_them
+    setup.has_last[0] = 0.0  # a refused step has no tangent
+    places, tables = setup.places, setup.tables
+    is_start = length == 0.0
     for k in range(len(NUMBERS)):
         place = int(places.numbers[k])
-        if place >= 0 and (all_of_them or block.follows[k] != 0.0):
-            block.numbers[k] = real[place]
-            changed = True
-    if all_of_them:
-        if places.numbers[SECTOR_ANGLE] < 0.0:
-            block.numbers[SECTOR_ANGLE] = FULL_TURN
-        for k in range(len(CHOSEN)):
-            chosen = float(integer[int(places.chosen[k])])
-            block.chosen[k] = min(max(chosen, 1.0), COUNTS[k])
-        set_up(block, faults)
-    if changed:
-        check_supply(block, faults)
-    if places.inputs.oil_temperature >= 0:
-        warm(block, _input(real, block, places.inputs.oil_temperature, domain_of(block)))
-    elif changed:
-        warm(block, np.zeros((0, 0)))
+        if place >= 0 and (is_start or setup.follows[k] != 0.0):
+            setup.numbers[k] = real[place]
+    if places.numbers[SECTOR_ANGLE] < 0.0:
+        setup.numbers[SECTOR_ANGLE] = FULL_TURN
+    for k in range(len(CHOSEN) if is_start else 0):
+        chosen = float(integer[int(places.chosen[k])])
+        setup.chosen[k] = min(max(chosen, 1.0), COUNTS[k])
+    x, chosen = numbers_from(setup.numbers), chosen_from(setup.chosen)
+    if is_start:
+        constants.fill(x, chosen, tables)
+        cut_outs = bool(tables.open_cells.any())
+        contradictions.check_parameters(x, chosen, tables.bearing, cut_outs, faults)
+        room = STROKES * x.skirt_length
+        if chosen.oil_supply != FROM_EDGES and x.stroke > room:
+            refuse(faults, FAULT.stroke_too_long, 0, 0, x.stroke, x.skirt_length, room)
+    contradictions.check_supply(x, chosen, faults)
 
 
 @compiled
@@ -221,9 +297,7 @@ def publish(fields, scalars, iterations, real, integer, places):
     for k in range(len(fields)):
         if places.fields[k] >= 0.0:
             keep(_field(real, int(places.fields[k]), shape), fields[k])
-    for k in range(len(scalars)):
-        if places.scalars[k] >= 0.0:
-            real[int(places.scalars[k])] = scalars[k]
+    put_each(real, places.scalars, scalars)
     integer[places.solver_iterations] = int(iterations)
 
 
@@ -241,20 +315,20 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
     parts = parts_of(memory)
     faults = parts.faults
-    block = block_of(memory)
-    clear_solver(memory, block)
-    take_numbers(real, integer, block, 0.0, faults)
+    setup = setup_from(parts.given)
+    put_factors(parts.solver, no_factors(setup.tables.open_cells.shape))
+    take_numbers(real, integer, setup, 0.0, faults)
     if faults[0] > 0.0:
         return
-    fixed = fixed_of(block, True)
-    inputs = inputs_of(real, block, fixed.domain, 0.0)
-    initial = block.numbers[INITIAL_FILM_FRACTION]
+    fixed = constants_of(setup, True)
+    inputs = inputs_of(real, setup, fixed.domain.has_openings, 0.0)
+    initial = setup.numbers[INITIAL_FILM_FRACTION]
     begun, fields, scalars = step.start(fixed, inputs, initial, faults)
     if faults[0] > 0.0:
         return
     put_memory(parts.state, begun)
     keep(parts.begun, parts.state)
-    publish(fields, scalars, 0.0, real, integer, block.places)
+    publish(fields, scalars, 0.0, real, integer, setup.places)
 
 
 @compiled
@@ -265,12 +339,12 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     """
     parts = parts_of(memory)
     faults = parts.faults
-    block = block_of(memory)
-    take_numbers(real, integer, block, numbers[0], faults)
+    setup = setup_from(parts.given)
+    take_numbers(real, integer, setup, numbers[0], faults)
     if faults[0] > 0.0:
         return
-    fixed = fixed_of(block, True)
-    inputs = inputs_of(real, block, fixed.domain, numbers[0])
+    fixed = constants_of(setup, True)
+    inputs = inputs_of(real, setup, fixed.domain.has_openings, numbers[0])
     if not is_memory(parts.state, parts.begun):
         refuse(faults, FAULT.other_state, 0, 0, 0.0, 0.0, 0.0)
         return
@@ -278,7 +352,7 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     begun = step.begin(fixed, before, inputs, faults)
     if faults[0] > 0.0:
         return
-    solved = step.solve(fixed, before, inputs, begun, factors_of(memory), faults)
+    solved = step.solve(fixed, before, inputs, begun, factors_from(parts.solver), faults)
     if faults[0] > 0.0:
         return
     ended = step.end(fixed, before, inputs, begun, solved, faults)
@@ -286,10 +360,10 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
         return
     put_memory(parts.state, ended.memory)
     put_last(parts.last, ended.last)
-    block.has_last[0] = 1.0
-    block.has_linear[0] = 0.0
+    setup.has_last[0] = 1.0
+    setup.has_linear[0] = 0.0
     iterations = float(ended.iterations)
-    publish(ended.fields, ended.scalars, iterations, real, integer, block.places)
+    publish(ended.fields, ended.scalars, iterations, real, integer, setup.places)
 
 
 @compiled
@@ -298,34 +372,36 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     parts = parts_of(memory)
     faults = parts.faults
     faults[0] = 0.0
-    block = block_of(memory)
-    if block.has_last[0] == 0.0:
+    setup = setup_from(parts.given)
+    if setup.has_last[0] == 0.0:
         refuse(faults, FAULT.no_tangent, 0, 0, 0.0, 0.0, 0.0)
         return
-    fixed = fixed_of(block, False)
+    tables = setup.tables
+    fixed = constants_of(setup, False)
     last = last_of(parts.last)
-    if block.has_linear[0] == 0.0:
+    if setup.has_linear[0] == 0.0:
         put_linear(parts.linear, step_tangent.linearise(fixed, last))
-        block.has_linear[0] = 1.0
+        setup.has_linear[0] = 1.0
     linear = linear_of(parts.linear)
-    n_c, n_a = block.mask.shape
-    directions = 3 if block.bearing else 2
+    n_c, n_a = tables.open_cells.shape
+    directions = 3 if tables.bearing else 2
     n = directions * n_c * n_a
-    first = block.places.seeds
+    first = setup.places.seeds
     seeds = real[first : first + n].reshape((directions, 1, n_c, n_a))
-    first = block.places.products
+    first = setup.places.products
     products = real[first : first + n].reshape((directions, 1, n_c, n_a))
-    domain = fixed.domain
+    has_openings = fixed.domain.has_openings
     turning = np.zeros((0, 0, 0))
-    if block.bearing:
-        turning = filled(block, seeds[FORCE.around], domain)
+    if tables.bearing:
+        turning = constants.filled(tables, has_openings, seeds[FORCE.around])
     seeded = Directions(
-        filled(block, seeds[FORCE.normal], domain),
-        filled(block, seeds[FORCE.along], domain),
+        constants.filled(tables, has_openings, seeds[FORCE.normal]),
+        constants.filled(tables, has_openings, seeds[FORCE.along]),
         turning,
     )
     right = np.empty((1, n_c, n_a))
-    step_tangent.changes(fixed, last, linear, seeded, factors_of(memory), right, products)
+    factors = factors_from(parts.solver)
+    step_tangent.changes(fixed, last, linear, seeded, factors, right, products)
 
 
 PART = NativePart(
@@ -334,6 +410,5 @@ PART = NativePart(
     uncovered=uncovered,
     faults=FAULTS,
     refusal="lubrication step to t = {a} s: ",
-    uncovered_ahead=uncovered,
     uncovered_values=uncovered_values,
 )

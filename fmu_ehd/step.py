@@ -1,6 +1,6 @@
 """Step of a film, once for Python and machine code.
 
-Python runs it as written (`model`), and a native FMU compiles it (`native_step`).
+Python runs it as written (`model`), and a native FMU compiles it (`native`).
 
 A step is `begin`, `solve` and `end`; the caller checks the faults that each has noted. Its
 derivatives are in `step_tangent`. Only this file and `constants` know whether the film is that of a

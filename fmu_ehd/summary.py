@@ -1,6 +1,6 @@
 """Scalars of a whole film in one pass over its cells."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,8 @@ class Halves(NamedTuple):
     sine : ndarray, shape (n_c,), of the cell's angle from the pin axis [-].
     """
 
-    share: Array
-    sine: Array
+    share: Annotated[Array, "n_c"]
+    sine: Annotated[Array, "n_c"]
 
 
 class HalfValues(NamedTuple):

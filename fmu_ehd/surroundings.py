@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compiled
+from ..master.fmi.compiled import compilable, compiled
 from ..master.fmi.noted import none_yet
 from .balance.grid import Array, Edges
 from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
@@ -35,23 +35,27 @@ class Surroundings(NamedTuple):
 
 
 @compiled
-def temperature_between_edges(x, temperature):
-    """Set the temperature [K] of every cell, shape (n_c, n_a), linear between both edges."""
-    n_c, n_a = temperature.shape
+def temperature_between_edges(x, shape):
+    """Return the temperature [K] of every cell, linear between both edges."""
+    n_c, n_a = shape
+    temperature = np.empty(shape)
     for j in range(n_a):
         along = (j + 0.5) / n_a
         for i in range(n_c):
             temperature[i, j] = x.oil_temperature_lower_edge * (1.0 - along)
             temperature[i, j] += x.oil_temperature_upper_edge * along
+    return temperature
 
 
 @compiled
-def viscosity_by_temperature(x, chosen, temperature, viscosity):
-    """Set the low-shear viscosity [Pa s] of every cell from its temperature, Eqs. (O1) to (O3)."""
+def viscosity_by_temperature(x, chosen, temperature):
+    """Return the low-shear viscosity [Pa s] of every cell, Eqs. (O1) to (O3)."""
     kind = int(chosen.viscosity_law) - 1
+    viscosity = np.empty(temperature.shape)
     for i in range(temperature.shape[0]):
         for j in range(temperature.shape[1]):
             viscosity[i, j] = low_shear_viscosity(kind, x, temperature[i, j])
+    return viscosity
 
 
 @compiled
@@ -61,11 +65,14 @@ def pressure_law_of(x, chosen, viscosity):
     return pressure_law(kind, x.pressure_viscosity_coefficient, viscosity, np.zeros(TABLE))
 
 
-@compiled
-def surroundings_of(x, chosen, temperature, viscosity, law):
-    """Return `Surroundings` from numbers, choices, both fields and the pressure law."""
+@compilable
+def surroundings_of(x: Any, chosen: Any, temperature: Array) -> Surroundings:
+    """Return `Surroundings` from numbers, choices and the temperature of every cell."""
+    viscosity = viscosity_by_temperature(x, chosen, temperature)
+    law = pressure_law_of(x, chosen, viscosity)
     outside = outside_of(x, chosen)
-    edges = edges_of(x, chosen, outside, law, viscosity.shape)
+    n_c, n_a = temperature.shape
+    edges = edges_of(x, chosen, outside, law, (n_c, n_a))
     return Surroundings(edges, outside, temperature, viscosity, law, x.oil_ring_layer, x.oil_splash)
 
 
@@ -95,12 +102,8 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     noted = none_yet()
     check_supply(x, chosen, noted)
     raise_noted(noted)
-    temperature = np.empty(parameters.shape)
     if "oil_temperature" in conditions:
-        temperature[...] = conditions["oil_temperature"]
+        temperature = np.full(parameters.shape, conditions["oil_temperature"], float)
     else:
-        temperature_between_edges(x, temperature)
-    viscosity = np.empty(parameters.shape)
-    viscosity_by_temperature(x, chosen, temperature, viscosity)
-    law = pressure_law_of(x, chosen, viscosity)
-    return surroundings_of(x, chosen, temperature, viscosity, law)
+        temperature = temperature_between_edges(x, parameters.shape)
+    return surroundings_of(x, chosen, temperature)

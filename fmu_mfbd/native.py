@@ -1,33 +1,64 @@
-"""Native entries of the bodies, which need no Python, and their limits.
+"""Bodies that need no Python: their entries, their memory and their limits.
 
 The entries compose the kernels and functions of `dynamics`, as `model` does.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.block import keep, part
-from ..master.fmi.compiled import compiled, packed
-from ..master.fmi.native_parts import Entry, NativePart, tell_size
-from ..master.fmi.noted import refuse, remark
-from .dynamics.assembly import assembled, with_inertia
-from .dynamics.block_force import force_change
+from ..master.fmi.block import (
+    FIRST_STATE,
+    alike,
+    checker,
+    flatten,
+    given_part,
+    has_room,
+    is_head,
+    keep,
+    length_of,
+    memory_of,
+    parts,
+    room_of,
+    row_of,
+)
+from ..master.fmi.compiled import compilable, compiled, packed
+from ..master.fmi.errors import BadInput
+from ..master.fmi.native_parts import Entry, NativePart, get_each, positions_of, put_each, tell_size
+from ..master.fmi.noted import ROOM, refuse, remark
+from ..master.fmi.slave import PRODUCT, SEED
+from .dynamics.assembly import (
+    BodySetup,
+    assembled,
+    body_faults,
+    load_bodies,
+    setup_of,
+    with_inertia,
+)
+from .dynamics.block_force import BlockForce, force_change
 from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
+from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
-from .dynamics.parameters import Settings
+from .dynamics.model import MOTION
+from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
+from .dynamics.pin_instant import PinScalars
+from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
+from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
-from .dynamics.state import motion_of, step_coefficients
+from .dynamics.state import PistonState, motion_of, step_coefficients
 from .dynamics.step import (
     FIELDS,
     GAS,
     START_PASSES,
+    BodyModel,
+    Linearisation,
     StepInputs,
     at_rest,
+    coordinates_of,
     crank_after,
     crank_at_start,
     has_pins,
@@ -35,42 +66,28 @@ from .dynamics.step import (
     is_gas_twice,
     is_started,
     linearised,
+    modes_of,
     others_at,
     response_to,
     result_of,
     set_damping,
 )
 from .dynamics.system import RingForce, StepProblem
-from .geometry.film import NodalForces
+from .geometry.film import Limits, NodalForces
 from .geometry.pin import PinForces
-from .native_block import (
-    PART_OF,
-    common_of,
-    given_of,
-    is_sound,
-    is_state,
-    last_of,
-    length_of_model,
-    model_of,
-    put_common,
-    put_last,
-    put_model,
-    put_state,
-    settings_from,
-    state_of,
-)
-from .native_given import given
+from .geometry.surfaces import are_films, are_pins
+from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
 CHOSEN_GAS, FREE = map(Settings._fields.index, ("gas_source", "crank_free"))
 """Numbers of the settings that are integers."""
-IN_SPACE = ("motion_in_space", "in_space")
-"""Build option that is not covered, as a case and as build.json has it; an empty table chooses it.
-"""
+NEEDS = Parameters(top_ring_height=1.0, bore_growth_lower=1.0)
+"""Parameters for which a memory has room: gas on the wall and a bore that grows."""
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
     """Yield sentences on build options that the library does not cover."""
-    if any(options.get(name) is not None for name in IN_SPACE):
+    as_in_case_or_build = ("motion_in_space", "in_space")  # an empty table chooses it
+    if any(options.get(name) is not None for name in as_in_case_or_build):
         yield "motion_in_space: expected nothing in a native FMU, got a motion in space"
     if (options.get("block") or {}).get("bore_from_outside") is not None:
         yield "block.bore_from_outside: expected nothing in a native FMU, got a table"
@@ -78,7 +95,279 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
         yield f"floating_pin.pin_shapes: expected 0 in a native FMU, got {shapes}"
 
 
+# ---- memory
+
+Number = Annotated[np.ndarray, "1"]
+"""An array of one, for what changes."""
+EACH = "within(x, -1.0, reals)"
+Place = Annotated[int, "-1 <= x < reals"]
+Count = Annotated[int, "0 <= x < integers"]
+OfModes = Annotated[int, "has_room(x, bodies.piston_modes + bodies.block_modes, reals)"]
+OfEye = Annotated[
+    int,
+    "has_room(x, bodies.shell_modes - bodies.big_end_modes - bodies.main_bearing_modes, reals)",
+]
+OfFields = Annotated[np.ndarray, "films", "are_fields(x, cells, reals)"]
+"""Positions of variables, by their conditions in a file."""
+
+
+class OutputPlaces(NamedTuple):
+    """Positions of outputs that are not scalars of a step, and of two that are."""
+
+    cylinder_pressure: Place
+    side_force_demand: Place
+    modal_coordinate: OfModes
+    modal_velocity: OfModes
+    residual_evaluations: Count
+    jacobian_evaluations: Count
+    small_end_modal_coordinate: OfEye
+    small_end_modal_velocity: OfEye
+
+
+class FieldPlaces(NamedTuple):
+    """First positions of the fields of films, and their numbers of cells: arrays over surfaces.
+
+    push, drag : nodal forces, normal and tangential; work_error : the output of this name. For a
+    tangent the forces are seeds, thickness and sliding are products.
+    """
+
+    push: OfFields
+    drag: OfFields
+    thickness: OfFields
+    sliding: OfFields
+    work_error: Annotated[np.ndarray, "films", EACH]
+    cells: Annotated[np.ndarray, "films", "within(x, 1.0, reals)"]
+
+
+OfRings = Annotated[np.ndarray, f"{len(RingForce._fields)}", EACH]
+OfCarrier = Annotated[np.ndarray, f"{len(FIXED)}", EACH]
+OfBlock = Annotated[np.ndarray, f"{len(BlockForce._fields)}", EACH]
+
+
+class VariablePlaces(NamedTuple):
+    """Positions among the variables, -1 if there is none.
+
+    settings, scalars, pin_scalars : of `Settings`, `Scalars` and `PinScalars`, in their order;
+    inputs : of the numbers of `StepInputs`;
+    rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
+    mounted block; motion : of the derivatives `model.MOTION`.
+    """
+
+    settings: Annotated[np.ndarray, f"{len(Settings._fields)}", EACH]
+    scalars: Annotated[np.ndarray, f"{len(Scalars._fields)}", EACH]
+    pin_scalars: Annotated[np.ndarray, f"{len(PinScalars._fields)}", EACH]
+    gas_source: Count
+    crank_free: Count
+    crank_speed: Place
+    inputs: Annotated[np.ndarray, f"{len(StepInputs._fields) - len(FIELDS)}", EACH]
+    rings: OfRings
+    rings_seed: OfRings
+    carrier: OfCarrier
+    carrier_seed: OfCarrier
+    on_block: OfBlock
+    on_block_product: OfBlock
+    motion_product: Annotated[np.ndarray, "3", EACH]
+    outputs: OutputPlaces
+    skirt: FieldPlaces
+    skirt_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, skirt.cells)"]
+    pins: FieldPlaces
+    pins_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, pins.cells)"]
+
+
+class NativeSetup(NamedTuple):
+    """Constant part of a memory.
+
+    start_given, start_angle, start_speed, start_position, start_velocity : start of the build
+    options, if there is one; has_common : whether derivatives have a common part; evaluations,
+    tangents : work so far.
+    """
+
+    places: VariablePlaces
+    bodies: BodySetup
+    start_given: bool
+    start_angle: float
+    start_speed: float
+    start_position: Annotated[np.ndarray, "coordinates"]
+    start_velocity: Annotated[np.ndarray, "coordinates"]
+    has_common: Number
+    evaluations: Number
+    tangents: Number
+
+
+class Parts(NamedTuple):
+    """Parts of the memory.
+
+    They are rows of `NativeSetup`, `BodyModel`, `PistonState`, that at the start, `StepEnd` and
+    `Linearisation`, and the faults.
+    """
+
+    given: np.ndarray
+    model: np.ndarray
+    state: np.ndarray
+    begun: np.ndarray
+    last: np.ndarray
+    common: np.ndarray
+    faults: np.ndarray
+
+
+PARTS = float(len(Parts._fields))
+parts_of = parts(Parts)
+_, settings_from = packed(Settings)
+_, rings_from = packed(RingForce)
+_, step_inputs_from = packed(StepInputs, *FIELDS)
+_, setup_from = flatten(NativeSetup)
+put_model, model_from = flatten(BodyModel)
+put_state, state_from = flatten(PistonState)
+is_state = alike(PistonState)
+put_last, last_from = flatten(StepEnd)
+put_common, common_from = flatten(Linearisation)
+length_of_model = length_of(BodyModel)
+_room_of_state = room_of(PistonState, "n, w, s")
+_room_of_last = room_of(StepEnd, "n, m")
+_room_of_common = room_of(Linearisation, "n, m")
+
+
+@compilable
+def lengths_of(setup: NativeSetup, model: int):
+    """Return the lengths of all parts after the first one, with that of the model."""
+    n = len(setup.start_position)
+    m = max(n, len(FIXED))
+    state = _room_of_state(n, 0, 0)
+    return model, state, state, _room_of_last(m, m), _room_of_common(m, m), int(ROOM)
+
+
+def given(slave: Any) -> np.ndarray:
+    """Return the constant part of the memory of an FMU: head and parts without parameters.
+
+    Parameters
+    ----------
+    slave : slave.Mfbd
+        Its resources hold the reduced bodies.
+    """
+    options = slave.built
+    bodies = load_bodies(slave.resources, options)
+    if wrong := body_faults(bodies, options):
+        raise BadInput(wrong)
+    setup = setup_of(bodies, options, NEEDS)
+    model = assembled(setup, settings_of(NEEDS))
+    n = coordinates_of(model)
+    begin = options.start
+    given = NativeSetup(
+        places=_places(slave),
+        bodies=setup,
+        start_given=begin is not None,
+        start_angle=begin.crank_angle if begin else 0.0,
+        start_speed=begin.rotation_speed if begin else 0.0,
+        start_position=begin.position() if begin else np.zeros(n),
+        start_velocity=begin.velocity() if begin else np.zeros(n),
+        has_common=np.zeros(1),
+        evaluations=np.zeros(1),
+        tangents=np.zeros(1),
+    )
+    square = np.zeros((n, n) if options.floating_pin else (0, 0))
+    whole = model._replace(parts=model.parts._replace(inertia=square, with_rod=square))
+    lengths = lengths_of(given, length_of_model(whole))
+    return memory_of({"given": row_of(given)}, dict(zip(Parts._fields[1:], lengths)))
+
+
+def _places(slave) -> VariablePlaces:
+    """Return where everything lies among a slave's variables."""
+
+    def each(names, kind=""):
+        return positions_of(slave, names, kind)
+
+    def fields(films, names, kinds=("",) * 4):
+        columns = zip((*names, "interface_work_error"), (*kinds, ""))
+        return FieldPlaces(
+            *(each([f"{film.prefix}{name}" for film in films], kind) for name, kind in columns),
+            cells=np.array([np.prod(film.shape) for film in films], dtype=float),
+        )
+
+    integers = "gas_source", "crank_free"
+    skirt, pins = slave.built.film_grids(), slave.built.pin_grids()
+    of_tangent = SEED, SEED, PRODUCT, PRODUCT
+    return VariablePlaces(
+        settings=each("" if name in integers else name for name in Settings._fields),
+        scalars=each(Scalars._fields),
+        pin_scalars=each(PinScalars._fields),
+        **{name: slave.references[name] for name in (*integers, "crank_speed")},
+        inputs=each(name for name in StepInputs._fields if name not in FIELDS),
+        rings=each(RINGS),
+        rings_seed=each(RINGS, SEED),
+        carrier=each(BLOCK),
+        carrier_seed=each(BLOCK, SEED),
+        on_block=each(BlockForce._fields),
+        on_block_product=each(BlockForce._fields, PRODUCT),
+        motion_product=each(MOTION, PRODUCT),
+        outputs=OutputPlaces(*each(OutputPlaces._fields)),
+        skirt=fields(skirt, (*FORCES, *FILM)),
+        skirt_tangent=fields(skirt, (*FORCES, *FILM), of_tangent),
+        pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
+        pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
+    )
+
+
+@compilable
+def are_fields(places: np.ndarray, cells: np.ndarray, reals: int):
+    """Return whether there are fields of so many cells at these positions."""
+    for k in range(len(places)):
+        if not has_room(places[k], int(cells[k]), reals):
+            return False
+    return True
+
+
+_check = checker(NativeSetup, "reals, integers", are_fields=are_fields)
+
+
+@compilable
+def are_bodies(bodies: BodySetup, places: VariablePlaces, coordinates: int):
+    """Return whether all films and coordinates of bodies from a file fit each other."""
+    fit = bodies.fit
+    films = 1.0 * fit.has_big_end + fit.has_main_bearing
+    piston, block = len(bodies.piston_omega), len(bodies.block_omega)
+    shells = len(bodies.shell_omega)
+    most = np.full(EYE + 1 + int(films), piston)
+    most[EYE] = shells - bodies.big_end_modes - bodies.main_bearing_modes
+    if fit.has_main_bearing:
+        most[-1] = bodies.main_bearing_modes
+    if fit.has_big_end:
+        most[EYE + 1] = bodies.big_end_modes
+    floats = len(places.pins.cells) > 0
+    modes = shells + 2 * int(films) if floats else block
+    limits = Limits(fit.skirt_lower, fit.skirt_upper, fit.bore_lower, fit.bore_upper)
+    return (
+        coordinates == (COORDINATES if floats else RIGID) + piston + modes
+        and floats == fit.floats
+        and are_films(bodies.surfaces, places.skirt.cells, piston, block, limits)
+        and are_pins(bodies.pin_surfaces, places.pins.cells, most)
+    )
+
+
+@compilable
+def is_sound(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
+    """Return whether a memory from a file has no position or length out of range.
+
+    Whether the model has room is known at the start only.
+    """
+    row = given_part(memory, PARTS, _check, len(real), len(integer))
+    if len(row) == 0:
+        return False
+    setup = setup_from(row)
+    model = int(memory[FIRST_STATE]) - len(memory)
+    return (
+        model >= 0
+        and are_bodies(setup.bodies, setup.places, len(setup.start_position))
+        and is_head(memory, lengths_of(setup, model), 1.0, 0)
+    )
+
+
 # ---- a step
+
+
+@compiled
+def stacked(real, first, size):
+    """Return variables from a position on."""
+    return real[int(first) : int(first) + int(size)]
 
 
 @compiled
@@ -87,8 +376,7 @@ def gathered(real, begins, cells):
     field = np.empty(int(cells.sum()))
     first = 0
     for s in range(len(cells)):
-        for k in range(int(cells[s])):
-            field[first + k] = real[int(begins[s]) + k]
+        keep(stacked(field, first, cells[s]), stacked(real, begins[s], cells[s]))
         first += int(cells[s])
     return field
 
@@ -98,48 +386,21 @@ def scatter(real, begins, cells, field):
     """Write a stacked field into the variables of all film surfaces."""
     first = 0
     for s in range(len(cells)):
-        for k in range(int(cells[s])):
-            real[int(begins[s]) + k] = field[first + k]
+        keep(stacked(real, begins[s], cells[s]), stacked(field, first, cells[s]))
         first += int(cells[s])
 
 
 @compiled
-def put_each(real, places, values):
-    """Put numbers into the variables, where there is a place."""
-    for k in range(len(places)):
-        if places[k] >= 0.0:
-            real[int(places[k])] = values[k]
-
-
-@compiled
 def put_stacked(real, first, values):
-    """Put an array into the variables from a place on."""
-    for k in range(len(values)):
-        real[first + k] = values[k]
-
-
-@compiled
-def get_each(real, places):
-    """Return the numbers at these positions, 0 if there is none."""
-    numbers = np.zeros(len(places))
-    for k in range(len(places)):
-        if places[k] >= 0.0:
-            numbers[k] = real[int(places[k])]
-    return numbers
+    """Put an array into the variables from a position on."""
+    keep(stacked(real, first, len(values)), values)
 
 
 @compiled
 def forces_at(real, places):
     """Return normal and tangential forces of films, or their seeds."""
     push = gathered(real, places.push, places.cells)
-    return NodalForces(push, gathered(real, places.drag, places.cells))
-
-
-@compiled
-def pin_forces_at(real, places):
-    """Return the forces of films of pin and crank, or their seeds."""
-    forces = forces_at(real, places)
-    return PinForces(forces.pressure, forces.friction)
+    return push, gathered(real, places.drag, places.cells)
 
 
 @compiled
@@ -149,17 +410,13 @@ def put_films(real, places, thickness, sliding):
     scatter(real, places.sliding, places.cells, sliding)
 
 
-_, rings_from = packed(RingForce)
-_, step_inputs_from = packed(StepInputs, *FIELDS)
-
-
 @compiled
 def inputs_of(real, places):
     """Return `StepInputs`."""
     return step_inputs_from(
         get_each(real, places.inputs),
-        forces_at(real, places.skirt),
-        pin_forces_at(real, places.pins),
+        NodalForces(*forces_at(real, places.skirt)),
+        PinForces(*forces_at(real, places.pins)),
         rings_from(get_each(real, places.rings)),
         carrier_from(get_each(real, places.carrier)),
     )
@@ -170,8 +427,8 @@ def seeds_of(real, places):
     """Return the seeds as `StepInputs`; the block's motion is not among them."""
     return step_inputs_from(
         np.zeros(len(places.inputs)),
-        forces_at(real, places.skirt_tangent),
-        pin_forces_at(real, places.pins_tangent),
+        NodalForces(*forces_at(real, places.skirt_tangent)),
+        PinForces(*forces_at(real, places.pins_tangent)),
         rings_from(get_each(real, places.rings_seed)),
         FIXED,
     )
@@ -191,8 +448,7 @@ def publish(real, integer, given, model, result):
     put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)
     put_each(real, places.skirt.work_error, now.films.work_error)
     put_each(real, places.pins.work_error, instant.work_error)
-    first = COORDINATES if has_pins(model) else RIGID
-    last = first + len(given.bodies.piston_omega) + len(given.bodies.block_omega)
+    first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     at = layout(model.parts.bodies)
@@ -213,12 +469,13 @@ def solve(real, integer, memory, c, before, crank, time):
 
     If the step is rejected, the fault is noted and the state stays.
     """
-    faults = part(memory, PART_OF.faults)
+    parts = parts_of(memory)
+    faults = parts.faults
     if not np.isfinite(crank.angle):
         refuse(faults, FAULT.no_angle, 0.0, 0.0, crank.angle, 0.0, 0.0)
         return
-    given = given_of(memory)
-    model = model_of(memory)
+    given = setup_from(parts.given)
+    model = model_from(parts.model)
     inputs = inputs_of(real, given.places)
     if is_gas_twice(model, inputs):
         remark(faults, FAULT.gas_twice)
@@ -231,8 +488,8 @@ def solve(real, integer, memory, c, before, crank, time):
         return
     result = result_of(model, before, step, time, instant, inputs)
     publish(real, integer, given, model, result)
-    put_last(part(memory, PART_OF.last), result.last)
-    put_state(part(memory, PART_OF.state), result.state)
+    put_last(parts.last, result.last)
+    put_state(parts.state, result.state)
     given.has_common[0] = 0.0
 
 
@@ -248,9 +505,10 @@ def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.
 @compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write state and outputs at the start; `numbers` unused."""
-    faults = part(memory, PART_OF.faults)
+    parts = parts_of(memory)
+    faults = parts.faults
     faults[0] = 0.0
-    given = given_of(memory)
+    given = setup_from(parts.given)
     numbers_of_settings = get_each(real, given.places.settings)
     numbers_of_settings[CHOSEN_GAS] = float(integer[given.places.gas_source])
     numbers_of_settings[FREE] = float(integer[given.places.crank_free])
@@ -262,10 +520,10 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     model = assembled(given.bodies, p)
     if has_pins(model):
         model = with_inertia(model)
-    if length_of_model(model) > len(part(memory, PART_OF.model)):
+    if length_of_model(model) > len(parts.model):
         refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
-    put_model(part(memory, PART_OF.model), model)
+    put_model(parts.model, model)
     given.evaluations[0] = 0.0
     given.tangents[0] = 0.0
     position = given.start_position.copy()
@@ -282,8 +540,8 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     for _ in range(START_PASSES):
         before = at_rest(crank, position, given.start_velocity)
         solve(real, integer, memory, now, before, crank, 0.0)
-        state = state_of(memory)
-        keep(part(memory, PART_OF.begun), part(memory, PART_OF.state))
+        state = state_from(parts.state.copy())
+        keep(parts.begun, parts.state)
         if faults[0] > 0.0 or is_started(p, crank, state):
             return
         crank = CrankMotion(crank.angle, crank.speed, state.crank_acceleration)
@@ -292,15 +550,15 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Take a step; the first of `numbers` is its length [s]."""
-    faults = part(memory, PART_OF.faults)
-    faults[0] = 0.0
-    if not is_state(part(memory, PART_OF.state), part(memory, PART_OF.begun)):
-        refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
+    parts = parts_of(memory)
+    parts.faults[0] = 0.0
+    if not is_state(parts.state, parts.begun):
+        refuse(parts.faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     step = numbers[0]
-    state = state_of(memory)
-    model = model_of(memory)
-    places = given_of(memory).places
+    state = state_from(parts.state.copy())
+    model = model_from(parts.model)
+    places = setup_from(parts.given).places
     set_damping(model, settings_from(get_each(real, places.settings)))
     crank = crank_after(model, state, step, float(real[places.crank_speed]))
     c = step_coefficients(state, step, model.settings.spectral_radius)
@@ -310,17 +568,18 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 @compiled
 def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write the products of the seeds among the variables; `numbers` unused."""
-    part(memory, PART_OF.faults)[0] = 0.0
-    given = given_of(memory)
-    model = model_of(memory)
-    last = last_of(memory)
+    parts = parts_of(memory)
+    parts.faults[0] = 0.0
+    given = setup_from(parts.given)
+    model = model_from(parts.model)
+    last = last_from(parts.last)
     places = given.places
     if given.has_common[0] == 0.0 and not has_pins(model):
-        put_common(part(memory, PART_OF.common), linearised(model, last))
+        put_common(parts.common, linearised(model, last))
         given.has_common[0] = 1.0
         given.tangents[0] += 1.0
     carried = get_each(real, places.carrier_seed)
-    found = response_to(model, last, common_of(memory), seeds_of(real, places), carried)
+    found = response_to(model, last, common_from(parts.common), seeds_of(real, places), carried)
     change = found.change
     put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
     put_films(real, places.pins_tangent, found.film_thickness, found.circumferential_velocity)
@@ -338,5 +597,4 @@ PART = NativePart(
     uncovered=uncovered,
     faults=FAULTS,
     refusal="",
-    uncovered_ahead=uncovered,
 )

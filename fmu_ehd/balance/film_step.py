@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, standing_for
-from ...master.fmi.noted import none_yet
-from ..faults import FAULT, raise_noted, refuse
+from ..faults import FAULT, refuse
 from ..laws import cavitation
 from ..laws.cavitation import Cavitation
 from ..laws.coating import Softness, soften
@@ -21,10 +20,10 @@ from ..solvers.blocks import (
     substitute,
     substitute_one,
 )
-from ..solvers.sparse import LinearSolver, linear_solver
+from ..solvers.sparse import LinearSolver
 from . import openings, reynolds, tangent, transport
 from .films import STORED, FilmSlopes
-from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags, Grid
+from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags
 from .reynolds import Faces, Filling, Storage
 from .storage import EulerStep
 from .transport import Lift
@@ -455,46 +454,3 @@ def film_slopes(
                     if domain.open_cells[i, j]:
                         stencil[m, k, i, j] = 0.0
     return stencil
-
-
-class FilmStep:
-    """Steps of one grid; keeps the factorisation of the last one for its tangent.
-
-    Parameters
-    ----------
-    grid : grid.Grid
-    model : str
-        Name of the cavitation model, a key of `cavitation.CAVITATION`.
-    open_cells : ndarray of bool, shape (n_c, n_a), optional
-        Cells without a film, `openings`.
-    """
-
-    def __init__(self, grid: Grid, model: str = "jfo", open_cells: Flags | None = None):
-        self.grid = grid
-        if open_cells is None:
-            open_cells = np.zeros(grid.shape, dtype=bool)
-        self.domain = Domain(
-            grid.cells,
-            open_cells,
-            bool(open_cells.any()),
-            cavitation.CAVITATION[model],
-            cavitation.at_once(*grid.shape),
-        )
-        self.solver = linear_solver(grid.shape)
-
-    def solve(
-        self, film: Array, entrainment: Entrainment, edges: Edges, start: EulerStep, full: Flags
-    ) -> FilmSolution:
-        """Solve Eqs. (E1)-(E5) for one step between hard surfaces, as `solve`, without a lift.
-
-        Parameters are those of `BalanceInputs`.
-
-        Raises
-        ------
-        cavitation.NotConverged
-        """
-        given = BalanceInputs(film, entrainment, edges, start, full, HARD, NO_LIFT)
-        faults = none_yet()
-        found = run(solve, given, self.domain, self.solver, faults)
-        raise_noted(faults)
-        return found

@@ -1,6 +1,5 @@
 """The film grid: its cells, its edges, and how a five-point stencil is laid out on it."""
 
-from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -68,11 +67,6 @@ def in_plenty(shape: tuple[int, int]) -> Array:
     return np.full((n_c, n_a + 1), np.inf)
 
 
-def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
-    """Oil in plenty at all edges of a grid, at one pressure above cavitation pressure [Pa]."""
-    return Edges(np.full(5, pressure), np.ones(5), in_plenty(shape))
-
-
 @compiled
 def keep(place: Array, values: np.ndarray):
     """Copy an array into a contiguous one of the same shape, in a loop.
@@ -112,35 +106,3 @@ def sum_of_products(a: Array, b: Array):
         for j in range(a.shape[1]):
             total += a[i, j] * b[i, j]
     return total
-
-
-@dataclass(frozen=True)
-class Grid:
-    """Cells on the developed surface, i circumferential and j axial.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (n_circumferential, n_axial).
-    width, length : float
-        Circumferential and axial extent of the whole grid [m].
-    ring : bool
-        True: i closes on itself. False: i ends at a first and a last edge.
-    """
-
-    shape: tuple[int, int]
-    width: float
-    length: float
-    ring: bool = True
-
-    @property
-    def cells(self) -> Cells:
-        """Cell size and closure."""
-        n_c, n_a = self.shape
-        return Cells(self.width / n_c, self.length / n_a, self.ring)
-
-    @property
-    def cell_area(self) -> float:
-        """Area of a cell [m2]."""
-        cells = self.cells
-        return cells.dx * cells.dy

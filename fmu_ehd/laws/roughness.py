@@ -67,7 +67,6 @@ three-dimensional roughness on partial hydrodynamic lubrication, J. Lubr. Techno
 sliding surfaces, J. Lubr. Technol. 101 (1979) 220-229 (R3 to R6).
 """
 
-from functools import cache
 from math import erf
 from typing import NamedTuple
 
@@ -317,10 +316,10 @@ def _drag(h, sliding):
 
 
 @compiled
-def fill_factor_table(
-    share: float, gamma_skirt: float, gamma_bore: float, bearing: bool, table: Array
-):
-    """Fill the table of the factors on a uniform grid of H.
+def factor_table(
+    share: float, gamma_skirt: float, gamma_bore: float, bearing: bool = False
+) -> Array:
+    """Return the table of the factors on a uniform grid of H.
 
     It goes from `TABLE_START` to `TABLE_END`. A bearing slides around its axis, and its grid rests
     on the bore instead of the skirt, which is the journal.
@@ -332,10 +331,14 @@ def fill_factor_table(
     gamma_skirt, gamma_bore : float
         Peklenik numbers of the axial direction [-], 1/9 to 9.
     bearing : bool
-    table : ndarray, shape (2305, 12)
-        Overwritten, values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1
-        along j, Phi_s, (phi_f + Phi_fs)/H, phi_fp - 1 [-], by Eqs. (R7), (R8).
+
+    Returns
+    -------
+    ndarray, shape (2305, 12)
+        Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 along j, Phi_s,
+        (phi_f + Phi_fs)/H, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
+    table = np.empty(TABLE)
     y = share
     s = 1.0 / gamma_skirt if bearing else gamma_skirt
     b = 1.0 / gamma_bore if bearing else gamma_bore
@@ -357,13 +360,4 @@ def fill_factor_table(
         _put(table, k, FACTOR.drag, 0.0, _drag(h, sliding))
         driven = _against(y, pressure_stress_factor(h, s), pressure_stress_factor(h, b), 1.0)
         _put(table, k, FACTOR.poiseuille, 0.0, driven)
-
-
-@cache
-def factor_table(
-    share: float, gamma_skirt: float, gamma_bore: float, bearing: bool = False
-) -> Array:
-    """Return the table of `fill_factor_table`."""
-    table = np.empty(TABLE)
-    fill_factor_table(share, gamma_skirt, gamma_bore, bearing, table)
     return table

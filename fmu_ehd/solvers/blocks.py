@@ -27,12 +27,12 @@ References
 [Higham2002] N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compilable, compiled
 from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
 
@@ -51,11 +51,24 @@ class Factors(NamedTuple):
         1: stations were eliminated with ascending j, -1: with descending j, 0: nothing was yet.
     """
 
-    columns: Array
-    diagonals: Array
-    orders: NDArray[np.int64]
-    counts: NDArray[np.int64]
-    direction: Array
+    columns: Annotated[Array, "n_a, n_c, n_c"]
+    diagonals: Annotated[Array, "n_a, n_c"]
+    orders: Annotated[NDArray[np.int64], "n_a, n_c"]
+    counts: Annotated[NDArray[np.int64], "n_a"]
+    direction: Annotated[Array, "1"]
+
+
+@compilable
+def no_factors(shape: tuple[int, int]) -> Factors:
+    """Return room for the factors of a grid (n_c, n_a)."""
+    n_c, n_a = shape
+    return Factors(
+        np.zeros((n_a, n_c, n_c)),
+        np.zeros((n_a, n_c)),
+        np.zeros((n_a, n_c), np.int64),
+        np.zeros(n_a, np.int64),
+        np.zeros(1),
+    )
 
 
 @compiled(inline="always")
@@ -361,14 +374,7 @@ class BlockTridiagonal:
     """
 
     def __init__(self, shape: tuple[int, int]):
-        across, stations = shape
-        self.factors = Factors(
-            np.empty((stations, across, across)),
-            np.empty((stations, across)),
-            np.zeros((stations, across), np.int64),
-            np.zeros(stations, np.int64),
-            np.zeros(1),
-        )
+        self.factors = no_factors(shape)
         self.stencil = np.empty((5, *shape))
 
     def factorise(self, stencil: Array, stations: tuple[int, int] | None = None) -> None:

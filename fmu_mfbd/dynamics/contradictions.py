@@ -3,13 +3,12 @@
 Python and machine code share them.
 """
 
-from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ...master.fmi.noted import DAMAGED_STATE, refuse
+from ...master.fmi.noted import DAMAGED_STATE, numbers_of, refuse
 from .parameters import GAS_TWICE, NO_GAS_TABLE, Parameters, Settings
 
 PIN_SHARE = 0.25
@@ -60,8 +59,7 @@ SENTENCES = {
 }
 FAULTS = tuple(SENTENCES.values())
 """Sentences by number."""
-FAULT = namedtuple("FaultNumbers", SENTENCES)(*map(float, range(len(FAULTS))))
-"""Their numbers as floats: numba compiles a kernel anew for every literal integer."""
+FAULT = numbers_of(SENTENCES)
 
 USUAL = Parameters()
 USUAL_FRICTION = float(USUAL.pin_friction_coefficient)

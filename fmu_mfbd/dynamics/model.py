@@ -20,7 +20,7 @@ from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
 from .pin_response import PinResponse
-from .piston_motion import LATERAL, RIGID, ROCKING
+from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion
 from .state import PistonState, motion_of, step_coefficients
 from .step import (
@@ -30,12 +30,14 @@ from .step import (
     StepInputs,
     StepResult,
     at_rest,
+    coordinates_of,
     crank_after,
     crank_at_start,
     has_pins,
     instant_of,
     is_started,
     linearised,
+    modes_of,
     others_at,
     response_to,
     result_of,
@@ -137,12 +139,7 @@ class PistonInBore:
         self.bodies = model.parts.bodies
         self.inertia = model.parts.inertia
         self.layout = layout(self.bodies)
-        self.modes = len(system.gas_force) + len(system.block.stiffness)
-        self.modes += len(system.block_static.stiffness)
-        self.moving = RIGID + len(system.piston.stiffness)  # of the piston, with inertia
-        self.coordinates = RIGID + self.modes
-        if has_pins(model):
-            self.coordinates = self.moving = self.layout.size
+        self.coordinates = coordinates_of(model)
         self.shape_omega = np.zeros(0)
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
@@ -317,9 +314,7 @@ class PistonInBore:
         """Return all outputs by name; `variables.py` has their units."""
         instant = result.instant
         now, at = instant.now, self.layout
-        first, last = RIGID, self.coordinates
-        if self.pins:
-            first, last = at.modes, at.shapes
+        first, last = modes_of(self.model)
         errors = zip((*self.films, *self.grids), (*now.films.work_error, *instant.work_error))
         outputs = {
             **by_film(self.films, "film_thickness", now.films.film_thickness),
@@ -335,7 +330,7 @@ class PistonInBore:
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }
-        if self.modes:
+        if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
         if at.big_end_shell > at.eye:

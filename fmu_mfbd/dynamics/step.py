@@ -19,6 +19,7 @@ from .generalised_alpha import Motion
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
+from .pin_coordinates import layout
 from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
@@ -120,6 +121,23 @@ class StepResult(NamedTuple):
 def has_pins(model: BodyModel) -> bool:
     """Return whether the pin floats."""
     return pins_of(model.parts.surfaces) > 0
+
+
+@compilable
+def coordinates_of(model: BodyModel) -> int:
+    """Return the number of coordinates of all bodies."""
+    system = model.parts.system
+    if has_pins(model):
+        return layout(model.parts.bodies).size
+    block = len(system.block.stiffness) + len(system.block_static.stiffness)
+    return RIGID + len(system.gas_force) + block
+
+
+@compilable
+def modes_of(model: BodyModel) -> tuple[int, int]:
+    """Return the first and the end of the modal coordinates of piston and block."""
+    at = layout(model.parts.bodies)
+    return (at.modes, at.shapes) if has_pins(model) else (RIGID, coordinates_of(model))
 
 
 @compilable

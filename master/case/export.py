@@ -143,7 +143,7 @@ def _uncovered_ahead(case, platforms):
             faults += refusal.faults
             continue
         packages.add(table.package)
-        ahead = part.uncovered_ahead(table.build)
+        ahead = part.uncovered(table.build)
         faults += [f"participants.{name}.build.{fault}" for fault in ahead]
     return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 

@@ -59,7 +59,7 @@ def _uncovered(table, folder, given):
     except BadInput as refusal:
         return [f", {fault}" for fault in refusal.faults]
     faults = [f", {fault}" for fault in cannot_build((platform,), (table.package,))]
-    faults += [f".build.{fault}" for fault in part.uncovered_ahead(table.build)]
+    faults += [f".build.{fault}" for fault in part.uncovered(table.build)]
     if not faults and (variables := declared_variables(table, folder)):
         values = {v.name: v.number(v.start) for v in variables} | dict(given)
         faults += [f".parameters.{fault}" for fault in part.uncovered_values(values)]

@@ -12,6 +12,6 @@ ledger         energy that participants receive from each other (W2)
 negotiation    checks of saved states and derivatives
 freezing       stepper as bytes
 coupled        a system as one FMU
-native         entries of that FMU as machine code, with native_stepping and native_system;
+native         entries of that FMU as machine code, with native_system;
                native_block is their memory, native_given its content for a case
 """

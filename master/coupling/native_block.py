@@ -1,8 +1,7 @@
 """Memory of a coupled FMU without Python: rows of named tuples, see `master.fmi.block`."""
 
-from collections.abc import Iterable
 from math import inf
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -18,24 +17,15 @@ from ..fmi.block import (
     room_of,
 )
 from ..fmi.compiled import compilable, compiled
-from ..fmi.noted import DAMAGED_STATE, ROOM
+from ..fmi.noted import DAMAGED_STATE, ROOM, numbers_of
 from .methods import iteration
-from .methods.krylov import KEPT, Pairs
+from .methods.krylov import KEPT, Pairs, no_pairs
 from .vector import TOO_LONG, Layout
 
 Array = np.ndarray
 Vector = Annotated[Array, "n"]
 Number = Annotated[Array, "1"]
 """An array of one, for what changes."""
-
-NOWHERE = -1
-
-
-def numbers_of(names: Iterable[str]) -> Any:
-    """Return a named tuple of the numbers of names, from 0 on, as floats for kernels."""
-    fields = [(name, float) for name in names]
-    return NamedTuple("Numbers", fields)._make(map(float, range(len(fields))))
-
 
 SENTENCES = {
     **iteration.SENTENCES,
@@ -302,6 +292,18 @@ def are_exposed(rows: Array, participants: Array, reals: int, integers: int):
     return True
 
 
+@compilable
+def lengths_of(given: CoupledSetup, inside: int, reals: int):
+    """Return the lengths of all parts after the first one, and the end that is not saved.
+
+    inside : length of the part of this name; reals : number of real variables.
+    """
+    size, unknowns = len(given.layout.nominal), len(given.layout.unknowns)
+    state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
+    lengths = inside, state, state, _room_of_last(reals), int(ROOM), int(ROOM)
+    return lengths, _room_of_pairs(given.pairs, unknowns)
+
+
 _check = checker(
     CoupledSetup,
     "reals, integers",
@@ -321,29 +323,24 @@ def is_sound(real: Array, integer: Array, memory: Array):
 
     The contents of the participants are not checked.
     """
-    row = given_part(memory, PARTS)
-    if len(row) == 0 or _check(row, len(real), len(integer)) != len(row):
+    row = given_part(memory, PARTS, _check, len(real), len(integer))
+    if len(row) == 0:
         return False
     given = given_from(row)
     end = participant_from(given.participants[len(given.participants) - 1])
-    layout = given.layout
-    size, unknowns = len(layout.nominal), len(layout.unknowns)
-    state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
-    lengths = (end.memory + end.memories, state, state, _room_of_last(len(real)), int(ROOM))
-    return is_head(memory, lengths, 1.0, _room_of_pairs(given.pairs, unknowns))
+    lengths, unsaved = lengths_of(given, end.memory + end.memories, len(real))
+    return is_head(memory, lengths, 1.0, unsaved)
 
 
 @compilable
 def nothing_yet(given: CoupledSetup):
     """Return `CoupledState` before a start."""
-    n = given.pairs
-    of_vectors = np.zeros((2, n, len(given.layout.unknowns)))
     return CoupledState(
         np.zeros(given.standing),
         np.zeros(1),
         np.zeros(given.rules.predicted),
         np.zeros((given.rules.predicted, len(given.layout.nominal))),
-        Pairs(of_vectors[0], of_vectors[1], np.zeros((n, n)), np.zeros(1)),
+        no_pairs(len(given.layout.unknowns)),
     )
 
 

@@ -7,27 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.block import PARTS_FROM, memory_of, room, row_of
+from ..fmi.block import PARTS_FROM, memory_of, row_of
 from ..fmi.builder_native import Inside
-from ..fmi.noted import ROOM
+from ..fmi.native_parts import NOWHERE
 from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
 from .coupled import LENIENCE, NUDGE, Coupled
-from .methods.krylov import KEPT, Pairs
+from .methods.krylov import KEPT
 from .methods.newton import Newton
 from .native_block import (
-    NOWHERE,
     SENTENCES,
     WIRE_SENTENCES,
     CoupledSetup,
-    CoupledState,
     ExposedRow,
     ExposedVariables,
-    LastMacroStep,
     ParticipantRow,
+    Parts,
     Rules,
     WireRow,
+    lengths_of,
 )
 from .wiring import Wire, layout_of
 
@@ -89,7 +88,6 @@ def coupled_inside(
     options, names = slave.inside, list(insides)
     coupling = options.coupling
     layout = layout_of(options.wires, options.order, coupling.parallel)
-    size, unknowns = len(layout.nominal), len(layout.unknowns)
     known: dict[str, Any] = (
         vars(Newton()) | vars(coupling) | dict(step=options.step, lenience=LENIENCE)
     )
@@ -104,7 +102,7 @@ def coupled_inside(
         Rules(*(known[name] for name in Rules._fields)),
         layout,
         standing=sum(row.variables + row.states for row in rows),
-        pairs=min(KEPT, unknowns),
+        pairs=min(KEPT, len(layout.unknowns)),
         order=np.array([names.index(name) for name in options.order], float),
         starting=np.array([names.index(name) for name in options.participants], float),
         participants=_matrix(rows),
@@ -112,19 +110,10 @@ def coupled_inside(
         exposed=ExposedVariables(*(_matrix(_exposed(slave, insides, one)) for one in causalities)),
         contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
-    n = dict(standing=given.standing, pairs=given.pairs, size=size, unknowns=unknowns)
-    state = room(CoupledState, predicted=given.rules.predicted, **n)
-    lengths = dict(
-        inside=rows[-1].memory + rows[-1].memories,
-        state=state,
-        before=state,
-        last=room(LastMacroStep, reals=len(slave.real)),
-        failures=ROOM,
-        faults=ROOM,
-    )
+    lengths, unsaved = lengths_of(given, rows[-1].memory + rows[-1].memories, len(slave.real))
     part = native.PART._replace(faults=_sentences(options.wires, insides))
-    unsaved = room(Pairs, **n)
-    return Inside(slave, part, memory_of({"given": row_of(given)}, lengths, unsaved))
+    named = dict(zip(Parts._fields[1:], lengths))
+    return Inside(slave, part, memory_of({"given": row_of(given)}, named, unsaved))
 
 
 def _matrix(rows: Sequence[tuple[Any, ...]]) -> np.ndarray:

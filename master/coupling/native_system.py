@@ -7,11 +7,11 @@ from numba import types
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
+from ..fmi.native_parts import NOWHERE
 from ..fmi.noted import refuse, take_over
 from .methods.iteration import NONE, Answer, converge
 from .native_block import (
     FAULT,
-    NOWHERE,
     ON_WIRE,
     WireRow,
     given_of,

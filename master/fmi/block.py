@@ -11,7 +11,6 @@ applies to rows from a file.
 import ast
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from math import prod
 from typing import Annotated, Any, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -52,13 +51,7 @@ def element_of(hint: Any) -> Any:
 
 
 BY_BITS: tuple[Any, ...] = (np.float32, np.int64)
-"""Elements of arrays that are stored by their bits; only `reader` supports them."""
-
-
-def room(kind: Any, **lengths: int) -> int:
-    """Return the length of the longest row of a tree, for the lengths in its annotations."""
-    shapes = [shape_of(hint) for _, hint in leaves(kind)]
-    return sum(len(shape) + prod(eval(one, {}, lengths) for one in shape) for shape in shapes)
+"""Elements of arrays that are stored by their bits; `flatten` supports only the second."""
 
 
 def row_of(tree: Any) -> np.ndarray:
@@ -192,13 +185,15 @@ def flatten(kind: Any) -> tuple[Any, Any]:
     Parameters
     ----------
     kind : type
-        Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64 or bool.
+        Named tuple whose leaves are float, int, bool, or arrays, `Annotated`, of float64, int64 or
+        bool.
     """
-    scope: dict[str, Any] = {"write": write}
+    scope: dict[str, Any] = {"write": write, "np": np}
     lines = ["at = 0"]
     for path, hint in leaves(kind):
         if shape_of(hint):
-            lines.append(f"at = write(row, at, {path})")
+            bits = ".view(np.float64)" if element_of(hint) is np.int64 else ""
+            lines.append(f"at = write(row, at, {path}{bits})")
         else:
             lines += [f"row[at] = {path}", "at += 1"]
     return _made("row, tree", [*lines, "return at"], scope), reader(kind)
@@ -212,7 +207,7 @@ def reader(kind: Any) -> Any:
     Parameters
     ----------
     kind : type
-        As of `flatten`, or with arrays of whole numbers, or of two axes of single precision.
+        As of `flatten`, or with arrays of two axes of single precision.
     """
     scope: dict[str, Any] = {"np": np, "read_singles": read_singles, **READERS}
     lines = ["at = 0"]
@@ -433,39 +428,43 @@ def length_of(kind: Any) -> Any:
 
 
 def room_of(kind: Any, names: str) -> Any:
-    """Return the kernel of `room`, (*names)."""
+    """Return the kernel of the length of a tree's longest row, for lengths of arrays, (*names)."""
     shapes = [shape_of(hint) for _, hint in leaves(kind)]
     sizes = (f"{len(shape)} + {' * '.join(f'({one})' for one in shape) or 1}" for shape in shapes)
     return _made(names, [f"return {' + '.join(sizes)}"], {})
 
 
 @compilable
-def given_part(memory: np.ndarray, parts: float) -> np.ndarray:
-    """Return the first of so many parts from a file, empty if the head is that of another memory.
+def given_part(
+    memory: np.ndarray, parts: float, check: Any, reals: int, integers: int
+) -> np.ndarray:
+    """Return the first of so many parts from a file, empty if it is that of another memory.
 
-    The file ends with this part.
+    The file ends with this part. `check` is its `checker`.
     """
     first = PARTS_FROM + int(parts) + 1
     fits = len(memory) > first and memory[PARTS_FROM] == first
-    return memory[first if fits and memory[PARTS_FROM + 1] == len(memory) else len(memory) :]
+    row = memory[first if fits and memory[PARTS_FROM + 1] == len(memory) else len(memory) :]
+    is_whole = len(row) > 0 and check(row, reals, integers) == len(row)
+    return row if is_whole else row[len(row) :]
 
 
 @compilable
 def is_head(memory: np.ndarray, lengths: Any, state: float, unsaved: int) -> bool:
     """Return whether a head from a file is that of `memory_of` for these lengths.
 
-    lengths : tuple, of the parts between the given one and the faults; state : its number in them.
-    The reader of the file checks that the faults, which are last, have room.
+    lengths : tuple, of the parts after the given one, the faults last; state : its number in them.
     """
     end = len(memory)
+    first_state = first = end
     for k in range(len(lengths)):
-        if k == int(state) and memory[FIRST_STATE] != end:
-            return False
+        first = end
+        first_state = first if k == int(state) else first_state
         end += lengths[k]
         if memory[PARTS_FROM + 2 + k] != end:
             return False
-    fits = memory[FAULTS] == end and memory[STATES] == lengths[int(state)] - unsaved
-    return fits and memory[0] == memory[PARTS_FROM + 2 + len(lengths)]
+    fits = memory[FIRST_STATE] == first_state and memory[FAULTS] == first
+    return fits and memory[STATES] == lengths[int(state)] - unsaved and memory[0] == end
 
 
 def _made(arguments: str, lines: list[str], scope: dict[str, Any]) -> Any:

@@ -280,26 +280,27 @@ def pack_fmu(
     packing["experiment"] = repr(experiment).encode()
     packing["codes"] = repr(list(codes)).encode()
     _remember_python()
-    fmu = cache_folder("fmus") / f"{name}-{_digest(contents | front | packing)}.fmu"
-    if not fmu.exists():
-        progress(f"packing {fmu.name}")
+
+    def members() -> dict[str, bytes]:
         any_host = bool(compiler())
         entry = ENTRY.format(codes=tuple(codes), slave=code.slave, any_host=any_host).encode()
         module = "_".join([*codes, "entry"])  # another one in FMUs with other participants
-        for one in codes.values():
-            contents |= {f"{one.name}/{path}": data for path, data in one.files.items()}
-        contents |= {
+        whole = {
+            f"{one.name}/{path}": data for one in codes.values() for path, data in one.files.items()
+        }
+        whole |= contents | {
             f"{module}.py": entry,
             "slavemodule.txt": module.encode(),
+            "requirements.py": code.files["master/fmi/requirements.py"],
+            "pythonfmu/__init__.py": PYTHONFMU.encode(),
         }
-        contents |= {"requirements.py": code.files["master/fmi/requirements.py"]}
-        contents |= {
+        whole |= {
             f"pythonfmu/{name}.py": (_pythonfmu() / f"{name}.py").read_bytes()
             for name in OF_PYTHONFMU
         }
-        contents |= {"pythonfmu/__init__.py": PYTHONFMU.encode()}
-        _pack(contents, module, fmu, version, experiment)
-    return fmu
+        return _members(whole, module, version, experiment)
+
+    return packed_once(name, contents | front | packing, members, progress)
 
 
 def _remember_python() -> None:
@@ -345,10 +346,37 @@ def _digest(contents: Mapping[str, bytes]) -> str:
     return digest.hexdigest()[:16]
 
 
-def _pack(
-    contents: Mapping[str, bytes], entry: str, fmu: Path, version: str, experiment: Any
-) -> None:
-    """Lay out the resources in a scratch folder, describe the model, and write the FMU."""
+def packed_once(
+    name: str,
+    made_of: Mapping[str, bytes],
+    members: Callable[[], Mapping[str, bytes]],
+    progress: Say,
+) -> Path:
+    """Return an FMU from the cache, written if there is none of this name and content.
+
+    Parameters
+    ----------
+    name : str
+        First part of the file name.
+    made_of : dict of str to bytes
+        All that determines the content.
+    members : callable
+        Returns the content by path.
+    progress : callable
+        Called with a message before the FMU is written.
+    """
+    fmu = cache_folder("fmus") / f"{name}-{_digest(made_of)}.fmu"
+    if not fmu.exists():
+        whole = members()
+        progress(f"packing {fmu.name}")
+        write_archive(whole, fmu)
+    return fmu
+
+
+def _members(
+    contents: Mapping[str, bytes], entry: str, version: str, experiment: Any
+) -> dict[str, bytes]:
+    """Lay out the resources in a scratch folder, describe the model, and return all by path."""
     with tempfile.TemporaryDirectory() as scratch:
         for name, data in contents.items():
             path = Path(scratch) / name
@@ -357,8 +385,7 @@ def _pack(
         slave = _instance(entry, scratch)
         slave.experiment = experiment or slave.experiment
         members = _binaries(slave, version) | texts_of(slave, version, any_host=bool(compiler()))
-    members |= {f"resources/{name}": data for name, data in contents.items()}
-    write_archive(members, fmu)
+    return members | {f"resources/{name}": data for name, data in contents.items()}
 
 
 def write_archive(members: Mapping[str, bytes], fmu: Path) -> None:

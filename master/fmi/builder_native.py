@@ -6,7 +6,6 @@ so all FMUs of a participant have the same one. A release contains the libraries
 (`.ci/release`). If the library is missing, it is linked in a second from cached object files.
 """
 
-import fcntl
 import json
 import os
 import platform as machine
@@ -22,13 +21,13 @@ from hashlib import sha256
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import native_code
-from .builder import PACKING, code_of, slave_of, texts_of, write_archive
-from .cache import cache_folder, write_whole
+from .builder import PACKING, code_of, packed_once, slave_of, texts_of
+from .cache import cache_folder, try_lock, write_whole
 from .compiler import (
     COMMON,
     HOME,
@@ -113,13 +112,13 @@ def build_native_fmu(
         "libraries": repr([library_name((package,), one, version) for one in platforms]).encode(),
         "version": f"{version_of('piston-cosim')} {version} {experiment!r}".encode(),
     }
-    fmu = _cached_path(package, made_of)
-    if not fmu.exists():
+
+    def members() -> dict[str, bytes]:
         inside = slave_inside(package, part, resolved, files)
         inside.slave.experiment = experiment or inside.slave.experiment
-        libraries_here = libraries((package,), platforms, version, progress)
-        _write(fmu, _members(inside, libraries_here, version), progress)
-    return fmu
+        return _members(inside, libraries((package,), platforms, version, progress), version)
+
+    return packed_once(f"{package}-native", made_of, members, progress)
 
 
 class Inside(NamedTuple):
@@ -160,10 +159,7 @@ def pack_native_fmu(
     """
     made = libraries((package, *participants), platforms, version, progress)
     members = _members(inside, made, version)
-    fmu = _cached_path(name, members)
-    if not fmu.exists():
-        _write(fmu, members, progress)
-    return fmu
+    return packed_once(f"{name}-native", members, lambda: members, progress)
 
 
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
@@ -177,19 +173,6 @@ def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[st
     members["resources/slave.bin"] = model
     members["resources/build.json"] = json.dumps(slave.options, sort_keys=True).encode()
     return members
-
-
-def _cached_path(name: str, made_of: Mapping[str, bytes]) -> Path:
-    """Return the path in the cache of an FMU with this content."""
-    digest = sha256()
-    for member in sorted(made_of):
-        digest.update(member.encode() + b"\0" + sha256(made_of[member]).digest())
-    return cache_folder("fmus") / f"{name}-native-{digest.hexdigest()[:16]}.fmu"
-
-
-def _write(fmu: Path, members: Mapping[str, bytes], progress: Callable[[str], object]) -> None:
-    progress(f"packing {fmu.name}")
-    write_archive(members, fmu)
 
 
 def check_native(
@@ -209,7 +192,7 @@ def check_native(
         As `build_native_fmu`.
     """
     part = part_of(package)
-    if faults := [*cannot_build(platforms, (package,)), *part.uncovered_ahead(options)]:
+    if faults := [*cannot_build(platforms, (package,)), *part.uncovered(options)]:
         raise BadInput(faults)
     resolved, files = import_part(f"{package}.build").prepare(options, Path(folder), progress)
     if faults := list(part.uncovered(resolved)):
@@ -377,7 +360,7 @@ def sole_compiler(
     with open(path, "a+") as lock:
         begin = time.monotonic()
         due = begin
-        while not _locked(lock):
+        while not try_lock(lock):
             if (now := time.monotonic()) >= due:
                 lock.seek(0)
                 holder = lock.read().strip() or "another process"
@@ -388,15 +371,6 @@ def sole_compiler(
         lock.write(f"process {os.getpid()} on {machine.node()}\n")
         lock.flush()
         yield
-
-
-def _locked(lock: IO[str]) -> bool:
-    """Return whether the lock could be taken."""
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
 
 
 def _compile(

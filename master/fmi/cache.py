@@ -1,7 +1,10 @@
 """The user's cache folder, and atomic writing of files."""
 
+import fcntl
 import os
+from contextlib import suppress
 from pathlib import Path
+from typing import IO
 
 
 def cache_folder(kind: str) -> Path:
@@ -22,6 +25,14 @@ def cache_folder(kind: str) -> Path:
     folder = Path(root).absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+def try_lock(file: IO[str]) -> bool:
+    """Return whether this process could lock an open file, which its closing unlocks."""
+    with suppress(BlockingIOError):
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    return False
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -5,7 +5,6 @@ and the others wait and load it. A process waits only for callees of what it com
 recursive, so processes never wait for each other in a circle.
 """
 
-import fcntl
 import time
 from contextlib import suppress
 from functools import cache, cached_property
@@ -14,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import IO, Any
 
+from .cache import try_lock
 from .callees import CalleeKept
 from .tree import reached
 
@@ -80,10 +80,9 @@ class KernelCache(CACHING.FunctionCache):
         with suppress(OSError):
             self._lock = Path(self._cache_path, name).open("w")
             while time.monotonic() < end:
-                with suppress(BlockingIOError):
-                    return fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if try_lock(self._lock):
+                    return
                 time.sleep(0.02)
-        return None
 
     def _release(self) -> None:
         if self._lock is not None:

@@ -6,6 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .compiled import compiled
+from .slave import reserved
+
+NOWHERE = -1
+"""Position of a variable that does not exist."""
 
 
 class Entry(NamedTuple):
@@ -19,6 +23,24 @@ class Entry(NamedTuple):
     def name(self, package: str) -> str:
         """Return the name of the function in the library, which may contain several packages."""
         return symbol(package, self.kernel.py_func.__name__)
+
+
+@compiled
+def get_each(real: np.ndarray, places: np.ndarray):
+    """Return the variables at these positions, 0 if there is none."""
+    numbers = np.zeros(len(places))
+    for k in range(len(places)):
+        if places[k] >= 0.0:
+            numbers[k] = real[int(places[k])]
+    return numbers
+
+
+@compiled
+def put_each(real: np.ndarray, places: np.ndarray, values: Any):
+    """Write numbers into the variables at these positions."""
+    for k in range(len(places)):
+        if places[k] >= 0.0:
+            real[int(places[k])] = values[k]
 
 
 @compiled
@@ -42,6 +64,12 @@ def symbol(package: str, name: str) -> str:
     return f"{package.replace('.', '_')}_{name}"
 
 
+def positions_of(slave: Any, names: Iterable[str], kind: str = "") -> np.ndarray:
+    """Return the positions of variables of a slave, or of their seeds or products, `kind`."""
+    keys = (reserved(kind, name) if kind else name for name in names)
+    return np.array([slave.references.get(key, NOWHERE) for key in keys], dtype=float)
+
+
 class NativePart(NamedTuple):
     """The compiled side of a model class.
 
@@ -51,22 +79,19 @@ class NativePart(NamedTuple):
         size, start, advance and tangent, `front/native.h`.
     given : callable
         Returns the first part of an FMU's memory, ndarray of float64.
-    uncovered : callable
-        Yields faults of checked build options that the library does not cover.
     faults : tuple of str
         Sentences by number.
     refusal : str
         First part of the message of a discarded step.
-    uncovered_ahead : callable
-        As `uncovered`, for build options as in a case.
+    uncovered : callable
+        Yields faults of build options, checked or as in a case, that the library does not cover.
     uncovered_values : callable
         As `uncovered`, for all parameters in SI, choices by number.
     """
 
     entries: tuple[Entry, ...]
     given: Callable[[Any], Any]
-    uncovered: Callable[[dict[str, Any]], Iterable[str]]
     faults: tuple[str, ...]
     refusal: str
-    uncovered_ahead: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
+    uncovered: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
     uncovered_values: Callable[[Mapping[str, Any]], Iterable[str]] = lambda values: ()

@@ -3,7 +3,8 @@
 Python makes the sentences. `{i}` and `{j}` are the positions, `{a}` to `{c}` the numbers.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,15 @@ OF_A_FAULT = 6
 ROOM = 1 + MOST_FAULTS * OF_A_FAULT
 """Length of a list of faults: their count, then number of the sentence, i, j, a, b, c for each."""
 DAMAGED_STATE = "the restored state is damaged: expected that of a run of this FMU"
+
+
+def numbers_of(names: Iterable[str]) -> Any:
+    """Return a named tuple of the numbers of sentences, from 0 on.
+
+    They are no integers, because numba compiles a kernel anew for every literal integer.
+    """
+    fields = [(name, float) for name in names]
+    return NamedTuple("FaultNumbers", fields)._make(map(float, range(len(fields))))
 
 
 def none_yet() -> np.ndarray:

@@ -45,7 +45,7 @@ def measure(cells, solver):
     """
     shape = cells, cells
     model = LubricationModel(Parameters(shape, roughness_rms=5e-7))
-    model.film_step.solver = solver
+    model.solver = solver
     inputs = [motored_film(shape, k * DEGREE) for k in range(STEPS + 1)]
     start, _ = model.start(*inputs[0])
     start, _ = model.advance(start, *inputs[1], DEGREE)
@@ -60,7 +60,7 @@ def measure(cells, solver):
             times.append(perf_counter() - begin)
             counts.append(outputs["solver_iterations"])
         passes.append(times)
-    recorder = model.film_step.solver = Recorder(solver)
+    recorder = model.solver = Recorder(solver)
     for film, velocity in inputs[2:]:
         start, _ = model.advance(start, film, velocity, DEGREE)
     ones = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.balance.grid import Grid
+from piston_cosim.fmu_ehd.balance.grid import Cells
 from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
 from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
@@ -117,8 +117,8 @@ def test_a_turning_bearing_is_an_axial_slider_on_its_side(surfaces):
     around, _, across = film_after(p, [film[:, None]] * 2, turning=4.0)
     # both reach 30 mm in sliding; ends of a length 2 m leak 1e-3 of their cell
     assert np.allclose(across["pressure"][:, 1], along["pressure"][0], rtol=1e-4)
-    shear = along["nodal_friction_force"][0] / pad.grid.cell_area
-    turned = across["nodal_circumferential_force"][:, 1] / around.grid.cell_area
+    shear = along["nodal_friction_force"][0] / pad.area.max()
+    turned = across["nodal_circumferential_force"][:, 1] / around.area.max()
     # the slope belongs to the other surface: forces on both differ by h dp/dx, Eq. (F8)
     pressure = along["pressure"][0]
     carried = film[1:-1] * (pressure[2:] - pressure[:-2]) / (2.0 * 1e-3)
@@ -151,8 +151,8 @@ def test_couette_torque_and_power_of_a_concentric_journal():
 def test_coulomb_friction_points_against_both_velocities():
     p = Parameters(SHAPE, surface="bearing", roughness_rms=1e-6, oil=Oil(viscosity=1e-5))
     model, _, outputs = film_after(p, [1e-6] * 2, 3.0, turning=-4.0)
-    normal = p.boundary_friction_coefficient * outputs["asperity_pressure"] * model.grid.cell_area
-    viscous = 1e-5 / 1e-6 * model.grid.cell_area
+    normal = p.boundary_friction_coefficient * outputs["asperity_pressure"] * model.area.max()
+    viscous = 1e-5 / 1e-6 * model.area.max()
     # v0 = 1 mm/s beside 5 m/s: 2e-8
     assert np.allclose(outputs["nodal_friction_force"], -0.6 * normal - 3.0 * viscous, rtol=1e-6)
     expected = 0.8 * normal + 4.0 * viscous
@@ -183,7 +183,7 @@ def test_sector_has_the_supply_at_its_ends():
         pressure_openings=2e5,
     )
     model, _, outputs = film_after(p, [2e-5] * 2, step=1e9)
-    assert model.grid == Grid((20, 4), 0.01, 2.0, ring=False)
+    assert model.fixed.domain.cells == Cells(0.01 / 20, 2.0 / 4, ring=False)
     assert np.allclose(outputs["pressure"][:, 1:3], 2e5, rtol=1e-3)
     # what comes in at the ends leaves over the edges
     leak = outputs["flow_lower_edge"] + outputs["flow_upper_edge"]

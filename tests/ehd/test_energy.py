@@ -156,7 +156,7 @@ def wedge(shape, squeezed, sliding):
     viscosity = np.full(shape, p.oil.viscosity)
     quantities, _ = smooth_film(film, viscosity, p.minimum_flow_film)
     still = np.zeros(shape)
-    faces = reynolds.faces(quantities, Entrainment(still, still), model.grid.cells)
+    faces = reynolds.faces(quantities, Entrainment(still, still), model.fixed.domain.cells)
 
     def drops(pressure):
         """Pressure drops over the axial faces [Pa]."""

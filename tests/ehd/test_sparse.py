@@ -12,7 +12,7 @@ SHAPE = (11, 9)
 def pressure_force(solver):
     """Nodal pressure force after a few degrees, and its derivative, with a given solver class."""
     model = LubricationModel(Parameters(SHAPE, roughness_rms=1e-6))
-    model.film_step.solver = solver(SHAPE)
+    model.solver = solver(SHAPE)
     state, _ = model.start(*motored_film(SHAPE, 0.0))
     for k in range(1, 20):
         state, outputs = model.advance(state, *motored_film(SHAPE, k * DEGREE), DEGREE)

@@ -149,7 +149,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     for k in reversed(range(len(lengths))):  # G = beta G_n + H_e Q of `storage`, telescoped
         weights[k] = lengths[k] * carried
         carried = 1.0 + shares[k] * carried
-    grown = model.grid.cell_area * (state.film.content - start.film.content).sum()
+    grown = model.area.max() * (state.film.content - start.film.content).sum()
     moved = np.abs(weights * inflows).sum()
     assert weights.sum() == pytest.approx(last, rel=1e-12)
     assert abs(grown - weights @ inflows) <= 1e-12 * moved  # round-off

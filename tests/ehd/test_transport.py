@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd import step_parts
-from piston_cosim.fmu_ehd.balance.film_step import FilmStep
 from piston_cosim.fmu_ehd.balance.films import CARRIERS
-from piston_cosim.fmu_ehd.balance.grid import Edges, Grid
+from piston_cosim.fmu_ehd.balance.grid import Edges
 from piston_cosim.fmu_ehd.balance.transport import StepRatios
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import PreviousFilm
 from piston_cosim.master.fmi.block import row_of
+from piston_cosim.tests.verification.cases.grids import FilmStep, Grid
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     UNEVEN,

@@ -18,7 +18,6 @@ OUTER = {
     "declaration.py",
     "slave.py",
     "native.py",
-    "native_given.py",
     "variables.py",
     "build.py",
     "options.py",

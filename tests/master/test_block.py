@@ -15,7 +15,6 @@ from piston_cosim.master.fmi.block import (
     length_of,
     memory_of,
     reader,
-    room,
     room_of,
     row_of,
 )
@@ -67,7 +66,7 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     put, get = flatten(Tree)
     if is_compiled:
         put, get = compiled(put.py_func), compiled(get.py_func)
-    length = room(Tree, n=n, m=m)
+    length = room_of(Tree, "n, m")(n, m)
     row = np.full(length, np.nan)
     end = put(row, tree)
     assert np.array_equal(row[:end], row_of(tree))
@@ -177,19 +176,27 @@ def test_checker_accepts_the_row_and_rejects_what_is_out_of_range(is_compiled):
 def test_lengths_of_kernels_are_those_of_rows():
     random = np.random.default_rng(1)
     tree = Tree(branch(random, 3, 4), 0.3, branch(random, 3, 4), random.random((2, 3, 4)))
-    assert length_of(Tree)(tree) == room_of(Tree, "n, m")(3, 4) == room(Tree, n=3, m=4)
+    assert length_of(Tree)(tree) == room_of(Tree, "n, m")(3, 4) == len(row_of(tree))
 
 
 def test_head_from_a_file_fits_its_lengths_only():
     """Parts given, state, other and faults; a saved state omits the last of its five numbers."""
     given = np.arange(6.0)
     memory = memory_of({"given": given}, {"state": 5, "other": 2, "faults": ROOM}, unsaved=1)
-    assert np.array_equal(given_part(memory, 4.0), given)
-    assert is_head(memory, (5, 2), 0.0, 1)
-    assert not is_head(memory, (5, 3), 0.0, 1) and not is_head(memory, (5, 2), 0.0, 0)
-    assert len(given_part(memory, 3.0)) == len(given_part(memory[:-1], 4.0)) == 0
+
+    def first_of(memory, parts, end=6):
+        """Return the first part if its checker ends at a position."""
+        return given_part(memory, parts, lambda row, reals, integers: end, 0, 0)
+
+    assert np.array_equal(first_of(memory, 4.0), given)
+    assert len(first_of(memory, 4.0, end=5)) == len(first_of(memory, 4.0, end=-1)) == 0
+    lengths = 5, 2, int(ROOM)
+    assert is_head(memory, lengths, 0.0, 1)
+    assert not is_head(memory, (5, 3, ROOM), 0.0, 1) and not is_head(memory, lengths, 0.0, 0)
+    assert not is_head(memory, (5, 2, ROOM - 1), 0.0, 1)
+    assert len(first_of(memory, 3.0)) == len(first_of(memory[:-1], 4.0)) == 0
     for k in range(len(memory) - len(given)):
         other = memory.copy()
         other[k] += 1.0
-        is_first = len(given_part(other, 4.0)) > 0
-        assert not (is_first and is_head(other, (5, 2), 0.0, 1)), k
+        is_first = len(first_of(other, 4.0)) > 0
+        assert not (is_first and is_head(other, lengths, 0.0, 1)), k

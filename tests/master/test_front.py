@@ -13,7 +13,7 @@ import pytest
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
-from piston_cosim.master.fmi import builder_native
+from piston_cosim.master.fmi import builder, builder_native
 from piston_cosim.master.fmi.block import memory_of
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.compiler import FLAGS, HOME, compiler
@@ -39,7 +39,6 @@ U = np.array([[0.5, -1.0, 1.5], [2.0, -2.5, 3.0]])
 PART = NativePart(
     entries=(),
     given=lambda slave: memory_of({}, {"gain": 1, "state": U.size + 1, "faults": ROOM}),
-    uncovered=lambda options: (),
     faults=(
         "x0: expected at most 100 %d, got {a}",
         "starts below 0",
@@ -86,7 +85,7 @@ def fmu(request, version, library, tmp_path_factory):
     inside = builder_native.Inside(slave, PART, PART.given(slave))
     members = builder_native._members(inside, {"linux64": library[version]}, version)
     members["resources/mark"] = os.urandom(8)  # not unpacked to the folder of another process
-    builder_native.write_archive(members, folder / "front toy.fmu")
+    builder.write_archive(members, folder / "front toy.fmu")
     return folder / "front toy.fmu"
 
 

@@ -24,8 +24,6 @@ SCRIPT = """
 import json, sys
 import numpy as np
 from piston_cosim.fmu_mfbd import native
-from piston_cosim.fmu_mfbd.native_block import PART_OF
-from piston_cosim.master.fmi.block import part
 from piston_cosim.fmu_mfbd.slave import Mfbd
 
 COUNTS = "residual_evaluations", "jacobian_evaluations"
@@ -71,7 +69,7 @@ begin = native.given(machine)
 native.size(machine.real, machine.integer, begin, numbers)
 memory = np.zeros(int(numbers[0]))
 memory[: begin.size] = begin
-faults = part(memory, PART_OF.faults)
+faults = native.parts_of(memory).faults
 call = machine.real, machine.integer, memory, numbers
 native.start(*call)
 if python.fault:

@@ -328,6 +328,14 @@ def learn(pairs: Pairs, space: Space, count: int):
     pairs.oldest[0] = row
 
 
+@compilable
+def no_pairs(unknowns: int):
+    """Return room for the pairs of solves, none of which is in use."""
+    kept = min(KEPT, unknowns)
+    rows = np.zeros((2, kept, unknowns))
+    return Pairs(rows[0], rows[1], np.zeros((kept, kept)), np.zeros(1))
+
+
 class RecycledGmres:
     """Memory of GMRES for a sequence of systems A x = b whose matrices change little.
 
@@ -351,7 +359,5 @@ class RecycledGmres:
     def pairs_of(self, unknowns: int) -> Pairs:
         """Return the pairs; before a first solve there are none in use."""
         if self.pairs is None:
-            kept = min(KEPT, unknowns)
-            images, differences = np.zeros((2, kept, unknowns))
-            self.pairs = Pairs(images, differences, np.zeros((kept, kept)), np.zeros(1))
+            self.pairs = no_pairs(unknowns)
         return self.pairs

@@ -392,10 +392,10 @@ def fed_checks() -> Checks:
         )
         outputs = steady(model, film)
         pressure = plain_reynolds(film, SPEED, length, cells, supply)
-        area = np.where(cells, 0.0, model.grid.cell_area)
+        area = np.where(cells, 0.0, model.area.max())
         load = np.hypot(*journals.film_force(pressure * area))
-        leak = (film[:, [0, -1]] ** 3 * pressure[:, [0, -1]]).sum() * model.grid.cells.dx
-        leak /= 12.0 * VISCOSITY * 0.5 * model.grid.cells.dy
+        leak = (film[:, [0, -1]] ** 3 * pressure[:, [0, -1]]).sum() * model.fixed.domain.cells.dx
+        leak /= 12.0 * VISCOSITY * 0.5 * model.fixed.domain.cells.dy
         force = journals.film_force(outputs["nodal_pressure_force"])
         figures = (
             ("load [N]", np.hypot(*force), load, 1e-3),
@@ -419,7 +419,7 @@ def misalignment_checks() -> Checks:
     for name, direction in (("cosine", np.cos(theta)), ("sine", np.sin(theta))):
         ours, exact = (
             float((one * y * length * direction).sum())
-            for one in (force, pressure * model.grid.cell_area)
+            for one in (force, pressure * model.area.max())
         )
         rows.append((f"moment, {name} part [N m]", ours, exact, 2e-3))
     case = "Bearing L/D=0.5, e=0.4, tilted by half its clearance, full film, 90x30"
@@ -456,8 +456,8 @@ class Rotor:
         self.model = model
         self.load = load
         self.mass = mass
-        self.still = np.zeros(model.grid.shape)
-        self.turning = np.full(model.grid.shape, SPEED)
+        self.still = np.zeros(model.parameters.shape)
+        self.turning = np.full(model.parameters.shape, SPEED)
 
     def film(self, position: Array) -> Array:
         """Film thickness [m]."""

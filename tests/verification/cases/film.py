@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from piston_cosim.fmu_ehd import oil
 from piston_cosim.fmu_ehd.balance import storage
-from piston_cosim.fmu_ehd.balance.film_step import FilmSolution, FilmStep
+from piston_cosim.fmu_ehd.balance.film_step import FilmSolution
 from piston_cosim.fmu_ehd.balance.films import (
     CONDUCTIVITY_A,
     COUETTE,
@@ -26,8 +26,6 @@ from piston_cosim.fmu_ehd.balance.grid import (
     Array,
     Edges,
     Entrainment,
-    Grid,
-    flooded_edges,
     in_plenty,
 )
 from piston_cosim.fmu_ehd.balance.storage import ContentHistory, EulerStep
@@ -38,6 +36,7 @@ from piston_cosim.fmu_ehd.parameters import Parameters
 
 from . import bearings
 from .checks import Check, at_most, compared, conserved, ordered
+from .grids import FilmStep, Grid, flooded_edges
 from .motored import DEGREE, motored, motored_tangent_error, motored_until, physics
 
 FLOOR = 1e-9  # [m], minimum flow film of cases that never touch it

@@ -165,7 +165,7 @@ def tangent_error(
     worst = 0.0
     for _ in range(100):
         change = [
-            size * rng.standard_normal(model.grid.shape)
+            size * rng.standard_normal(model.parameters.shape)
             for size, _ in zip((1e-6, 1.0, 1.0), inputs)
         ]
         difference = _central_difference(model, state, inputs, change, step)

@@ -81,7 +81,6 @@ def given(slave):
 PART = NativePart(
     tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
     given,
-    lambda options: (),
     ("step of {a} s is too long",),
     "",
 )
