@@ -200,25 +200,3 @@ def test_values_are_those_of_the_fmu_in_python(name, tmp_path):
         shares = {"account": max(account)}
     for name, share in shares.items():
         assert share <= (DIFFERENCED if name.startswith(ON_BLOCK) else ROUND_OFF), name
-
-
-@pytest.fixture(params=["python", "native"])
-def bodies(request):
-    """The rigid bodies of the numerical example as a participant."""
-    with_folder = rigid_bodies([12, 10])
-    one = FmuParticipant("bodies", make("fmu_mfbd", *with_folder, request.param == "native"))
-    yield one
-    one.close()
-
-
-def test_a_load_brakes_a_free_crank(bodies):
-    """Impulse of the load over effective inertia, at rest and near top dead centre."""
-    bodies.start(dict(crank_free=1, crank_inertia=0.5, crank_speed=0.0, load_torque=0.0), 0.0, 1.0)
-    inertia = bodies.get("effective_inertia")
-    bodies.set("load_torque", -3.0)
-    for k in range(100):
-        bodies.step(1e-5 * k, 1e-5)
-    assert bodies.get("crank_torque") == 3.0
-    # a piston that starts from dead centre moves by less than 1 um; first order at the first step
-    assert bodies.get("rotation_speed") == pytest.approx(3.0 * 99.5e-5 / inertia, rel=1e-3)
-    assert bodies.get("crank_angle") > 0.0

@@ -26,7 +26,6 @@ from piston_cosim.fmu_ehd.variables import (
     TURNING_OUTPUT,
     variables,
 )
-from piston_cosim.master.fmi import builder
 from piston_cosim.master.fmi.builder_native import ENTRIES
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.fmi.native_code import OPEN, TARGETS, translated
@@ -221,27 +220,15 @@ LARGEST_STATE = 300_000
 
 @pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize("name", ["ring and splash", "coated"])
-def test_a_saved_state_is_small_and_continues_with_the_same_bits(make_native, native, name):
-    """A run goes on as another instance does that gets its state as bytes."""
+def test_a_saved_state_is_small(native, name):
     shape = (40, 40)
     changes = SPLASH if name != "coated" else dict(coating_thickness=2e-5)
-    path = make_native([*shape])
-    if not native:
-        path = builder.build_fmu("fmu_ehd", {"grid": [*shape]}, Path("."))
-    first, other = (started(path, *motored_film(shape, 0.0), **flat(changes)) for _ in range(2))
-    for k in range(1, 21):
-        step(first, *motored_film(shape, k * DEGREE))
-    data = first.serialise(first.save())
-    assert len(data) <= LARGEST_STATE
-    other.restore(other.deserialise(data))
-    for k in range(21, 31):
-        for one in (first, other):
-            step(one, *motored_film(shape, k * DEGREE), UNEVEN if k == 24 else DEGREE)
-    for field in first.fields:
-        assert np.array_equal(first.get(field), other.get(field)), field
-    assert first.serialise(first.save()) == other.serialise(other.save())
-    first.close()
-    other.close()
+    path = make("fmu_ehd", {"grid": [*shape]}, Path("."), native)
+    one = started(path, *motored_film(shape, 0.0), **flat(changes))
+    for k in range(1, 4):
+        step(one, *motored_film(shape, k * DEGREE))
+    assert len(one.serialise(one.save())) <= LARGEST_STATE
+    one.close()
 
 
 EDGES = dict(oil_temperature_lower_edge=373.15, pressure_upper_edge=0.0)
@@ -304,15 +291,6 @@ def test_every_choice_and_number_is_covered():
     assert free == set(NUMBERS)
     given = {v.name for v in both if v.causality == "output"}
     assert given == {*Fields._fields, *Scalars._fields, "solver_iterations"}
-
-
-def test_farther_than_the_stroke_is_refused_in_the_words_of_the_model(native_fmu):
-    film, velocity = motored_film(GRID, 0.0)
-    one = started(native_fmu, film, velocity, oil_supply="bore", stroke=1e-3)
-    with pytest.raises(Discard, match="comes to 0.0.* m from .*, farther than stroke = 0.001 m"):
-        for _ in range(20):
-            step(one, film, velocity, 1e-4)
-    one.close()
 
 
 # ---- what it needs
