@@ -22,7 +22,7 @@ from ..master.fmi.block import (
     row_of,
 )
 from ..master.fmi.compiled import compilable, compiled, packed
-from ..master.fmi.native_parts import Entry, NativePart, positions_of, put_each, tell_size
+from ..master.fmi.native_parts import NativePart, positions_of, put_each, tell_size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED
 from . import constants, contradictions, step, step_tangent
@@ -405,7 +405,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
 
 
 PART = NativePart(
-    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
+    entries=(size, start, advance, tangent),
     given=given,
     uncovered=uncovered,
     faults=FAULTS,

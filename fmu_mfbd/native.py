@@ -25,7 +25,7 @@ from ..master.fmi.block import (
 )
 from ..master.fmi.compiled import compilable, compiled, packed
 from ..master.fmi.errors import BadInput
-from ..master.fmi.native_parts import Entry, NativePart, get_each, positions_of, put_each, tell_size
+from ..master.fmi.native_parts import NativePart, get_each, positions_of, put_each, tell_size
 from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED
 from .dynamics.assembly import (
@@ -592,7 +592,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 PART = NativePart(
-    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
+    entries=(size, start, advance, tangent),
     given=given,
     uncovered=uncovered,
     faults=FAULTS,

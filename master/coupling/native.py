@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import NOWHERE, Entry, NativePart, tell_size
+from ..fmi.native_parts import NOWHERE, NativePart, tell_size
 from ..fmi.noted import refuse, take_over
 from .native_block import (
     FAULT,
@@ -406,7 +406,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 PART = NativePart(
-    entries=tuple(Entry(kernel) for kernel in (size, start, advance, tangent)),
+    entries=(size, start, advance, tangent),
     given=np.asarray,  # native_given.coupled_inside has laid it out
     faults=tuple(SENTENCES.values()),
     refusal="",

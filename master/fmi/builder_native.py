@@ -209,7 +209,14 @@ def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]
         for name in platforms
         if not all((AHEAD / library_name(packages, name, one)).exists() for one in FRONTS)
     ]
-    return [*_missing_compilers(made), *too_old()] if made else []
+    missing = [
+        f"platform {name}: expected a C compiler, "
+        + " or ".join(command[0] for command in PLATFORMS[name].compilers)
+        + ", got none"
+        for name in made
+        if compiler_of(name) is None
+    ]
+    return [*missing, *too_old()] if made else []
 
 
 def part_of(package: str) -> NativePart:
@@ -221,16 +228,6 @@ def part_of(package: str) -> NativePart:
         raise BadInput(
             f"package: expected a package with a native FMU, got {package}; remove --native"
         ) from None
-
-
-def _missing_compilers(platforms: Sequence[str]) -> list[str]:
-    return [
-        f"platform {name}: expected a C compiler, "
-        + " or ".join(command[0] for command in PLATFORMS[name].compilers)
-        + ", got none"
-        for name in platforms
-        if compiler_of(name) is None
-    ]
 
 
 def too_old() -> list[str]:
@@ -329,11 +326,6 @@ def compiled_packages(
         return dict(zip(packages, files))
 
 
-def _object_file(package: str, platform: str) -> Path:
-    """Return the path in the cache of the object file of a package's entries."""
-    return cache_folder("native") / f"{package}-{platform}-{_digest_of_code(package)}.o"
-
-
 def object_files(
     package: str,
     platforms: Sequence[str],
@@ -345,7 +337,7 @@ def object_files(
     """
     folder = cache_folder("native")
     code = _digest_of_code(package)
-    kept = {name: _object_file(package, name) for name in platforms}
+    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
     if not all(path.exists() for path in kept.values()):
         with sole_compiler(folder / f"{package}-{code}.lock", package, progress):
             _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)

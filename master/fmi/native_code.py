@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .cache import write_whole
+from .native_parts import symbol
 from .tree import ROOT, import_part
 
 
@@ -200,7 +201,7 @@ def module_text(package: str, part: Any) -> str:
     whole = None
     names: list[str] = []
     for entry in part.entries:
-        run = entry.kernel.callee
+        run = entry.callee
 
         def call(real: Any, integer: Any, memory: Any, numbers: Any, lengths: Any) -> None:
             n = carray(lengths, 4)
@@ -224,7 +225,7 @@ def module_text(package: str, part: Any) -> str:
             )
         EntryLibrary.link_callees(made.library)
         module = binding.parse_assembly(str(made.library._final_module))
-        name = entry.name(package)
+        name = symbol(package, entry.py_func.__name__)
         module.get_function(made.fndesc.llvm_func_name).name = name
         names.append(name)
         if whole is None:
@@ -236,9 +237,9 @@ def module_text(package: str, part: Any) -> str:
     for declared, defined in PRODUCTS.items():
         text = re.sub(rf"^{re.escape(declared)}.*$", defined, text, flags=re.MULTILINE)
     whole = binding.parse_assembly(text)
-    for symbol in (*whole.functions, *whole.global_variables):
-        if not symbol.is_declaration:
-            symbol.linkage = "external" if symbol.name in names else "internal"
+    for one in (*whole.functions, *whole.global_variables):
+        if not one.is_declaration:
+            one.linkage = "external" if one.name in names else "internal"
     return str(whole)
 
 

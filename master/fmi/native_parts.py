@@ -12,19 +12,6 @@ NOWHERE = -1
 """Position of a variable that does not exist."""
 
 
-class Entry(NamedTuple):
-    """Kernel of four arrays without result, (real, integer, memory, numbers).
-
-    They are real and integer variables of the FMU, its memory, and a few numbers of the call.
-    """
-
-    kernel: Any  # compiled.Kernel
-
-    def name(self, package: str) -> str:
-        """Return the name of the function in the library, which may contain several packages."""
-        return symbol(package, self.kernel.py_func.__name__)
-
-
 @compiled
 def get_each(real: np.ndarray, places: np.ndarray):
     """Return the variables at these positions, 0 if there is none."""
@@ -60,7 +47,7 @@ def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.
 
 
 def symbol(package: str, name: str) -> str:
-    """Return the symbol of a package's entry in object files."""
+    """Return the symbol of a package's entry, since a library may contain several packages."""
     return f"{package.replace('.', '_')}_{name}"
 
 
@@ -75,8 +62,10 @@ class NativePart(NamedTuple):
 
     Attributes
     ----------
-    entries : tuple of Entry
-        size, start, advance and tangent, `front/native.h`.
+    entries : tuple of compiled.Kernel
+        size, start, advance and tangent, `front/native.h`: kernels of four arrays without result,
+        (real, integer, memory, numbers). They are real and integer variables of the FMU, its
+        memory, and a few numbers of the call.
     given : callable
         Returns the first part of an FMU's memory, ndarray of float64.
     faults : tuple of str
@@ -89,7 +78,7 @@ class NativePart(NamedTuple):
         As `uncovered`, for all parameters in SI, choices by number.
     """
 
-    entries: tuple[Entry, ...]
+    entries: tuple[Any, ...]
     given: Callable[[Any], Any]
     faults: tuple[str, ...]
     refusal: str
