@@ -29,6 +29,14 @@ def call(*words, folder="."):
     return subprocess.CompletedProcess(words, code, out.getvalue(), errors.getvalue())
 
 
+def script(code, *words, **settings):
+    """Return what code prints in a Python of its own, whose arguments are the words."""
+    command = [sys.executable, "-c", code, *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, **settings)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def begun(folder, *words, **settings):
     """Start `piston-cosim WORDS` in a folder as a process of its own."""
     settings = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | settings

@@ -4,10 +4,10 @@ what a compiler makes of it (that, with each choice of physics: tests/fmu/test_n
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
+
+from ..command import script
 
 SCRIPT = """
 import json, sys
@@ -130,15 +130,8 @@ RING = dict(
 
 def compared(changes, mask, surface, folder):
     """What the script prints."""
-    given = [str(folder), json.dumps(changes), json.dumps(mask), surface]
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, *given],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    given = [folder, json.dumps(changes), json.dumps(mask), surface]
+    return json.loads(script(SCRIPT, *given, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}))
 
 
 @pytest.mark.parametrize(

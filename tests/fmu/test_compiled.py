@@ -3,13 +3,13 @@
 import json
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from piston_cosim.master.fmi.tree import code_digest
+
+from ..command import script
 
 ROOT = Path(__file__).parents[2]
 
@@ -64,11 +64,7 @@ starts = [one for _, one in compiled.buffer if one.is_start]
 print(json.dumps([__import__("piston_cosim").__file__, float(value), len(starts)]))
 """
     environment = os.environ | {"PYTHONPATH": str(tree.parent), "HOME": str(tree.parent)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment
-    )
-    assert done.returncode == 0, done.stderr
-    file, found, count = json.loads(done.stdout)
+    file, found, count = json.loads(script(code, env=environment))
     assert file == str(tree / "__init__.py")
     return found, count
 

@@ -12,6 +12,7 @@ import sys
 import numpy as np
 import pytest
 
+from ..command import script
 from .test_installed import FILES, PARTS, ROOT
 
 VISCOSITY_LAW = {
@@ -159,10 +160,8 @@ def test_law_cavitation_model_and_output_in_both_films(tmp_path):
         "clipped": {"cavitation_model": "clipped"},
         "reynolds": {"cavitation_model": "reynolds"},
     }
-    command = [sys.executable, "-c", FILM, str(tmp_path), json.dumps(runs)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout.partition("FOUND ")[2])
+    told = script(FILM, tmp_path, json.dumps(runs), env=environment)
+    found = json.loads(told.partition("FOUND ")[2])
     for kind in ("python", "native"):
         law, constant = found[f"{kind} law"], found[f"{kind} constant"]
         # one exp of the C library or of numpy, another one of the test: round-off of 1e-15 each

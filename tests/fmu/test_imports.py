@@ -2,10 +2,9 @@
 bodies and films need.
 """
 
-import subprocess
-import sys
-
 import pytest
+
+from ..command import script
 
 HEAVY = ("numba", "scipy", "matplotlib", "pint", "skfem", "pandas", "cyclopts")
 PROGRAM = """
@@ -26,14 +25,7 @@ print(*{name.partition(".")[0] for name in sys.modules})
 def test_a_run_of_foreign_fmus_imports_nothing_heavy(folder, monkeypatch, method):
     # an empty cache: no answer of pint is known
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(folder / "cache"))
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, method],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    seconds, modules = done.stdout.splitlines()
+    seconds, modules = script(PROGRAM, method, cwd=folder).splitlines()
     assert set(HEAVY) & set(modules.split()) == set()
     # 0.25 s on a quiet machine; the limit is the promise of docs/python.md, doubled for a busy one
     assert float(seconds) < 1.0

@@ -12,6 +12,8 @@ import piston_cosim as pc
 from piston_cosim.master.results.labelled import to_dataframe
 from piston_cosim.master.results.plots import Plots
 
+from ..command import script
+
 DOCUMENTED = [name for name in pc.__all__ if name not in ("variables", "Slave")]
 ERRORS = ("BadInput", "Discard", "StepFailed")
 LARGEST_IMPORT = 0.05
@@ -78,11 +80,8 @@ def test_importing_is_cheap():
         "import sys, time; import typing; begin = time.perf_counter(); import piston_cosim as pc;"
         "print(time.perf_counter() - begin, 'numba' in sys.modules, 'numpy' in sys.modules)"
     )
-    runs = [
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        for _ in range(3)  # the quickest: another process may have had the processor
-    ]
-    seconds = [run.stdout.split() for run in runs]
+    # the quickest: another process may have had the processor
+    seconds = [script(code).split() for _ in range(3)]
     assert min(float(line[0]) for line in seconds) < LARGEST_IMPORT
     assert all(line[1:] == ["False", "False"] for line in seconds)
 
@@ -374,5 +373,4 @@ def test_a_file_that_imports_the_public_names_becomes_an_fmu(here):
         "from fmpy import simulate_fmu;"
         "print(simulate_fmu('twice.fmu', start_values={'x': 2.0}, stop_time=0.1)['y'][-1])"
     )
-    alone = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert alone.stdout.strip() == "4.0", alone.stderr
+    assert script(code).strip() == "4.0"

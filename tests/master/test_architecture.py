@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from ..command import script
+
 ROOT = Path(__file__).parents[2]
 PARTS = ("fmu_ehd", "fmu_mfbd", "master")
 NAMES = {"piston_cosim", "models", *PARTS}
@@ -160,8 +162,7 @@ for module in pkgutil.walk_packages(master.__path__, "piston_cosim.master."):
 assert dict(os.environ) == before, os.environ.items() ^ before.items()
 assert "matplotlib.pyplot" not in sys.modules
 """
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
+    script(code)
 
 
 def loaded(names, arguments):
@@ -176,8 +177,6 @@ except SystemExit as ended:
     assert not ended.code, ended.code
 print("loaded:", *[name for name in {names!r} if name in sys.modules])
 """
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    first, *found = run.stdout.splitlines()[-1].split()
+    first, *found = script(code).splitlines()[-1].split()
     assert first == "loaded:"
     return found

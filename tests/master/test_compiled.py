@@ -9,6 +9,8 @@ import sys
 
 import pytest
 
+from ..command import script
+
 LEAF = """
 from piston_cosim.master.fmi.compiled import compiled
 
@@ -84,11 +86,7 @@ class Package:
     def printed(self, what, module="top"):
         """Words of an expression in the names of a module, in a new process."""
         code = f"from kernels.{module} import *\nprint({what})"
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, env=self.environment
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout.split()
+        return script(code, env=self.environment).split()
 
     def kept(self, ending):
         """Files of kept kernels."""

@@ -1,8 +1,6 @@
 """The offline part: options, cache, interpolation, splines."""
 
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +18,7 @@ from piston_cosim.fmu_mfbd.reduction import store
 from piston_cosim.fmu_mfbd.reduction.interpolation import covered, interpolation
 from piston_cosim.master.fmi.errors import BadInput
 
+from ..command import script
 from .conftest import quiet
 from .pin_models import crank_options, options
 
@@ -238,17 +237,13 @@ def test_what_an_fmu_runs_needs_no_library_of_the_offline_part():
         "import sys, piston_cosim.fmu_mfbd.slave\n"
         "print({'skfem', 'meshio', 'matplotlib', 'pydantic'} & set(sys.modules))"
     )
-    assert (
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
-        == "set()"
-    )
+    assert script(code).strip() == "set()"
 
 
 def test_bodies_that_are_kept_are_found_without_what_reduces_them():
     """scipy and scikit-fem take a quarter of a start."""
     code = "import sys, piston_cosim.fmu_mfbd.build\nprint({'skfem', 'scipy'} & set(sys.modules))"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert found.stdout.strip() == "set()", found.stderr
+    assert script(code).strip() == "set()"
 
 
 def test_whoever_changes_how_bodies_are_reduced_gets_new_ones(tmp_path, monkeypatch):

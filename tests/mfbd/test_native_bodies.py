@@ -5,8 +5,6 @@ is compared, not what a compiler makes of it (that: tests/fmu/test_native_bodies
 import json
 import os
 import shutil
-import subprocess
-import sys
 
 import pytest
 
@@ -19,6 +17,8 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
     Settings,
 )
 from piston_cosim.fmu_mfbd.native import uncovered
+
+from ..command import script
 
 SCRIPT = """
 import json, sys
@@ -206,14 +206,9 @@ def told(coarse, kept_bodies, tmp_path_factory):
 
 def side_by_side(resources, changes):
     """What the script prints last of the slave in a folder, parameters changed."""
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(resources), json.dumps(changes)],
-        capture_output=True,
-        text=True,
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    told = script(SCRIPT, resources, json.dumps(changes), env=environment)
+    return json.loads(told.splitlines()[-1])
 
 
 def held(found, allowed):
