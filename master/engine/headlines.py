@@ -17,7 +17,7 @@ from ..results.judgement import mean_over
 from .impacts import impacts
 from .oil_balance import oil_balance
 from .peaks import ABOVE, BESIDE, side_peaks
-from .places import CellPosition, film_body, highest_position, thinnest_position
+from .places import film_body, highest_position, thinnest_position
 
 
 class Headline(NamedTuple):
@@ -91,10 +91,6 @@ def _at(run, k):
     return f"at {np.degrees(crank.angle[k]):.4g} deg"
 
 
-def _where(place: CellPosition | None):
-    return f", {place.brief}" if place else ""
-
-
 class Extreme(NamedTuple):
     """Extreme value in its SI unit, with its instant and position in words."""
 
@@ -119,7 +115,8 @@ def _extreme(run, output, unit, row_of, position):
         return None
     k = int(row_of(values))
     place = position(run.case, run.results, run.film)
-    return Extreme(float(values[k]), unit, f"{_at(run, k)}{_where(place)}")
+    where = f", {place.brief}" if place else ""
+    return Extreme(float(values[k]), unit, f"{_at(run, k)}{where}")
 
 
 def _extreme_text(located):

@@ -92,7 +92,7 @@ def _of_each(results, role, *judges):
             yield one._replace(what=f"{one.what}{of}")
 
 
-def _colour(value, amber, red):
+def _colour(value, amber, red) -> Colour:
     """Return green up to `amber`, amber up to `red`, and red above it or for NaN."""
     if value <= amber:
         return "green"
@@ -203,7 +203,7 @@ def _of_film(case, results, name):
         rough = to_si(given.get("roughness_rms", "0 m"), "m")
         if rough > 0.0:
             ratio = values[k] / rough
-            colour = "red" if ratio < LAMBDA_RED else "amber" if ratio < LAMBDA_AMBER else "green"
+            colour = _colour(-ratio, -LAMBDA_AMBER, -LAMBDA_RED)
             film += f", {ratio:.3g} times the roughness (limit {LAMBDA_AMBER:g})"
         else:
             colour = "red" if values[k] <= 0.0 else "green"
@@ -231,14 +231,11 @@ def _of_grid(case, results, name):
     pressure = results.dataset(port)[:]
     instant, *cell = np.unravel_index(pressure.argmax(), pressure.shape)
     widths = peak_width(pressure[instant], cell)
-    narrow = min(widths)
     remarks = [
         f"The pressure peak spans {widths.around} cells around and {widths.along} along at half "
         f"its height (minimum {PEAK_AMBER})"
     ]
-    colours: list[Colour] = [
-        "red" if narrow < PEAK_RED else "amber" if narrow < PEAK_AMBER else "green"
-    ]
+    colours: list[Colour] = [_colour(-min(widths), -PEAK_AMBER, -PEAK_RED)]
     around, _ = pressure.shape[1:]
     if around % 2:
         colours.append("amber")

@@ -6,27 +6,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..fmi.fields import Field
+from ..fmi.variables import Variable
+
 Value = np.ndarray | float | int | bool | str
 """Value of a variable: an array of its shape, or a Python scalar."""
-
-
-class DescribedVariable(Protocol):
-    """Required attributes of `Participant.fields`; `Field` and `Variable` have them."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-    @property
-    def type(self) -> str: ...
-    @property
-    def causality(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def nominal(self) -> float | None: ...
-    @property
-    def description(self) -> str: ...
 
 
 class Participant(Protocol):
@@ -43,7 +27,7 @@ class Participant(Protocol):
     @property
     def has_derivatives(self) -> bool: ...
     @property
-    def fields(self) -> Mapping[str, DescribedVariable]: ...
+    def fields(self) -> Mapping[str, Field | Variable]: ...
 
     def start(
         self, parameters: Mapping[str, Value], start_time: float, stop_time: float

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -115,8 +115,9 @@ def run(
             if begin_at:
                 _check_resumable(begin_at, system, output)
             start(system)
-            for line in _warnings(system):
-                say(line)
+            for name, participant in system.participants.items():
+                for text in getattr(participant, "warned", list)():
+                    say(f"{name}: {text}")
             if not begin_at:
                 distrusted = untrusted(system, case.coupling.method != "explicit")
                 for name, why in distrusted.items():
@@ -126,8 +127,7 @@ def run(
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
             negotiated = by_differences(system, objected)
-            callbacks = Callbacks(watch, log)
-            active = ActiveRun(negotiated, case, tree, output, callbacks, begin_at, objected)
+            active = ActiveRun(negotiated, case, tree, output, watch, log, begin_at, objected)
             try:
                 return active.go(heard)
             finally:
@@ -153,20 +153,6 @@ def _check_resumable(checkpoint, system, output):
         raise BadInput(faults)
 
 
-def _warnings(system):
-    """Yield the warnings of the participants at their start."""
-    for name, participant in system.participants.items():
-        if warned := getattr(participant, "warned", None):
-            yield from (f"{name}: {text}" for text in warned())
-
-
-class Callbacks(NamedTuple):
-    """Callbacks of a run: `watch` after every step, `log` after every period; see `run`."""
-
-    watch: Callable[..., object]
-    log: Callable[[str], object]
-
-
 class ActiveRun(Observer):
     """Run in progress; see `run` for the arguments.
 
@@ -174,13 +160,13 @@ class ActiveRun(Observer):
     participants' own (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, callbacks, begin_at, objected):
+    def __init__(self, system, case, tree, output, watch, log, begin_at, objected):
         self.objected = objected
         self.system = system
         self.case = case
         self.tree = tree
         self.output = output
-        self.watch, self.log_period = callbacks
+        self.watch, self.log_period = watch, log
         self.steps = round((system.stop - system.begin) / system.step)
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
