@@ -127,7 +127,8 @@ def run(
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
             negotiated = by_differences(system, objected)
-            active = ActiveRun(negotiated, case, tree, output, watch, log, begin_at, objected)
+            own = {"begin_at": begin_at, "objected": objected}
+            active = ActiveRun(negotiated, case, tree, output, watch, log, **own)
             try:
                 return active.go(heard)
             finally:
@@ -160,7 +161,7 @@ class ActiveRun(Observer):
     participants' own (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, watch, log, begin_at, objected):
+    def __init__(self, system, case, tree, output, watch, log, *, begin_at, objected):
         self.objected = objected
         self.system = system
         self.case = case
