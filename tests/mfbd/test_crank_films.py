@@ -288,14 +288,15 @@ def test_a_crank_without_play_is_the_limit_of_stiff_films(names):
 
 def test_friction_of_the_crank_by_hand():
     """Half a newton a cell against the turning of crank pin and journal: it drives the shells. One
-    newton on the first cell, along the axes of rod and block: it pushes the shells outwards.
+    newton on the first cell, along the axes of rod and block, two on the one a quarter turn on:
+    they push the shells outwards.
     """
     model = crank_model()
     inputs = rough_inputs(model, 0, 0.0)
     drags = {f"{name}.": -0.5 for name in OWN}
     push = [np.zeros(one.shape) for one in model.grids]
     for one in push[3:]:
-        one[0, 0] = 1.0
+        one[0, 0], one[len(one) // 4, 0] = 1.0, 2.0
     pins = tuple(
         PinForces(on, np.full(one.shape, drags.get(one.prefix, 0.0)))
         for on, one in zip(push, model.grids)
@@ -305,7 +306,8 @@ def test_friction_of_the_crank_by_hand():
     lean = -np.arcsin((OFFSET - p.crank_offset + p.crank_radius * np.sin(0.9)) / p.rod_length)
     for name, angle in (("big_end", lean), ("main_bearing", 0.0)):
         force = [out[f"{name}_force_x"], out[f"{name}_force_y"]]
-        np.testing.assert_allclose(force, [np.cos(angle), np.sin(angle)], atol=1e-12)
+        c, s = np.cos(angle), np.sin(angle)
+        np.testing.assert_allclose(force, [c - 2 * s, s + 2 * c], atol=1e-12)
     shown = [out[f"{name}_friction_moment"] for name in OWN]
     assert shown == pytest.approx([24e-3 * 100 * 0.5, 27e-3 * 64 * 0.5], rel=1e-12)
 
