@@ -21,6 +21,8 @@ LARGEST_FACTOR = 2.0
 """Of the new step: aim below the allowed error; never change by more than these factors at once.
 BDF2 is zero-stable only while steps grow by less than 1 + sqrt(2).
 """
+ROUND_OFF = 1e-9
+"""Relative difference between lengths of steps that is ignored."""
 HARD = 12
 """A step that took this many iterations is not followed by a longer one."""
 
@@ -67,7 +69,7 @@ class StepControl:
 
         The remaining time is divided into equal parts.
         """
-        parts = ceil(remaining / max(self.step, self.smallest) - 1e-9)
+        parts = ceil(remaining / max(self.step, self.smallest) - ROUND_OFF)
         return remaining / parts, parts == 1
 
     def accepts(
@@ -90,7 +92,7 @@ class StepControl:
             wanted = SAFETY * self.error ** (-1 / 3)
             factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, wanted))  # Eq. (S3)
         self.step = step * (min(factor, 1.0) if solution.iterations >= HARD else factor)
-        small = step <= self.smallest * (1 + 1e-9)
+        small = step <= self.smallest * (1 + ROUND_OFF)
         self.at_smallest += small and self.error > 1.0
         return small or self.error <= 1.0
 
@@ -118,7 +120,7 @@ class StepControl:
     def halve(self, step: float) -> bool:
         """Halve the step after a failure; return False if it is below the smallest."""
         self.step = step / 2
-        return self.step >= self.smallest
+        return self.step >= self.smallest * (1 - ROUND_OFF)
 
 
 def step_control(wires: Sequence[Wire], smallest: float) -> StepControl | None:

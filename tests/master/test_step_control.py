@@ -93,6 +93,12 @@ def test_a_jump_is_rejected_until_the_step_is_the_smallest():
     assert step == 1e-4 and chosen.at_smallest == 1
 
 
+def test_a_failure_halves_the_step_down_to_the_smallest():
+    smallest = 1.0
+    assert control(smallest).halve(2.0 * smallest * (1 - 1e-13))  # a difference of times
+    assert not control(smallest).halve(1.9 * smallest)
+
+
 def test_remaining_time_is_cut_into_equal_steps():
     chosen = control(0.1)
     chosen.step = 0.4
