@@ -27,7 +27,7 @@ centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. P
 film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
 h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
 without one, `transport`. f at an edge and S, the most that can be dragged in [m3/s], are given,
-`grid.Edges`. Over an edge, l lifts what leaves.
+`grid.Edges`. Over an edge, l applies to oil that leaves the film.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where

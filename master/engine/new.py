@@ -33,8 +33,10 @@ HEAT = 9.3
 """Factor of Eq. (D13) [-], our own choice: a compression ratio of 10.5 gives about 6.5 MPa."""
 VISCOSITY = 8e-3
 """Viscosity of the oil [Pa s]: our estimate, an engine oil near 110 degC."""
-CELLS, LEAST, MOST = 57.0, 40, 200
-"""Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`."""
+CELLS, LEAST, MOST = 57.0, 40, 192
+"""Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`.
+Native films have at most 192 cells around.
+"""
 OPEN = 20.0
 """Crank angle in which the pressure falls to 1/e after the exhaust valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"

@@ -248,7 +248,7 @@ def _of_grid(case, results, name):
         row = fractions[instant, cell[0]]
         full = row >= 1.0
         length = _run(full[cell[1] :]) + _run(full[: cell[1] + 1][::-1]) - 1
-        if not full[[0, -1]].any() and length < ZONE:
+        if not full[[0, -1]].any() and 0 < length < ZONE:
             colours.append("amber")
             remarks.append(f"The full film at the peak is {length} cells long (minimum {ZONE})")
         closed = without_film(pressure, fractions)

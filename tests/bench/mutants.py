@@ -35,8 +35,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MUTANTS = Path(__file__).with_suffix(".toml")
 LEFT_OUT = ("build", "dist", "results", "site")
-"""What a copy is made without, beside hidden files but `.ci`; nothing of it is under version
-control."""
+"""What a copy is made without; nothing of it is under version control."""
+HIDDEN = (".ci", ".github")
+"""Hidden folders that tests read."""
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
 QUICK = {
@@ -115,7 +116,7 @@ def copy_tree(source, target, copy=shutil.copy2):
     """A tree with what has been compiled."""
     target.mkdir(parents=True)
     for part in source.iterdir():
-        if part.name in LEFT_OUT or (part.name.startswith(".") and part.name != ".ci"):
+        if part.name in LEFT_OUT or (part.name.startswith(".") and part.name not in HIDDEN):
             continue
         if part.is_dir():
             shutil.copytree(part, target / part.name, copy_function=copy)

@@ -201,6 +201,7 @@ def hill(width_around, width_along, cells=40, closed=0, at=9, full=10):
     "field, colour, sentence",
     [
         (hill(4, 5), "green", "4 cells around and 5 along"),
+        (hill(4, 5, full=0), "green", "4 cells around and 5 along"),
         (hill(5, 3), "amber", "5 cells around and 3 along"),
         (hill(1, 5), "red", "1 cells around"),
         (hill(6, 6, at=37), "green", "6 cells around"),  # across the seam of the ring

@@ -7,7 +7,7 @@ film of both cells moves the curves by 1 % on 42 cells.
 
 import tomllib
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -154,7 +154,11 @@ PORTS = (
 def through_fmus(problem: Problem, grid: Grid, modes: int, span: Span) -> Curves:
     """Curves at whole degrees from the start to the end of a span."""
     tables = {
-        "time": {"stop": f"{span.end} deg", "step": f"{1 / grid.steps} deg"},
+        "time": {
+            "stop": f"{span.end} deg",
+            "step": f"{1 / grid.steps} deg",
+            "until_periodic": 0.0,
+        },
         "participants.bodies.build": {"grid": [grid.cells] * 2},
         "participants.ehd.build": {"grid": [grid.cells] * 2, "mask": "none"},
         "participants.bodies.build.piston": problem.piston | {"modes": modes},
@@ -164,12 +168,12 @@ def through_fmus(problem: Problem, grid: Grid, modes: int, span: Span) -> Curves
         "participants.ehd.parameters": problem.lubrication,
     }
     changes = [(f"{name}.{key}", of[key]) for name, of in tables.items() for key in of]
-    return summary_of(problem.case, *changes, look=_at_degrees)["curves"]
+    return summary_of(problem.case, *changes, look=partial(_at_degrees, span))["curves"]
 
 
-def _at_degrees(results) -> dict[str, Curves]:
+def _at_degrees(span: Span, results) -> dict[str, Curves]:
     degrees = np.degrees(results.series(PORTS[0]).values)
-    whole = np.arange(round(degrees[0]), round(degrees[-1]) + 1)
+    whole = np.arange(span.start, span.end + 1)
     steps = np.abs(degrees[:, None] - whole).argmin(axis=0)
     np.testing.assert_allclose(degrees[steps], whole, atol=1e-6)
     return {"curves": Curves(*(results.series(port).values[steps] for port in PORTS))}
