@@ -1,16 +1,15 @@
-"""How much more, or less, than its upstream cell the face of a cavitated film carries.
+"""Transport of oil along a cavitated film, by a lift of the film fraction at the axial faces.
 
-Upstream film fraction alone smears a front of oil over ever more cells. What is missing is known
-when a step begins: oil in a cavitated film moves as it lies, without pressure. It is carried on
-explicitly and sharply, and the difference to what the implicit step would carry by itself enters
-as a lift l of the film fraction at the axial faces, Eq. (E2):
+The film fraction of the upstream cell alone smears a front of oil over more and more cells. Oil in
+a cavitated film moves without pressure, so its motion is known when a step begins. An explicit
+scheme computes it and keeps fronts sharp. The difference from the transport of the implicit step
+is a lift l of the film fraction at the axial faces, Eq. (E2):
 
 Eq. (T11):  l = (F - beta F_n) / (w X H_e/H t) - f*_up,   |l| <= 3 (1 - f*)
 
 so that the volume beta F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
-film fraction f* upstream, where film and velocity go on as they did. F and f* are those after a
-number of explicit steps of Heun's method, in each of which oil travels x, at most a third of a
-cell:
+film fraction f* upstream, if film and velocity continue as in the last step. F and f* result from
+explicit steps of Heun's method, in each of which oil travels x, at most a third of a cell:
 
 Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
 Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
@@ -20,13 +19,13 @@ c content, t transported film [m], f the larger film fraction of the two cells o
 of the upstream cell where the other one holds a front, m = f t of a cell or at a face [m], d and D
 differences of m before and behind the upstream cell. The last term of Eq. (T13) is of third order
 where m is smooth [Koren1993]; the two others keep m at the face between its neighbours, and the oil
-of an explicit step positive and without new extremes. Eq. (T14) lets the lift fade where the film
-gets full, as it has to: a full cell passes on what pressure tells it, there is no lift behind one,
-and a cell that fills or empties must not see a lift appear. Film quantities are those expected in
-the middle of the step, for f* those at its end. `gain` is the content that came in
-circumferentially in the last step; over a face beside a full cell goes what went in the last step.
+of an explicit step positive and without new extremes. By Eq. (T14) the lift fades where the film
+gets full. Pressure determines the flow out of a full cell, which has no lift, and no lift may
+appear when a cell fills or empties. Film quantities are those expected in the middle of the step,
+for f* those at its end. `gain` is the content that came in circumferentially in the last step. A
+face next to a full cell passes what it passed in the last step.
 
-At an edge that oil leaves over there is no cell behind, and m goes on as in the two cells before:
+At an edge that oil leaves over there is no cell behind, and two cells before it give m:
 
 Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above t
 
@@ -47,16 +46,16 @@ Travel of the last step and of this one:
 
 Eq. (T15):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
 
-The lift is made of the past alone. So the flow stays a linear function of the unknown with the
-same coefficients: matrix, elimination and cavitation are what they are without it, a step repeats
-bit for bit, and in the tangent l is a constant beside the upstream film fraction. It is a flow
-through a face, the same for both cells, so oil is conserved to round-off. A film that is steady
-stays so whatever the step, since F is then X times a flow that knows no step.
+The lift depends on the past alone. So the flow remains a linear function of the unknown with the
+same coefficients, matrix and cavitation are those without a lift, a repeated step has the same
+bits, and l is a constant in the tangent. The flow through a face is the same for both cells, so
+oil is conserved to round-off. A steady film remains steady with any step, since F is then X times
+a flow that does not depend on the step.
 
-Without lift, transport is of first order. That is so at faces behind a full cell, at edges that oil
-enters over, in the first step, where sliding reverses, where oil travels farther than `FARTHEST`
-cells in a step (thus in a film asked for at once as steady), and around the circumference. Film and
-velocity that jump within a step can make a cell owe oil: its row is solved again without lift.
+Without lift, transport is of first order: at faces behind a full cell, at edges that oil enters
+over, in the first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in
+a step (such as a steady film in one step), and around the circumference. If film or velocity jump
+within a step, a cell can owe oil. Its row is then solved again without lift.
 
 Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
 
