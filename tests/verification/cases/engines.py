@@ -173,7 +173,7 @@ def through_fmus(problem: Problem, grid: Grid, modes: int, span: Span) -> Curves
 
 def _at_degrees(span: Span, results) -> dict[str, Curves]:
     degrees = np.degrees(results.series(PORTS[0]).values)
-    whole = np.arange(span.start, span.end + 1)
+    whole = span.start + np.arange(span.end + 1)
     steps = np.abs(degrees[:, None] - whole).argmin(axis=0)
     np.testing.assert_allclose(degrees[steps], whole, atol=1e-6)
     return {"curves": Curves(*(results.series(port).values[steps] for port in PORTS))}
