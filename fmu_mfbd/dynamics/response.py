@@ -11,6 +11,7 @@ from .carrier import Carrier, carried
 from .elimination import LUFactors
 from .floating_frame import Arrow, in_frame, mode_coupling
 from .generalised_alpha import Coefficients, Motion
+from .pin_friction import friction_moment
 from .piston_motion import (
     LATERAL,
     RIGID,
@@ -63,6 +64,10 @@ class Linearisation(NamedTuple):
         dY/dx_A [-].
     axial_velocity_slope : float
         Change of A's velocity along y with x_A [1/s].
+    rod_slope : float
+        dpsi/dx_A [1/m].
+    friction_x, friction_y : float
+        Change of the pin's friction moment with the pin force [m].
     x_by_lateral, y_by_lateral : float
         Change of A's acceleration in the body frame with x_A'' [-].
     x_by_rocking, y_by_rocking, spin_by_rocking : float
@@ -73,6 +78,9 @@ class Linearisation(NamedTuple):
     coupling: Matrix
     slope: float
     axial_velocity_slope: float
+    rod_slope: float
+    friction_x: float
+    friction_y: float
     x_by_lateral: float
     y_by_lateral: float
     x_by_rocking: float
@@ -90,8 +98,12 @@ def linearise(system: BodySystem, last: StepEnd) -> Linearisation:
     c2 = last.coefficients.to_position
     lateral = lateral_motion(now)
     angle = now.position[ROCKING]
-    w = now.velocity[ROCKING] + load.carrier.w
+    slip = now.velocity[ROCKING]
+    w = slip + load.carrier.w
+    pin = imbalance(piston, mechanism, load, now, crank)
     link = motion(mechanism, lateral, crank)
+    rod = link.rod
+    friction = friction_moment(mechanism.friction, pin.pin_x, pin.pin_y, slip - rod.velocity)
     added = carried(mechanism, load.carrier, lateral, crank)
     across = lateral.acceleration + added.x
     ax, ay = in_frame(across, link.axial_acceleration + added.y, angle)
@@ -103,6 +115,9 @@ def linearise(system: BodySystem, last: StepEnd) -> Linearisation:
         coupling=mode_coupling(piston, alpha, w, c1, c2),
         slope=link.slope,
         axial_velocity_slope=link.axial_by_velocity / 2,
+        rod_slope=rod.slope,
+        friction_x=friction.by_x,
+        friction_y=friction.by_y,
         x_by_lateral=x,
         y_by_lateral=y,
         x_by_rocking=c2 * ay,
@@ -171,31 +186,40 @@ def loaded(load: Load, change: Load, s: float) -> Load:
 
 
 @compiled
-def _largest(change):
-    """Return the size of a change of load, by its largest number."""
-    size = max(abs(change.lateral), abs(change.axial), abs(change.moment), abs(change.guided))
-    for one in change.carrier:
-        size = max(size, abs(one))
-    for one in change.modal:
-        size = max(size, abs(one))
-    return max(size, 1e-300)
+def _by_carrier(system, last, carrier):
+    """Return dQ of Eq. (D7) with a change of the block's motion.
 
-
-@compiled
-def _right_side(system, last, change):
-    """Return dQ of Eq. (D7) on the piston's moving coordinates.
-
-    Eq. (D19):  dQ = (R(-s) - R(s))/(2 s),    R of Eq. (D5) along the change of the load and of the
-                block's motion, s such that the largest number changes by 1 (SI units): only the
-                friction of the pin is not linear or square, and smaller by its force squared
+    Eq. (D19):  dQ = (R(-s) - R(s))/(2 s),    R of Eq. (D5) along the change, of second order in it,
+                s such that the largest number changes by 1 (SI units)
     """
-    size = _largest(change)
+    size = 0.0
+    for one in carrier:
+        size = max(size, abs(one))
+    if size == 0.0:
+        return np.zeros(len(last.now.position))
+    change = Load(0.0, 0.0, 0.0, 0.0, np.zeros(len(last.load.modal)), carrier)
     up = loaded(last.load, change, 1 / size)
     down = loaded(last.load, change, -1 / size)
     right = imbalance(system.piston, system.mechanism, down, last.now, last.crank).residual
     above = imbalance(system.piston, system.mechanism, up, last.now, last.crank).residual
     for k in range(len(right)):
         right[k] = (right[k] - above[k]) * (size / 2)  # Eq. (D19)
+    return right
+
+
+@compiled
+def _right_side(system, last, linear, change):
+    """Return dQ of Eq. (D7) on the piston's moving coordinates.
+
+    The pin carries what film and rings do not.
+    """
+    right = _by_carrier(system, last, change.carrier)
+    arm = last.now.position[LATERAL]
+    rubbing = -linear.friction_x * change.lateral - linear.friction_y * change.axial
+    right[LATERAL] += change.lateral + linear.slope * change.axial - linear.rod_slope * rubbing
+    right[ROCKING] += change.moment + change.guided * arm + rubbing  # Eq. (D8)
+    for k in range(len(change.modal)):
+        right[RIGID + k] += change.modal[k]
     return right
 
 
@@ -234,7 +258,7 @@ def response(
     moving = len(system.piston.stiffness)
     change = load_change(system, film_forces, rings, film_forces.piston[:moving], carrier)
     # Eq. (D7)
-    right = _right_side(system, last, change)
+    right = _right_side(system, last, linear, change)
     acceleration = solve_coupled(linear.arrow, linear.coupling, right)
     lateral = acceleration[LATERAL]
     c = last.coefficients
