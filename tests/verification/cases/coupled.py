@@ -225,12 +225,14 @@ def slow_checks() -> Iterator[Check]:
         ("edges 12 % full", fired(EDGES), Grid(84, 8), SCARCE_GRIDS, SCARCE),
         ("ring and splash", fired(RING), Grid(84, 8), SCARCE_GRIDS, SCARCE),
     ):
+        ours = through_fmus(problem, grid, 0, CYCLE)
+        theirs = [in_one_system(problem, one, CYCLE) for one in grids]
+        case = f"Fired, rigid, {name}, {grid.cells} x {grid.cells} cells"
         whole = Comparison(
-            f"Fired, rigid, {name}, {grid.cells} x {grid.cells} cells, extrapolated reference",
-            through_fmus(problem, grid, 0, CYCLE),
-            extrapolated(problem, grids, CYCLE),
-            CYCLE.begin,
+            f"{case}, extrapolated reference", ours, extrapolated(theirs, grids), CYCLE.begin
         )
         yield from whole.distances(quantities)
-        yield whole.work()
-        yield from whole.scales()
+        # only the finest grid resolves an impact at -25 deg, so friction is not extrapolated
+        finest = Comparison(f"{case}, finest reference", ours, theirs[-1], CYCLE.begin)
+        yield finest.work()
+        yield from finest.scales()

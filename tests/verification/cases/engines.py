@@ -271,14 +271,13 @@ def in_one_system(problem: Problem, grid: Grid, span: Span, share: float = 0.0) 
     return Curves(*(curve[:: grid.steps] for curve in run))
 
 
-def extrapolated(problem: Problem, grids: Sequence[Grid], span: Span, share: float = 0.0) -> Curves:
-    """Curves for cells and steps towards zero.
+def extrapolated(runs: Sequence[Curves], grids: Sequence[Grid]) -> Curves:
+    """Curves of three grids for cells and steps towards zero.
 
     Eq. (Z10):  u = u_3 + (u_3 - u_2) h_3^q/(h_2^q - h_3^q),   1 <= q <= 2
 
     q is the order that the three runs show by their root mean square differences.
     """
-    runs = [in_one_system(problem, grid, span, share) for grid in grids]
     size = np.array([1 / grid.cells for grid in grids])
     orders = np.linspace(1, 2, 101)
     ratio = (size[0] ** orders - size[1] ** orders) / (size[1] ** orders - size[2] ** orders)
