@@ -99,7 +99,7 @@ class FilmSetup(NamedTuple):
     has_linear: Number
 
 
-class Parts(NamedTuple):
+class FilmMemory(NamedTuple):
     """Parts of the memory.
 
     They are rows of `FilmSetup`, `step.Memory`, that at the start, `step.LastStep`,
@@ -115,8 +115,8 @@ class Parts(NamedTuple):
     faults: Vector
 
 
-PARTS = float(len(Parts._fields))
-parts_of = parts(Parts)
+PARTS = float(len(FilmMemory._fields))
+parts_of = parts(FilmMemory)
 _, numbers_from = packed(Numbers)
 _, chosen_from = packed(Chosen)
 _, setup_from = flatten(FilmSetup)
@@ -169,7 +169,7 @@ def given(slave: Any) -> Array:
         has_last=np.zeros(1),
         has_linear=np.zeros(1),
     )
-    lengths = dict(zip(Parts._fields[1:], lengths_of(setup.tables)))
+    lengths = dict(zip(FilmMemory._fields[1:], lengths_of(setup.tables)))
     return memory_of({"given": row_of(setup)}, lengths)
 
 

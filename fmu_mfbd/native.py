@@ -194,7 +194,7 @@ class NativeSetup(NamedTuple):
     tangents: Number
 
 
-class Parts(NamedTuple):
+class BodyMemory(NamedTuple):
     """Parts of the memory.
 
     They are rows of `NativeSetup`, `BodyModel`, `PistonState`, that at the start, `StepEnd` and
@@ -210,8 +210,8 @@ class Parts(NamedTuple):
     faults: np.ndarray
 
 
-PARTS = float(len(Parts._fields))
-parts_of = parts(Parts)
+PARTS = float(len(BodyMemory._fields))
+parts_of = parts(BodyMemory)
 _, settings_from = packed(Settings)
 _, rings_from = packed(RingForce)
 _, step_inputs_from = packed(StepInputs, *FIELDS)
@@ -267,7 +267,7 @@ def given(slave: Any) -> np.ndarray:
     square = np.zeros((n, n) if options.floating_pin else (0, 0))
     whole = model._replace(parts=model.parts._replace(inertia=square, with_rod=square))
     lengths = lengths_of(given, length_of_model(whole))
-    return memory_of({"given": row_of(given)}, dict(zip(Parts._fields[1:], lengths)))
+    return memory_of({"given": row_of(given)}, dict(zip(BodyMemory._fields[1:], lengths)))
 
 
 def _places(slave) -> VariablePlaces:

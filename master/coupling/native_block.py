@@ -197,7 +197,7 @@ class LastMacroStep(NamedTuple):
     real: Annotated[Array, "reals"]
 
 
-class Parts(NamedTuple):
+class CoupledMemory(NamedTuple):
     """Parts of the memory.
 
     They are rows of `CoupledSetup`, `CoupledState` and `LastMacroStep`, and others.
@@ -213,7 +213,7 @@ class Parts(NamedTuple):
     faults: Vector
 
 
-parts_of = parts(Parts)
+parts_of = parts(CoupledMemory)
 _, participant_from = flatten(ParticipantRow)
 _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
@@ -311,7 +311,7 @@ _check = checker(
     are_wires=are_wires,
     are_exposed=are_exposed,
 )
-PARTS = float(len(Parts._fields))
+PARTS = float(len(CoupledMemory._fields))
 _room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")

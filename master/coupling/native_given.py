@@ -19,11 +19,11 @@ from .methods.newton import Newton
 from .native_block import (
     SENTENCES,
     WIRE_SENTENCES,
+    CoupledMemory,
     CoupledSetup,
     ExposedRow,
     ExposedVariables,
     ParticipantRow,
-    Parts,
     Rules,
     WireRow,
     lengths_of,
@@ -112,7 +112,7 @@ def coupled_inside(
     )
     lengths, unsaved = lengths_of(given, rows[-1].memory + rows[-1].memories, len(slave.real))
     part = native.PART._replace(faults=_sentences(options.wires, insides))
-    named = dict(zip(Parts._fields[1:], lengths))
+    named = dict(zip(CoupledMemory._fields[1:], lengths))
     return Inside(slave, part, memory_of({"given": row_of(given)}, named, unsaved))
 
 
