@@ -286,6 +286,22 @@ def test_a_crank_without_play_is_the_limit_of_stiff_films(names):
     np.testing.assert_allclose(rates[:-1] / rates[1:], 2.0, rtol=0.2)
 
 
+def test_a_picometre_of_play_keeps_its_digits():
+    """The crank pin moves by a picometre in the big end: the gap by as much, to six digits."""
+    model = crank_model()
+    state, _ = model.start(0.9, 0.0, 0.0, rough_inputs(model, 0, 0.0))
+    gaps = []
+    for more in (0.0, 1e-12):
+        position = state.position.copy()
+        position[7:9] = [20e-6 + more, 0.0]
+        _, out = model.start_moving(0.9, position, state.velocity, rough_inputs(model, 0, 0.0))
+        gaps.append(out["big_end.film_thickness"])
+    change = gaps[1] - gaps[0]
+    assert np.abs(change).max() == pytest.approx(1e-12, rel=0.05)
+    wanted = np.array([np.max(np.abs(change @ np.ones(5))) / 5])
+    assert wanted == pytest.approx(np.abs(change).max(), rel=1e-6)
+
+
 def test_friction_of_the_crank_by_hand():
     """Half a newton a cell against the turning of crank pin and journal: it drives the shells. One
     newton on the first cell, along the axes of rod and block, two on the one a quarter turn on:
