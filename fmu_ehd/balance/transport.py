@@ -25,7 +25,7 @@ appear when a cell fills or empties. Film quantities are those expected in the m
 for f* those at its end. `gain` is the content that came in circumferentially in the last step. A
 face next to a full cell passes what it passed in the last step.
 
-At an edge that oil leaves over there is no cell behind, and two cells before it give m:
+At an edge or opening that oil leaves over there is no cell behind, and two cells before it give m:
 
 Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above t
 
@@ -185,7 +185,7 @@ def _row_flow(content, i, way, steps, given, flow):
             flow[j] = given[j] / steps
             continue
         here = min(content[up] / stored[i, up], 1.0)
-        at_edge = not 0 <= down < n_a
+        at_edge = not 0 <= down < n_a or (resting[i, down] and not full[i, down])
         if not at_edge and resting[i, down]:
             flow[j] = width * x * here * between[i, j]
             continue
@@ -274,14 +274,18 @@ def _expected(past, quantity, ratio):
 
 
 @compiled(inline="always")
-def _face_film(mobile, g):
-    """Transported film at the axial faces [m], Eq. (E3)."""
+def _face_film(mobile, g, states):
+    """Transported film at the axial faces [m], Eq. (E3); next to an opening that of the cell."""
     n_c, n_a = mobile.shape
     between = np.empty((n_c, n_a + 1))
     for i in range(n_c):
         for j in range(n_a + 1):
             a = max(j - 1, 0)
             b = min(j, n_a - 1)
+            if states.resting[i, a] and not states.full[i, a]:
+                a = b
+            elif states.resting[i, b] and not states.full[i, b]:
+                b = a
             # Eq. (E3)
             weighted = mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]
             between[i, j] = weighted / (g[i, a] + g[i, b])
@@ -293,7 +297,7 @@ def _expected_film(past, states, ratio, travel, supply, width):
     """Return the film that is expected after the share `ratio` of the last step."""
     stored = _expected(past, STORED, ratio)
     mobile = _expected(past, TRANSPORT, ratio)
-    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio))
+    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio), states)
     return TransportFilm(
         stored, mobile, between, travel, states.full, states.resting, supply, width
     )
@@ -399,7 +403,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             down = 2 * j - 1 - up
             if abs(x) <= NEAREST * cells.dy or not 0 <= up < n_a or states.resting[i, up]:
                 continue
-            at_edge = not 0 <= down < n_a
+            at_edge = not 0 <= down < n_a or (states.resting[i, down] and not states.full[i, down])
             if not at_edge and states.resting[i, down]:
                 continue
             swept = width * x * end.between[i, j]
