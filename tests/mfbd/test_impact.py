@@ -211,19 +211,15 @@ def on_wedges(count, limited, checked):
     return np.array(returned)
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.slow)])
 def test_no_impact_on_a_flooded_wedge_creates_energy(count, monkeypatch):
     """None returns more than 2 % faster, neither with the limit at impacts nor by a ledger of 2 %
-    alone. Nine halvings always suffice.
+    alone. Nine halvings always suffice. With neither, about half of the impacts do.
     """
     assert on_wedges(count, limited=True, checked=True).max() <= 0.1
+    assert np.mean(on_wedges(count, limited=False, checked=False) > 1.02) > 0.3
     monkeypatch.setattr(ledgers, "LIMIT", 0.02)
     assert on_wedges(count, limited=False, checked=True).max() <= 1.02
-
-
-def test_generalised_alpha_alone_creates_energy():
-    """About half of the impacts return more than 2 % faster."""
-    assert np.mean(on_wedges(40, limited=False, checked=False) > 1.02) > 0.3
 
 
 @pytest.mark.parametrize("step", [1e-4, 2e-5, 2e-7])
@@ -245,11 +241,13 @@ def test_a_pad_dropped_on_a_film_follows_its_closed_form(step):
         ((0.2, -0.1), (0.0, -3e4), True),
         ((0.2, -0.4), (0.0, -6e4), False),  # driven back within the step: its way is negative
         ((0.2, -0.1), (-2.5e4, -3e4), False),  # it was already being stopped
+        ((0.2, -0.1), (-2e4, -2.9e4), False),  # a jump of 0.45 of the acceleration before
+        ((0.2, -0.1), (-2e4, -3.1e4), True),  # of 0.55
     ],
 )
 def test_what_is_an_impact(velocity, acceleration, is_impact):
     """Velocity and acceleration before and after a step of 10 us, by the trapezoidal way: 0.5 um
-    and -1 um. The jump is worth 0.3, 0.6 and 0.05 m/s.
+    and -1 um. The jump is worth 0.3, 0.6, 0.05, 0.09 and 0.11 m/s.
     """
     step = 1e-5
     way = step * sum(velocity) / 2
@@ -259,16 +257,6 @@ def test_what_is_an_impact(velocity, acceleration, is_impact):
     )
     assert limit_memory(INERTIA, before, end, np.zeros(2), step) == is_impact
     assert end.velocity[0] == (pytest.approx(0.05, rel=1e-12) if is_impact else velocity[1])
-
-
-def test_a_jump_counts_by_the_acceleration_before():
-    """0.2 m/s, jumps from -2e4 to -2.9e4 and -3.1e4 m/s2: worth 0.09 and 0.11 m/s, both more than
-    a quarter of 0.2 m/s, 0.45 and 0.55 of the acceleration before.
-    """
-    for after, is_impact in ((-2.9e4, False), (-3.1e4, True)):
-        before = Motion(np.zeros(2), np.array([0.2, 0.0]), np.array([-2e4, 0.0]))
-        end = Motion(np.array([5e-7, 0.0]), np.array([-0.1, 0.0]), np.array([after, 0.0]))
-        assert limit_memory(INERTIA, before, end, np.zeros(2), 1e-5) == is_impact
 
 
 def test_smooth_motion_is_left_alone():

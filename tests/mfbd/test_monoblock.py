@@ -1,5 +1,5 @@
 """A flexible block of two cylinders: its reduction against independent assemblies and direct
-solutions of the whole mesh, its step against the rigid block's and a cylinder's own block's.
+solutions of the whole mesh, its step against the rigid block's.
 """
 
 import dataclasses
@@ -15,16 +15,7 @@ from skfem import Basis, ElementTetP2, ElementVector, MeshTet2
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.build_options import (
-    BlockOptions,
-    BoreGrid,
-    BuildOptions,
-    PistonOptions,
-)
-from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.monoblock import Cylinder, MountedMonoblock, Mounting
-from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.monoblock.build import declared_variables, prepare
@@ -35,11 +26,8 @@ from piston_cosim.fmu_mfbd.reduction.monoblock import (
     readings,
     reduce_monoblock,
 )
-from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, no_modes
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
-
-from .pin_models import rigid_piston
 
 MESH = find_case("flexible_twin").parent / "block.msh.xz"
 YOUNG, POISSON, DENSITY = 110e9, 0.26, 7200.0
@@ -300,97 +288,6 @@ def test_energy_of_a_step(whole):
         assert model.lost(before, end) > 1e-6 * stored
     before, end = run(mounted(whole.reduced), 8)
     assert model.energy_error(before, end) > 0.0
-
-
-# beside a cylinder that has the same modes as a flexible block of its own
-
-SPEED = 1680 * np.pi / 30
-VALUES = {
-    "radial_clearance": 50e-6,
-    "barrel": 40e-6,
-    "ovality": 200e-6,
-    "crank_radius": 72e-3,
-    "rod_length": 223e-3,
-    "rod_mass": 1.7,
-    "rod_inertia": 0.017,
-    "rod_centre": 72e-3,
-    "pin_mass": 0.5,
-    "top_ring_height": 55e-3,
-    "second_ring_height": 47e-3,
-    "crank_speed": SPEED,
-    "high_frequency_damping_ratio": 0.02,
-}
-FILM = (24, 10)
-
-
-def cylinder(block, grid=None):
-    known = {key: value for key, value in VALUES.items() if key != "crank_speed"}
-    given = BlockOptions("", len(block.omega), bore_from_outside=BoreGrid(*grid) if grid else None)
-    options = BuildOptions(FILM, PistonOptions("", 0, 5e-4), given, mounted=bool(grid))
-    piston = rigid_piston(FILM, np.array([-5e-4, 26.5e-3]), 5e-4)
-    return assemble(piston, block, options, Parameters(**known))
-
-
-@pytest.mark.parametrize(("grid", "within"), [((24, 24), 1e-6), ((16, 16), 0.02)])
-def test_one_cylinder_beside_its_own_flexible_block(whole, grid, within):
-    """The block's modes as those of a cylinder's own block that stands still, and as a participant
-    of its own on mounts that do not yield, through fields on the bore: the same film for the same
-    pressures, to single precision of the tables on the same grid, to the interpolation of a coarser
-    one otherwise (by the largest deflection).
-    """
-    reduced = whole.reduced
-    around, stations = 24, 24
-    own_block = ReducedBlock(
-        omega=reduced.omega,
-        kind=np.full(len(reduced.omega), -1),
-        radial=reduced.radial[1],
-        axial=np.zeros((around, stations, len(reduced.omega))),
-        heights=reduced.heights,
-        radius=reduced.radius,
-    )
-    own = cylinder(own_block)
-    rows = np.linspace(0, stations - 1, grid[1])
-    if grid == (24, 24):
-        shared = reduced
-    else:  # every point of the coarse grid by the table's own spline
-        from scipy.interpolate import CubicSpline, make_interp_spline
-
-        theta = np.linspace(0.0, 2 * np.pi, around + 1)
-        to = np.arange(grid[0]) * 2 * np.pi / grid[0]
-        closed = np.concatenate([reduced.radial, reduced.radial[:, :1]], axis=1)
-        coarse = make_interp_spline(theta, closed, axis=1, bc_type="periodic")(to)
-        coarse = CubicSpline(np.arange(stations), coarse, axis=2, bc_type="natural")(rows)
-        heights = np.linspace(reduced.heights[0], reduced.heights[-1], grid[1])
-        shared = dataclasses.replace(reduced, radial=coarse, heights=heights)
-    none = no_modes(around, grid[1])
-    still = dataclasses.replace(own_block, heights=shared.heights, **none)
-    other = cylinder(still, grid)
-    held = dataclasses.replace(shared, mount=0.0 * shared.mount)
-    block = mounted(held, stiffness=np.full((4, 3), 1e30))
-    zero = np.zeros(FILM)
-    quiet = Cylinder(0.0, 0.0, 0.0, 0.0, 0.0, np.zeros(grid), 0.0)
-    ours = block.start([quiet, quiet])
-    first = Inputs(SPEED, 1e6, zero, zero, bore_deflection=np.zeros(grid))
-    a, _ = own.start(-0.3, 0.0, 0.0, first)
-    b, told = other.start(-0.3, 0.0, 0.0, first)
-    sine = np.maximum(np.sin(own.film_surfaces[0].skirt.angle), 0.0)[:, None] ** 4
-    for n in range(5):
-        push = (20.0 + 5 * n) * sine * np.linspace(1.0, 2.0, FILM[1])
-        inputs = Inputs(SPEED, (1 + n) * 1e6, push, -0.1 * push)
-        a, wanted = own.advance(a, inputs, np.pi / 180 / SPEED)
-        # forces on the bore do not depend on its deflection: one pass is the whole iteration
-        guess = dataclasses.replace(inputs, bore_deflection=np.zeros(grid))
-        _, told = other.advance(b, guess, np.pi / 180 / SPEED)
-        does = quiet._replace(force_on_bore=told["force_on_bore"])
-        ours = block.advance(ours, [quiet, does], np.pi / 180 / SPEED)
-        field = block.seen(ours.position, ours.velocity, ours.acceleration)[1].bore_deflection
-        inputs = dataclasses.replace(inputs, bore_deflection=field)
-        b, told = other.advance(b, inputs, np.pi / 180 / SPEED)
-    bend = np.abs(field).max()
-    assert bend > 1e-6
-    error = np.abs(told["film_thickness"] - wanted["film_thickness"]).max()
-    print(f"grid {grid}: deflection {bend:.4g} m, film apart by {error / bend:.3g} of it")
-    assert error < within * bend
 
 
 # refusals
