@@ -190,20 +190,64 @@ def test_sector_has_the_supply_at_its_ends():
     assert outputs["flow_openings"] == pytest.approx(-leak, rel=1e-12)
 
 
+OWN = dict(opening_supply="own")
+STARVED = dict(film_fraction_lower_edge=0.0, film_fraction_upper_edge=0.9)
+PARTLY = "expected 1 above cavitation_pressure = {} Pa, got {} at pressure_{} = {} Pa"
+FROM_BORE = dict(pressure_upper_edge=1e5, film_fraction_lower_edge=0.5, cavitation_model="gumbel")
+
+
 @pytest.mark.parametrize(
     "changes, words",
     [
-        (dict(surface="skirt", sector_angle=2.0), "sector_angle: expected a full revolution"),
+        (dict(surface="skirt", sector_angle=2.0), ["sector_angle: expected a full revolution"]),
+        (dict(surface="bearing", oil_supply="bore"), ["oil_supply: expected edges for a bearing,"]),
+        (dict(surface="bearing", sector_angle=2.0, open_cells=cut(SHAPE)), ["with cut-outs"]),
         (
-            dict(surface="bearing", oil_supply="bore"),
-            "oil_supply: expected edges for a bearing,",
+            dict(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4),
+            ["got -10000 Pa", "got -20000 Pa"],
         ),
-        (dict(surface="bearing", sector_angle=2.0, open_cells=cut(SHAPE)), "with cut-outs"),
+        (
+            dict(film_fraction_upper_edge=0.3, cavitation_pressure=-1e5),
+            [PARTLY.format(-100000, 0.3, "upper_edge", 0)],
+        ),
+        (
+            STARVED | dict(pressure_lower_edge=1.0, pressure_upper_edge=1.0),
+            [PARTLY.format(0, 0, "lower_edge", 1), PARTLY.format(0, 0.9, "upper_edge", 1)],
+        ),
+        (
+            OWN | dict(pressure_openings=1.0, film_fraction_openings=0.4),
+            [PARTLY.format(0, 0.4, "openings", 1)],
+        ),
+        (
+            OWN | dict(pressure_openings=-1e4),
+            ["pressure_openings: expected at least cavitation_pressure = 0 Pa"],
+        ),
+        (dict(pressure_openings=3e5), ["or set opening_supply = own"]),
+        (OWN | dict(oil_supply="bore"), ["opening_supply: expected lower_edge with oil_supply"]),
+        (
+            FROM_BORE | dict(oil_supply="bore"),
+            ["pressure_upper_edge", "film_fraction_lower_edge", "cavitation_model"],
+        ),
     ],
 )
 def test_what_does_not_go_together_is_said(changes, words):
-    (sentence,) = faults(Parameters(SHAPE, **changes))
-    assert words in sentence
+    sentences = faults(Parameters(SHAPE, **changes))
+    assert len(sentences) == len(words)
+    assert all(any(word in sentence for sentence in sentences) for word in words), sentences
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        STARVED,
+        OWN | dict(pressure_openings=3e5),
+        OWN | dict(film_fraction_openings=0.4),
+        dict(cavitation_pressure=-1e5),  # flooded
+        dict(oil_supply="bore"),
+    ],
+)
+def test_what_goes_together_is_taken(changes):
+    assert faults(Parameters(SHAPE, **changes)) == []
 
 
 def test_the_fmu_of_a_bearing_has_both_velocities_and_no_thrust_side(tmp_path):

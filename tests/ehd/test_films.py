@@ -37,17 +37,6 @@ def test_slopes_are_derivatives_and_all_films_stay_positive(law):
     assert np.all(value[: CONDUCTIVITY_A + 1] > 0.0)
 
 
-def test_peklenik_number_between_tabulated_ones_is_between_their_factors():
-    for factor in (
-        roughness.pressure_flow_factor,
-        roughness.shear_flow_factor,
-        roughness.pressure_stress_factor,
-    ):
-        for h in np.linspace(1.0, 6.0, 11):
-            low, middle, high = (factor(h, gamma).value for gamma in (1.0, np.sqrt(3.0), 3.0))
-            assert middle == pytest.approx(0.5 * (low + high))
-
-
 def mean_inverse_gap(separation):
     """E(sigma/h_T) of Eq. (R4) by quadrature, over the local films above sigma/100."""
     z = separation / 3.0

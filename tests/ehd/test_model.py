@@ -4,7 +4,7 @@ import pytest
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
-from piston_cosim.fmu_ehd.parameters import Parameters, faults
+from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     film_after,
@@ -70,15 +70,6 @@ def test_oil_is_conserved_under_every_option(name):
     assert max(o["mass_imbalance"] for o in history) <= 1e-12  # round-off
     assert min(o["film_fraction"].min() for o in history) < 0.9  # the film did rupture
     assert max(o["film_fraction"].max() for o in history) <= 1.0 + 1e-12
-
-
-def test_cut_out_carries_no_force_and_holds_the_edge_condition():
-    cut_out = opening(SHAPE)
-    _, _, history = motored(Parameters(SHAPE, pressure_lower_edge=1e5, open_cells=cut_out), 30)
-    outputs = history[-1]
-    assert np.all(outputs["nodal_pressure_force"][cut_out] == 0.0)
-    assert np.array_equal(outputs["nodal_friction_force"] == 0.0, cut_out)
-    assert outputs["pressure"][cut_out] == pytest.approx(1e5)
 
 
 @pytest.mark.parametrize("name", ["cut-out", "everything"])
@@ -163,17 +154,6 @@ def test_cells_without_a_film_count_in_no_scalar(gap, coating):
     assert o["contact_area_fraction"] == 0.0
 
 
-def test_contact_area_is_that_of_the_skirt_that_is_there():
-    """The same parallel film with a part cut out has the same share in contact."""
-    whole, cut = (
-        film_after(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask), [1e-6]).outputs
-        for mask in (None, opening(SHAPE))
-    )
-    share = whole["contact_area_fraction"]
-    assert share > 0.0
-    assert cut["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
-
-
 def test_a_film_in_cut_outs_alone_is_none():
     film = np.where(opening(SHAPE), 1e-5, -1e-6)
     with pytest.raises(NotConverged, match="there is no film"):
@@ -188,22 +168,6 @@ def test_a_film_that_is_no_number_is_refused_by_its_cell(wrong):
         NotConverged, match=rf"film_thickness\[3,5\]: expected a finite value, got {wrong:g} m"
     ):
         film_after(Parameters(SHAPE), [1e-5, film])
-
-
-def test_coating_yields_by_its_compliance():
-    film, velocity = motored_film(SHAPE, 31 * DEGREE)
-    for parameters in (
-        Parameters(SHAPE, coating_thickness=3e-5, roughness_rms=1e-6),
-        Parameters(SHAPE, coating_thickness=3e-5, oil=Oil(pressure_viscosity_law="barus_1893")),
-    ):
-        model, state, _ = motored(parameters, 30)
-        state, outputs = model.advance(state, film, velocity, DEGREE)
-        compliance = 3e-5 * 1.3 * 0.4 / (1e9 * 0.7)  # Eq. (L1) by hand
-        expected = compliance * (outputs["pressure"] + outputs["asperity_pressure"])
-        assert expected.max() > 1e-8
-        assert (
-            np.abs(state.film.deflection - expected).max() <= 1e-9 * expected.max()
-        )  # coating.TOLERANCE
 
 
 def test_a_coated_film_survives_jumps():
@@ -223,19 +187,6 @@ def test_a_coated_film_survives_jumps():
             state, _ = model.advance(state, film, velocity, DEGREE)
 
 
-@pytest.mark.parametrize("flow_factors", ["none", "patir_cheng_1978"])
-def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
-    """- sum F V, with a velocity, a film in contact and oil that differ from cell to cell."""
-    rng = np.random.default_rng(3)
-    film = rng.uniform(1e-6, 8e-6, SHAPE)
-    velocity = rng.uniform(-5.0, 5.0, SHAPE)
-    p = Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=opening(SHAPE))
-    o = film_after(p, [film] * 2, velocity).outputs
-    work = -(o["nodal_friction_force"] * velocity).sum()
-    assert o["friction_power"] == pytest.approx(work, rel=1e-12)
-    assert o["friction_force_asperity"] != 0.0
-
-
 def test_a_refused_step_has_no_tangent():
     model, state, _ = motored(Parameters(SHAPE), 3)
     film, velocity = motored_film(SHAPE, 4 * DEGREE)
@@ -253,52 +204,6 @@ def test_overlap_survives_and_pushes_apart():
     assert outputs["minimum_film_thickness"] == -2e-6
     assert outputs["asperity_pressure"][3, 4] == outputs["asperity_pressure"].max() > 1e7
     assert all(np.isfinite(value).all() for value in outputs.values())
-
-
-def test_cavitation_pressure_shifts_the_datum_alone():
-    gauge, absolute = (
-        motored(
-            Parameters(SHAPE, pressure_lower_edge=p, pressure_upper_edge=p, cavitation_pressure=p),
-            60,
-        )[2][-1]
-        for p in (0.0, 1e5)
-    )
-    scale = gauge["maximum_pressure"]
-    assert (
-        np.abs(absolute["pressure"] - 1e5 - gauge["pressure"]).max() <= 1e-9 * scale
-    )  # round-off of the datum
-    assert np.abs(absolute["film_fraction"] - gauge["film_fraction"]).max() <= 1e-12
-
-
-def test_edge_below_cavitation_pressure_is_a_fault():
-    sentences = faults(Parameters(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4))
-    assert len(sentences) == 2 and "got -10000 Pa" in sentences[0]
-
-
-def test_a_partly_filled_edge_above_cavitation_pressure_is_a_fault():
-    sentences = faults(Parameters(film_fraction_upper_edge=0.3, cavitation_pressure=-1e5))
-    assert sentences == [
-        "film_fraction_upper_edge: expected 1 above cavitation_pressure = -100000 Pa, got 0.3 at "
-        "pressure_upper_edge = 0 Pa"
-    ]
-    both = dict(film_fraction_lower_edge=0.0, film_fraction_upper_edge=0.9)
-    assert len(faults(Parameters(**both, pressure_lower_edge=1.0, pressure_upper_edge=1.0))) == 2
-    assert faults(Parameters(**both)) == []
-
-
-def test_openings_of_their_own_supply_obey_the_rules_of_edges():
-    own = dict(opening_supply="own")
-    assert faults(Parameters(**own, pressure_openings=3e5)) == []
-    assert faults(Parameters(**own, film_fraction_openings=0.4)) == []
-    (partly,) = faults(Parameters(**own, pressure_openings=1.0, film_fraction_openings=0.4))
-    assert partly.endswith("got 0.4 at pressure_openings = 1 Pa")
-    (below,) = faults(Parameters(**own, pressure_openings=-1e4))
-    assert below.startswith("pressure_openings: expected at least cavitation_pressure = 0 Pa")
-    (unused,) = faults(Parameters(pressure_openings=3e5))
-    assert unused.endswith("or set opening_supply = own")
-    (bore,) = faults(Parameters(**own, oil_supply="bore"))
-    assert bore.startswith("opening_supply: expected lower_edge with oil_supply = bore")
-    assert faults(Parameters(cavitation_pressure=-1e5)) == []  # flooded
 
 
 def test_a_step_with_such_an_edge_is_refused():

@@ -86,6 +86,8 @@ def test_pressure_beyond_the_law_is_warned_of_once(slave, law, closed, warns):
     for step in range(2):
         slave.views["film_thickness"][...] = 1e-5 - closed * (step + 1) / 2
         assert slave.do_step(1e-6 * step, 1e-6)
+    assert (slave.views["maximum_pressure"] > 1e9) == warns
+    assert slave.views["maximum_pressure"] < np.inf
     texts = [message.msg for message in slave.log_queue]
     assert sum("exceeds the range of the law" in text for text in texts) == warns
 
@@ -129,17 +131,6 @@ def test_senseless_step_is_refused(slave, step):
     assert not slave.do_step(0.0, step)
 
 
-def test_a_film_starved_everywhere_is_a_film(slave):
-    for edge in ("lower", "upper"):
-        slave.views[f"film_fraction_{edge}_edge"][...] = 0.0
-    slave.exit_initialization_mode()
-    slave.views["sliding_velocity"][...] = 5.0
-    for k in range(400):
-        assert slave.do_step(k * 1e-4, 1e-4)
-    assert slave.views["film_fraction"].max() < 1e-3
-    assert np.abs(slave.views["nodal_pressure_force"]).max() == 0.0
-
-
 def choose(slave, name, law):
     """Choose a law as an importer does, by its number."""
     (variable,) = [v for v in slave.table if v.name == name]
@@ -152,15 +143,6 @@ def test_unknown_law_is_a_fault_with_the_allowed_ones(slave, number):
     slave.exit_initialization_mode()
     known = "1 jfo, 2 reynolds, 3 gumbel, 4 full_film"
     assert f"cavitation_model: expected {known}, got {number}" in slave.fault
-
-
-@pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
-def test_a_squeeze_beyond_the_piezoviscosity_law_still_has_a_pressure(slave, law):
-    choose(slave, "pressure_viscosity_law", law)
-    slave.exit_initialization_mode()
-    slave.views["film_thickness"][...] = 1e-6  # from 10 um in a tenth of a millisecond
-    assert slave.do_step(0.0, 1e-4)
-    assert 1e9 < slave.views["maximum_pressure"] < np.inf
 
 
 def test_conditions_become_inputs(tmp_path):

@@ -31,24 +31,18 @@ def journal(eccentricity):
     return bearing(BEARING, 2.0 * bearings.RADIUS), bearings.eccentric(BEARING, eccentricity)
 
 
-def test_short_steps_reach_the_same_state():
-    film, thickness = journal(0.6)
+@pytest.mark.parametrize("eccentricity", [0.6, 0.8])
+def test_short_steps_stay_there_and_reach_the_same_state(eccentricity):
+    film, thickness = journal(eccentricity)
     steady = film.steady(thickness, circumferential_velocity=bearings.SPEED)
+    peak = steady["pressure"].max()
+    after = film.step(thickness, 1e-4, circumferential_velocity=bearings.SPEED)
+    assert np.abs(after["pressure"] - steady["pressure"]).max() <= 1e-8 * peak
     film.start(thickness, circumferential_velocity=bearings.SPEED)
     for length in 4.0 ** np.arange(-7, 8):
         outputs = film.step(thickness, length, circumferential_velocity=bearings.SPEED)
-    peak = steady["pressure"].max()
     assert np.abs(outputs["pressure"] - steady["pressure"]).max() <= 1e-9 * peak
     assert np.abs(outputs["film_fraction"] - steady["film_fraction"]).max() <= 1e-9
-
-
-def test_the_steady_film_stays_in_the_next_step():
-    film, thickness = journal(0.8)
-    steady = film.steady(thickness, circumferential_velocity=bearings.SPEED)
-    after = film.step(thickness, 1e-4, circumferential_velocity=bearings.SPEED)
-    peak = steady["pressure"].max()
-    assert np.abs(after["pressure"] - steady["pressure"]).max() <= 1e-8 * peak
-    assert after["friction_power"] == pytest.approx(steady["friction_power"], rel=1e-8)
 
 
 def test_a_step_may_be_an_integer():
