@@ -13,8 +13,9 @@ SCRIPT = """
 import json, sys
 import numpy as np
 from piston_cosim.fmu_ehd import native
-from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 from piston_cosim.fmu_ehd.slave import Ehd
+from piston_cosim.tests.twins import Twins
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 folder, changes = sys.argv[1], json.loads(sys.argv[2])
 grid = (6, 8)
@@ -24,7 +25,8 @@ options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface
 if not mask.all():
     options["mask"] = mask.tolist()
 open(folder + "/build.json", "w").write(json.dumps(options))
-python, machine = (Ehd(instance_name="film", resources=folder) for _ in range(2))
+twins = Twins(Ehd, native, folder)
+python = twins.python
 table = {v.name: v for v in python.table}
 
 def give(time):
@@ -33,60 +35,27 @@ def give(time):
         velocity = velocity * (1.0 + 0.01 * np.arange(mask.size).reshape(grid))
         film[mask == 0] = 0.1
         velocity[mask == 0] = -1e3
-    around = 4.0 + 0.3 * velocity + 0.05 * np.arange(mask.size).reshape(grid)
-    for one in (python, machine):
-        one.views["film_thickness"][...] = film - 4e-6
-        one.views["sliding_velocity"][...] = velocity
-        if surface == "bearing":
-            one.views["circumferential_velocity"][...] = around
+    twins.give(dict(film_thickness=film - 4e-6, sliding_velocity=velocity))
+    if surface == "bearing":
+        around = 4.0 + 0.3 * velocity + 0.05 * np.arange(mask.size).reshape(grid)
+        twins.give(dict(circumferential_velocity=around))
 
-for name, value in changes.items():
-    for one in (python, machine):
-        one.views[name][...] = table[name].number(value)
+twins.give({name: table[name].number(value) for name, value in changes.items()})
 give(0.0)
-python.exit_initialization_mode()
+twins.start()
 assert not python.fault, python.fault
-numbers = np.zeros(4)
-begin = native.given(machine)
-native.size(machine.real, machine.integer, begin, numbers)
-memory = np.zeros(int(numbers[0]))
-memory[: begin.size] = begin
-faults = int(numbers[3])
-call = machine.real, machine.integer, memory, numbers
-native.start(*call)
-error, largest, iterations = {}, {}, 0
 rng = np.random.default_rng(0)
-
-def compare():
-    assert memory[faults] == 0.0
-    for v in python.table:
-        if v.causality == "output":
-            a, b = python.views[v.name], machine.views[v.name]
-            largest[v.name] = max(largest.get(v.name, 0.0), float(abs(a).max()))
-            error[v.name] = max(error.get(v.name, 0.0), float(abs(a - b).max()))
-
-compare()
+twins.compare()
 for k in range(1, 13):
-    size = (5 + k % 3) * DEGREE
     give(k * 20 * DEGREE)
-    assert python.do_step(0.0, size)
-    numbers[0] = size
-    native.advance(*call)
-    compare()
-    iterations = max(iterations, int(machine.views["solver_iterations"]))
+    twins.advance((5 + k % 3) * DEGREE)
+    twins.compare()
     seeds = rng.standard_normal((3, *grid)) * [[[1e-6]], [[1.0]], [[1.0]]]
-    for name, seed in zip(python.derivative_inputs, seeds):
-        machine.views["seed:" + name][...] = seed
-    native.tangent(*call)
-    products = python.directional_derivative(dict(zip(python.derivative_inputs, seeds)))
-    for name, a in products.items():
-        off = float(abs(a - machine.views["product:" + name]).max() / abs(a).max())
-        error["of " + name] = max(error.get("of " + name, 0.0), off)
-off = {name: e / largest.get(name, 1.0) for name, e in error.items() if e > 0.0}
+    twins.compare_derivatives(dict(zip(python.derivative_inputs, seeds)))
 touched = float(python.views["contact_area_fraction"])
 emptiest = float(python.views["film_fraction"][mask == 1].min())
-from_openings = largest["flow_openings"], largest["oil_on_bore"]
-print(json.dumps([off, iterations, emptiest, touched, *from_openings]))
+noted = (twins.largest[n] for n in ("flow_openings", "oil_on_bore"))
+print(json.dumps([twins.shares(), twins.largest["solver_iterations"], emptiest, touched, *noted]))
 """
 
 WINDOWS = [

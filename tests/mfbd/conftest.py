@@ -133,7 +133,7 @@ def kept_bodies(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def reduced(bodies, kept_bodies):
+def reduced(coarse, kept_bodies):
     """(options, piston, block) of the small bodies, reduced."""
     from piston_cosim.fmu_mfbd.build import prepare
     from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
@@ -141,7 +141,7 @@ def reduced(bodies, kept_bodies):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-        options, files = prepare(bodies[1], bodies[0], lambda text: None)
+        options, files = prepare(coarse[1], coarse[0], quiet)
         piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
         return BuildOptions.from_json(options), piston, block
 

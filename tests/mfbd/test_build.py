@@ -23,8 +23,8 @@ from .conftest import quiet
 from .pin_models import crank_options, options
 
 
-def test_all_faults_of_the_table_at_once(bodies):
-    folder, options = bodies
+def test_all_faults_of_the_table_at_once(coarse):
+    folder, options = coarse
     wrong = {
         "grid": [16, 2],
         "piston": options["piston"]
@@ -124,7 +124,7 @@ def test_folding_by_symmetry_changes_nothing():
     assert folded.table.size * 4 == plain.table.size * 4 / 3  # 4 of 12 angles stand for all
 
 
-def test_modes_of_a_symmetric_body_are_even_or_odd(bodies, tmp_path):
+def test_modes_of_a_symmetric_body_are_even_or_odd():
     """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose
     elements do not, has none.
     """

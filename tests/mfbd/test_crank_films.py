@@ -12,7 +12,6 @@ from pydantic import ValidationError
 from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.pin_tangent import inertia
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
@@ -169,30 +168,6 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
     # m e^2 w' of the unbalance about the journal is part of `crank_inertia`
     own = UNBALANCE**2 / MAIN.crank_mass * crank.acceleration * ("main_bearing" in names)
     assert found.torque == pytest.approx(wanted[-1] - own, rel=1e-8)
-
-
-@with_none
-def test_inertia_of_an_upright_rod_by_hand(names):
-    """Eqs. (D22), (D35): rod and crank upright, all of the bodies' energy of a motion."""
-    model = crank_model(names)
-    v = np.arange(1.0, 8.0 + 2 * len(names))
-    play = dict(zip(names, v[7:].reshape(-1, 2)))
-    b, m = (play.get(name, np.zeros(2)) for name in ("big_end", "main_bearing"))
-    big_end = m - b
-    eye = np.array([v[0] + v[2] - v[4], big_end[1]])
-    pin = eye + v[4:6]
-    A = pin - v[2:4]
-    piston = A + v[1] * np.array([-CENTRE[1], CENTRE[0]])
-    k = 72 / 223
-    rod = (1 - k) * big_end + k * eye
-    turn = (big_end[0] - eye[0]) / 0.223
-    energy = 1.39 * piston @ piston + 0.003 * v[1] ** 2 + 0.5 * pin @ pin
-    energy += 0.5 * 0.018**2 / 2 * v[6] ** 2
-    more = 1.7 * rod @ rod + 0.017 * turn**2 + 4.0 * m @ m
-    for of_rod, wanted in ((0.0, energy), (1.0, energy + more)):
-        of_all = inertia(model.bodies, of_rod)
-        assert v @ of_all @ v == pytest.approx(wanted, rel=1e-12)
-        np.testing.assert_allclose(of_all, of_all.T, rtol=1e-15)
 
 
 def test_gaps_and_velocities_by_hand():

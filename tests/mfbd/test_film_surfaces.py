@@ -10,7 +10,6 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import SurfaceOptions
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.options import read_options
-from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
 
 from .differences import products_by_differences, rough_change
@@ -94,24 +93,6 @@ def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(built
     for one in GROOVE:
         assert out[f"{one.name}.interface_work_error"] <= 1e-13
     assert "interface_work_error" not in out
-
-
-def test_one_surface_keeps_plain_names_and_several_have_their_own(reduced):
-    options, _, _ = reduced
-    plain = {one.name for one in variables(options)}
-    named = {one.name for one in variables(dataclasses.replace(options, surfaces=GROOVE))}
-    own = {
-        "film_thickness",
-        "sliding_velocity",
-        "nodal_pressure_force",
-        "nodal_friction_force",
-        "interface_work_error",
-        "n_circumferential",
-        "n_axial",
-    }
-    assert own <= plain
-    assert plain - named == own
-    assert named - plain == {f"{one.name}.{name}" for one in GROOVE for name in own}
 
 
 def table(*surfaces, grid=(16, 12)):

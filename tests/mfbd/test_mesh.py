@@ -15,8 +15,8 @@ CROWN = Plane(20e-3)
 
 
 @pytest.fixture(scope="module")
-def original(bodies):
-    return read_mesh(bodies[0] / "piston.msh", {"skirt": None, "crown": None})
+def original(coarse):
+    return read_mesh(coarse[0] / "piston.msh", {"skirt": None, "crown": None})
 
 
 def same_faces(a, b):
@@ -57,9 +57,9 @@ def test_linear_elements_get_edge_nodes_with_a_warning(original, tmp_path):
     assert same_faces(*corners)
 
 
-def test_left_handed_axes_are_refused(bodies):
+def test_left_handed_axes_are_refused(coarse):
     with pytest.raises(MeshFault, match="axes: expected three right-handed"):
-        read_mesh(bodies[0] / "piston.msh", {}, axes=("-x", "y", "z"))
+        read_mesh(coarse[0] / "piston.msh", {}, axes=("-x", "y", "z"))
 
 
 FAULTS = {

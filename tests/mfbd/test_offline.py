@@ -22,8 +22,8 @@ def cache(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def test_one_body_from_a_small_table(bodies, cache, tmp_path):
-    folder, options = bodies
+def test_one_body_from_a_small_table(coarse, cache, tmp_path):
+    folder, options = coarse
     [block] = reduce({"grid": [16, 12], "block": options["block"]}, folder, tmp_path / "out", quiet)
     assert (
         block.name == "block"

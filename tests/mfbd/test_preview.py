@@ -30,8 +30,8 @@ SHEET = {
 CRANK = {"crank_radius": 43e-3, "rod_length": 143e-3, "radial_clearance": 40e-6, "barrel": 40e-6}
 
 
-def test_mass_of_a_mesh_is_that_of_the_reduced_body(bodies, reduced):
-    folder, table = bodies
+def test_mass_of_a_mesh_is_that_of_the_reduced_body(coarse, reduced):
+    folder, table = coarse
     options, piston, _ = reduced
     seen = preview(table, {}, folder)
     assert seen.faults == []
@@ -85,8 +85,8 @@ def test_geometry_that_does_not_go_together(given, message, tmp_path):
     assert any(message in line for line in preview(SHEET, {**CRANK, **given}, tmp_path).faults)
 
 
-def test_faults_of_a_mesh_and_of_its_modes(bodies):
-    folder, table = bodies
+def test_faults_of_a_mesh_and_of_its_modes(coarse):
+    folder, table = coarse
     turned = table | {"piston": table["piston"] | {"axes": ["y", "x", "-z"]}}
     assert "expected an axis along y" in preview(turned, {}, folder).faults[0]
     count = {"modes": 60, "basis": "pressure_modes"}

@@ -24,12 +24,14 @@ from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     load,
 )
 
+from .conftest import quiet
+
 
 @pytest.fixture(scope="module")
-def report(bodies, kept_bodies):
+def report(coarse, kept_bodies):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-        files = reduced_bodies(bodies[1], bodies[0], lambda text: None)
+        files = reduced_bodies(coarse[1], coarse[0], quiet)
         yield {
             name: Reduced(*(load(part, files[name]) for part in (kind, Anatomy, MeshProperties)))
             for name, kind in (("piston", ReducedPiston), ("block", ReducedBlock))

@@ -15,17 +15,12 @@ from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
 from piston_cosim.fmu_mfbd.dynamics.step import GAS
 from piston_cosim.fmu_mfbd.dynamics.tables import (
     TableFault,
-    gas_pressure,
     gas_table,
     inline_numbers,
     profile_table,
     read_numbers,
 )
 from piston_cosim.fmu_mfbd.geometry.profile import (
-    BoreOrder,
-    MeasuredShape,
-    fourier_bore,
-    ovality,
     table_shape,
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
@@ -46,13 +41,6 @@ def gas_file(tmp_path):
     path = tmp_path / "gas.csv"
     path.write_text("\n".join(lines))
     return path
-
-
-def test_gas_repeats_every_cycle(gas_file):
-    table = gas_table(read_numbers(gas_file), 4 * np.pi, DEG, 1e5)
-    for angle in (0.1, 5.0, 12.5, 12.5 + 4 * np.pi, 0.1 - 4 * np.pi):
-        # linear between points 2 deg apart: (1 deg)^2/2 * 5e5/4
-        assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
 
 
 @pytest.mark.parametrize(
@@ -103,22 +91,6 @@ def test_profile_file_and_interpolation(tmp_path):
     path.write_text("\n".join([*rows[:3], "1,2,3"]))
     with pytest.raises(TableFault, match="4: expected 73 numbers, got 3"):
         profile_table(path, DEG, 1e-3, 1e-6)
-
-
-@pytest.mark.parametrize("first", [0.0, 7.0])
-def test_a_coarse_table_is_as_good_as_a_dense_one(first):
-    """180 um of ovality by 24 angles, 20 um of barrel by 9 heights: 0.01 um, the fourth derivative
-    of 720 um / 384 x (15 deg)^4; straight lines between the angles missed by 1.5 um.
-    """
-    angle = np.radians(first + np.arange(0.0, 360.0, 15.0))
-    height = np.linspace(-14e-3, 13e-3, 9)
-    barrel = 20e-6 * (height / 13.5e-3) ** 2
-    table = MeasuredShape(angle, height, barrel[:, None] + 90e-6 * np.cos(angle) ** 2)
-    at, rows = np.linspace(-1.0, 7.0, 97), np.linspace(-13.9e-3, 12.9e-3, 31)
-    wanted = 90e-6 * np.cos(at)[:, None] ** 2 + 20e-6 * (rows / 13.5e-3) ** 2
-    np.testing.assert_allclose(table_shape(table, at, rows), wanted, atol=1e-8)
-    turned = table_shape(table, at + 2.0 * np.pi, rows)
-    np.testing.assert_allclose(turned, table_shape(table, at, rows), atol=1e-18)
 
 
 def test_tables_in_the_case_name_their_rows():
@@ -180,25 +152,19 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
     assert (ends[0][1] - ends[1][1]) / 2e-7 == pytest.approx(middle[2], rel=1e-6)
 
 
-def test_orders():
-    angle = np.linspace(0, 6, 50)
-    terms = [BoreOrder(0, 25e-6, 0.0), BoreOrder(2, 25e-6, 0.0)]
-    np.testing.assert_allclose(fourier_bore(terms, angle), ovality(angle, 100e-6), atol=1e-18)
-
-
 @pytest.fixture(scope="module")
-def shaped(bodies, tmp_path_factory):
+def shaped(coarse, tmp_path_factory):
     """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a
     running model.
     """
-    folder = bodies[0]
+    folder = coarse[0]
     (folder / "skirt.csv").write_text("h,0,90,180,270\n-16,10,0,10,0\n10,10,0,10,0\n")
     (folder / "bore.csv").write_text("h,0\n50,30\n100,5\n155,0\n")
     (folder / "gas.csv").write_text("\n".join(f"{a},{curve(a * DEG)}" for a in range(0, 721, 5)))
     units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
-    table = bodies[1] | {
-        "piston": bodies[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
-        "block": bodies[1]["block"]
+    table = coarse[1] | {
+        "piston": coarse[1]["piston"] | {"profiles": [{"file": "skirt.csv", **units}]},
+        "block": coarse[1]["block"]
         | {
             "profiles": [{"file": "bore.csv", **units}],
             "orders": [{"order": 4, "amplitude": "2 um", "phase": "10 deg"}],
@@ -259,8 +225,8 @@ def test_gas_table_acts_like_the_input(shaped, monkeypatch):
         )  # linear between 5 deg
 
 
-def test_missing_and_bad_tables_are_reported_together(bodies):
-    folder, options = bodies
+def test_missing_and_bad_tables_are_reported_together(coarse):
+    folder, options = coarse
     units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
     (folder / "bad.csv").write_text("h,90\n1,2\n3\n")
     table = options | {

@@ -11,8 +11,6 @@ from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.training import (
     ENOUGH,
-    _mirrored_classes,
-    load_patterns,
     trained_shapes,
 )
 from piston_cosim.fmu_mfbd.truncations import truncations
@@ -97,33 +95,6 @@ def mirrored(film):
     both = (index + 4) % AROUND
     for image in (index, across_z, across_x, both):
         yield [force[:, image] for force in film]
-
-
-def test_mirror_classes_are_parts_of_the_whole():
-    film = random_film(3)
-    whole = np.stack(film, axis=-1)
-    parts = _mirrored_classes(whole)
-    np.testing.assert_allclose(sum(parts), whole, atol=1e-13)
-    images = [np.stack(one, axis=-1) for one in mirrored(film)]
-    own, across_z, across_x, both = images
-    for part, (x, z) in zip(parts, [(1, 1), (1, -1), (-1, 1), (-1, -1)]):
-        expected = (own + z * across_z + x * across_x + x * z * both) / 4
-        np.testing.assert_allclose(part, expected, atol=1e-13)
-    odd = np.zeros((2, 7, 3, 2))
-    (alone,) = _mirrored_classes(odd)
-    assert alone is odd
-
-
-def test_load_patterns_are_orthonormal_and_weighed():
-    found = load_patterns(random_film(4))
-    np.testing.assert_allclose(
-        found.pattern @ found.pattern.T, np.eye(len(found.strength)), atol=1e-12
-    )
-    assert np.all(np.diff(found.strength) <= 0)
-    assert found.strength[-1] > 1e-4 * found.strength[0]
-    one = FilmLoads(np.ones((5, AROUND, ALONG)), np.zeros((5, AROUND, ALONG)))
-    (strength,) = load_patterns(one).strength
-    assert strength == pytest.approx(np.sqrt(5 * AROUND * ALONG), rel=1e-12)
 
 
 def test_given_shapes_are_left_to_themselves(plate):
