@@ -10,6 +10,7 @@ import inspect
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise, takewhile
 from textwrap import dedent
 from typing import Any, TypeGuard, TypeVar, cast
@@ -56,19 +57,22 @@ def with_meanings(schema: dict[str, Any], kind: type[BaseModel]) -> None:
     takes a tenth of a start, and only `keys` needs it.
     """
     for one in reversed(kind.__mro__[: kind.__mro__.index(BaseModel)]):
-        for name, meaning in _texts_below(one):
+        for name, meaning in _texts_below(one).items():
             if field := kind.model_fields.get(name):
                 schema["properties"][field.alias or name]["description"] = meaning
 
 
-def _texts_below(kind: type) -> Iterator[tuple[str, str]]:
-    """Yield each annotated name of a class that has a text below it, and the text."""
+@cache
+def _texts_below(kind: type) -> dict[str, str]:
+    """Return the text below each annotated name of a class that has one."""
     (found,) = ast.parse(dedent(inspect.getsource(kind))).body
     assert isinstance(found, ast.ClassDef)
+    texts: dict[str, str] = {}
     for one, below in pairwise(found.body):
         if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
             assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
-            yield one.target.id, inspect.cleandoc(str(below.value.value))
+            texts[one.target.id] = inspect.cleandoc(str(below.value.value))
+    return texts
 
 
 def validated(kind: type[Options], options: Mapping[str, Any]) -> Options:

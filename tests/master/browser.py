@@ -120,6 +120,18 @@ class Browser:
         text, _, self._rest = self._rest.partition(b"\0")
         return json.loads(text)
 
+    def reset(self):
+        """Forget what was said, size and media, and show nothing."""
+        self.ask("Emulation.clearDeviceMetricsOverride")
+        self.ask("Emulation.setEmulatedMedia", media="", features=[])
+        self.ask("Page.navigate", url="about:blank")
+        self.events.clear()
+
+    def resize(self, width: int):
+        """Give the page a width [CSS pixels]."""
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        self.ask("Emulation.setDeviceMetricsOverride", **size)
+
     def open(self, page: Path, anchor: str = ""):
         """Open a page at an anchor and wait until it is ready."""
         self.ask("Page.navigate", url=page.resolve().as_uri() + anchor)

@@ -10,7 +10,21 @@ import pytest
 from piston_cosim.master.case.system import System, Wire
 from piston_cosim.master.fmi.errors import Discard
 
+from .browser import Browser
 from .toys import Toy, variable
+
+
+@pytest.fixture(scope="session")
+def any_browser(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("profile")) as one:
+        yield one
+
+
+@pytest.fixture
+def browser(any_browser):
+    """A browser with an empty page, the same for all tests."""
+    any_browser.reset()
+    return any_browser
 
 
 class Film(Toy):

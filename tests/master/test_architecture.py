@@ -1,6 +1,7 @@
 """The three packages never import each other; kernels know no FMI."""
 
 import ast
+import json
 import re
 import subprocess
 import sys
@@ -127,25 +128,34 @@ HEAVY = (
 )
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"]], ids=" ".join)
-def test_the_first_look_costs_no_heavy_import(arguments):
-    """numpy alone is as much as all of `--help`; pint, numba and matplotlib half a second each."""
-    assert loaded(HEAVY, arguments) == []
+RUN = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib", "numba")
+"""What answers, judges and draws is imported when a run is done: a second of its start."""
+CHECK = ("numba", "matplotlib.pyplot", "fmpy", "h5py", "pandas", "sympy", "jinja2", "gmsh")
+CHECK += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integrate")
 
 
-def test_a_case_is_checked_without_what_runs_it(tmp_path):
-    """Each takes 0.05 to 0.6 s to import; together they were half of the time of a check."""
-    avoided = ("numba", "matplotlib.pyplot", "fmpy", "h5py", "pandas", "sympy", "jinja2")
-    avoided += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integrate", "gmsh")
-    arguments = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
-    assert loaded(avoided, arguments) == []
+def test_commands_import_little(tmp_path):
+    """numpy alone is as much as all of `--help`; each module takes 0.05 to 0.6 s."""
+    check = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
+    first = [(["--help"], HEAVY), (["--version"], HEAVY), (check, CHECK)]
+    for calls in (first, [(["run", "--help"], RUN)]):
+        assert script(LOADED, json.dumps(calls)).splitlines()[-1] == "[]"
     assert (tmp_path / "check.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_run_begins_without_what_looks_at_it():
-    """What answers, judges and draws is imported when a run is done: a second of its start."""
-    avoided = ("scipy.integrate", "scipy.ndimage", "scipy.optimize", "matplotlib")
-    assert loaded((*avoided, "numba"), ["run", "--help"]) == []
+LOADED = """
+import json, sys
+from piston_cosim.master.commands.app import main
+loaded = []
+for arguments, avoided in json.loads(sys.argv[1]):
+    sys.argv = ["piston-cosim", *arguments]
+    try:
+        main()
+    except SystemExit as ended:
+        assert not ended.code, ended.code
+    loaded += [(arguments, name) for name in avoided if name in sys.modules]
+print(loaded)
+"""
 
 
 def test_importing_the_package_does_not_change_the_environment():
@@ -163,20 +173,3 @@ assert dict(os.environ) == before, os.environ.items() ^ before.items()
 assert "matplotlib.pyplot" not in sys.modules
 """
     script(code)
-
-
-def loaded(names, arguments):
-    """Which modules a call of the command line has imported, in a process of its own."""
-    code = f"""
-import sys
-sys.argv = ["piston-cosim", *{arguments!r}]
-from piston_cosim.master.commands.app import main
-try:
-    main()
-except SystemExit as ended:
-    assert not ended.code, ended.code
-print("loaded:", *[name for name in {names!r} if name in sys.modules])
-"""
-    first, *found = script(code).splitlines()[-1].split()
-    assert first == "loaded:"
-    return found

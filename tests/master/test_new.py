@@ -79,9 +79,8 @@ def test_the_grid_of_a_new_case_has_no_remark(name, tmp_path):
     assert seen.figure("bodies.cells_around").value % 2 == 0  # a cell on the anti-thrust line
 
 
-@pytest.mark.parametrize(
-    "name", ["car", *(pytest.param(one, marks=pytest.mark.slow) for one in ("motorcycle", "truck"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ENGINES)
 def test_a_run_of_a_new_case_resolves_its_pressure_peak(name, tmp_path):
     path = write_case(engine(ENGINES[name]), tmp_path / name).path
     # from top dead centre the pressure peak is at about 40 deg

@@ -188,15 +188,14 @@ def window(page, tmp_path_factory):
         assert shown.said() == [] and shown.asked() == []
 
 
-def test_a_page_that_asks_the_network_is_noticed(page, tmp_path):
+def test_a_page_that_asks_the_network_is_noticed(page, browser):
     """The page forbids requests, so an attempt is a message on the console."""
     assert "Content-Security-Policy\" content=\"default-src 'none'" in page[0].read_text()
-    with Browser(tmp_path / "profile") as shown:
-        shown.open(page[0])
-        shown.run("""const image = document.createElement("img");
-          image.src = "http://127.0.0.1:9/x.png"; document.body.appendChild(image);
-          await new Promise(done => setTimeout(done, 200));""")
-        assert any("Content Security Policy" in line for line in shown.said())
+    browser.open(page[0])
+    browser.run("""const image = document.createElement("img");
+      image.src = "http://127.0.0.1:9/x.png"; document.body.appendChild(image);
+      await new Promise(done => setTimeout(done, 200));""")
+    assert any("Content Security Policy" in line for line in browser.said())
 
 
 def test_every_recorded_instant_is_reached(window):
@@ -359,19 +358,18 @@ def test_a_click_on_a_curve_moves_the_cursor_there(window):
     assert window.run("return byId('place').textContent") == "440 deg"
 
 
-def test_keys_and_address_hold_instant_and_run(page, tmp_path):
-    with Browser(tmp_path / "profile") as shown:
-        shown.open(page[0])
-        shown.run("go(5); byId('run').value = 1; byId('run').onchange({ target: byId('run') });")
-        shown.run("document.body.focus();")
-        shown.key("ArrowRight")
-        hashed = shown.run("return location.hash")
+def test_keys_and_address_hold_instant_and_run(page, browser):
+    browser.open(page[0])
+    browser.run("go(5); byId('run').value = 1; byId('run').onchange({ target: byId('run') });")
+    browser.run("document.body.focus();")
+    browser.key("ArrowRight")
+    hashed = browser.run("return location.hash")
     assert hashed == "#at=240&run=two"
-    with Browser(tmp_path / "again") as shown:
-        shown.open(page[0], hashed)
-        told = shown.run("""return [byId("place").textContent,
-          [...document.querySelectorAll("#maps .map figcaption")].map(one => one.textContent)];""")
-    assert told[0] == "240 deg" and len(told[1]) == 1 and told[1][0].startswith("two")
+    browser.reset()
+    browser.open(page[0], hashed)
+    place, *titles = browser.run("""return [byId("place"),
+      ...document.querySelectorAll("#maps .map figcaption")].map(one => one.textContent);""")
+    assert place == "240 deg" and len(titles) == 1 and titles[0].startswith("two")
 
 
 def test_details_are_folded_and_every_chart_in_them_is_drawn(window, page):
@@ -424,6 +422,7 @@ def test_equal_bodies_are_stored_once():
     assert len(given["meshes"]) == 1 and one == same
 
 
+@pytest.mark.slow
 def test_first_picture_and_frames_a_second(tmp_path):
     """By processor time, which other work on the machine hardly changes: a frame at 30 a second has
     33 ms for the thread of the page, and the first picture 2 s.
@@ -456,43 +455,43 @@ def test_two_runs_of_181_instants_without_bodies_take_two_megabytes(tmp_path):
 
 
 @pytest.mark.parametrize("scheme, width", [("dark", 1200), ("light", 390)])
-def test_dark_and_narrow(page, tmp_path, scheme, width):
-    with Browser(tmp_path / "profile") as shown:
-        phone = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": False}
-        shown.ask("Emulation.setDeviceMetricsOverride", **phone)
-        feature = {"name": "prefers-color-scheme", "value": scheme}
-        shown.ask("Emulation.setEmulatedMedia", features=[feature])
-        shown.open(page[0])
-        told = shown.run("""const paper = getComputedStyle(document.body).backgroundColor;
-          return { wide: document.documentElement.scrollWidth - window.innerWidth, paper };""")
-        assert shown.said() == []
-    assert told["wide"] <= 0
-    assert (told["paper"] == "rgb(255, 255, 255)") == (scheme == "light")
+def test_dark_and_narrow(page, browser, scheme, width):
+    browser.resize(width)
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.ask("Emulation.setEmulatedMedia", features=[feature])
+    browser.open(page[0])
+    wide, paper = browser.run("""
+      return [document.documentElement.scrollWidth - window.innerWidth,
+        getComputedStyle(document.body).backgroundColor];""")
+    assert browser.said() == []
+    assert wide <= 0
+    assert (paper == "rgb(255, 255, 255)") == (scheme == "light")
 
 
-@pytest.mark.parametrize("width", [1440, 900, 420])
-def test_caption_and_cursor_agree_on_paper(page, tmp_path, width):
+@pytest.mark.parametrize("width", [1440, 900, 500])
+def test_caption_and_cursor_agree_on_paper(page, browser, width):
     """The paper is narrower than the screen, and the browser reports no new size for it."""
-    with Browser(tmp_path / "profile", width) as shown:
-        shown.open(page[0])
-        shown.run("go(13); window.dispatchEvent(new Event('beforeprint'));")
-        shown.ask("Emulation.setEmulatedMedia", media="print")
-        told = shown.run("""
-          document.body.style.width = "700px";
-          const svg = document.querySelector("#curves svg");
-          const at = node => {
-            const box = node.getBoundingClientRect();
-            return box.left + box.width / 2;
-          };
-          const ticks = [...svg.querySelectorAll("[aria-label='x-axis tick'] path")];
-          const [first, last] = [ticks[0], ticks[ticks.length - 1]].map(at);
-          const words = [...svg.querySelectorAll("[aria-label='x-axis tick label'] text")];
-          const [from, to] = [words[0], words[words.length - 1]]
-            .map(one => parseFloat(one.textContent));
-          const share = (at(svg.querySelector(".now")) - first) / (last - first);
-          return { caption: parseFloat(byId("place").textContent), wide: svg.clientWidth,
-            cursor: from + (to - from) * share };""")
-        pdf = shown.ask("Page.printToPDF", preferCSSPageSize=True)["data"]
+    browser.resize(width)
+    browser.open(page[0])
+    browser.run("go(13); window.dispatchEvent(new Event('beforeprint'));")
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    told = browser.run("""
+      document.body.style.width = "700px";
+      const svg = document.querySelector("#curves svg");
+      const at = node => {
+        const box = node.getBoundingClientRect();
+        return box.left + box.width / 2;
+      };
+      const ends = what => {
+        const all = [...svg.querySelectorAll(`[aria-label='x-axis tick${what}`)];
+        return [all[0], all[all.length - 1]];
+      };
+      const [first, last] = ends("'] path").map(at);
+      const [from, to] = ends(" label'] text").map(one => parseFloat(one.textContent));
+      const share = (at(svg.querySelector(".now")) - first) / (last - first);
+      return { caption: parseFloat(byId("place").textContent), wide: svg.clientWidth,
+        cursor: from + (to - from) * share };""")
+    pdf = browser.ask("Page.printToPDF", preferCSSPageSize=True)["data"]
     assert told["wide"] <= 350
     assert told["cursor"] == pytest.approx(told["caption"], abs=1.0)
     sheets = len(re.findall(rb"/Type\s*/Page\b", base64.b64decode(pdf)))

@@ -197,8 +197,10 @@ def test_a_long_title_goes_on_in_a_second_line():
     assert " ".join(figure._suptitle.get_text().split()) == title.strip()
 
 
-@pytest.mark.parametrize("paper", [False, True])
-@pytest.mark.parametrize("kind, begins", [("svg", b"<?xml"), ("pdf", b"%PDF"), (None, b"\x89PNG")])
+@pytest.mark.parametrize(
+    "kind, begins, paper",
+    [("svg", b"<?xml", True), ("pdf", b"%PDF", True), (None, b"\x89PNG", False)],
+)
 def test_pictures_of_every_type_are_small(tmp_path, kind, begins, paper):
     """Two runs with two fields of 40 x 40 cells and an opening in a skirt, and 1441 steps."""
     around, along = np.meshgrid(

@@ -8,8 +8,6 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.headlines import directions
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 
-from .browser import Browser
-
 
 def front(points):
     """Mask of the points that no other is better than: smaller or equal in everything, and smaller
@@ -69,31 +67,30 @@ const ringed = () => places(`:not(${red})`).map(place => rings.has(place));
 """
 
 
-def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_path):
+def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(browser, tmp_path):
     points = swept()
     axes, directions = (
         ["bodies.clearance", "ovality"],
         dict.fromkeys([*ENTRIES, *CONSTANT], "lower"),
     )
     path = write_sweep_page(points, axes, directions, tmp_path / "sweep.html")
-    with Browser(tmp_path / "profile", 1200) as browser:
-        browser.open(path)
-        told = browser.run("""
-          const links = name => [...document.querySelectorAll(`#${name} a`)]
-            .map(one => one.getAttribute("href"));
-          return { pareto: links("pareto"), parallel: links("parallel"), points: links("points"),
-            response: links("response"), outputs: data.outputs.map(output => output.name),
-            inputs: data.inputs.map(input => input.name),
-            shown: ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent),
-            cells: [...document.querySelectorAll("#response [aria-label=text] text")]
-              .map(one => one.textContent),
-            best: [...document.querySelectorAll("#points tr.best a")]
-              .map(one => one.getAttribute("href")),
-            wide: document.documentElement.scrollWidth - window.innerWidth };""")
-        assert browser.said() == [] and browser.asked() == []
-        all_three = browser.run(RINGED + "return ringed();")
-        browser.run("byId('z').value = byId('x').value; byId('z').onchange();")
-        two = browser.run(RINGED + "return ringed();")
+    browser.open(path)
+    told = browser.run("""
+      const links = name => [...document.querySelectorAll(`#${name} a`)]
+        .map(one => one.getAttribute("href"));
+      return { pareto: links("pareto"), parallel: links("parallel"), points: links("points"),
+        response: links("response"), outputs: data.outputs.map(output => output.name),
+        inputs: data.inputs.map(input => input.name),
+        shown: ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent),
+        cells: [...document.querySelectorAll("#response [aria-label=text] text")]
+          .map(one => one.textContent),
+        best: [...document.querySelectorAll("#points tr.best a")]
+          .map(one => one.getAttribute("href")),
+        wide: document.documentElement.scrollWidth - window.innerWidth };""")
+    assert browser.said() == [] and browser.asked() == []
+    all_three = browser.run(RINGED + "return ringed();")
+    browser.run("byId('z').value = byId('x').value; byId('z').onchange();")
+    two = browser.run(RINGED + "return ringed();")
     links = [point.report for point in points[:-1]]
     assert told["pareto"] == told["parallel"] == told["response"] == links
     assert sorted(told["points"]) == sorted(links)
@@ -109,7 +106,7 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(tmp_
     assert told["wide"] <= 0
 
 
-def test_no_dominated_point_is_ringed_whatever_the_directions(tmp_path):
+def test_no_dominated_point_is_ringed_whatever_the_directions(browser, tmp_path):
     """Friction is to be small and the film thick; the page changes both directions."""
     points = swept()
     axes = ["bodies.clearance", "ovality"]
@@ -117,23 +114,22 @@ def test_no_dominated_point_is_ringed_whatever_the_directions(tmp_path):
     given = {ENTRIES[0]: "lower", FILM: "raise"}
     path = write_sweep_page(points, axes, given, tmp_path / "sweep.html")
     signs = {"lower": 1, "raise": -1, "none": 0}
-    with Browser(tmp_path / "profile") as browser:
-        browser.open(path)
-        for ways in (("lower", "raise"), ("lower", "lower"), ("raise", "raise"), ("none", "raise")):
-            browser.run(f"""
-              document.querySelectorAll("#directions select").forEach((select, k) => {{
-                select.value = {list(ways)}[k];
-                select.onchange();
-              }});""")
-            ringed = browser.run(RINGED + "return ringed();")
-            wanted = front(values * [signs[way] for way in ways]).tolist()
-            assert ringed == wanted and not all(ringed), ways
-        browser.run("""document.querySelectorAll("#directions select").forEach(select => {
-          select.value = "none"; select.onchange(); });""")
-        assert not any(browser.run(RINGED + "return ringed();"))
-        assert "none of these outputs has a direction" in browser.run(
-            "return byId('front').textContent"
-        )
+    browser.open(path)
+    for ways in (("lower", "raise"), ("lower", "lower"), ("raise", "raise"), ("none", "raise")):
+        browser.run(f"""
+          document.querySelectorAll("#directions select").forEach((select, k) => {{
+            select.value = {list(ways)}[k];
+            select.onchange();
+          }});""")
+        ringed = browser.run(RINGED + "return ringed();")
+        wanted = front(values * [signs[way] for way in ways]).tolist()
+        assert ringed == wanted and not all(ringed), ways
+    browser.run("""document.querySelectorAll("#directions select").forEach(select => {
+      select.value = "none"; select.onchange(); });""")
+    assert not any(browser.run(RINGED + "return ringed();"))
+    assert "none of these outputs has a direction" in browser.run(
+        "return byId('front').textContent"
+    )
 
 
 def test_directions_are_declared_and_errors_of_the_solution_are_not_drawn():

@@ -4,8 +4,6 @@ import fcntl
 import os
 import re
 import signal
-import subprocess
-import sys
 import threading
 import time
 from types import SimpleNamespace
@@ -19,8 +17,10 @@ from piston_cosim.master.runs import working as module
 from piston_cosim.master.runs.console import Watch
 from piston_cosim.master.runs.working import Compilation, working
 
-RUN = [sys.executable, "-m", "piston_cosim", "run", "numerical_example", "--no-plots"]
-RUN += ["--only", "rigid", "--set", "time.stop=1 deg"]
+from ..command import begun, ended
+
+RUN = "run numerical_example --no-plots --output o --only rigid --set".split()
+RUN += ["time.stop=1 deg"]
 
 
 def test_outside_a_terminal_phases_print_a_line_each_period(tmp_path, capsys, monkeypatch):
@@ -103,49 +103,20 @@ def test_waiting_for_another_process_names_it(tmp_path):
         assert said == []
 
 
-@pytest.fixture
-def first_start(tmp_path):
-    """A command with an empty cache that has begun to compile."""
-    folder = str(tmp_path / "cache")
-    environment = os.environ | {"PISTON_COSIM_CACHE": folder, "NUMBA_CACHE_DIR": folder}
-    process = subprocess.Popen(
-        [*RUN, "--output", str(tmp_path / "o")],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-    )
-    lines = []
-    assert process.stderr
-    for line in process.stderr:
-        lines.append(line)
-        if "compiling: " in line:
-            break
-    yield process, lines, environment
-    process.kill()
-    process.communicate()
-
-
-@pytest.mark.parametrize(
-    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
-)
-def test_a_signal_ends_a_first_compilation_within_a_second(first_start, tmp_path, number):
-    process, lines, _ = first_start
-    assert "compiling: " in lines[-1] and " %" in lines[-1], lines
-    begin = time.monotonic()
-    process.send_signal(number)
-    assert process.wait(10) == 1
-    assert time.monotonic() - begin < 1.0
-    assert process.stderr.read().endswith(f"\nstopped: by {number.name}\n")
-    assert not list(tmp_path.rglob("*.h5.lock"))
-
-
 @pytest.mark.slow
-def test_the_cache_of_a_stopped_compilation_is_usable(first_start, tmp_path):
-    process, _, environment = first_start
-    process.terminate()
-    process.wait(10)
-    again = subprocess.run(
-        [*RUN, "--output", str(tmp_path / "o")], capture_output=True, text=True, env=environment
-    )
-    assert again.returncode == 0, again.stderr
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_a_first_compilation_within_a_second_and_its_cache_is_usable(
+    tmp_path, monkeypatch, number
+):
+    for name in ("PISTON_COSIM_CACHE", "NUMBA_CACHE_DIR"):
+        monkeypatch.setenv(name, str(tmp_path / "cache"))
+    with begun(tmp_path, *RUN) as process:
+        lines = iter(process.stderr.readline, "")
+        assert re.search(r"compiling: .* %", next(line for line in lines if "compiling" in line))
+        begin = time.monotonic()
+        process.send_signal(number)
+        assert process.wait(10) == 1
+        assert time.monotonic() - begin < 1.0
+        assert process.stderr.read().endswith(f"\nstopped: by {number.name}\n")
+    assert not list(tmp_path.rglob("*.h5.lock"))
+    ended(begun(tmp_path, *RUN))
