@@ -72,11 +72,6 @@ def test_broken_toml_says_where(case_file):
         read_tree(case_file("title = 1\nstop = = 3"))
 
 
-def test_change_of_a_missing_table_is_refused(case_file):
-    with pytest.raises(BadInput, match=r"fmu: expected a table participants\.zz in"):
-        read_tree(case_file(GOOD), [("participants.zz.fmu", "x")])
-
-
 CRANK = {
     "title": "A crank",
     "time": {"stop": "720 deg", "step": "1 deg", "angular_speed": "bodies.crank_speed"},

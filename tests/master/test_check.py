@@ -53,11 +53,6 @@ def test_a_parameter_out_of_range_is_the_only_fault(key, value):
     assert f"{key}: expected " in fault and f", got {value}" in fault
 
 
-def test_a_case_that_is_no_case_says_why():
-    found = check("numerical_example", [("time.stopp", "1 s"), ("coupling.order", ["ehd"])])
-    assert any("unknown key 'stopp'; did you mean 'stop'" in line for line in found.faults)
-
-
 def test_the_command(tmp_path, capsys):
     command("data_sheet", picture=tmp_path / "look.png")
     printed = capsys.readouterr().out

@@ -31,12 +31,6 @@ def test_sizes_by_hand():
     assert made.given == {"bore", "stroke", "rod", "speed", "pin_offset"}
 
 
-def test_inches_and_pounds():
-    made = engine({"bore": "4 in", "stroke": "3.48 in", "rod": "5.7 in", "mass": "1.2 lb"})
-    assert made["bore"] == pytest.approx(0.1016, rel=1e-12)
-    assert made["mass"] == pytest.approx(1.2 * 0.45359237, rel=1e-9)
-
-
 def test_gas_pressure_by_hand():
     motored = engine(SQUARE | {"compression": "10"}, motored=True)
     pressure = dict(zip(CYCLE, motored.gas_pressure(CYCLE)))

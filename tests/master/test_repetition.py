@@ -15,6 +15,7 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs import run as run_module
+from piston_cosim.master.runs.checkpoint import Interrupted
 from piston_cosim.master.runs.envelopes import Envelopes
 from piston_cosim.master.runs.repetition import Repetition, repetition
 
@@ -173,22 +174,22 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
     assert "The change no longer decreases: echo.w0" in summary["settled"]
 
 
-@pytest.mark.parametrize("instant", [3.0, 4.0, 5.0, 10.0])
-def test_an_interrupted_run_goes_on_in_its_period(toys, tmp_path, instant):
-    """At 4 s a period ends: what was asked for then is done after the first step of the next."""
+@pytest.mark.parametrize(
+    "instant, how, stopped",
+    [
+        *((instant, (), Interrupted) for instant in (3.0, 4.0, 5.0, 10.0)),
+        *((instant, (fall,), KeyboardInterrupt) for instant in (5.0, 6.0, 9.0)),
+    ],
+)
+def test_a_run_that_ends_early_goes_on_in_its_period(toys, tmp_path, instant, how, stopped):
+    """At 4 s a period ends: what was asked for then is done after the first step of the next. One
+    that is killed goes on from its last checkpoint.
+    """
     whole = go(toys(), tmp_path / "whole.h5")
-    resumed = go_on(toys, tmp_path / "run.h5", at(instant))
+    resumed = go_on(toys, tmp_path / "run.h5", at(instant, *how), stopped=stopped)
     assert contents(tmp_path / "whole.h5") == contents(tmp_path / "run.h5")
     for key in ("periods", "period_distance", "steps", "mean", "high"):
         assert resumed[key] == whole[key]
-
-
-@pytest.mark.parametrize("instant", [5.0, 6.0, 9.0])
-def test_a_run_that_is_killed_goes_on_from_its_checkpoint(toys, tmp_path, instant):
-    whole = go(toys(), tmp_path / "whole.h5")
-    resumed = go_on(toys, tmp_path / "run.h5", at(instant, fall), stopped=KeyboardInterrupt)
-    assert contents(tmp_path / "whole.h5") == contents(tmp_path / "run.h5")
-    assert resumed["period_distance"] == whole["period_distance"]
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ youngest of a drifting one.
 import numpy as np
 import pytest
 
-from piston_cosim.master.coupling.methods import Ageing, LeastSquares, MultiVector
+from piston_cosim.master.coupling.methods import Ageing
 
 N = 8
 
@@ -23,31 +23,6 @@ def taught(way, matrix, pairs, seed=1):
 @pytest.fixture
 def matrix():
     return np.eye(N) + 0.5 * np.random.default_rng(0).standard_normal((N, N))
-
-
-def drifting(way, pairs_a_step, steps=40, seed=3):
-    """Mean error of the answer, while the map drifts by 1 % a step and each step teaches a few
-    pairs.
-    """
-    random, memory, errors = np.random.default_rng(seed), way.memory(), []
-    matrix = np.eye(N) + 0.5 * random.standard_normal((N, N))
-    for _ in range(steps):
-        memory.begin()
-        for _ in range(pairs_a_step):
-            change = random.standard_normal(N)
-            memory.learn(change, -matrix @ change)
-        r = random.standard_normal(N)
-        answer, rest = memory.update(r, [slice(0, N)])
-        errors.append(np.linalg.norm(r - matrix @ (answer + rest)) / np.linalg.norm(r))
-        memory.close()
-        matrix = matrix + 0.01 * random.standard_normal((N, N))
-    return float(np.mean(errors[10:]))
-
-
-def test_ageing_pairs_follow_a_drifting_map_best():
-    aged = drifting(Ageing(drift=1e-3), 2)
-    assert aged < drifting(MultiVector(), 2)
-    assert aged < drifting(LeastSquares(windows=10), 2)
 
 
 def test_oldest_pairs_make_room(matrix):

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs.studies import (
@@ -55,13 +55,6 @@ def test_every_study_of_the_case_has_valid_points():
         assert len({point.name for point in points}) == len(points), (
             "two points of a study are the same run"
         )
-
-
-def test_a_change_reaches_into_a_list():
-    assert read_tree(PATH, [("wires.0.tolerance", "7 nm")])["wires"][0]["tolerance"] == "7 nm"
-    for key in ("wires.9.tolerance", "wires.x.tolerance", "wires.0"):
-        with pytest.raises(BadInput, match=key):
-            read_tree(PATH, [(key, 1)])
 
 
 def test_distance_from_the_reference(tmp_path):

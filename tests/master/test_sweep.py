@@ -49,16 +49,6 @@ class Answering(Executor):
         return future
 
 
-def test_axis_of_a_range_and_of_a_list(tree):
-    axis = parse_axis("radial_clearance=10um..0.03mm:3", tree)
-    assert axis.keys == ("participants.bodies.parameters.radial_clearance",)
-    assert axis.values == ("10 um", "20 um", "30 um")
-    grids = parse_axis(
-        "participants.bodies.build.grid+participants.ehd.build.grid=[20,20];[40,40]", tree
-    )
-    assert grids.values == ([20, 20], [40, 40]) and len(grids.keys) == 2
-
-
 def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm..3000rpm:3", tree)])
     first = Answering()

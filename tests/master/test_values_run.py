@@ -138,19 +138,6 @@ def test_logs(toys, tmp_path):
     ]
 
 
-def test_watch_is_told_of_every_step(toys, tmp_path):
-    told = []
-    go(
-        toys(),
-        tmp_path / "run.h5",
-        lambda time, stop, solution, monitored: told.append(
-            (time, stop, solution.iterations, monitored)
-        ),
-    )
-    assert told[1] == (2.0, 4.0, 2, {"w": (12.0, "m")})
-    assert [time for time, *_ in told] == [1.0, 2.0, 3.0, 4.0]
-
-
 def test_a_halved_step_is_logged_and_recorded_in_halves(toys, tmp_path):
     system = toys()
 
