@@ -2,14 +2,17 @@
 
 import doctest
 import inspect
+import re
 import sys
 
 import numpy as np
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.fmu_mfbd.offline import BodyReport
 from piston_cosim.master.results.labelled import to_dataframe
 from piston_cosim.master.results.plots import Plots
+from piston_cosim.master.results.recorded import RecordedField
 
 from ..command import call, script
 
@@ -42,6 +45,36 @@ def skirt(tmp_path_factory):
         "record.every": 2,
     }
     return pc.open_case("data_sheet", changes).run(tmp_path_factory.mktemp("skirt") / "rigid.h5")
+
+
+@pytest.fixture
+def objects(skirt):
+    """Kind -> object of all that a user holds."""
+    film = pc.Film((8, 4))
+    film.start(1e-5, sliding_velocity=1.0)
+    fmu = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
+    yield {
+        "Case": pc.open_case("two_mass_oscillator"),
+        "Results": skirt,
+        "Plots": skirt.plot,
+        "Series": skirt.series("ehd.friction_power"),
+        "RecordedField": RecordedField(np.ones((8, 4)), 1e-3, "Pa", "Pressure"),
+        "Film": film,
+        "FMU": fmu,
+        "BodyReport": BodyReport("piston", [], 10, 5, 30, 0.1, np.zeros(3), np.eye(3), 1.0, 1, []),
+        "Memory of a film": film.state,
+    }
+    fmu.close()
+
+
+def test_a_repr_is_one_short_line_without_an_address(objects):
+    shown = {kind: repr(one) for kind, one in objects.items()}
+    for kind, text in shown.items():
+        assert text.startswith(f"<{kind}") and len(text) <= 120 and "\n" not in text
+        assert not re.search(r"\bat 0x[0-9a-f]+", text)
+    assert "8 x 4 cells" in shown["Film"] and "9 values from" in shown["Series"]
+    assert shown["RecordedField"] == "<RecordedField Pressure: 8 x 4 values from 1 to 1 Pa>"
+    assert shown["Memory of a film"] == "<Memory of a film: 8 x 4 cells>"
 
 
 @pytest.mark.parametrize(

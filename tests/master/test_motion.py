@@ -32,34 +32,6 @@ def solids():
     return [piston, Solid("block", points, triangles, np.zeros((7, 3, 0)), np.zeros((4, 0)))]
 
 
-def test_a_series_has_bodies_and_film_where_they_are(tmp_path):
-    bodies = solids()
-    pressure = np.arange(4 * 8 * 2.0).reshape(4, 8, 2)
-    block = ExportedField(
-        "ehd.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure
-    )
-    upright = bodies[0].motion * [0, 1, 0]
-    films = [Film("ehd", [block], *cylinder_cells((8, 2), 0.7, (-0.5, 1.5)), upright)]
-    path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
-    entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
-    assert [(float(one["timestep"]), one["part"]) for one in entries] == [
-        (time, part) for time in (0.1, 0.3) for part in "012"
-    ]
-    body, _, film = [meshio.read(tmp_path / one["file"]) for one in entries[3:]]
-    piston = bodies[0]
-    across, along, beta = piston.motion[2]
-    c, s = np.cos(beta), np.sin(beta)
-    turned = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    assert body.points == pytest.approx(piston.points @ turned.T + [across, along, 0])
-    moved = turned @ (piston.modes @ piston.coordinates[2])[4]
-    assert body.point_data["displacement [m]"][4] == pytest.approx(moved)
-    assert body.point_data["von Mises stress [Pa]"] == pytest.approx(piston.stress[2])
-    assert film.cell_data["ehd.pressure [Pa]"][0] == pytest.approx(pressure[2].ravel())
-    assert np.hypot(film.points[:, 0], film.points[:, 2]) == pytest.approx(0.7)
-    heights = film.points[:, 1]
-    assert (heights.min(), heights.max()) == pytest.approx((along - 0.5, along + 1.5))
-
-
 def in_line():
     """Two cylinders: the bodies above, 0.2 m along the crank and turned by 30 deg; and as they are,
     at -0.1 m.
@@ -79,19 +51,25 @@ def in_the_engine(points, stand):
     return np.column_stack([c * x - s * y, s * x + c * y, z + stand.along])
 
 
-def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):
+def test_bodies_and_films_of_every_cylinder_are_at_their_places(tmp_path):
     bodies = in_line()
+    piston, stand = bodies[0], bodies[0].stand
+    pressure = np.arange(4 * 8 * 2.0).reshape(4, 8, 2)
     block = ExportedField(
-        "low.pressure", "Pa", INSTANTS, np.arange(1, 5), np.arange(1, 3), np.ones((4, 4, 2))
+        "low.pressure", "Pa", INSTANTS, np.arange(1, 9), np.arange(1, 3), pressure
     )
-    surface = cylinder_cells((4, 2), 0.7, (0.25, 0.5))
-    films = [Film("low", [block], *surface, bodies[0].motion, bodies[0].stand)]
-    path = write_series(bodies, films, INSTANTS, np.array([2]), tmp_path / "run.pvd")
-    files = [one.attrib["file"] for one in ElementTree.parse(path).iter("DataSet")]
+    surface = cylinder_cells((8, 2), 0.7, (0.25, 0.5))
+    films = [Film("low", [block], *surface, piston.motion, stand)]
+    path = write_series(bodies, films, INSTANTS, np.array([0, 2]), tmp_path / "run.pvd")
+    entries = [one.attrib for one in ElementTree.parse(path).iter("DataSet")]
+    assert [(float(one["timestep"]), one["part"]) for one in entries] == [
+        (time, part) for time in (0.1, 0.3) for part in "01234"
+    ]
+    files = [one["file"] for one in entries[5:]]
     wanted = ["front_piston", "front_block", "rear_piston", "rear_block", "low"]
     assert files == [f"run/{name}_00002.vtu" for name in wanted]
     meshes = [meshio.read(tmp_path / file) for file in files]
-    across, along, beta = bodies[0].motion[2]
+    across, along, beta = piston.motion[2]
     turned = np.array([[np.cos(beta), -np.sin(beta)], [np.sin(beta), np.cos(beta)]])
 
     def gone(points):
@@ -100,11 +78,12 @@ def test_every_cylinder_of_a_series_stands_at_its_place(tmp_path):
     for mesh, solid in zip(meshes, bodies):
         own = solid.points if solid.motion is None else gone(solid.points)
         assert mesh.points == pytest.approx(in_the_engine(own, solid.stand))
-    points, _ = surface
-    assert meshes[-1].points == pytest.approx(in_the_engine(gone(points), bodies[0].stand))
-    deflection = gone((bodies[0].modes @ bodies[0].coordinates[2])[4:5]) - [across, along, 0]
+    assert meshes[-1].points == pytest.approx(in_the_engine(gone(surface[0]), stand))
+    assert meshes[-1].cell_data["low.pressure [Pa]"][0] == pytest.approx(pressure[2].ravel())
+    deflection = gone((piston.modes @ piston.coordinates[2])[4:5]) - [across, along, 0]
     shown = meshes[0].point_data["displacement [m]"][4:5]
-    assert shown == pytest.approx(in_the_engine(deflection, Stand(0.0, bodies[0].stand.bank)))
+    assert shown == pytest.approx(in_the_engine(deflection, Stand(0.0, stand.bank)))
+    assert meshes[0].point_data["von Mises stress [Pa]"] == pytest.approx(piston.stress[2])
 
 
 def test_cells_of_a_pin_are_centred_where_its_grid_has_them():

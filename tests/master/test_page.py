@@ -545,9 +545,10 @@ def test_measured_values_have_a_table_and_charts_with_bands(window, page, tmp_pa
         ("a.x [s],a.y [N],a.y low [N]", r"csv: expected a column 'a\.y high' with 'a\.y"),
         ("a.x [s],a.y [N],a.y low [kN],a.y high [N]", "low: expected unit N, got kN"),
         ("a.x [s],a.y [N],a.y high [N],a.y low [N]", r"low: expected values up to a\.y high, got"),
+        ("x,a.y [N],what", r"'x'(.|\n)*column 3: expected 'participant.variable \[unit\]', got"),
     ],
 )
-def test_faulty_bands_are_refused(tmp_path, head, said):
+def test_faulty_columns_are_refused(tmp_path, head, said):
     file = tmp_path / "measured.csv"
     count = head.count(",") + 1
     file.write_text(

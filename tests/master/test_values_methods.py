@@ -158,6 +158,19 @@ def test_ageing_trusts_a_pair_of_the_last_step_by_its_drift(affine):
     assert attempts[1][:2, 0] == pytest.approx([10 * r, 10 * left], rel=1e-9)
 
 
+def test_oldest_pairs_make_room():
+    """As many pairs as are kept, of a linear map, after as many of the opposite one."""
+    random, n = np.random.default_rng(0), 8
+    matrix, memory = np.eye(n) + 0.5 * random.standard_normal((n, n)), Ageing(8, noise=1e-12)
+    memory = memory.memory()
+    memory.begin()
+    for sign in (1, -1):
+        for change in random.standard_normal((n, n)):
+            memory.learn(change, sign * matrix @ change)
+    change, _ = memory.update(np.ones(n), [slice(0, n)])
+    assert np.allclose(change, np.linalg.solve(matrix, np.ones(n)), rtol=1e-6, atol=1e-5)
+
+
 def test_filter_compares_what_is_new_with_the_column():
     # of (1, 1/2) behind (10, 0) only 1/2 is new: 0.447 of the column itself
     chosen, q, triangle = filtered([np.array([10.0, 0.0]), np.array([1.0, 0.5])], 0.4)
