@@ -24,6 +24,8 @@ from piston_cosim.master.results.pictures import (
 )
 from piston_cosim.master.results.recorded import Envelope, RecordedField, Series
 
+from .by_hand import InMemory
+
 FIELD = np.eye(4)
 
 
@@ -48,12 +50,7 @@ def map_of(results, axes=NEUTRAL, time="0 s"):
 def lines_of(y, x="b.crank_angle", units=None, **runs):
     """The figure of curves {port: (values, unit)} of runs."""
     picture = Picture(file="a.png", title="", kind="lines", x=x, y=y, units=units or {})
-    held = {
-        label: {port: Series(np.array(values), unit, "") for port, (values, unit) in own.items()}
-        for label, own in runs.items()
-    }
-    runs = {label: SimpleNamespace(series=own.get) for label, own in held.items()}
-    return draw_lines(case_of(), picture, runs)
+    return draw_lines(case_of(), picture, {label: InMemory([], own) for label, own in runs.items()})
 
 
 def test_a_map_of_an_envelope_says_of_which_steps_it_is():

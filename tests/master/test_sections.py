@@ -13,16 +13,11 @@ from piston_cosim.master.engine.sections import STROKES, own_strokes, special, s
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.pictures import handy_unit, names_of
-from piston_cosim.master.results.recorded import Envelope, Series
+from piston_cosim.master.results.recorded import Envelope
+
+from .by_hand import InMemory
 
 BODIES = {"bodies": {"role": "bodies"}, "ehd": {"role": "lubrication"}}
-
-
-def of_one_period(**recorded):
-    """Results whose last period is all that they hold."""
-    results = SimpleNamespace(period=0.0, **recorded)
-    results.last = results
-    return results
 
 
 UNITS = {
@@ -43,30 +38,15 @@ UNITS = {
 
 def run(angles, **ports):
     """Results of a run: crank angles [deg], and ports of `bodies` at the same instants."""
-    time = np.arange(len(angles)) * 1e-3
-    series = {
-        f"bodies.{name}": Series(np.array(own), UNITS.get(name, "1"), "")
-        for name, own in ports.items()
-    }
-    series["bodies.crank_angle"] = Series(np.radians(angles), "rad", "")
-    return of_one_period(
-        case={"participants": BODIES},
-        time=time,
-        instants=time,
-        ports=list(series),
-        recorded=[],
-        envelope=lambda port: None,
-        series=series.__getitem__,
-    )
+    series = {f"bodies.{name}": (own, UNITS.get(name, "1")) for name, own in ports.items()}
+    series["bodies.crank_angle"] = (np.radians(angles), "rad")
+    return InMemory(np.arange(len(angles)) * 1e-3, series, case={"participants": BODIES})
 
 
 def add(results, **series):
     """Let a run know more {participant: {port: (values, unit)}}."""
-    known = dict(zip(results.ports, map(results.series, results.ports)))
     for name, ports in series.items():
-        for port, (values, unit) in ports.items():
-            known[f"{name}.{port}"] = Series(np.array(values), unit, "")
-    results.ports, results.series = list(known), known.__getitem__
+        results.known |= {f"{name}.{port}": one for port, one in ports.items()}
     return results
 
 
@@ -214,11 +194,9 @@ def bearing_run():
         "maximum_pressure": ([25.8e6, 1e6], "Pa"),
     }
     add(results, ehd=of_film)
-    results.there = lambda port: None
-    field = {"ehd.pressure": np.array([[[1e6, 22.5e6]], [[2e6, 3e6]]])}
-    results.recorded, results.dataset = list(field), field.__getitem__
+    results.fields["ehd.pressure"] = ([[[1e6, 22.5e6]], [[2e6, 3e6]]], "Pa")
     highest = Envelope(np.array([[2e6, 25.8e6]]), "max", "Pa", "", every_step=True)
-    results.envelope = {"ehd.pressure": highest}.get
+    results.envelopes["ehd.pressure"] = highest
     return results
 
 
@@ -240,7 +218,7 @@ def test_envelopes_hold_every_step_and_say_so():
 
 def test_nothing_special_of_a_case_without_a_crank():
     results = run([0.0])
-    results.ports.remove("bodies.crank_angle")
+    results.known.clear()
     assert special(Case.model_construct(), {"r": results}) == sections.Special()
 
 
@@ -255,7 +233,7 @@ def test_equal_columns_are_kept_once():
 
 def engine(surfaces=(), names=("front", "rear")):
     """Results of two cylinders, a film on each surface of each, at 0 and 90 deg."""
-    parts, wires, series, recorded = {}, [], {}, []
+    parts, wires, series, fields = {}, [], {}, {}
     for k, name in enumerate(names):
         build = {"grid": [8, 10], "film_surfaces": list(surfaces)}
         parts[name] = {"role": "bodies", "build": build}
@@ -273,17 +251,14 @@ def engine(surfaces=(), names=("front", "rear")):
             series[film] = {"friction_power": ([10.0, 10.0], "W")}
             gap = f"{name}.{dot}film_thickness"
             wires.append({"from": gap, "to": f"{film}.film_thickness"})
-            recorded += [gap, f"{film}.pressure"]
-    time = np.array([0.0, 1e-3])
+            fields |= {gap: ([], "m"), f"{film}.pressure": ([], "Pa")}
     case = {"participants": parts, "wires": wires}
-    held = of_one_period(case=case, summary={}, time=time, instants=time, ports=[], series=None)
-    held.recorded = recorded
-    return add(held, **series)
+    return add(InMemory([0.0, 1e-3], {}, fields, case), **series)
 
 
 def test_each_cylinder_is_named():
     results = engine()
-    results.recorded, results.envelope = [], lambda port: None
+    results.fields.clear()
     case = Case.model_construct(summary={})
     shown = special(case, {"r": results})
     titles = [one.title for one in shown.sections]

@@ -8,7 +8,6 @@ import pytest
 
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs.studies import (
     Cost,
     StudyRow,
@@ -18,19 +17,9 @@ from piston_cosim.master.runs.studies import (
 )
 from piston_cosim.master.runs.sweep import write_table
 
+from .by_hand import InMemory
+
 PATH = find_case("numerical_example")
-
-
-class Curve:
-    """Results that know one curve."""
-
-    def __init__(self, factor):
-        self.factor = factor
-
-    def series(self, port):
-        x = np.linspace(0.0, 2 * np.pi, 200)
-        values = x if port.endswith("crank_angle") else self.factor * np.sin(x)
-        return Series(values, "1", "")
 
 
 def test_points_of_the_modes_study_reach_both_bodies():
@@ -64,10 +53,14 @@ def test_distance_from_the_reference(tmp_path):
     rows[0] = {"run": rows[0]["run"], "status": "failed", "message": "why"}
     rows[-1]["truncation_error_piston"] = 0.25
     rows[-2]["truncation_error"] = "unknown: nothing recorded"
-    runs = {row["run"]: Curve(1.0 if row["run"] == study.reference else 1.1) for row in rows[1:]}
+    x, runs = np.linspace(0.0, 2 * np.pi, 200), {}
+    for row in rows[1:]:
+        y = np.sin(x) if row["run"] == study.reference else 1.1 * np.sin(x)
+        runs[row["run"]] = InMemory(x, dict.fromkeys(study.curves, (y, "1")))
+        runs[row["run"]].known["bodies.crank_angle"] = (x, "1")
     table = study_rows(study, case, rows, runs)
     assert table[0] == StudyRow(rows[0]["run"], "failed", None, {}, {})
-    expected = 0.1 * np.sqrt(np.mean(np.sin(np.linspace(0, 2 * np.pi, 200)) ** 2)) / 2
+    expected = 0.1 * np.sqrt(np.mean(np.sin(x) ** 2)) / 2
     for port in study.curves:
         # the range is read at grid points
         assert table[1].distances[port] == pytest.approx(expected, rel=1e-3)

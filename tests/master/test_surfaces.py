@@ -8,8 +8,9 @@ import pytest
 from piston_cosim.master.engine.stands import side_by_side, stands
 from piston_cosim.master.engine.surfaces import films_of, rod_turn
 from piston_cosim.master.results.pictures import entry_in_words
-from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.results.solids import Solid, Stand
+
+from .by_hand import InMemory
 
 INSTANTS = np.array([0.0, 1.0])
 SIDES = [np.array([[0.0, -0.02, 0.05], [0.05, 0.03, 0.0], [-0.05, 0.03, 0.0]])]
@@ -34,35 +35,14 @@ def results(piston, films=FILMS, other=()):
         "parameters": {"crank_radius": "40 mm", "rod_length": "150 mm", "crank_offset": "2 mm"},
     }
     film = {"role": "lubrication", "parameters": {"bore_radius": "18 mm", "skirt_length": "25 mm"}}
-    fields = {f"{name}.pressure": np.arange(24.0).reshape(2, *CELLS) for name in films}
+    fields = {f"{name}.pressure": (np.arange(24.0).reshape(2, *CELLS), "Pa") for name in films}
     series = {
-        "bodies.crank_angle": Series(np.radians([30.0, 90.0]), "rad", ""),
-        "bodies.lateral_displacement": Series(MOTION[:, 0], "m", ""),
+        "bodies.crank_angle": (np.radians([30.0, 90.0]), "rad"),
+        "bodies.lateral_displacement": (MOTION[:, 0], "m"),
     }
-
-    def dataset(port):
-        held = fields[port].view(Held)
-        held.attrs = {"unit": "Pa"}
-        return held
-
-    return SimpleNamespace(
-        case={
-            "participants": {"bodies": bodies} | dict.fromkeys(films, film),
-            "wires": [*wires("bodies"), *other],
-        },
-        time=INSTANTS,
-        instants=INSTANTS,
-        ports=list(series),
-        recorded=list(fields),
-        series=series.__getitem__,
-        dataset=dataset,
-    )
-
-
-class Held(np.ndarray):
-    """An array with a dataset's attributes."""
-
-    attrs: dict
+    parts = {"bodies": bodies} | dict.fromkeys(films, film)
+    case = {"participants": parts, "wires": [*wires("bodies"), *other]}
+    return InMemory(INSTANTS, series, fields, case)
 
 
 def piston(points, fields):

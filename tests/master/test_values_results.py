@@ -3,7 +3,6 @@ option.
 """
 
 import io
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,12 +30,11 @@ from piston_cosim.master.results.judgement import (
     Window,
     windows,
 )
-from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs.sweep import Axis, Point, parse_axis
 from piston_cosim.tests.verification.cases import rows
 from piston_cosim.tests.verification.cases.checks import Check
 
-from .by_hand import write_results
+from .by_hand import InMemory, write_results
 
 TREE = {
     "title": "Four strokes",
@@ -123,17 +121,10 @@ def test_phase_is_positive_for_a_curve_that_comes_later(shift):
     assert scored.phase == pytest.approx(shift, abs=1e-5)
 
 
-class Runs(SimpleNamespace):
-    """Results with given series and times."""
-
-    def series(self, port):
-        return Series(*self.known[port], "")
-
-
-def ramp(end, factor=1.0):
-    """y = factor t^2 over x = t up to an end, in s and m."""
+def ramp(end):
+    """y = t^2 over x = t up to an end, in s and m."""
     t = np.linspace(0.0, end, 101)
-    return Runs(known={"a.x": (t, "s"), "a.y": (factor * t**2, "m")}, time=t, ports=["a.x", "a.y"])
+    return InMemory(t, {"a.x": (t, "s"), "a.y": (t**2, "m")})
 
 
 def test_runs_against_measured_values_in_their_own_units():
