@@ -1,8 +1,4 @@
-"""A small stiff pair with closed-form steps: a mass on a squeeze film, in process, the master's
-protocol by hand.
-"""
-
-from types import SimpleNamespace
+"""Affine systems in process, the master's protocol by hand, and a browser."""
 
 import numpy as np
 import pytest
@@ -25,65 +21,6 @@ def browser(any_browser):
     """A browser with an empty page, the same for all tests."""
     any_browser.reset()
     return any_browser
-
-
-class Film(Toy):
-    """Squeeze film of n pads: force = -c (h - h_n) / step / h^3."""
-
-    coefficient = 2e-12  # at 10 um and 0.1 ms a fixed-point pass amplifies an error by 200
-
-    def _advance(self, step):
-        h = self.values["film"]
-        self.values["force"] = -self.coefficient * (h - self.state) / step / h**3
-        self.slope = -self.coefficient / step * (1 / h**3 - 3 * (h - self.state) / h**4)
-        self.state = h.copy()
-
-    def derivative(self, seeds, products):
-        return {"force": self.slope * seeds["film"]}
-
-
-class Mass(Toy):
-    """Masses under a steady load, backward Euler: m dv/dt = force - load, film grows with v. state
-    = (h, v).
-    """
-
-    mass, load = 1e-3, 0.1
-
-    def _advance(self, step):
-        h, v = self.state
-        v = v + step / self.mass * (self.values["force"] - self.load)
-        self.state, self.stepped = np.array([h + step * v, v]), step
-        self.values["film"] = self.state[0].copy()
-
-    def derivative(self, seeds, products):
-        return {"film": self.stepped**2 / self.mass * seeds["force"]}
-
-
-PADS = 7
-
-
-@pytest.fixture
-def pair():
-    """Participants and wires of PADS masses on films, started at h = 10 um."""
-    h = 1e-5 * np.linspace(0.6, 1.4, PADS)
-
-    def fields(of_film, of_force):
-        film = variable("film", of_film, shape=(PADS,), nominal=1e-5)
-        return {"film": film, "force": variable("force", of_force, shape=(PADS,))}
-
-    begin = {"film": h.copy(), "force": 0 * h}
-    mass = Mass("mass", fields("output", "input"), np.array([h, 0 * h]), begin)
-    film = Film("film", fields("input", "output"), h.copy(), dict(begin))
-    wires = (
-        Wire(("mass", "film"), ("film", "film"), (PADS,), "m", 1e-5, 1e-9, 0.3),
-        Wire(("film", "force"), ("mass", "force"), (PADS,), "N", 1.0, 1e-6, None),
-    )
-    return SimpleNamespace(
-        participants={"film": film, "mass": mass},
-        order=("film", "mass"),
-        wires=wires,
-        parallel=False,
-    )
 
 
 class Affine(Toy):

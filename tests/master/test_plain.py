@@ -9,8 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from piston_cosim.master.coupling.freezing import REMEMBERED
-from piston_cosim.master.coupling.methods.secants import Ageing, LeastSquares, MultiVector
 from piston_cosim.master.participants.plain import LENGTH, NotPlain, pack, unpack
 
 
@@ -138,20 +136,3 @@ def test_flipped_bytes_give_a_sentence_or_other_data(data):
         unpack(bytes(whole))
     except NotPlain:
         pass
-
-
-@pytest.mark.parametrize("way", [LeastSquares(), MultiVector(), Ageing(kept=4)])
-def test_what_a_method_has_learnt_comes_back(way):
-    random = np.random.default_rng(1)
-    memory = way.memory()
-    memory.begin()
-    for _ in range(3):
-        memory.learn(random.standard_normal(6), random.standard_normal(6))
-    memory.update(np.ones(6), [slice(0, 6)])
-    memory.close()
-    again = unpack(pack(memory, REMEMBERED), REMEMBERED)
-    right = random.standard_normal(6)
-    for one, other in zip(
-        memory.update(right, [slice(0, 6)]), again.update(right, [slice(0, 6)]), strict=True
-    ):
-        assert np.array_equal(one, other)

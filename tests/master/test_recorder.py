@@ -20,13 +20,6 @@ def test_instants_of_runs_in_other_steps_are_the_same_numbers():
     assert tenths == thirds == uneven == [0.25 + k * 0.1 for k in range(30)]
 
 
-def test_a_multiple_that_no_step_meets_is_recorded_behind_it_at_its_own_time():
-    schedule = Schedule(1, 0.0, 1.0)
-    times = [0.0, 0.4, 0.8, 1.2, 1.6, 4.5, 5.0]
-    found = [schedule.instant(k, t) for k, t in enumerate(times)]
-    assert found == [0.0, None, None, 1.2, None, 4.5, 5.0]
-
-
 def participant(**shapes):
     return SimpleNamespace(
         fields={name: SimpleNamespace(shape=shape) for name, shape in shapes.items()}

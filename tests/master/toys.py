@@ -1,7 +1,6 @@
 """Variables of toys, and their whole runs: the case, a run, one that goes on after a stop."""
 
 import os
-import pickle
 import signal
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.participants.plain import pack, unpack
 from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
 from piston_cosim.master.runs.run import run
 
@@ -78,10 +78,10 @@ class Toy:
         pass
 
     def serialise(self, saved):
-        return pickle.dumps(saved)
+        return pack(saved)
 
     def deserialise(self, data):
-        return pickle.loads(data)
+        return unpack(data)
 
     def close(self):
         pass
