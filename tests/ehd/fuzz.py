@@ -1,5 +1,4 @@
-"""Random calls with random values, most of them senseless, on the lubrication slave. Run: python
-tests/ehd/fuzz.py 100000
+"""Random calls with random values, most of them senseless, on the lubrication slave.
 
 Every call must return; a step that is refused must leave the state as it was, to the bit; a step
 that is taken must give finite forces, and a film fraction between 0 and 1 unless film, velocity or
@@ -7,10 +6,6 @@ pressure are beyond all sense.
 """
 
 import json
-import sys
-import tempfile
-import warnings
-from pathlib import Path
 
 import numpy as np
 
@@ -155,18 +150,3 @@ class Fuzz:
             if self.rng.random() < 0.005:
                 self.renew()
             work[int(self.rng.integers(len(work)))]()
-
-
-def main():
-    warnings.simplefilter("ignore")  # overflow in senseless values
-    with tempfile.TemporaryDirectory() as folder:
-        fuzz = Fuzz(0, Path(folder))
-        fuzz.run(int(sys.argv[1]))
-    print(
-        f"{sys.argv[1]} calls: {fuzz.taken} steps taken, {fuzz.refused} refused, "
-        "every refusal left the state untouched"
-    )
-
-
-if __name__ == "__main__":
-    main()

@@ -30,16 +30,7 @@ def product(coefficients, x):
     )
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 7, 40])
-def test_inverse(n):
-    a = -np.random.default_rng(n).random((n, n))
-    a += np.diag(0.1 - a.sum(axis=0))
-    inverse = a.copy()
-    invert_in_place(inverse, np.arange(n))
-    assert np.allclose(inverse @ a, np.eye(n), atol=1e-12)
-
-
-@pytest.mark.parametrize("n", [1, 5, 8])
+@pytest.mark.parametrize("n", [1, 5, 8, 40])
 def test_inverse_of_scattered_columns_multiplies_the_others(n):
     rng = np.random.default_rng(n)
     a = -rng.random((n, n + 3))
@@ -53,9 +44,16 @@ def test_inverse_of_scattered_columns_multiplies_the_others(n):
 
 
 @pytest.mark.parametrize("shape", [(1, 5), (2, 4), (3, 1), (7, 9), (8, 8)])
-def test_solution_satisfies_the_system(shape):
+@pytest.mark.parametrize("ahead, shift", [(None, 0), (NORTH, 1), (SOUTH, -1)])
+def test_solution_satisfies_the_system(shape, ahead, shift):
+    """Also with cells whose column reaches one neighbour downstream, like cavitated ones."""
     rng = np.random.default_rng(1)
     coefficients = stencil(rng, shape)
+    if ahead is not None:
+        empty = rng.random(shape) < 0.5
+        coefficients[ahead][np.roll(empty, -shift, 1)] = 0.0
+        coefficients[WEST][np.roll(empty, 1, 0)] = 0.0
+        coefficients[EAST][np.roll(empty, -1, 0)] = 0.0
     solver = BlockTridiagonal(shape)
     solver.factorise(coefficients)
     right = rng.standard_normal((3, *shape))
@@ -91,25 +89,6 @@ def test_refactorising_the_changed_stations_is_the_full_factorisation(emptied, c
     wholly.factorise(mixed)
     right = rng.standard_normal((1, *shape))
     assert np.array_equal(partly.solve(right.copy()), wholly.solve(right.copy()))
-
-
-@pytest.mark.parametrize("downstream", ["up", "down"])
-def test_columns_with_a_diagonal_alone_are_solved_too(downstream):
-    rng = np.random.default_rng(3)
-    shape = (8, 7)
-    coefficients = stencil(rng, shape)
-    # cells whose column reaches one neighbour downstream, like cavitated ones
-    empty = rng.random(shape) < 0.5
-    ahead = NORTH if downstream == "up" else SOUTH
-    shift = 1 if downstream == "up" else -1
-    coefficients[ahead][np.roll(empty, -shift, 1)] = 0.0
-    coefficients[WEST][np.roll(empty, 1, 0)] = 0.0
-    coefficients[EAST][np.roll(empty, -1, 0)] = 0.0
-    solver = BlockTridiagonal(shape)
-    solver.factorise(coefficients)
-    right = rng.standard_normal((1, *shape))
-    x = solver.solve(right.copy())[0]
-    assert np.abs(product(coefficients, x) - right[0]).max() <= 1e-11 * np.abs(x).max()
 
 
 def test_nothing_of_an_earlier_factorisation_is_left():

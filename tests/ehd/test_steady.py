@@ -203,7 +203,7 @@ def test_elastic_shells_agree_with_fixed_point_iteration():
     for _ in range(200):
         last = film.equilibrium(load, clearance + opened, **around)
         change = deflection(shell, last) - opened
-        opened = opened + 0.2 * change
+        opened = opened + 0.4 * change
         if np.abs(change).max() < 1e-9 * np.abs(opened).max():
             break
     largest = np.abs(opened).max()

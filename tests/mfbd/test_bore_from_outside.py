@@ -186,14 +186,6 @@ def changed(**block):
     return RIGID | {"block": RIGID["block"] | block}
 
 
-def test_variables_of_a_bore_from_outside(tmp_path):
-    shapes = {one.name: one.shape for one in declared_variables(RIGID, tmp_path)}
-    assert shapes["bore_deflection"] == shapes["force_on_bore"] == (12, 20)
-    assert shapes["force_on_deck"] == ()
-    plain = {one.name for one in declared_variables(changed(bore_from_outside=None), tmp_path)}
-    assert set(shapes) - plain == {"bore_deflection", "force_on_bore", "force_on_deck"}
-
-
 @pytest.mark.parametrize(
     ("build", "told"),
     [

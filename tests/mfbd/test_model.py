@@ -127,15 +127,6 @@ def test_a_step_that_ends_nowhere_is_refused(model):
         model.advance(state, inputs(model, 1), 1e308)
 
 
-def test_a_repeated_step_gives_the_same_bytes(model):
-    state, _ = run(model)
-    first = model.advance(state, inputs(model, 7), STEP)[0]
-    model.advance(state, inputs(model, 8), STEP / 2)
-    again = model.advance(state, inputs(model, 7), STEP)[0]
-    for one, other in zip(first, again):
-        assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
-
-
 def test_non_finite_force_is_refused(model):
     state, _ = run(model, 2)
     F, f = forces(model)

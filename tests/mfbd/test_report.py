@@ -1,6 +1,5 @@
 """Table of modes, files of mode shapes, recovered displacement and stress."""
 
-import meshio
 import numpy as np
 import pytest
 
@@ -13,7 +12,6 @@ from piston_cosim.fmu_mfbd.reduction.mode_tables import (
     mass_properties,
     mode_table,
     recover,
-    write_modes,
 )
 from piston_cosim.fmu_mfbd.reduction.reduce import Reduced
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
@@ -60,13 +58,6 @@ def test_mass_properties_of_a_tube(report):
     np.testing.assert_allclose(
         inertia, exact * np.diag([across, axial, across]), atol=1e-3 * exact * across
     )
-
-
-def test_mode_shapes_are_written_and_belong_to_the_film(report, tmp_path):
-    anatomy = report["piston"].anatomy
-    write_modes(anatomy, tmp_path / "modes.vtu")
-    mesh = meshio.read(tmp_path / "modes.vtu")
-    np.testing.assert_allclose(mesh.point_data["mode 3"], anatomy.shapes[:, :, 2])
 
 
 def test_stress_is_the_mean_at_corners_and_its_largest_value_is_found(report):
