@@ -12,7 +12,6 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.stepping import StepFailed
-from piston_cosim.master.results.compare import score
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.run import run
 
@@ -142,78 +141,7 @@ def slow_checks():
         "tolerance of the film thickness",
         "both converge to this tolerance in every step",
     )
-    yield from convergence_checks()
     yield from adaptive_checks()
-
-
-def convergence_checks():
-    """What the numerical example's grid, step, modes and tolerance are worth: rms distance from
-    finer ones, first turn.
-
-    Modes are checked for a plainly oval skirt, and for the nearly round one of the case with modes
-    added for the film of the case.
-    """
-    case = check_case(read_tree(path := find_case("numerical_example"), ()), path)
-    worth = partial(_convergence, case)
-    yield from worth("grid", "40 x 40", "80 x 80", 0.05)
-    yield from worth("step", "1 deg", "0.25 deg", 0.01)
-    yield from worth("tolerance", "1 nm", "0.1 nm", 1e-6)
-    oval = (("participants.bodies.parameters.ovality", "150 um"),)
-    yield from worth(
-        "modes",
-        "smooth_pressure_modes 40",
-        "smooth_pressure_modes 60",
-        0.01,
-        (oval, oval),
-        "oval skirt, modes",
-    )
-    with TemporaryDirectory() as folder:
-        results = Path(folder) / "first.h5"
-        run_of("numerical_example", (("time.stop", "360 deg"),), results)
-        trained = tuple(
-            (f"participants.bodies.build.{body}.{key}", value)
-            for body in ("piston", "block")
-            for key, value in (("basis", "trained"), ("train_on", str(results)))
-        )
-        yield from worth(
-            "modes",
-            "smooth_pressure_modes 60",
-            "smooth_pressure_modes 200",
-            0.01,
-            (trained, ()),
-            "60 modes and modes of the run instead of",
-        )
-
-
-def _convergence(case, name, standard, finer, share, changes=((), ()), words=None):
-    """Distances of two points of a study, each with changes of its own."""
-    study = case.studies[name]
-    runs = [
-        summary_of(
-            "numerical_example",
-            *study.set.items(),
-            *study.points[point].items(),
-            ("time.stop", "360 deg"),
-            *more,
-            look=partial(series_of, study),
-        )
-        for point, more in zip((standard, finer), changes)
-    ]
-    for port in study.curves:
-        yield at_most(
-            f"Numerical example, {words or name} {standard}",
-            f"{port.split('.')[1]}, rms difference from {finer} over range [-]",
-            score(*runs[0][port], *runs[1][port]).rms,
-            share,
-            "finer run",
-            "first or second order, with a margin of two",
-        )
-
-
-def series_of(study, results):
-    """Abscissa and values of every curve of a study."""
-    x = results.series(study.x).values
-    return {port: (x, results.series(port).values) for port in study.curves}
 
 
 def films(results):
