@@ -1,5 +1,6 @@
 """FMUs built once for all tests here, and a small body mesh."""
 
+import fcntl
 import json
 import subprocess
 import sys
@@ -12,15 +13,34 @@ import pytest
 
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.compiler import compiler
+from piston_cosim.master.results.file import Results
 
+from . import shipped
 from .counter import library
 from .counter import make as make_counter
-from .runs import EXAMPLE, build_of, export, make, needs_compiler, small_tree
+from .runs import EXAMPLE, build_of, export, make, needs_compiler, run_tree, small_tree
 
 __all__ = ["library"]
 
 HERE = Path(__file__).parent
 STOP = ("time.stop", "12 deg")
+
+
+@pytest.fixture(scope="session")
+def results_of(tmp_path_factory, worker_id):
+    """Returns the results of a run of `shipped.RUNS`; all workers of a session share its file."""
+    root = tmp_path_factory.getbasetemp()
+    root = root if worker_id == "master" else root.parent
+
+    def results(name):
+        file = root / f"{name}.h5"
+        with open(root / f"{name}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not file.exists():
+                run_tree(*shipped.RUNS[name](), file)
+        return Results(file)
+
+    return results
 
 
 @pytest.fixture(scope="session")

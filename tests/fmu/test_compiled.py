@@ -14,14 +14,6 @@ from ..command import script
 ROOT = Path(__file__).parents[2]
 
 CALLS = {
-    "contact of the film": """
-from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table
-from piston_cosim.fmu_ehd.laws.contact import contact
-constants = ContactConstants(1e-6, 1e9, 0.1, 0.1, 0.0, 0.0, contact_table())
-h = np.full((4, 3), 1.5e-6)
-nowhere = h < 0
-value = contact(h, 0 * h, np.array([nowhere] * 2), nowhere, constants, False).pressure.sum()
-""",
     "posture of the piston": """
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion

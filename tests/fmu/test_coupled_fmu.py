@@ -93,19 +93,6 @@ def test_same_results_as_run_at_the_macro_step(coupled, reference):
     assert np.array_equal(rows, values)  # the same steps at the same times by the same code
 
 
-def test_a_step_a_hair_too_long_is_one_macro_step(coupled, reference):
-    """An importer's clock in whole nanoseconds, rounded up: the run's own values but for 1e-5 of a
-    step; two macro steps of half the length differ by 1 % in the lateral motion.
-    """
-    values, step = reference
-    rounded = np.ceil(step * 1e9) * 1e-9
-    assert step < rounded < 1.0001 * step
-    participant = started(coupled)
-    for k in range(STEPS):
-        participant.step(k * rounded, rounded)
-    np.testing.assert_allclose(watched(participant), values[-1], rtol=2e-4)
-
-
 def advanced(coupled, step, factor, end):
     """Watched outputs after each communication step of `factor` macro steps, up to `end` of them;
     shape (end / factor, 4).

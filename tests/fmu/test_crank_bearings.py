@@ -1,5 +1,5 @@
 """models/crank_bearings: six films on one piston's mechanism; orbits against the mobility method,
-powers, oil, what is refused, export.
+forces, export.
 """
 
 from functools import partial
@@ -9,30 +9,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from piston_cosim.master.case.check import check
-from piston_cosim.master.case.contract import interface
-from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
-from .runs import export, is_sound, pin_case, run_tree
+from .runs import export, run_tree
+from .shipped import CRANK_BEARINGS as PATH
+from .shipped import PARAMETERS, small_crank
 
-PATH = find_case("crank_bearings")
 computed = partial(run_tree, PATH)
 CRANK = {"big_end_film": "big_end", "main_film": "main_bearing"}
-BEARINGS = {
-    "left_film": "boss_left",
-    "right_film": "boss_right",
-    "small_end_film": "small_end",
-} | CRANK
 OFFSET, RADIUS, LENGTH = 0.0, 72e-3, 223e-3
 SPEED = 1680 * 2 * np.pi / 60
 SIZES = {"big_end": (37e-3, 32e-3, 35e-6), "main_bearing": (43e-3, 34e-3, 40e-6)}
 """Radius, length and clearance of the crank's bearings [m]."""
 VISCOSITY = 5.6e-3
-BEFORE_FIRING = ("participants.bodies.parameters.start_crank_angle", "-60 deg")
-
-
-small = partial(pin_case, PATH, BEARINGS)
+BEFORE_FIRING = (f"{PARAMETERS}.start_crank_angle", "-60 deg")
 
 
 class Bearing:
@@ -169,7 +160,7 @@ def test_journals_go_the_way_of_the_mobility_method_under_their_loads(tmp_path):
         own = f"participants.{name}.parameters"
         changes += [(f"{own}.cavitation_model", "gumbel"), (f"{own}.roughness_rms", "0 um")]
     results = computed(
-        small(BEFORE_FIRING, *changes, crank=(96, 6), stop="120 deg"), tmp_path / "cut.h5"
+        small_crank(BEFORE_FIRING, *changes, crank=(96, 6), stop="120 deg"), tmp_path / "cut.h5"
     )
     are_near(results, 2e-2, 5e-2, eccentric=0.9)
 
@@ -184,22 +175,12 @@ def test_the_shipped_case_beside_the_mobility_method(tmp_path):
     are_near(results, 0.1, 0.15)
 
 
-@pytest.fixture(scope="module")
-def six(tmp_path_factory):
-    """400 deg hold the firing."""
-    return computed(small(stop="400 deg"), tmp_path_factory.mktemp("six") / "six.h5")
-
-
-def test_oil_and_work_of_six_films_to_round_off(six):
-    is_sound(six)
-    assert six.summary["mean_iterations"] < 3.5
-
-
-def test_gas_and_inertia_pass_through_all_bearings(six):
+def test_gas_and_inertia_pass_through_all_bearings(results_of):
     """Newton's law of rod and crank, their centres on a mechanism without play: what the eye, the
     big end and the main bearing carry. Films give way by micrometres, which accelerate so little
     that 2 % of the largest force are left.
     """
+    six = results_of("crank_bearings")
     eye, big, main = (course(six, f"{name}_force") for name in ("small_end", *CRANK.values()))
     angle = six.series("bodies.crank_angle").values
     turn, _ = rod_motion(angle)
@@ -216,38 +197,12 @@ def test_gas_and_inertia_pass_through_all_bearings(six):
     np.testing.assert_allclose((big + main)[given], unbalanced[given] * -1, atol=2e-2 * scale)
 
 
-def test_films_that_keep_their_oil_stay_near_the_mobility_method(six):
+def test_films_that_keep_their_oil_stay_near_the_mobility_method(results_of):
     """The films as they are, with cavities that oil must fill again before it carries, on 48 x 4
     cells: an eighth of the clearance at the most from where pressure is but cut off, thinnest
     within a tenth.
     """
-    are_near(six, 0.125, 0.1)
-
-
-def test_what_the_films_take_the_bodies_give(six):
-    """By their motion bodies lose what passes over the wires, but for what pressure does as a
-    journal turns, part of what the films of pin and crank rub.
-    """
-    films = [six.series(f"{film}.friction_power").values for film in BEARINGS]
-    friction = float(np.diff(six.time) @ np.sum(films, axis=0)[1:])
-    taken = six.summary["energy_taken_bodies_j"]
-    assert taken < 0.0
-    assert abs(taken - six.summary["interface_work_j"]) <= friction
-
-
-def test_what_does_not_go_with_films_of_the_crank_is_refused():
-    def told(key, value, case="crank_bearings"):
-        return " ".join(check(case, [(f"participants.{key}", value)]).faults)
-
-    length = "expected 32 mm, the skirt length of bodies.big_end, got 30 mm"
-    assert length in told("big_end_film.parameters.skirt_length", "30 mm")
-    radius = "expected 42 mm, the bore radius of bodies.main_bearing"
-    assert radius in told("bodies.parameters.main_bearing_radius", "42 mm")
-    mass = "rod_mass: expected more than 0 kg with a film in big_end and main_bearing, got 0 kg"
-    assert mass in told("bodies.parameters.rod_mass", "0 kg")
-    assert "big_end.length" in told("bodies.build.big_end", {"length": "0 mm"})
-    tied = told("bodies.build.big_end", {"length": "30 mm"}, "data_sheet")
-    assert "floating_pin: expected a table with big_end" in tied
+    are_near(results_of("crank_bearings"), 0.125, 0.1)
 
 
 def test_the_exported_fmu_of_six_films_gives_the_values_of_the_run(tmp_path):
@@ -255,7 +210,7 @@ def test_the_exported_fmu_of_six_films_gives_the_values_of_the_run(tmp_path):
     the film of the big end comes before the bodies, but it starts after them: the gap of the first
     instant is its own.
     """
-    tree = small(stop="6 deg")
+    tree = small_crank(stop="6 deg")
     results = computed(tree, tmp_path / "run.h5")
     exported = FmuParticipant("coupled", export(tree, PATH))
     exported.start({}, 0.0, 1.0)
@@ -264,4 +219,3 @@ def test_the_exported_fmu_of_six_films_gives_the_values_of_the_run(tmp_path):
     for name in ("big_end_displacement_y", "main_bearing_force_x", "crank_torque"):
         values = results.series(f"bodies.{name}").values
         assert exported.get(name) == pytest.approx(values[-1], rel=1e-6)
-    assert interface(tree["wires"], "main_film", "lubrication") == ("bodies", "main_bearing.")

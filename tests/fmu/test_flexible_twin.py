@@ -1,5 +1,5 @@
 """Two cylinders in one flexible block, built as FMUs: the rigid block as its limit, momentum and
-work, processes of their own, a run that was cut in two.
+work, a run that was cut in two.
 """
 
 from functools import cache
@@ -8,29 +8,15 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
-from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.fmi.builder import import_part
 
-from ..command import begun, ended
-from .runs import run_tree
-from .test_resume import goes_on
+from .runs import run_tree, stopped
+from .shipped import FLEXIBLE_TWIN as PATH
+from .shipped import TWIN, flexible_twin
+from .test_resume import compare
 
-PATH = find_case("flexible_twin")
-GRID = [16, 12]
 NAMES = ("front", "rear")
-
-
-def tree_of(path, stop):
-    """A case on a coarse film grid, nothing drawn."""
-    tree = read_tree(path)
-    for name in NAMES:
-        tree["participants"][name]["build"]["grid"] = GRID
-        tree["participants"][f"{name}_film"]["build"]["grid"] = GRID
-    tree["time"]["stop"] = stop
-    tree["record"] = {"fields": ["front.film_thickness"], "every": 1}
-    for key in ("variants", "beside", "pictures", "axes", "monitor"):
-        tree.pop(key, None)
-    return tree
 
 
 def computed(tree, out, path=PATH):
@@ -44,11 +30,6 @@ def of(results, name):
     return results.series(name).values
 
 
-@pytest.fixture(scope="module")
-def flexible(tmp_path_factory):
-    return computed(tree_of(PATH, "24 deg"), tmp_path_factory.mktemp("block") / "run.h5")
-
-
 @cache
 def block():
     """The case's block, reduced."""
@@ -58,10 +39,12 @@ def block():
     return load(ReducedMonoblock, file)
 
 
-def test_interface_newton_and_what_it_leaves(flexible):
+def test_interface_newton_and_what_it_leaves(results_of):
     """All five participants by their own derivatives: as many iterations as a rigid block's twin
     takes, one more while the modes ring after the start; what film and bodies say of their work.
     """
+    flexible = results_of("flexible_twin")
+    assert flexible.summary["unconverged_steps"] == 0
     assert not flexible.summary.get("derivatives_by_differences")
     iterations = of(flexible, "coupling.iterations")[1:]
     assert iterations.max() <= 6
@@ -72,8 +55,9 @@ def test_interface_newton_and_what_it_leaves(flexible):
     assert of(flexible, "block.largest_bore_deflection").max() > 1e-6
 
 
-def test_momentum_of_the_block(flexible):
+def test_momentum_of_the_block(results_of):
     """What the block does not keep its mounts take, by the trapezoidal rule; modes have none."""
+    flexible = results_of("flexible_twin")
     mass = block().rigid_mass
     step = np.diff(flexible.time)
     force = of(flexible, "block.shaking_force_y") - of(flexible, "block.mount_force_y")
@@ -89,11 +73,10 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
     mounts: what 2 um of deflection over a million leave, and Newton's tolerance of 1 nm on films
     that move by micrometres.
     """
-    tree = tree_of(PATH, "6 deg")
+    tree = flexible_twin("6 deg")
     own = tree["participants"]["block"]
     own["build"]["young"] = "110000000 GPa"
-    twin = find_case("twin")
-    rigid = tree_of(twin, "6 deg")
+    rigid = flexible_twin("6 deg", TWIN)
     for wire in (*tree["wires"], *rigid["wires"]):
         if wire["to"].endswith("film_thickness"):
             wire["tolerance"] = "1e-3 nm"
@@ -126,7 +109,7 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
         for key in ("bore_lower", "bore_upper"):
             given = tree["participants"][name]["build"]["block"][key]
             rigid["participants"][name]["build"]["block"][key] = given
-    wanted = computed(rigid, tmp_path / "rigid.h5", twin)
+    wanted = computed(rigid, tmp_path / "rigid.h5", TWIN)
     for name in (
         "front.lateral_displacement",
         "rear.rocking_angle",
@@ -140,16 +123,10 @@ def test_a_stiff_block_is_the_rigid_twin(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_run_that_was_killed_goes_on_with_the_same_bits(flexible, tmp_path):
-    """kill -9 after the first checkpoint of five participants, resumed in a new process; `flexible`
-    has built what it needs.
-    """
-    del flexible
-    words = ["run", "flexible_twin", "--no-plots", "--only", "flexible_180"]
-    words += ["--set", "time.stop=10 deg", "--set", "record.checkpoint_every=2"]
-    for name in NAMES:
-        words += ["--set", f"participants.{name}.build.grid=[16, 12]"]
-        words += ["--set", f"participants.{name}_film.build.grid=[16, 12]"]
-    whole = tmp_path / "whole"
-    ended(begun(tmp_path, *words, "--output", whole))
-    goes_on([*words, "--output"], tmp_path, "flexible_180", whole / "flexible_180.h5")
+def test_a_run_that_was_stopped_goes_on_with_the_same_bits(results_of, tmp_path):
+    """With five participants, stopped in the middle."""
+    tree, output = flexible_twin("24 deg"), tmp_path / "run.h5"
+    tree["record"] |= {"checkpoint_every": 2}
+    kept = stopped(PATH, tree, output, 1.2e-3)
+    run_tree(PATH, tree, output, begin_at=kept)
+    assert compare(results_of("flexible_twin").path, output) == []

@@ -86,20 +86,6 @@ def changed(row, column, by):
     return curve
 
 
-@pytest.mark.parametrize(
-    "curve, expected",
-    [
-        (changed(2, 1, 0.2), 0.02),  # of a range of 10
-        (changed(0, 1, 1.0), 0.1),  # the row 0 alone
-        (CURVE[1:], np.inf),
-        (CURVE[:-1], np.inf),
-        (changed(slice(None), 0, 1e-7), np.inf),  # a clock late by 1 % of a step
-    ],
-)
-def test_distance_by_hand(curve, expected):
-    assert distance(curve, CURVE) == pytest.approx(expected, rel=1e-12)
-
-
 def test_what_differs_or_fails_is_no_success():
     seen = {
         "same": CURVE,

@@ -105,13 +105,6 @@ def test_flexible_and_rigid_need_similar_iterations(summary):
     assert summary["mean_iterations"] <= 1.2 * summary["variants"]["rigid"]["mean_iterations"]
 
 
-def test_results_carry_units_and_the_case(flexible):
-    assert flexible.series("bodies.lateral_displacement").unit == "m"
-    assert flexible.dataset("ehd.pressure").attrs["unit"] == "Pa"
-    assert flexible.case["participants"]["bodies"]["build"]["piston"]["modes"] == 48
-    assert json.loads(flexible.file.attrs["versions"])["numpy"]
-
-
 def test_results_show_the_last_period_and_hold_the_start(summary, flexible):
     periods = summary["periods"]
     # an angle of several turns, counted back

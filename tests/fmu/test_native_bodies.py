@@ -16,13 +16,8 @@ from ..mfbd.conftest import write_bodies
 from .conftest import rigid_bodies
 from .pairs import side_by_side
 from .runs import build_of, make
-from .test_crank_bearings import PATH as CRANK_BEARINGS
-from .test_crank_bearings import small as small_crank
-from .test_floating_pin import PATH as FLOATING_PIN
-from .test_floating_pin import small as small_pin
-from .test_yielding_bosses import EYE, OF_PIN
-from .test_yielding_bosses import PATH as YIELDING
-from .test_yielding_bosses import small as small_yielding
+from .shipped import CRANK_BEARINGS, EYE, FLOATING_PIN, YIELDING, small_crank, small_pin, yielding
+from .shipped import PIN as OF_PIN
 
 ROUND_OFF = 1e-12  # of the largest value of an output: some hundred roundings
 RINGS = ("ring_side_force", "ring_axial_force", "ring_moment")
@@ -158,7 +153,7 @@ CASES = {
         small_crank(*OFFSETS, crank=(20, 4), **PIN), CRANK_BEARINGS, exact=True
     ),
     "bosses and an eye that yield": lambda folder: of_case(
-        small_yielding((f"{OF_PIN}.small_end", EYE)), YIELDING
+        yielding((f"{OF_PIN}.small_end", EYE)), YIELDING
     ),
 }
 

@@ -13,12 +13,10 @@ from fmpy.fmi2 import fmi2Error
 from piston_cosim.master.fmi.errors import Discard
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
-from .films import PATH as DATA_SHEET
 from .films import one_film, several_films
 from .pairs import BY_ITSELF, side_by_side
 from .runs import EXAMPLE, export, small_tree
-from .test_floating_pin import PATH as FLOATING_PIN
-from .test_floating_pin import small as small_pin
+from .shipped import DATA_SHEET, FLOATING_PIN, small_pin
 
 STEP = float(np.radians(1.0)) / (2 * np.pi * 100.0)  # 1 deg at 6000 rpm [s]
 HARD = dict(

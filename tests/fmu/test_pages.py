@@ -2,9 +2,7 @@
 films, two cylinders. The page is gone through by keys; what it draws is what the results hold.
 """
 
-import csv
 import re
-from pathlib import Path
 from types import SimpleNamespace
 
 import meshio
@@ -17,15 +15,10 @@ from piston_cosim.master.api.bodies import build_table
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.contract import envelope_kinds, players
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.commands import sweep
 from piston_cosim.master.commands.common import body_skins, page_of
-from piston_cosim.master.commands.results import movie
 from piston_cosim.master.engine.crank_drive import AROUND
-from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.fmi.quantities import pint_unit, registry
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.results.pictures import entry_in_words
 from piston_cosim.master.results.report import views
 
 from ..master.browser import Browser
@@ -233,52 +226,6 @@ def check_joints(drive, tolerance):
         assert big == pytest.approx(throw, abs=tolerance)
 
 
-def test_several_cylinders_and_films_have_their_names(seen):
-    told = seen.browser.run("""byId("details").open = true; await showDetails();
-      return { words: document.body.textContent, films: data.films.map(one => one.title),
-        curves: data.sections.flatMap(one => one.drawn).map(one => one.title) };""")
-    assert len({*told["films"]}) == len(told["films"]) > 0
-    if seen.kind == "twin":
-        for name in ("front", "rear"):
-            for words in ("Motion of the piston: {}", "maximum side force, {}"):
-                assert words.format(name) in told["words"]
-    if seen.kind == "pin":
-        assert {*told["films"]} == {"skirt_film", "left_film", "small_end_film"}
-
-
-def test_a_series_holds_every_cylinder_and_film_at_its_place(seen, tmp_path):
-    """Cylinders of 55 mm at z = -65 and 65 mm; of the pin's films the eye in the middle, the left
-    boss beside it.
-    """
-    if seen.kind not in ("twin", "pin"):
-        return
-    target = tmp_path / "run.pvd"
-    movie.command(seen.results.path, frames=2, case=str(seen.path), output=target)
-    files = {file.stem[:-6]: file for file in sorted((tmp_path / "run").iterdir())}
-    ends = {}
-    for name, file in files.items():
-        z = 1e3 * meshio.read(file).points[:, 2]
-        ends[name] = (z.min(), z.max())
-    cylinder = {"piston": (-54.95, 54.95), "film": (-55, 55)}
-    expected = {
-        "twin": {
-            f"{owner}_{part}": (low + z, high + z)
-            for owner, z in (("front", -65), ("rear", 65))
-            for part, (low, high) in cylinder.items()
-        },
-        "pin": {
-            "piston": cylinder["piston"],
-            "skirt_film": cylinder["film"],
-            "left_film": (-43, -18),
-            "small_end_film": (-18, 18),
-        },
-    }[seen.kind]
-    assert {name.replace("block", "") for name in files} - {"", "front_", "rear_"} == {*expected}
-    for name, wanted in expected.items():
-        # the outermost corners of 40 cells around are 0.2 mm within the circle
-        assert ends[name] == pytest.approx(wanted, abs=0.2), name
-
-
 REACHED = """const one = document.activeElement;
   return one.dataset.stop || "";"""
 
@@ -324,65 +271,3 @@ def test_every_control_is_reached_by_keys(seen):
 def test_results_in_any_folder_find_their_bodies(seen):
     skins = body_skins(seen.runs, None)
     assert ("run" in skins) == (seen.kind != "bearing")
-
-
-@pytest.fixture(scope="module")
-def swept(tmp_path_factory):
-    """A sweep of two by two short runs and its reports, as the command makes them."""
-    folder = tmp_path_factory.mktemp("sweep")
-    # the first impact is about 90 deg after the start
-    changes = [*SMALL, ("time.stop", "120 deg"), ("time.step", "4 deg"), ("record.every", "40 deg")]
-    given = {
-        "vary": ["radial_clearance=40um;60um", "barrel=20um;40um"],
-        "set_": [f"{key}={value!r}" for key, value in changes],
-        "output": folder,
-        "workers": 2,
-    }
-    sweep.command("data_sheet", **given)
-    assert not (folder / "reports").exists()  # only when asked for
-    sweep.command("data_sheet", **given, reports=True)
-    return folder
-
-
-def test_each_point_of_a_sweep_leads_to_its_report(swept, tmp_path):
-    with open(swept / "sweep.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["status"] for row in rows] == ["done"] * 4
-    with Browser(tmp_path / "profile") as browser:
-        browser.open(swept / "sweep.html")
-        told = browser.run("""return {
-          links: Object.fromEntries(["pareto", "parallel", "response", "points"].map(name =>
-            [name, [...document.querySelectorAll(`#${name} a`)].map(a => a.getAttribute("href"))])),
-          outputs: Object.fromEntries(data.outputs.map(one => [one.name, one.values])),
-          inputs: data.inputs.map(one => one.name) };""")
-        pages = [f"reports/{Path(row['results']).stem}/report.html" for row in rows]
-        assert all(sorted(told["links"][name]) == sorted(pages) for name in told["links"])
-        assert told["links"]["pareto"] == pages
-        assert told["inputs"] == ["radial clearance [µm]", "barrel [µm]"]
-        for k, row in enumerate(rows):
-            with Results(swept / "runs" / f"{Path(row['results']).stem}.h5") as results:
-                slap = max(impact.loss for impact in impacts(results.last, "bodies"))
-            assert float(row["slap_energy_j"]) == slap
-            for name in ("slap_energy_j", "largest_rocking_angle_rad", "minimum_film_thickness_m"):
-                words = entry_in_words(name).partition(" [")[0]
-                label, values = next(
-                    one for one in told["outputs"].items() if one[0].startswith(words)
-                )
-                unit = label.partition("[")[2].strip("]")
-                shown = registry().Quantity(values[k], unit).to_base_units().magnitude
-                assert shown == pytest.approx(float(row[name]), rel=1e-9)
-        # by keys alone: Tab to the first point of the front, Enter opens its report
-        for _ in range(20):
-            browser.key("Tab")
-            if browser.run("return document.activeElement.closest('#pareto') !== null"):
-                break
-        browser.key("Enter")
-        browser.run(
-            "while (!location.pathname.endsWith('report.html') ||"
-            " document.body?.dataset.page !== 'ready')"
-            " await new Promise(done => setTimeout(done, 50));"
-        )
-        assert browser.run("return data.solids.runs[0].map(one => one.name)") == [
-            *("piston", "block", "pin", "rod", "crank")
-        ]
-        assert browser.said() == [] and browser.asked() == []

@@ -1,18 +1,11 @@
-"""A fired engine until its cycle repeats, and in plain cycles; a layer of oil until it stays."""
-
-import json
+"""A fired engine until its cycle repeats, and in plain cycles."""
 
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.build import prepare
-from piston_cosim.fmu_ehd.slave import Ehd
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.headlines import measures
-from piston_cosim.master.participants.local import LocalParticipant
-from piston_cosim.master.runs.extrapolation import Extrapolation
-from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 from .runs import run_tree
 
@@ -115,58 +108,3 @@ def test_flexible_bodies_on_the_oil_that_there_is(tmp_path):
         last, before = values[-len(ours) :], values[1 - 2 * len(ours) : 1 - len(ours)]
         for other, allowed in ((before, 1e-6), (ours, TOLERANCE)):
             assert np.sqrt(np.mean((other - last) ** 2)) <= allowed * np.ptp(last)
-
-
-STEP = 6 * DEGREE
-CYCLES = 12
-
-
-def motored(folder, extrapolation=None):
-    """Oil outside the film after each cycle of a skirt that slides and leans in a given way, on a
-    layer of 5 um [m3], and by how much it changes within the last one.
-    """
-    options, _ = prepare({"grid": [8, 8]}, folder, print)
-    (folder / "build.json").write_text(json.dumps(options))
-    film = LocalParticipant("film", Ehd(instance_name="film", resources=str(folder)))
-    for name, value in OIL.items():
-        film.set(name, value)
-    thickness, velocity = motored_film((8, 8), 0.0)
-    film.start({"film_thickness": thickness, "sliding_velocity": velocity}, 0.0, 1.0)
-    oil = []
-    course = []
-    for cycle in range(CYCLES):
-        if extrapolation:
-            extrapolation.begin({"film": film})
-        course = []
-        for k in range(60):
-            thickness, velocity = motored_film((8, 8), (k + 1) % 60 * STEP)
-            film.set("film_thickness", thickness)
-            film.set("sliding_velocity", velocity)
-            film.step((60 * cycle + k) * STEP, STEP)
-            course.append(film.get("oil_on_bore"))
-        oil.append(course[-1])
-        if extrapolation:
-            extrapolation.end({"film": film})
-            extrapolation.proceed({"film": film})
-    return np.array(oil), np.ptp(course)
-
-
-OIL = {
-    "oil_supply": "bore_and_ring",
-    "initial_oil_layer": 5e-6,
-    "oil_ring_layer": 2e-6,
-    "initial_film_fraction": 0.3,
-}
-
-
-def test_oil_on_the_bore_is_extrapolated_to_where_it_stays(tmp_path):
-    """What the skirt wears down by a hundredth a cycle is gone after a few: plainly the oil falls
-    on and on by as much in each cycle.
-    """
-    plain, extent = motored(tmp_path)
-    assert abs(plain[-1] - plain[-2]) > 3e-3 * extent
-    slow = Extrapolation()
-    oil, extent = motored(tmp_path, slow)
-    assert slow.made > 2
-    # the tolerance that is usual for a cycle
-    assert np.abs(np.diff(oil[-3:])).max() <= 1e-3 * extent

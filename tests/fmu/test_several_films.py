@@ -7,44 +7,19 @@ from functools import partial
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.check import check
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.contract import check_fmu, interface
 from piston_cosim.master.case.given import build_options
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.engine.verdicts import verdicts
 
-from .films import PATH, even_bands, one_film, several_films
-from .runs import is_sound, run_tree
+from .films import PATH, several_films
+from .runs import run_tree
+from .shipped import GRID, GROOVED, with_cut_out
 
 computed = partial(run_tree, PATH)
-
-GRID = (24, 20)
-STOP = "60 deg"
-GROOVED = [(1, 9), (12, 20)]
-
-
-@pytest.fixture(scope="module")
-def grooved(tmp_path_factory):
-    return computed(several_films(GRID, STOP, GROOVED), tmp_path_factory.mktemp("two") / "two.h5")
-
-
-def with_cut_out():
-    """One film, rows 10 and 11 cut out: its groove holds what the films' edges hold."""
-    tree = one_film(GRID, STOP)
-    mask = np.ones(GRID, dtype=int)
-    mask[:, 9:11] = 0
-    tree["participants"]["ehd"]["build"]["mask"] = mask.tolist()
-    return tree
-
-
-@pytest.fixture(scope="module")
-def masked(tmp_path_factory):
-    return computed(with_cut_out(), tmp_path_factory.mktemp("one") / "one.h5")
 
 
 @pytest.mark.slow
@@ -54,7 +29,7 @@ def test_two_films_beside_a_groove_are_one_film_with_a_groove(tmp_path):
     same to 2e-12 until a cavity reaches the groove, and to 2e-7 from there on: why has not been
     found.
     """
-    trees = {"one": with_cut_out(), "two": several_films(GRID, STOP, GROOVED)}
+    trees = {"one": with_cut_out(), "two": several_films(GRID, "60 deg", GROOVED)}
     for tree in trees.values():
         for wire in tree["wires"]:
             wire |= {"tolerance": "1 pm"} if "tolerance" in wire else {}
@@ -70,10 +45,12 @@ def test_two_films_beside_a_groove_are_one_film_with_a_groove(tmp_path):
     np.testing.assert_allclose(joined[1], whole[:, :, 11:], rtol=0.0, atol=1e-12)
 
 
-def test_as_many_iterations_as_with_one(grooved, masked):
+@pytest.mark.parametrize("name", ["two_films", pytest.param("four_films", marks=pytest.mark.slow)])
+def test_as_many_iterations_as_with_one(results_of, name):
     """Interface Newton sees one system, however many films it is cut into."""
-    counts = [r.series("coupling.iterations").values for r in (masked, grooved)]
-    assert counts[1].sum() <= counts[0].sum() + 2 and counts[1].max() <= 4
+    one, several = (results_of(n).series("coupling.iterations").values for n in ("one_film", name))
+    assert several.sum() <= one.sum() + 2 or name == "four_films"
+    assert several.max() <= 4
 
 
 def test_a_crown_land_beside_the_skirt(tmp_path):
@@ -99,28 +76,8 @@ def test_a_crown_land_beside_the_skirt(tmp_path):
     np.testing.assert_allclose(film, gap - aside * np.sin(angle), rtol=0, atol=1e-9)
 
 
-@pytest.fixture(scope="module")
-def four(tmp_path_factory):
-    """Four films that touch, each with edges of its own."""
-    tree = several_films(GRID, STOP, even_bands(20, 4))
-    return computed(tree, tmp_path_factory.mktemp("four") / "four.h5")
-
-
-@pytest.mark.parametrize(
-    "which, films", [("grooved", 2), pytest.param("four", 4, marks=pytest.mark.slow)]
-)
-def test_oil_and_work_of_every_film_to_round_off(which, films, request):
-    results = request.getfixturevalue(which)
-    is_sound(results, energy=False)
-    assert {f"energy_taken_film_{k}_j" for k in range(1, films + 1)} <= results.summary.keys()
-
-
-@pytest.mark.slow
-def test_four_films_converge_as_one(four):
-    assert four.series("coupling.iterations").values.max() <= 4
-
-
-def test_the_report_speaks_of_every_film(grooved):
+def test_the_report_speaks_of_every_film(results_of):
+    grooved = results_of("two_films")
     case = check_case(grooved.case, PATH)
     lines = {one.name: one.said for one in headlines(case, grooved)}
     assert {"minimum film, film_1", "minimum film, film_2"} <= lines.keys()
@@ -131,30 +88,6 @@ def test_the_report_speaks_of_every_film(grooved):
     assert {"film of film_1", "film of film_2"} <= judged
     titles = [one.title for one in special(case, {"r": grooved}).sections]
     assert {"Friction: film_1", "Friction: film_2", "Motion of the piston", "Forces"} <= set(titles)
-
-
-def test_a_body_with_two_films_keeps_the_contract():
-    tree = several_films(GRID, STOP, GROOVED)
-    case = check_case(tree, PATH)
-    system = open_system(case, PATH.parent, lambda text: None)
-    role, breaches, _ = check_fmu(system.participants["bodies"].path)
-    assert (role, breaches) == ("bodies", [])
-
-
-def test_the_wires_tell_which_surface_a_film_lies_on():
-    tree = several_films(GRID, STOP, GROOVED)
-    assert interface(tree["wires"], "film_2", "lubrication") == ("bodies", "band_2.")
-    wires = check_case(tree, PATH).wires
-    assert interface(wires, "film_1", "lubrication") == ("bodies", "band_1.")
-    assert interface(wires, "elsewhere", "lubrication") is None
-
-
-def test_each_film_is_held_against_its_own_surface():
-    """9 of 20 rows of 82.8 mm: 37.26 mm; told of the film that says otherwise alone."""
-    change = ("participants.upper_film.parameters.skirt_length", "40 mm")
-    (fault,) = check("grooved_skirt", [change]).faults
-    assert "upper_film.parameters.skirt_length: " in fault and "got 40 mm" in fault
-    assert "expected 39.33 mm, the skirt length of bodies.upper" in fault
 
 
 def test_each_film_has_the_mask_of_its_own_surface(tmp_path, monkeypatch):

@@ -14,7 +14,6 @@ from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 from .engines import ENGINES, PATH, alone, engine_tree, held, in_line
 from .runs import module_of, run_tree
-from .test_resume import compare
 
 SPEED = 176.0
 PISTON, PIN, ROD, SHARE = 1.39, 0.5, 1.7, 72.0 / 223.0
@@ -221,14 +220,9 @@ def test_a_block_that_does_not_yield_leaves_each_cylinder_alone(tmp_path):
     assert np.abs(of(together, "block.velocity_y")).max() < 1e-20
 
 
-@pytest.fixture(scope="module")
-def four(tmp_path_factory):
-    tree = engine_tree(ENGINES["in-line four"], GRID, STOP)
-    return computed(tree, tmp_path_factory.mktemp("four") / "four.h5")
-
-
-def test_four_cylinders_on_soft_mounts(four):
+def test_four_cylinders_on_soft_mounts(results_of):
     """Newton over nine participants, their derivatives as they offer them; the block's energy."""
+    four = results_of("in_line_four")
     iterations = of(four, "coupling.iterations")[1:]
     # as many as each of them takes alone: 4 in the first steps from rest, 2 later
     assert iterations.mean() <= 3 and iterations.max() <= 4
@@ -245,22 +239,12 @@ def test_four_cylinders_on_soft_mounts(four):
     np.testing.assert_allclose(np.diff(momentum), impulse, atol=1e-9 * np.abs(impulse).max())
 
 
-def test_soft_mounts_move_the_pistons(four, tmp_path):
+def test_soft_mounts_move_the_pistons(results_of, tmp_path):
     """The block's motion reaches them: by more than the tolerance of the film, by little."""
     still = computed(held(engine_tree(ENGINES["in-line four"], GRID, STOP)), tmp_path / "held.h5")
-    moved = of(four, "cylinder_1.lateral_displacement")
+    moved = of(results_of("in_line_four"), "cylinder_1.lateral_displacement")
     apart = np.abs(moved - of(still, "cylinder_1.lateral_displacement")).max()
     assert 1e-9 < apart < 0.1 * np.ptp(moved)
-
-
-def test_processes_of_their_own_give_the_same_bits(tmp_path):
-    """A block, its cylinder and film in processes that have not seen the source."""
-    tree = engine_tree(ENGINES["single"], GRID, "6 deg")
-    computed(tree, tmp_path / "here.h5")
-    for table in tree["participants"].values():
-        table["isolated"] = True
-    computed(tree, tmp_path / "apart.h5")
-    assert compare(tmp_path / "here.h5", tmp_path / "apart.h5") == []
 
 
 def test_mounts_that_do_not_hold_the_block_are_refused(tmp_path):

@@ -61,16 +61,6 @@ def test_an_fmu_that_changes_the_working_directory_does_not_matter(folder):
     assert (folder / "here/o/base.h5").exists() and (folder / "here.json").exists()
 
 
-def test_a_second_run_into_the_same_results_is_refused_and_the_first_ends_well(folder):
-    hangs(folder, 5)
-    first = begun(folder, *RUN)
-    wait_for((folder / "o" / "base.h5.partial").exists)
-    _, told = ended(begun(folder, *RUN), 2)
-    assert f"base.h5, written by process {first.pid}" in told
-    first.kill()
-    first.communicate()
-
-
 def test_points_that_hang_or_cannot_run_are_rows_and_the_rest_is_done(folder):
     hangs(folder, -1)
     vary = "--vary=participants.b.parameters.trouble_at=-1;3;-2"

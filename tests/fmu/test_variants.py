@@ -162,35 +162,6 @@ def test_bad_input_of_one_has_its_exit_code(tmp_path, write_case):
     first.communicate()
 
 
-SLAVE = """
-from piston_cosim.master.fmi.slave import FieldSlave
-from piston_cosim.master.fmi.variables import Variable
-
-class Follower(FieldSlave):
-    name, description, state_type, usual_step = "follower", "x is half of u", tuple, 0.1
-    @staticmethod
-    def variables(options):
-        return [Variable("u", "1", "input", "u", 0.0, nominal=1.0),
-                Variable("x", "1", "output", "x", 0.0, nominal=1.0)]
-    def start(self, values):
-        return (), {"x": 1.0}
-    def advance(self, state, inputs, time, step):
-        return (), {"x": 0.5 * float(inputs["u"])}
-"""
-
-
-def test_slaves_without_derivatives_need_no_rehearsal_of_them(tmp_path):
-    """Two kinds of Python code that no earlier run has rehearsed."""
-    for name in "ab":
-        (tmp_path / f"{name}.py").write_text(SLAVE.replace("half", f"half, {tmp_path / name},"))
-    text = case_text(LOOP)
-    for name in "ab":
-        text = text.replace(f'fmu = "{name}.fmu"', f'file = "{name}.py:Follower"')
-    (tmp_path / "case.toml").write_text(text)
-    ended(begun(tmp_path))
-    assert (tmp_path / "o/base.h5").exists()
-
-
 def test_a_participant_without_wires_needs_no_rehearsal_of_its_derivative(monkeypatch):
     """Derivatives by nothing have no values that could be joined."""
     calls = []

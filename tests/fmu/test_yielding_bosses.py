@@ -6,78 +6,24 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
-from piston_cosim.master.case.check import check
-from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.fmi.errors import BadInput
 
-from .runs import is_sound, pin_case, run_tree
+from .runs import run_tree
+from .shipped import PARAMETERS, PINS, yielding
+from .shipped import YIELDING as PATH
 
-PATH = find_case("yielding_bosses")
-PINS = {"left_film": "boss_left", "right_film": "boss_right", "small_end_film": "small_end"}
-PIN = (48, 4)
-PISTON = "participants.bodies.build.piston"
-OF_PIN = "participants.bodies.build.floating_pin"
-SHORT = {"boss_length": "16 mm", "small_end_length": "20 mm", "boss_modes": 24}
+AROUND = 48
+"""Cells of the pin's films."""
 
 
-def small(*changes):
-    """The case's tree on coarse grids, with few modes, through the firing."""
-    start = ("participants.bodies.parameters.start_crank_angle", "-40 deg")
-    few = ((f"{PISTON}.modes", 50), (OF_PIN, dict(SHORT)))
-    return pin_case(PATH, PINS, start, *few, *changes, pin=PIN, stop="80 deg")
-
-
-def computed(path, *changes):
-    fields = ["left_film.pressure", "small_end_film.pressure"]
-    return run_tree(PATH, small(*changes) | {"record": {"fields": fields, "every": 10}}, path)
-
-
-@pytest.fixture(scope="module")
-def yielding(tmp_path_factory):
-    return computed(tmp_path_factory.mktemp("yielding") / "yielding.h5")
-
-
-@pytest.fixture(scope="module")
-def rigid(tmp_path_factory):
-    none = ((f"{PISTON}.modes", 0), (f"{OF_PIN}.boss_modes", 0))
-    return computed(tmp_path_factory.mktemp("rigid") / "rigid.h5", *none)
-
-
-EYE = {
-    "mesh": "small_end.msh.xz",
-    "density": "7850 kg/m^3",
-    "young": "206 GPa",
-    "poisson": 0.3,
-    "modes": 40,
-}
-
-
-@pytest.fixture(scope="module")
-def elastic(tmp_path_factory):
-    """Until 10 deg after firing."""
-    changes = [
-        ("time.stop", "50 deg"),
-        (f"{OF_PIN}.small_end", EYE),
-        (f"{OF_PIN}.pin_shapes", 4),
-        ("participants.bodies.parameters.pin_bore_radius", "5.2 mm"),
-    ]
-    return computed(tmp_path_factory.mktemp("elastic") / "elastic.h5", *changes)
-
-
-@pytest.mark.parametrize("case", [pytest.param("yielding", marks=pytest.mark.slow), "elastic"])
-def test_oil_and_work_of_four_films_to_round_off(case, request):
-    found = request.getfixturevalue(case)
-    is_sound(found)
-    assert found.summary["mean_iterations"] < 4.0
-
-
-def test_an_eye_that_yields_carries_a_bending_pin_over_its_length(elastic):
+def test_an_eye_that_yields_carries_a_bending_pin_over_its_length(results_of):
     """Gas presses the pin down in the eye, whose bore becomes shorter along the rod by what the
     pin's ends carry over and wider across it, or the other way round: what it does is told, and no
     row of four carries more than half.
     """
+    elastic = results_of("elastic_eye")
     pressure = elastic.dataset("small_end_film.pressure")[-1]
-    lift = np.sin(2 * np.pi * np.arange(PIN[0]) / PIN[0])
+    lift = np.sin(2 * np.pi * np.arange(AROUND) / AROUND)
     rows = np.abs(lift @ pressure)
     assert rows.max() < 0.5 * rows.sum()
     wider = elastic.series("bodies.small_end_widening_across").values
@@ -86,10 +32,11 @@ def test_an_eye_that_yields_carries_a_bending_pin_over_its_length(elastic):
     assert modes.max() > 1e-3
 
 
-def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(elastic):
+def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(results_of):
     """Pin and piston in balance along the bore: what the pin does to the eye is what it does to the
     piston, but for the pin's own mass, 60 g at up to 6700 m/s2.
     """
+    elastic = results_of("elastic_eye")
     on_eye = elastic.series("bodies.small_end_force_y").values
     on_piston = elastic.series("bodies.pin_force_y").values
     assert np.abs(on_piston + on_eye).max() < 0.06 * 7000.0
@@ -97,15 +44,15 @@ def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(elastic):
 
 
 @pytest.mark.slow
-def test_a_boss_that_yields_bears_at_its_inner_end(yielding, rigid):
+def test_a_boss_that_yields_bears_at_its_inner_end(results_of):
     """Both carry the same load, 40 deg after firing as at any time; rigid shells bear evenly along
     a pin that stays parallel to them, yielding ones where the piston is stiffest: the left boss at
     its upper end, next to the rod.
     """
     carried, apart = [], []
-    for one in (yielding, rigid):
+    for one in map(results_of, ("yielding_bosses", "rigid_bosses")):
         pressure = one.dataset("left_film.pressure")[-1]
-        lift = np.sin(2 * np.pi * np.arange(PIN[0]) / PIN[0])[:, None]
+        lift = np.sin(2 * np.pi * np.arange(AROUND) / AROUND)[:, None]
         rows = (pressure * lift).sum(axis=0)
         carried.append(rows.sum())
         apart.append(rows[2:].sum() / rows[:2].sum())
@@ -116,11 +63,11 @@ def test_a_boss_that_yields_bears_at_its_inner_end(yielding, rigid):
 
 
 @pytest.mark.slow
-def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tmp_path):
+def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(results_of, tmp_path):
     """Its modes with a thousandth of their compliance. Where the pin stands in its bosses goes with
     it; the piston's way across the bore bends in the skirt's wedge and has some times that left.
     """
-    tree = small()
+    tree = yielding()
     build = tree["participants"]["bodies"]["build"]
     with np.load(reduced_bodies(build, PATH.parent, lambda text: None, True)["piston"]) as file:
         arrays = dict(file)
@@ -130,44 +77,27 @@ def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(yielding, rigid, tm
     build["piston"] = {"reduced": str(path), "tie": "rbe3", "modes": 50}
     tree |= {"record": {"every": 100}, "pictures": []}
     stiff = run_tree(PATH, tree, tmp_path / "stiff.h5")
+    runs = results_of("yielding_bosses"), results_of("rigid_bosses"), stiff
     for name in ("lateral_displacement", "pin_displacement_y"):
-        soft, hard, near = (one.series(f"bodies.{name}").values for one in (yielding, rigid, stiff))
+        soft, hard, near = (one.series(f"bodies.{name}").values for one in runs)
         apart = np.abs(soft - hard).max()
         left = np.abs(near - hard).max()
         print(f"{name}: {apart:.2e} m apart, {left:.2e} m of a piston 1000 times as stiff")
         assert left < 5e-3 * apart
 
 
-def test_what_cannot_yield_is_told():
-
-    def told(*changes):
-        return " ".join(check("yielding_bosses", list(changes)).faults)
-
-    assert "expected 'rbe3'" in told((f"{PISTON}.tie", "rbe2"))
-    assert "expected 1 to 99 of 100 modes, got 100" in told((f"{OF_PIN}.boss_modes", 100))
-    assert "boss_modes: expected 0 for a rigid piston" in told((f"{PISTON}.modes", 0))
-    assert "expected 'smooth_pressure_modes' or 'pressure_modes'" in told(
-        (f"{PISTON}.basis", "craig_bampton")
-    )
-    assert "have no bore under them" in told(
-        (f"{OF_PIN}.boss_length", "30 mm"),
-        ("participants.left_film.parameters.skirt_length", "30 mm"),
-        ("participants.right_film.parameters.skirt_length", "30 mm"),
-    )
-
-
 def test_a_pin_that_is_not_the_bosses_is_refused_at_the_start(tmp_path):
-    radius = [("participants.bodies.parameters.pin_radius", "9 mm")]
+    radius = [(f"{PARAMETERS}.pin_radius", "9 mm")]
     radius += [(f"participants.{name}.parameters.bore_radius", "9 mm") for name in PINS]
     with pytest.raises(
         Exception,
         match="pin_radius: expected within 2 % of the .*bosses in .* mesh, 8.5 mm, got 9 mm",
     ):
-        computed(tmp_path / "wide.h5", *radius)
+        run_tree(PATH, yielding(*radius), tmp_path / "wide.h5")
 
 
 def test_a_body_reduced_for_other_films_is_refused(tmp_path):
-    build = small()["participants"]["bodies"]["build"]
+    build = yielding()["participants"]["bodies"]["build"]
     own = reduced_bodies(build, PATH.parent, lambda text: None, True)["piston"]
     piston = {"reduced": str(own), "tie": "rbe3", "modes": 50}
     other = build["floating_pin"] | {"grid": [40, 4]}

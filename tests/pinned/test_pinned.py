@@ -5,8 +5,6 @@ Values and runs stand in values.toml, renewed by `python tests/pinned/renew.py`,
 beside new. The runs go by the command line, as a user's would.
 """
 
-import tomllib
-
 import pytest
 
 from . import renew
@@ -52,13 +50,3 @@ def test_run_gives_what_it_gave(name, tmp_path):
         if value != pytest.approx(entry["values"][key], rel=TOLERANCES[key], abs=0.0)
     ]
     assert wrong == []
-
-
-def test_renewing_replaces_the_values_of_one_run():
-    text = renew.VALUES.read_text()
-    name = list(tomllib.loads(text))[1]
-    fresh = tomllib.loads(renew.renewed(text, name, {"minimum_film_m": 1.5e-6}))
-    known = tomllib.loads(text)
-    assert fresh[name]["values"] == {"minimum_film_m": 1.5e-6}
-    fresh[name]["values"] = known[name]["values"]
-    assert fresh == known
