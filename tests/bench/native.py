@@ -4,12 +4,10 @@ The same films through the native FMU and the FMU in Python, both by pointers in
 of the one after a step of the other; also one directional derivative of each. Then bodies in the
 same way: those of the numerical example, pressed by a film that turns round. One thread, the best
 of several passes for every step, so that what else the machine does counts little; the time from
-opening the file to the first outputs, most of it the reading of the model description. Last the
-coupled FMU of the numerical example beside `run` of the same case.
+opening the file to the first outputs, most of it the reading of the model description.
 """
 
 import os
-import tempfile
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
@@ -21,28 +19,21 @@ from timing import shortest
 
 from piston_cosim.fmu_ehd.variables import DERIVATIVE_INPUTS, DERIVATIVE_OUTPUTS
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.export import export_fmu
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 FILMS = ((12, 10), (20, 20), (40, 40), (80, 80))
 BODIES = ((0, (12, 10)), (0, (40, 40)), (60, (40, 40)))  # modes a body, grid
-COUPLED = ((0, (12, 10)), (0, (40, 40)), (60, (40, 40)))  # likewise
 STEPS = 180
 PASSES = 4
-COUPLED_PASSES = 3
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 GAP = ("film_thickness", "sliding_velocity")
 FILM_ROUND_OFF = 0.0  # of the largest value of an output
 BODY_ROUND_OFF = 1e-12  # products with a matrix are another library's
 DEGREE_AT_6000 = float(np.radians(1.0)) / (2 * np.pi * 100.0)  # [s]
-AGREES = 1e-9  # [m]: the tolerance of the wires
 
 
 def step(participant, time, inputs, outputs):
@@ -120,56 +111,9 @@ def bodies(modes, grid):
     return compare("fmu_mfbd", build, course, GAP, seeds, BODY_ROUND_OFF)
 
 
-def coupled_fmu(modes, grid, stop=f"{STEPS} deg"):
-    """The coupled FMU of the numerical example with so many modes a body, on a grid; its case, the
-    tree of that, and the file it is from. Half a turn from rest, or up to another crank angle.
-    """
-    path = find_case("numerical_example")
-    own = {f"participants.bodies.build.{body}.modes": modes for body in ("piston", "block")}
-    grids = {f"participants.{name}.build.grid": list(grid) for name in ("bodies", "ehd")}
-    rest = {"time.stop": stop, "record.fields": []}
-    tree = read_tree(path, [*own.items(), *grids.items(), *rest.items()])
-    case = check_case(tree, path)
-    return export_fmu(case, path.parent, print, "2.0", ["linux64"]), case, tree, path
-
-
-def coupled(modes, grid):
-    """Time of the coupled FMU of the numerical example over that of `run`, in words: half a turn
-    from rest, all scalar outputs read after each step; what either needs to start is left out.
-    """
-    fmu, case, tree, path = coupled_fmu(modes, grid)
-    port = "lateral_displacement"
-    one, at_start, _ = started(fmu, {}, port)
-    names = [name for name, field in one.fields.items() if field.causality == "output"]
-    ours, of_run = [], []
-    for _ in range(COUPLED_PASSES):
-        one.restore(at_start)
-        begin = perf_counter()
-        for k in range(STEPS):
-            one.step(k * DEGREE_AT_6000, DEGREE_AT_6000)
-            one.get_many(names)
-        ours.append(perf_counter() - begin)
-        found = one.get(port)
-        with tempfile.TemporaryDirectory() as folder:
-            output = Path(folder) / "run.h5"
-            system = open_system(case, path.parent, lambda text: None)
-            summary = run(system, case, tree, output)
-            expected = Results(output).series(f"bodies.{port}")[0][-1]
-        of_run.append(summary["wall_time_s"])
-        assert abs(found - expected) <= AGREES
-    one.close()
-    return (
-        f"{1e3 * min(ours) / STEPS:.2f} ms a macro step native, {1e3 * min(of_run) / STEPS:.2f} ms "
-        f"in run, {min(of_run) / min(ours):.1f} times as fast"
-    )
-
-
 if __name__ == "__main__":
     for grid in FILMS:
         print(f"film, {grid[0]} x {grid[1]}: {film(grid)}", flush=True)
     for modes, grid in BODIES:
         words = f"bodies, {modes} modes each, {grid[0]} x {grid[1]}"
         print(f"{words}: {bodies(modes, grid)}", flush=True)
-    for modes, grid in COUPLED:
-        words = f"both in one FMU, {modes} modes a body, {grid[0]} x {grid[1]}"
-        print(f"{words}: {coupled(modes, grid)}", flush=True)

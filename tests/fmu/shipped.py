@@ -64,6 +64,17 @@ def tied(*changes):
     return {**tree, "record": {"every": 100}, "pictures": []}
 
 
+def cycle(supply):
+    """Return the tree of a period of the data sheet in long steps, with a supply of oil."""
+    changes = {
+        "time.step": "5 deg",
+        "record.fields": [],
+        "participants.ehd.parameters.oil_supply": supply,
+        "participants.ehd.parameters.stroke": "160 mm",
+    }
+    return read_tree(DATA_SHEET, coarse(*changes.items(), grid=(16, 12), modes=None))
+
+
 def with_cut_out():
     """Return the tree of one film, rows 10 and 11 cut out, which hold what the edges hold."""
     tree = one_film(GRID, "60 deg")
@@ -108,6 +119,8 @@ RUNS = {
         DATA_SHEET,
         tied(("time.stop", "400 deg"), (SPACE, MOMENTS | {"centre_z": "1 mm"}), TILT),
     ),
+    "cycle": lambda: (DATA_SHEET, cycle("edges")),
+    "starved_cycle": lambda: (DATA_SHEET, cycle("bore_and_ring")),
     "one_film": lambda: (DATA_SHEET, with_cut_out()),
     "two_films": lambda: (DATA_SHEET, several_films(GRID, "60 deg", GROOVED)),
     "four_films": lambda: (DATA_SHEET, several_films(GRID, "60 deg", even_bands(20, 4))),

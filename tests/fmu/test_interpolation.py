@@ -2,9 +2,6 @@
 where it is not to be had.
 """
 
-import sys
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from fmpy import fmi2
@@ -14,14 +11,10 @@ from numpy.polynomial import Polynomial
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.fmi.archive import unpack
 from piston_cosim.master.fmi.builder import build_fmu_of_file
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.participants.interpolated import InterpolatedParticipant, hermite, linear
-from piston_cosim.master.participants.local import LocalParticipant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
+from piston_cosim.master.participants.interpolated import hermite, linear
 
 from .runs import run_tree, stopped
 
@@ -106,31 +99,6 @@ def test_resumed_goes_on_along_the_same_course(tmp_path):
     resumed = run_tree(PATH, tree, tmp_path / "run.h5", begin_at=restored)
     whole = result_of(tmp_path, ("record", {"checkpoint_every": 0}))
     np.testing.assert_array_equal(resumed.series("left.displacement").values, whole)
-
-
-def test_called_directly_it_is_the_same_bits(tmp_path, oscillator):
-    """The same slaves as objects of this process, without FMI in between, through the same run."""
-    here = result_of(tmp_path)
-    sys.path.insert(0, str(PATH.parent))
-    try:
-        from oscillator import Oscillator
-    finally:
-        sys.path.pop(0)
-    tree = read_tree(PATH, [("time.stop", "0.2 s")])
-    case = check_case(tree, PATH)
-    system = open_system(case, PATH.parent, print)
-    resources = str(unpack(oscillator) / "resources")
-    direct = {
-        name: InterpolatedParticipant(
-            LocalParticipant(name, Oscillator(instance_name=name, resources=resources)),
-            {"other_displacement": "hermite"},
-        )
-        for name in system.participants
-    }
-    run(replace(system, participants=direct), case, tree, tmp_path / "direct.h5")
-    np.testing.assert_array_equal(
-        Results(tmp_path / "direct.h5").series("left.displacement")[0], here
-    )
 
 
 def test_what_cannot_interpolate_is_named_before_the_run():

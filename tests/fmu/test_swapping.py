@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from pythonfmu.builder import FmuBuilder
 
 import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
@@ -140,22 +139,6 @@ def test_a_run_takes_a_model_class_or_its_file(template, tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", argv)
     with pytest.raises(SystemExit, match="2"):
         main()
-
-
-def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
-    """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
-    fmu = FmuBuilder.build_FMU(
-        HERE / "stock_film.py",
-        dest=tmp_path / "stock.fmu",
-        canGetAndSetFMUstate=True,
-        canSerializeFMUstate=True,
-    )
-    role, breaches, remarks = check_fmu(fmu)
-    assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
-    results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
-    converged(results.summary)
-    assert results.summary["derivative_products"] == 0
-    assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
 
 
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):

@@ -9,8 +9,6 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
-import numpy as np
 import pytest
 
 from piston_cosim.master.runs import kernels
@@ -18,6 +16,7 @@ from piston_cosim.master.runs import kernels
 from .. import command
 from ..command import ended
 from .counter import LOOP, case_text
+from .test_resume import compare
 from .waiting import wait_for
 
 MORE = """
@@ -25,9 +24,6 @@ MORE = """
 "participants.b.parameters.trouble" = {value}
 "participants.b.parameters.trouble_at" = {at}
 """
-TIMES = ("wall_time", "first_step")
-REFERENCES = ("DIMENSION_LIST", "REFERENCE_LIST")
-"""Attributes of HDF5 that refer to other data sets of the file."""
 
 
 @pytest.fixture
@@ -60,29 +56,6 @@ def is_left(process):
     return False
 
 
-def content(file):
-    """All arrays and attributes of a results file but for times."""
-    found = {}
-
-    def add(name, one):
-        for key in one.attrs.keys() - REFERENCES:
-            found[name, key] = without_times(key, one.attrs[key])
-        if isinstance(one, h5py.Dataset):
-            found[name] = np.asarray(one[()]).tobytes()
-
-    with h5py.File(file) as results:
-        add("", results)
-        results.visititems(add)
-    return found
-
-
-def without_times(key, value):
-    if key != "summary":
-        return np.asarray(value).tolist()
-    entries = json.loads(value)
-    return {name: x for name, x in entries.items() if not name.startswith(TIMES)}
-
-
 def test_side_by_side_the_bits_are_those_of_one_after_the_other(tmp_path):
     changes = ["--set", "time.stop=10 deg"]
     for name in ("bodies", "ehd"):
@@ -92,8 +65,10 @@ def test_side_by_side_the_bits_are_those_of_one_after_the_other(tmp_path):
         folder = tmp_path / str(jobs)
         folder.mkdir()
         ended(begun(folder, *changes, jobs=jobs, case="numerical_example"))
-        files.append({path.name: content(path) for path in (folder / "o").glob("*.h5")})
-    assert len(files[0]) >= 2 and files[0] == files[1]
+        files.append(sorted((folder / "o").glob("*.h5")))
+    assert len(files[0]) == len(files[1]) >= 2
+    for one, other in zip(*files):
+        assert compare(one, other) == []
 
 
 def test_one_that_dies_leaves_the_results_of_the_other(tmp_path, write_case):

@@ -1,14 +1,15 @@
-"""What a macro step costs, by cells and by modes: `run`, the time inside its participants, which no
-master could spare, and both in one native FMU. Draws docs/cost.svg; some five minutes, a quiet
-machine. Run: python tests/bench/slow/cost.py
+"""What a macro step costs, by cells and by modes: `run` with participants in Python and of machine
+code, the time inside its participants, which no master could spare, and both in one native FMU.
 
-The numerical example, 60 deg from rest, rigid steps and fields left out of the results; what either
-needs to start is left out too. Beside what is drawn: what of the time inside is the film's, and the
-derivatives that a macro step asks for.
+The numerical example from rest, fields left out of the results; what either needs to start is left
+out too, and the best of several passes counts. Beside what is drawn: what of the time inside is the
+film's, and the derivatives that a macro step asks for.
+
+Run: python tests/bench/slow/cost.py [STEPS], on a quiet machine. The default of 60 steps of 1 deg
+draws docs/cost.svg.
 """
 
 import sys
-import tempfile
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -17,70 +18,82 @@ HERE = Path(__file__).resolve()
 sys.path.insert(0, str(HERE.parents[1]))
 
 import matplotlib.pyplot as plt
-from native import DEGREE_AT_6000, coupled_fmu, started
+from native import DEGREE_AT_6000, started
 
-from piston_cosim.master.case.system import open_system
-from piston_cosim.master.runs.run import run
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.tests.verification.cases.coupling import modes_a_body, summary_of
 
-STEPS, PASSES = 60, 2
-CELLS = (20, 40, 80)  # around and along, 60 modes a body
-MODES = (0, 20, 60, 200)  # a body, 40 x 40 cells
+STEPS = int(sys.argv[1]) if sys.argv[1:] else 60
+PASSES = 2
+CELLS = (20, 40, 80)  # around and along
+MODES = (0, 20, 60, 200)  # a body
 USUAL = 60, 40
 PICTURE = HERE.parents[3] / "docs" / "cost.svg"
 CURVES = ("run", "of that inside film and bodies", "both in one native FMU")
 
 
 class Costs(NamedTuple):
-    """Of a macro step: times as in `CURVES` and inside the film [ms], derivatives asked for."""
+    """Times of a macro step as in `CURVES`, inside the film, of `run` with native participants and
+    inside these [ms]; derivatives asked for.
+    """
 
     run: float
     inside: float
-    native: float
+    single: float
     film: float
+    native: float
+    native_inside: float
     products: float
 
 
-def costs(modes, cells):
-    """`Costs`, the best of several passes."""
-    fmu, case, tree, path = coupled_fmu(modes, (cells, cells), f"{STEPS} deg")
-    found = []
-    for _ in range(PASSES):
-        with tempfile.TemporaryDirectory() as folder:
-            system = open_system(case, path.parent, lambda text: None)
-            found.append(run(system, case, tree, Path(folder) / "run.h5"))
-    best = min(found, key=lambda summary: summary["wall_time_s"])
-    inside = sum(best[f"wall_time_{name}_s"] for name in case.participants)
+def costs(modes, *grid):
+    """Return `Costs`, the best of several passes."""
+    grids = [(f"participants.{name}.build.grid", list(grid)) for name in ("bodies", "ehd")]
+    rest = ("time.stop", f"{STEPS} deg"), ("record.fields", [])
+    changes = [*modes_a_body(modes), *grids, *rest]
+    python, native = (
+        min(
+            (summary_of("numerical_example", *changes, ("native", kind)) for _ in range(PASSES)),
+            key=lambda summary: summary["wall_time_s"],
+        )
+        for kind in (False, True)
+    )
+    path = find_case("numerical_example")
+    case = check_case(read_tree(path, changes), path)
+    fmu = export_fmu(case, path.parent, print, "2.0", ["linux64"])
     one, at_start, _ = started(fmu, {}, "lateral_displacement")
-    native = []
+    single = []
     for _ in range(PASSES):
         one.restore(at_start)
         begin = perf_counter()
         for k in range(STEPS):
             one.step(k * DEGREE_AT_6000, DEGREE_AT_6000)
-        native.append(perf_counter() - begin)
+        single.append(perf_counter() - begin)
     one.close()
-    ms_a_step = 1e3 / STEPS
+
+    def inside(summary, *names):
+        return 1e3 / summary["steps"] * sum(summary[f"wall_time_{name}_s"] for name in names)
+
     return Costs(
-        ms_a_step * best["wall_time_s"],
-        ms_a_step * inside,
-        ms_a_step * min(native),
-        ms_a_step * best["wall_time_ehd_s"],
-        best["derivative_products"] / best["steps"],
+        1e3 / python["steps"] * python["wall_time_s"],
+        inside(python, "bodies", "ehd"),
+        1e3 / STEPS * min(single),
+        inside(python, "ehd"),
+        1e3 / native["steps"] * native["wall_time_s"],
+        inside(native, "bodies", "ehd"),
+        python["derivative_products"] / python["steps"],
     )
 
 
 def table(name, values, rows):
-    """Print what was measured, with what is asked of it."""
-    print(
-        f"{name:>8} {'run':>9} {'inside':>9} {'film':>9} {'native':>9} {'run/inside':>11} "
-        f"{'run/native':>11} {'products':>9}"
-    )
+    """Print times [ms] and their ratios."""
+    heads = (*Costs._fields, "run/inside", "native/inside", "run/single")
+    print(f"{name:>8}", *(f"{head:>14}" for head in heads))
     for value, one in zip(values, rows):
-        print(
-            f"{value:8d} {one.run:6.2f} ms {one.inside:6.2f} ms {one.film:6.2f} ms "
-            f"{one.native:6.2f} ms {one.run / one.inside:11.2f} {one.run / one.native:11.1f} "
-            f"{one.products:9.1f}"
-        )
+        ratios = one.run / one.inside, one.native / one.native_inside, one.run / one.single
+        print(f"{value:8d}", *(f"{figure:14.2f}" for figure in (*one, *ratios)))
 
 
 def draw(by_cells, by_modes):
@@ -102,8 +115,10 @@ def draw(by_cells, by_modes):
 
 
 if __name__ == "__main__":
-    by_modes = [costs(modes, USUAL[1]) for modes in MODES]
+    by_modes = [costs(modes, USUAL[1], USUAL[1]) for modes in MODES]
     table("modes", MODES, by_modes)
-    by_cells = [by_modes[2] if n == USUAL[1] else costs(USUAL[0], n) for n in CELLS]
+    by_cells = [by_modes[2] if n == USUAL[1] else costs(USUAL[0], n, n) for n in CELLS]
     table("cells", CELLS, by_cells)
-    draw(by_cells, by_modes)
+    table("rigid", [12], [costs(0, 12, 10)])
+    if STEPS == 60:
+        draw(by_cells, by_modes)
