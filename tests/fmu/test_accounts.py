@@ -18,7 +18,6 @@ from piston_cosim.master.coupling.stepping import Counters
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.runs.logs import CouplingLog
-from piston_cosim.master.runs.run import run
 
 from .runs import EXAMPLE, run_tree, small_tree
 
@@ -29,8 +28,7 @@ PATH, HOME = find_case("two_mass_oscillator"), Path(__file__).parent
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     tree = read_tree(PATH, [("time.stop", "0.1 s"), ("coupling.predictor", 0)])
-    case = check_case(tree, PATH)
-    return folder, run(open_system(case, PATH.parent, print), case, tree, folder / "base.h5")
+    return folder, run_tree(PATH, tree, folder / "base.h5").summary
 
 
 def table(path):

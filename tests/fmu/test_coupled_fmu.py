@@ -7,15 +7,11 @@ import fmpy
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
-from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.run import run
 
-from .runs import EXAMPLE, build_of, export, small_tree
+from .runs import EXAMPLE, build_of, export, run_tree, small_tree, values_of
 
 STEPS = 12
 WATCHED = ("lateral_displacement", "minimum_film_thickness", "side_force", "friction_power")
@@ -27,15 +23,9 @@ def reference(tmp_path_factory):
     """Watched outputs after every macro step of a run, shape (STEPS + 1, 4), and the macro step
     [s].
     """
-    case, output = check_case(TREE, EXAMPLE), tmp_path_factory.mktemp("run") / "run.h5"
-    system = open_system(case, EXAMPLE.parent, print)
-    run(system, case, TREE, output)
-    results = Results(output)
-    owner = {
-        name: next(o for o, p in system.participants.items() if name in p.fields)
-        for name in WATCHED
-    }
-    return np.array([results.series(f"{owner[name]}.{name}")[0] for name in WATCHED]).T, system.step
+    results = run_tree(EXAMPLE, TREE, tmp_path_factory.mktemp("run") / "run.h5")
+    ports = [next(port for port in results.ports if port.endswith(f".{n}")) for n in WATCHED]
+    return np.transpose(values_of(results, *ports)), results.time[-1] / STEPS
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.case.given import build_options
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.common import variant_trees
 from piston_cosim.master.engine.headlines import headlines
@@ -88,27 +87,3 @@ def test_the_report_speaks_of_every_film(results_of):
     assert {"film of film_1", "film of film_2"} <= judged
     titles = [one.title for one in special(case, {"r": grooved}).sections]
     assert {"Friction: film_1", "Friction: film_2", "Motion of the piston", "Forces"} <= set(titles)
-
-
-def test_each_film_has_the_mask_of_its_own_surface(tmp_path, monkeypatch):
-    """Of the shipped skirt with pin holes: the rows of each band."""
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
-    path = find_case("fired_motorcycle")
-    tree = read_tree(path)
-    for body in ("piston", "block"):
-        tree["participants"]["bodies"]["build"][body]["modes"] = 0
-    whole = build_options(check_case(tree, path), path.parent, lambda text: None)["ehd"]["mask"]
-    participants = tree["participants"]
-    participants["bodies"]["build"]["film_surfaces"] = [
-        {"name": "lower", "rows": [1, 18]},
-        {"name": "upper", "rows": [19, 40]},
-    ]
-    participants["ehd"]["build"]["grid"] = [40, 22]
-    for wire in tree["wires"]:
-        for key, text in wire.items():
-            ends = ("film_thickness", "sliding_velocity", "_pressure_force", "_friction_force")
-            if str(text).startswith("bodies.") and str(text).endswith(ends):
-                wire[key] = text.replace("bodies.", "bodies.upper.")
-    mask = build_options(check_case(tree, path), path.parent, lambda text: None)["ehd"]["mask"]
-    np.testing.assert_array_equal(mask, np.array(whole)[:, 18:])
-    assert np.array(mask).min() == 0
