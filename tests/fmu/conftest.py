@@ -43,6 +43,12 @@ def results_of(tmp_path_factory, worker_id):
     return results
 
 
+@pytest.fixture(params=["python", "native"])
+def backend(request):
+    """What the code of an FMU is run by."""
+    return request.param
+
+
 @pytest.fixture(scope="session")
 def fmu():
     """The lubrication FMU on a small grid."""

@@ -259,7 +259,6 @@ def test_what_cannot_start_is_said_by_name(each):
             start(numbered(values))
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("kind", START)
 def test_fmi_3_has_the_bits_of_fmi_2(built, kind, backend):
     """Over steps whose ends are exact, for FMI 3 hands on the end less the beginning."""
@@ -282,13 +281,11 @@ def test_fmi_3_has_the_bits_of_fmi_2(built, kind, backend):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("kind", START)
 def test_description_is_valid(built, kind, backend, version):
     assert validate_fmu(str(built(kind, backend, version))) == []
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("kind, angle, table", [("bodies", 200.0, 0.1e6), ("engine", 8.0, 6.8e6)])
 def test_gas_is_of_table_or_input_and_both_are_told_once(built, kind, backend, angle, table):
     """By the output of the gas: 0.1 MPa of the bodies' table, linear to 3 MPa at 0 and 720 deg;

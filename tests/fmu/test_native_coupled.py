@@ -60,9 +60,9 @@ def both(tree, path):
     return [export(tree, path, native) for native in (True, False)]
 
 
-@pytest.fixture(params=["native", "python"])
-def engine(request):
-    return exported(native=request.param == "native")
+@pytest.fixture
+def engine(backend):
+    return exported(native=backend == "native")
 
 
 def started(path, values=HARD):
@@ -244,7 +244,6 @@ def test_a_fixed_parameter_is_rejected_after_the_start_and_never_acts(engine):
     ]
 
 
-@pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize(
     "name, value, sizes, output, steps, near, share",
     [
@@ -255,10 +254,10 @@ def test_a_fixed_parameter_is_rejected_after_the_start_and_never_acts(engine):
     ],
 )
 def test_a_tunable_parameter_acts_at_the_next_step(
-    native, name, value, sizes, output, steps, near, share
+    backend, name, value, sizes, output, steps, near, share
 ):
     """From the first step on as if the run had begun with it."""
-    path = exported(native=native, **sizes)
+    path = exported(native=backend == "native", **sizes)
     one, other, begun = (started(path, HARD | more) for more in ({}, {}, {name: value}))
     one.set(name, value)
     assert one.log == []
@@ -272,13 +271,12 @@ def test_a_tunable_parameter_acts_at_the_next_step(
 # ---- states
 
 
-@pytest.mark.parametrize("native", [True, False])
-def test_saved_state_omits_earlier_products_and_repeats_the_same_bits(native):
+def test_saved_state_omits_earlier_products_and_repeats_the_same_bits(backend):
     """The step after a save has the bits of the repeated step, which has no earlier products.
 
     With modes, a step that has them has other bits: a host that never saves keeps them.
     """
-    path = exported(native=native, **FOUR_MODES)
+    path = exported(native=backend == "native", **FOUR_MODES)
     never, saving, other = started(path), started(path), started(path, {})
     names = outputs_of(never)
     for k in range(1, 12):

@@ -218,12 +218,11 @@ LARGEST_STATE = 300_000
 """Bytes of a state on 40 x 40 cells, of which the variables of the FMU are 90 000."""
 
 
-@pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize("name", ["ring and splash", "coated"])
-def test_a_saved_state_is_small(native, name):
+def test_a_saved_state_is_small(backend, name):
     shape = (40, 40)
     changes = SPLASH if name != "coated" else dict(coating_thickness=2e-5)
-    path = make("fmu_ehd", {"grid": [*shape]}, Path("."), native)
+    path = make("fmu_ehd", {"grid": [*shape]}, Path("."), backend == "native")
     one = started(path, *motored_film(shape, 0.0), **flat(changes))
     for k in range(1, 4):
         step(one, *motored_film(shape, k * DEGREE))
@@ -235,11 +234,10 @@ EDGES = dict(oil_temperature_lower_edge=373.15, pressure_upper_edge=0.0)
 FIELD = np.linspace(340.0, 400.0, 30).reshape(6, 5)
 
 
-@pytest.mark.parametrize("native", [True, False])
 @pytest.mark.parametrize(
     "inputs", [(), tuple(EDGES), ("pressure_upper_edge", "oil_temperature"), ("oil_temperature",)]
 )
-def test_conditions_change_between_steps(native, inputs):
+def test_conditions_change_between_steps(backend, inputs):
     """Temperature and pressure of an edge, and a field of temperatures: as tunable parameters, and
     as inputs. The oil thins as well. Oil of a cut-out is as warm as the nearest film's to the film.
     """
@@ -258,7 +256,7 @@ def test_conditions_change_between_steps(native, inputs):
         """To a cut-out another temperature than its own makes no difference."""
         return {n: np.where(mask == 1, v, 290.0) if np.ndim(v) else v for n, v in values.items()}
 
-    path = make("fmu_ehd", options, Path("."), native)
+    path = make("fmu_ehd", options, Path("."), backend == "native")
     one = started(path, *motored_film(shape, 0.0), viscosity_law="vogel_1921", **shown(around(0)))
     state, _ = model.start(*motored_film(shape, 0.0), **around(0))
     for k in range(1, 6):

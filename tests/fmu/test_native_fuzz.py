@@ -26,10 +26,10 @@ INSIDE = {"fmu_ehd": [], "fmu_mfbd": [], "master.coupling": ["fmu_ehd", "fmu_mfb
 """Packages -> those whose entries theirs call, in the order of the FMU."""
 
 
-VERSIONS = ["2.0", pytest.param("3.0", marks=pytest.mark.slow)]
+pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="session", params=VERSIONS)
+@pytest.fixture(scope="session", params=["2.0", "3.0"])
 def version(request):
     return request.param
 
@@ -97,21 +97,12 @@ def sizes(description):
     ]
 
 
-def check(counted, calls):
+@pytest.mark.parametrize("calls, seed", [(5000, 1), (100_000, 2), (100_000, 3)])
+def test_calls_at_random_touch_no_memory_but_their_own(fuzzed, calls, seed):
     """All came back: hundreds went well, hundreds were refused; no damage was overlooked. Of the
     files and states with new sums, some were rejected and some ran.
     """
-    well, refused, words, damaged, tried, rejected, forged = counted
+    well, refused, words, damaged, tried, rejected, forged = fuzzed(calls, seed)
     assert well > calls / 10 and refused > calls / 10 and words > calls / 20
     assert damaged == tried == forged == calls // 5
     assert 0.05 < rejected / forged < 0.95
-
-
-def test_calls_at_random_touch_no_memory_but_their_own(fuzzed):
-    check(fuzzed(5000, 1), 5000)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 3])
-def test_many_more_calls_at_random(fuzzed, seed):
-    check(fuzzed(100_000, seed), 100_000)
