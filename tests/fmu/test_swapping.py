@@ -60,23 +60,6 @@ def test_template_is_short_and_valid(template):
     assert validate_fmu(str(template)) == []
 
 
-def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
-    rng = np.random.default_rng(5)
-    forces = []
-    for path in (template, in_c):
-        participant = FmuParticipant("film", path)
-        participant.start({}, 0.0, 1.0)
-        rng = np.random.default_rng(5)
-        for k in range(3):
-            participant.set("film_thickness", 2e-5 + 1e-5 * rng.random(CELLS))
-            participant.set("sliding_velocity", 5 * rng.random(CELLS))
-            participant.step(k * 1e-4, 1e-4)
-        forces.append(participant.get("nodal_pressure_force"))
-        participant.close()
-    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-9, atol=1e-9)  # sums in another order
-    assert forces[0].max() > 1.0
-
-
 QUASI_NEWTON = [
     ("coupling.method", "iqn_ageing"),
     ("coupling.probing", True),
