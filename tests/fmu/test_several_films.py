@@ -1,5 +1,5 @@
-"""Several films on one body, each a lubrication FMU of its own: as one film with a groove, oil and
-work of every film to round-off, kill -9 and resume, checks by film.
+"""Several films on one body, each a lubrication FMU of its own: as one film with a groove, and what
+the report says of each.
 """
 
 from functools import partial

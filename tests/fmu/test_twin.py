@@ -1,5 +1,5 @@
 """Several cylinders on one mounted block: shaking forces in closed form, the block's own equations,
-a block that does not yield, phases, processes of their own.
+a block that does not yield, phases.
 """
 
 import numpy as np

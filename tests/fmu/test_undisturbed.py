@@ -1,5 +1,5 @@
-"""What must not break a run: an FMU that hangs or changes the working directory, a second run in
-the same results, a point of a sweep that never ends, archives and names made to do harm.
+"""What must not break a run: an FMU that hangs or changes the working directory, a point of a
+sweep that never ends, archives and names made to do harm.
 """
 
 import csv

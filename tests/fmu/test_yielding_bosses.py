@@ -1,5 +1,5 @@
-"""models/yielding_bosses: a flexible piston on a floating pin, four films; its stiff limit, oil and
-work to round-off, kill -9 and resume; pin, bosses and the rod's eye that yield.
+"""models/yielding_bosses: a flexible piston on a floating pin, four films; its stiff
+limit; pin, bosses and the rod's eye that yield.
 """
 
 import numpy as np
