@@ -49,14 +49,6 @@ def refused(folder, text):
     return "\n".join(refusal.value.faults)
 
 
-def test_without_wires_every_fmu_runs_for_itself(folder):
-    _, results = solved(folder, case_text([], a="k = 2.0", b="k = 0.5"))
-    n = np.arange(STEPS + 1)
-    # a division a step: 10 roundings
-    np.testing.assert_allclose(results.series("a.x").values, 1.2**-n, rtol=1e-14)  # Eq. (X5)
-    np.testing.assert_allclose(results.series("b.x").values, 1.05**-n, rtol=1e-14)
-
-
 @pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
 def test_wires_of_all_types_hold_what_was_said_at_the_beginning_of_the_step(folder, method):
     typed = [

@@ -137,7 +137,7 @@ def test_without_the_results_so_far_it_is_refused(checkpoint):
     partial = checkpoint.with_suffix(".partial")
     whole = partial.read_bytes()
     damaged = "1.05.h5.partial: expected results so far, got a damaged file"
-    # HDF5 looks for what was cut off without an end: found by `chaos.py`
+    # HDF5 looks for what was cut off without an end: found by `test_chaos.py`
     for data, words in (
         (None, "expected the results so far, got no such file"),
         (b"no results", damaged),

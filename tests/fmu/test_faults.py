@@ -201,7 +201,7 @@ def test_a_killed_master_leaves_no_process_behind(tmp_path):
 
 @pytest.mark.parametrize("gone", [EOFError, ConnectionResetError])
 def test_a_served_fmu_ends_in_silence_where_its_master_is_gone(monkeypatch, gone):
-    # a master killed before it has read an answer resets the pipe; found by `chaos.py`
+    # a master killed before it has read an answer resets the pipe; found by `test_chaos.py`
     monkeypatch.setattr(isolated, "open_fmu", lambda *recipe: None)
     monkeypatch.setattr(isolated, "Server", MagicMock())
     pipe = MagicMock()

@@ -1,5 +1,4 @@
-"""Other lubrication FMUs in the place of the shipped one: the template, and one in C.
-"""
+"""Other lubrication FMUs in the place of the shipped one: the template, and one in C."""
 
 import importlib
 import re
