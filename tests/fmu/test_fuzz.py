@@ -102,10 +102,7 @@ y = [["a.x"]]
 TABLE = "time [s], u [mm]\n0, 1\n0.5, 2\n2, 3\n3, 4\n"
 
 
-def descriptions():
-    """Two FMUs, of FMI 2.0 and 3.0."""
-    units = {"u": "mm"}
-    return description(units=units, definitions=MILLIMETRE), DESCRIPTION_3
+DESCRIPTIONS = description(units={"u": "mm"}, definitions=MILLIMETRE), DESCRIPTION_3
 
 
 def damaged(text, rng):
@@ -153,10 +150,10 @@ def _line(text, rng):
     return "".join(lines)
 
 
-def attempt(seed, folder, descriptions):
+def attempt(seed, folder):
     """What became of one damaged system: "taken" or "refused"; anything else is raised."""
     rng = random.Random(seed)
-    files = {"a": DESCRIPTION_3, "b": rng.choice(descriptions)}
+    files = {"a": DESCRIPTION_3, "b": rng.choice(DESCRIPTIONS)}
     case, table = CASE, TABLE
     target = rng.choice(("a", "b", "case", "case", "table"))
     if target == "case":
@@ -179,25 +176,19 @@ def attempt(seed, folder, descriptions):
     return "taken"
 
 
-def fuzz(count, folder, descriptions, first=0):
-    """Outcomes of many attempts, and the tracebacks of those that came to neither."""
-    outcomes, bugs = Counter(), {}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        for seed in range(first, first + count):
-            try:
-                outcomes[attempt(seed, folder, descriptions)] += 1
-            except Exception:
-                bugs[seed] = traceback.format_exc()
-            if seed % 500 == 499:
-                shutil.rmtree(folder / "cache" / "unpacked", ignore_errors=True)
-    return outcomes, bugs
-
-
 @pytest.mark.parametrize("count", [300, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_damage_is_told_by_a_sentence(tmp_path, monkeypatch, count):
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
-    outcomes, bugs = fuzz(count, tmp_path, descriptions())
+    outcomes, bugs = Counter(), {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for seed in range(count):
+            try:
+                outcomes[attempt(seed, tmp_path)] += 1
+            except Exception:
+                bugs[seed] = traceback.format_exc()
+            if seed % 500 == 499:
+                shutil.rmtree(tmp_path / "cache" / "unpacked", ignore_errors=True)
     assert not bugs, next(iter(bugs.items()))
     # the undamaged case is taken, so that damage reaches every part of what is checked
     assert outcomes["taken"] > count / 10 and outcomes["refused"] > count / 3
