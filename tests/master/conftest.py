@@ -1,5 +1,8 @@
 """Affine systems in process, the master's protocol by hand, and a browser."""
 
+import ast
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +11,15 @@ from piston_cosim.master.fmi.errors import Discard
 
 from .browser import Browser
 from .toys import Toy, variable
+
+
+@pytest.fixture(scope="session")
+def trees():
+    """File -> syntax tree of all code of the project but its tests."""
+    root = Path(__file__).parents[2]
+    parts = ("fmu_ehd", "fmu_mfbd", "master", "models")
+    files = [path for part in parts for path in (root / part).rglob("*.py")]
+    return {path: ast.parse(path.read_text()) for path in files}
 
 
 @pytest.fixture(scope="session")

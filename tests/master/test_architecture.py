@@ -8,8 +8,6 @@ import sys
 import tomllib
 from pathlib import Path
 
-import pytest
-
 from ..command import script
 
 ROOT = Path(__file__).parents[2]
@@ -48,47 +46,43 @@ def test_import_contracts_hold():
     assert run.returncode == 0, run.stdout + run.stderr
 
 
-@pytest.mark.parametrize("package", ["fmu_ehd", "fmu_mfbd"])
-def test_kernels_know_no_fmi(package):
-    guilty = []
-    for path in (ROOT / package).rglob("*.py"):
-        if path.name in OUTER:
-            continue
-        for node in ast.walk(ast.parse(path.read_text())):
-            if (
-                isinstance(node, ast.ImportFrom)
-                and "master" in (node.module or "").split(".")
-                and node.module not in OF_KERNELS
-                and [alias.name for alias in node.names] != ["file_fault"]  # readers of files
-            ):
-                guilty.append(f"{path.name}: {node.module}")
-    assert guilty == []
+def imports(trees, *folders):
+    """(path in the project, node) of each `from ... import ...` in folders."""
+    for path, tree in trees.items():
+        place = path.relative_to(ROOT)
+        if place.parts[0] in folders:
+            yield from ((place, one) for one in ast.walk(tree) if isinstance(one, ast.ImportFrom))
 
 
-def test_inside_the_project_every_import_is_relative():
-    """An FMU carries the same tree under a name of its own."""
+def test_kernels_know_no_fmi(trees):
     guilty = [
-        f"{path}: {node.module}"
-        for path in sources()
-        for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.ImportFrom)
-        and not node.level
-        and node.module.split(".")[0] in NAMES
+        f"{place}: {node.module}"
+        for place, node in imports(trees, "fmu_ehd", "fmu_mfbd")
+        if place.name not in OUTER
+        and "master" in (node.module or "").split(".")
+        and node.module not in OF_KERNELS
+        and [alias.name for alias in node.names] != ["file_fault"]  # readers of files
     ]
     assert guilty == []
 
 
-def test_every_room_is_installed():
+def test_inside_the_project_every_import_is_relative(trees):
+    """An FMU carries the same tree under a name of its own."""
+    guilty = [
+        f"{place}: {node.module}"
+        for place, node in imports(trees, *PARTS)
+        if not node.level and node.module.split(".")[0] in NAMES
+    ]
+    assert guilty == []
+
+
+def test_every_room_is_installed(trees):
     listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
-    rooms = {path.parent.relative_to(ROOT) for path in sources() if path.name == "__init__.py"}
-    rooms.add(Path("tests/verification/cases"))  # for `piston-cosim verify`
+    files = {path.relative_to(ROOT) for path in trees if path.name == "__init__.py"}
+    # the root, models without those of a case, and `piston-cosim verify`
+    rooms = {Path(), Path("models"), Path("tests/verification/cases")}
+    rooms |= {path.parent for path in files if path.parts[0] in PARTS}
     assert set(listed) == {".".join(["piston_cosim", *room.parts]) for room in rooms}
-
-
-def sources():
-    """Files of the package, cases' own scripts left out."""
-    files = [path for part in PARTS for path in (ROOT / part).rglob("*.py")]
-    return [ROOT / "__init__.py", ROOT / "__main__.py", ROOT / "models" / "__init__.py", *files]
 
 
 ON_CONDA_FORGE = {"matplotlib": "matplotlib-base"}

@@ -20,10 +20,9 @@ CITATION = re.compile(r"\[([A-Z][A-Za-z]+\d{4}[a-z]?)\]")
 
 
 @pytest.fixture(scope="module")
-def texts():
+def texts(trees):
     """File -> text of all code that computes."""
-    parts = ("fmu_ehd", "fmu_mfbd", "master", "models")
-    return {path: path.read_text() for part in parts for path in (ROOT / part).rglob("*.py")}
+    return {path: path.read_text() for path in trees}
 
 
 def defined(text):
@@ -56,12 +55,12 @@ def test_every_citation_can_be_looked_up(texts):
     assert {key for text in texts.values() for key in CITATION.findall(text)} - listed == set()
 
 
-def test_no_docstring_reads_like_a_link(texts):
+def test_no_docstring_reads_like_a_link(trees):
     """`a[0] [s]` in plain words is a link to s for the site, which then is not built."""
     linked = [
         (path.name, found)
-        for path, text in texts.items()
-        for node in ast.walk(ast.parse(text))
+        for path, tree in trees.items()
+        for node in ast.walk(tree)
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
         for found in re.findall(
             r"\S+\] ?\[\S+", re.sub(r"`[^`]*`", "", ast.get_docstring(node) or "")

@@ -1,22 +1,10 @@
 """Names for positions: no long positional argument lists, no picking by number where names are."""
 
 import ast
-from pathlib import Path
 
-import pytest
-
-ROOT = Path(__file__).parents[2]
 MOST = 8
 ORDERED = ("parents", "argv", "shape")
 """Attributes whose elements have numbers and no names."""
-
-
-@pytest.fixture(scope="module")
-def trees():
-    """File -> syntax tree of all code of the project but its tests."""
-    parts = ("fmu_ehd", "fmu_mfbd", "master", "models")
-    files = [path for part in parts for path in (ROOT / part).rglob("*.py")]
-    return {path.relative_to(ROOT): ast.parse(path.read_text()) for path in files}
 
 
 def long_lists(tree):

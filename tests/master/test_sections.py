@@ -11,7 +11,6 @@ from piston_cosim.master.engine.headlines import friction_pressure, headlines
 from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.packing import Columns
 from piston_cosim.master.results.pictures import handy_unit, names_of
 from piston_cosim.master.results.recorded import Envelope
 
@@ -76,10 +75,6 @@ def test_strokes_begin_at_firing_top_dead_centre():
         (720, "expansion"),
     ]
     assert len(STROKES) == 4
-
-
-def test_firing_top_dead_centre_is_marked_where_expansion_begins():
-    shown = strokes({"a": run([-360.0, 725.0], cylinder_pressure=[0.0, 1e6])})
     assert {one.begin: one.mark for one in shown if one.mark} == {
         0: "firing TDC",
         720: "firing TDC",
@@ -220,15 +215,6 @@ def test_nothing_special_of_a_case_without_a_crank():
     results = run([0.0])
     results.known.clear()
     assert special(Case.model_construct(), {"r": results}) == sections.Special()
-
-
-def test_equal_columns_are_kept_once():
-    columns = Columns()
-    assert [columns.add([1.0, 2.0]), columns.add([3.0]), columns.add([1.0, 2.0])] == [
-        [0, 2],
-        [2, 1],
-        [0, 2],
-    ]
 
 
 def engine(surfaces=(), names=("front", "rear")):

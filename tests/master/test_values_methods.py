@@ -289,24 +289,6 @@ def test_gmres_looks_at_every_element_of_the_residual():
         assert found.products == products, elements
 
 
-def test_products_of_remembered_pairs():
-    """Eq. (Q10): what is known without looking at the pairs is what looking at them gives, also
-    where the oldest give way.
-    """
-    rng = np.random.default_rng(8)
-    matrix = np.eye(100) + 0.06 * rng.standard_normal((100, 100))
-    gmres = Gmres(90)
-    for _ in range(3):
-        right = rng.standard_normal(100)
-        found = gmres.solve(matrix.__matmul__, right, within(*np.full(100, 1e-9)))
-        assert found.products > 20
-        assert np.abs(right - matrix @ found.x).max() <= 1e-9
-        images, _, gram, _ = gmres.pairs
-        np.testing.assert_allclose(gram, images @ images.T, atol=1e-13)
-        matrix += 0.01 * rng.standard_normal((100, 100))
-    assert np.diag(gram) == pytest.approx(np.ones(80), abs=1e-13)
-
-
 def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
     # loose coupling of x = -x/2 + 3 is the plain iteration, an evaluation a step: 0, 3, 3/2, 9/4
     system = affine([[-0.5]], lambda t: 3.0, 1e-6)
