@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.answer import answer
 from piston_cosim.master.engine.overview import overview
 from piston_cosim.master.engine.sections import special
@@ -24,46 +25,7 @@ from .browser import Browser, pace
 from .by_hand import coupling, write_results
 
 AROUND, ALONG, INSTANTS = 8, 5, 19
-TREE = {
-    "title": "A piston",
-    "time": {"stop": "720 deg", "step": "10 deg", "angular_speed": "bodies.crank_speed"},
-    "participants": {
-        "bodies": {"package": "fmu_mfbd", "role": "bodies"},
-        "ehd": {
-            "package": "fmu_ehd",
-            "role": "lubrication",
-            "parameters": {"skirt_length": "40 mm"},
-        },
-    },
-    "wires": [{"from": "bodies.film_thickness", "to": "ehd.film_thickness"}],
-    "coupling": {"order": ["ehd", "bodies"]},
-    "record": {"fields": ["ehd.pressure", "bodies.film_thickness", "ehd.film_fraction"]},
-    "monitor": {"film": "last ehd.minimum_film_thickness"},
-    "summary": {"thinnest": "min ehd.minimum_film_thickness"},
-    "axes": [
-        {
-            "participants": ["ehd", "bodies"],
-            "first": {
-                "label": "angle",
-                "unit": "deg",
-                "range": [0, 360],
-                "centred": 90,
-                "marks": {"thrust": 90, "anti-thrust": 270},
-            },
-            "second": {"label": "height", "unit": "mm", "length": "ehd.skirt_length"},
-        }
-    ],
-    "pictures": [
-        {
-            "file": "maps.png",
-            "title": "Maps",
-            "kind": "map",
-            "fields": ["ehd.pressure", "bodies.film_thickness"],
-            "time": "0 s",
-            "units": {"ehd.pressure": "MPa", "bodies.film_thickness": "um"},
-        }
-    ],
-}
+TREE = read_tree(find_case("data_sheet"))
 MASK = [[0 if i == 4 and j == 0 else 1 for j in range(ALONG)] for i in range(AROUND)]
 SERIES = {
     "bodies/crank_angle": ("rad", lambda angle: angle),

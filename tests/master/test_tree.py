@@ -12,9 +12,6 @@ from piston_cosim.master.fmi.tree import reached
     [
         "from .wanted import a",
         "from . import wanted",
-        "from .wanted import (\n    a,  # (so)\n    b,\n)",
-        "x = 1; from .wanted import a",
-        "if x: from .wanted import a",
         """
         try:
             import elsewhere
@@ -42,11 +39,6 @@ from piston_cosim.master.fmi.tree import reached
         """
         match x:
             case 1:
-                from .wanted import a
-        """,
-        """
-        async def f():
-            while x:
                 from .wanted import a
         """,
         "from .between import a",
