@@ -95,7 +95,7 @@ def affine():
         plant = Affine("plant", u, y, matrix, lambda t: np.atleast_1d(offset(t)))
         echo = Affine("echo", v, w, np.eye(len(matrix)), lambda t: 0.0)
         parallel = given.pop("parallel", False)
-        more = (None, *(given.get(key, d) for key, d in WIRE_DEFAULTS.items()))
+        more = (None, given.get("relative_tolerance", 0.0), given.get("local_error"))
         back = [
             Wire(("echo", f"w{k}"), ("plant", f"u{k}"), shape, "m", size, tolerance, *more)
             for k, (shape, size) in enumerate(zip(shapes, nominal))
@@ -120,9 +120,3 @@ def affine():
         )
 
     return make
-
-
-WIRE_DEFAULTS = {
-    "relative_tolerance": 0.0,
-    "local_error": None,
-}

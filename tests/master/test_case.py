@@ -49,17 +49,6 @@ def faults_of(path):
     return caught.value.faults
 
 
-def test_every_fault_is_listed_with_its_place(case_file):
-    text = GOOD.replace("title =", "tittle =").replace(
-        "[coupling]", "[coupling]\nmax_iteration = 3\nrelaxation = -1.0"
-    )
-    faults = "\n".join(faults_of(case_file(text)))
-    assert "title: expected a value, got nothing" in faults
-    assert "title: expected a value, got nothing" in faults
-    assert "unknown key 'max_iteration'" in faults
-    assert "coupling.relaxation" in faults and "-1.0" in faults
-
-
 def test_unknown_participant_is_named(case_file):
     assert (
         "participants: expected one of a, b, got"

@@ -98,13 +98,6 @@ def test_a_failure_halves_the_step_down_to_the_smallest():
     assert not control(smallest).halve(1.9 * smallest)
 
 
-def test_remaining_time_is_cut_into_equal_steps():
-    chosen = control(0.1)
-    chosen.step = 0.4
-    assert chosen.length(1.0) == (pytest.approx(1 / 3), False)
-    assert chosen.length(0.4) == (0.4, True)
-
-
 def test_each_wire_has_its_own_allowed_error(affine):
     wires = affine(np.zeros((8, 8)), np.zeros, shapes=((7,), ())).wires[:2]
     assert step_control(wires, 1e-6) is None
