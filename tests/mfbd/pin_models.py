@@ -64,25 +64,21 @@ CENTRE = np.array([1.5e-3, 26.5e-3])
 CRITICAL = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_damping_ratio=1.0)
 
 
-def rigid_piston(grid=GRID, centre=CENTRE, pin_offset=0.0):
-    """The piston of data_sheet, its centre of mass off its axis."""
-    return ReducedPiston(
+def bodies():
+    """The rigid piston of data_sheet in its bore, its centre of mass off its axis."""
+    piston = ReducedPiston(
         mass=1.39,
-        S=1.39 * centre,
-        I0=0.003 + 1.39 * float(centre @ centre),
+        S=1.39 * CENTRE,
+        I0=0.003 + 1.39 * float(CENTRE @ CENTRE),
         radius=54.95e-3,
         skirt_lower=-45.5e-3,
         skirt_upper=37.3e-3,
-        pin_offset=pin_offset,
-        **no_modes_in_motion(grid[0] * grid[1]),
+        pin_offset=0.0,
+        **no_modes_in_motion(GRID[0] * GRID[1]),
     )
-
-
-def bodies():
-    """The rigid piston in its bore."""
     heights = np.linspace(90e-3, 360e-3, 64)
     block = ReducedBlock(heights=heights, radius=55e-3, **no_modes(GRID[0], len(heights)))
-    return ReducedBodies(rigid_piston(), block)
+    return ReducedBodies(piston, block)
 
 
 def options(floating):

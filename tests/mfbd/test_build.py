@@ -161,26 +161,6 @@ def test_modes_of_a_symmetric_body_are_even_or_odd():
     assert (symmetric_modes(body, whole, points + [1e-3, 0, 0]).kind == -1).all()
 
 
-def test_shipped_meshes_are_mirror_symmetric():
-    """Every node and element of the case's meshes has its image about x = 0 and z = 0, to the last
-    bit.
-    """
-    folder = Path(__file__).parents[2] / "models" / "numerical_example"
-    for name, surfaces in (
-        ("piston", ("skirt", "crown", "pin_bore")),
-        ("block", ("bore", "bolts")),
-    ):
-        mesh = read_mesh(folder / f"{name}.msh.xz", dict.fromkeys(surfaces))
-        assert len(mesh.points) >= 15000
-        place = {tuple(p): k for k, p in enumerate(mesh.points.tolist())}
-        elements = {tuple(sorted(t)) for t in mesh.tets.tolist()}
-        for axis in (0, 2):
-            flip = np.ones(3)
-            flip[axis] = -1.0
-            image = np.array([place[tuple((p * flip + 0.0).tolist())] for p in mesh.points])
-            assert {tuple(sorted(t)) for t in image[mesh.tets].tolist()} == elements
-
-
 def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):
     """One file holds all: the FMU built of it is that of its mesh, reports need nothing else."""
     folder, options = coarse

@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
 from piston_cosim.fmu_mfbd.dynamics.thermal_growth import Radii, thermal_opening
 
 from .pin_models import PARAMETERS, all_that_yields, crank_model, rough_inputs
-from .test_model import STEP, inputs
+from .test_model import STEP, inputs, run
 from .test_motion_in_space import space_model
 
 WARM, HOT = 293.15, 393.15
@@ -37,9 +37,7 @@ def built(reduced):
 
 def taken(model, steps=4, **given):
     """State and outputs after some steps, and of one more with other inputs."""
-    state, _ = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
-    for k in range(steps):
-        state, _ = model.advance(state, inputs(model, k), STEP)
+    state, _ = run(model, steps)
     last = dataclasses.replace(inputs(model, steps), **given)
     return (*model.advance(state, last, STEP), last)
 

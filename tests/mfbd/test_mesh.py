@@ -7,16 +7,15 @@ from scipy.spatial import cKDTree
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh
-from piston_cosim.fmu_mfbd.finite_elements.regions import Cylinder, Plane
+from piston_cosim.fmu_mfbd.finite_elements.regions import Cylinder
 from piston_cosim.master.fmi.errors import BadInput
 
 SKIRT = Cylinder(28e-3, -16e-3, 8e-3)
-CROWN = Plane(20e-3)
 
 
 @pytest.fixture(scope="module")
 def original(coarse):
-    return read_mesh(coarse[0] / "piston.msh", {"skirt": None, "crown": None})
+    return read_mesh(coarse[0] / "piston.msh", {"skirt": None})
 
 
 def same_faces(a, b):
@@ -25,26 +24,6 @@ def same_faces(a, b):
     return (
         len(ours) == len(theirs) and cKDTree(ours).query(theirs)[0].max() < 1e-7
     )  # files hold about nine digits
-
-
-def test_abaqus_in_millimetres_with_node_sets_and_other_axes(original, tmp_path):
-    """File axes: thrust along -z, pin along x."""
-    points = np.stack(
-        [original.points[:, 2], original.points[:, 1], -original.points[:, 0]], axis=1
-    ) * 1e3 + [0.0, 5.0, 0.0]
-    path = tmp_path / "piston.inp"
-    meshio.write(
-        path,
-        meshio.Mesh(
-            points, [("tetra10", original.tets)], point_sets={"skirt": original.nodes("skirt")}
-        ),
-    )
-    mesh = read_mesh(
-        path, {"skirt": None, "crown": CROWN}, 1e-3, ("-z", "y", "x"), (0.0, 5e-3, 0.0)
-    )
-    np.testing.assert_allclose(mesh.points, original.points, atol=1e-12)
-    for name in ("skirt", "crown"):
-        assert same_faces((mesh, mesh.faces[name]), (original, original.faces[name]))
 
 
 def test_linear_elements_get_edge_nodes_with_a_warning(original, tmp_path):

@@ -43,7 +43,6 @@ from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
 from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
-from piston_cosim.fmu_mfbd.variables import variables
 from piston_cosim.master.fmi.errors import BadInput
 
 from .conftest import quiet, sheets
@@ -586,19 +585,6 @@ def test_a_free_crank_is_refused_beside_it():
     free_crank = dataclasses.replace(PARAMETERS, crank_free=1)
     (told,) = faults(flat_bodies(), options(SKEWED), free_crank)
     assert told == "crank_free: expected 0 with motion in space, got 1"
-
-
-def test_the_table_of_variables_has_its_own():
-    flat, space = ({one.name for one in variables(options(one))} for one in (None, SKEWED))
-    own = {"pin_axis_displacement", "roll_angle", "yaw_angle", "pin_axis_velocity", "rod_force_z"}
-    assert own | {"pin_tilt_play", "pin_cross_inertia"} <= space - flat
-    assert own | {"force_on_block_z", "moment_on_block_x"} <= space and flat <= space
-    model = space_model()
-    _, out = model.start(0.3, 0.0, 0.0, rough_inputs(model, 0))
-    told = {
-        one.name.split("[")[0] for one in variables(options(SKEWED)) if one.causality == "output"
-    }
-    assert told == set(out) | {"side_force_demand"}
 
 
 def test_a_held_tilt_is_where_roll_counts_from():
