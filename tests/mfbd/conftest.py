@@ -132,6 +132,14 @@ def kept_bodies(tmp_path_factory):
     return tmp_path_factory.mktemp("cache")
 
 
+@pytest.fixture(scope="module")
+def kept(kept_bodies):
+    """Sets that cache for a module."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+        yield
+
+
 @pytest.fixture(scope="session")
 def reduced(coarse, kept_bodies):
     """(options, piston, block) of the small bodies, reduced."""

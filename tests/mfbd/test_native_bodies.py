@@ -19,6 +19,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
 from piston_cosim.fmu_mfbd.native import uncovered
 
 from ..command import script
+from .conftest import quiet
 
 SCRIPT = """
 import json, sys
@@ -162,15 +163,13 @@ LOADED = dict(
 
 
 @pytest.fixture(scope="module")
-def told(coarse, kept_bodies, tmp_path_factory):
+def told(coarse, kept, tmp_path_factory):
     """Runs the script on the small bodies with parameters and build options changed."""
 
     def run(changes, **options):
         folder, build = coarse
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-            (folder / "begin.json").write_text(json.dumps(BEGIN))
-            prepared, files = prepare(build | {"grid": [8, 6]} | options, folder, lambda text: None)
+        (folder / "begin.json").write_text(json.dumps(BEGIN))
+        prepared, files = prepare(build | {"grid": [8, 6]} | options, folder, quiet)
         resources = tmp_path_factory.mktemp("resources")
         (resources / "build.json").write_text(json.dumps(prepared))
         for file in files:

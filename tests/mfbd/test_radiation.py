@@ -165,8 +165,7 @@ def test_less_than_a_turn_is_refused():
         noise(recorded(velocity[:40], angle[:40]), "bodies", None)
 
 
-def test_a_rigid_block_radiates_nothing(coarse, kept_bodies, monkeypatch):
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+def test_a_rigid_block_radiates_nothing(coarse, kept):
     folder, table = coarse
     with pytest.raises(BadInput, match="modes: expected a flexible block, got a"):
         of_table(table | {"block": table["block"] | {"modes": 0}}, folder, lambda text: None)

@@ -26,14 +26,12 @@ from .conftest import quiet
 
 
 @pytest.fixture(scope="module")
-def report(coarse, kept_bodies):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-        files = reduced_bodies(coarse[1], coarse[0], quiet)
-        yield {
-            name: Reduced(*(load(part, files[name]) for part in (kind, Anatomy, MeshProperties)))
-            for name, kind in (("piston", ReducedPiston), ("block", ReducedBlock))
-        }
+def report(coarse, kept):
+    files = reduced_bodies(coarse[1], coarse[0], quiet)
+    return {
+        name: Reduced(*(load(part, files[name]) for part in (kind, Anatomy, MeshProperties)))
+        for name, kind in (("piston", ReducedPiston), ("block", ReducedBlock))
+    }
 
 
 def test_table_of_modes(report):

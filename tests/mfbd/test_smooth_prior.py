@@ -174,9 +174,8 @@ def test_other_modes_and_bases_are_rejected(coarse, change, said):
         reduced_bodies(options | {"piston": options["piston"] | change}, folder, print)
 
 
-def test_bodies_by_their_error(coarse, kept_bodies, monkeypatch):
+def test_bodies_by_their_error(coarse, kept):
     """Each body has its own number of modes, and a smaller error has more."""
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
     folder, options = coarse
     counts = []
     for error in ("20 %", "5 %"):

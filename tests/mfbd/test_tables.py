@@ -139,7 +139,7 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
 
 
 @pytest.fixture(scope="module")
-def shaped(coarse, tmp_path_factory):
+def shaped(coarse, kept):
     """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a
     running model.
     """
@@ -158,9 +158,7 @@ def shaped(coarse, tmp_path_factory):
         "gas": {"file": "gas.csv", "angle_unit": "1 deg", "pressure_unit": "1 Pa"},
         "speed": {"points": [[0, 3000], [1, 3600]], "time_unit": "1 ms", "speed_unit": "1 rpm"},
     }
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(tmp_path_factory.mktemp("cache")))
-        options, files = prepare(table, folder, lambda text: None)
+    options, files = prepare(table, folder, lambda text: None)
     piston, block = load(ReducedPiston, files[0]), load(ReducedBlock, files[1])
     parameters = Parameters(skirt_growth_upper=4e-6, bore_growth_lower=3e-6)
     return assemble(piston, block, BuildOptions.from_json(options), parameters)

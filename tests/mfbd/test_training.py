@@ -121,8 +121,7 @@ def trained(options, path):
 
 
 @pytest.fixture
-def run(coarse, kept_bodies, monkeypatch, tmp_path):
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
+def run(kept, tmp_path):
     return results(tmp_path / "run.h5", {}, film_forces(GRID))
 
 

@@ -78,11 +78,9 @@ def skirt(coarse):
 
 
 @pytest.fixture(scope="module")
-def files(coarse, kept_bodies):
+def files(coarse, kept):
     folder, options = coarse
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
-        yield reduced_bodies(options, folder, quiet)
+    return reduced_bodies(options, folder, quiet)
 
 
 def missing(skirt, modes, film):
@@ -282,11 +280,6 @@ def test_forces_of_several_films_are_those_of_the_skirt(tmp_path):
         del file["fields/upper/nodal_pressure_force"]
     with pytest.raises(NotRecorded, match="has not recorded"):
         recorded_loads(path, GRID)
-
-
-@pytest.fixture
-def kept(kept_bodies, monkeypatch):
-    monkeypatch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
 
 
 def case_tree(options):
