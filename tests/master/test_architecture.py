@@ -129,7 +129,9 @@ CHECK += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integra
 
 
 def test_commands_import_little(tmp_path):
-    """numpy alone is as much as all of `--help`; each module takes 0.05 to 0.6 s."""
+    """Of `python -m piston_cosim`: numpy alone takes as long as all of `--help`, other modules 0.05
+    to 0.6 s.
+    """
     check = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
     first = [(["--help"], HEAVY), (["--version"], HEAVY), (check, CHECK)]
     for calls in (first, [(["run", "--help"], RUN)]):
@@ -138,13 +140,12 @@ def test_commands_import_little(tmp_path):
 
 
 LOADED = """
-import json, sys
-from piston_cosim.master.commands.app import main
+import json, runpy, sys
 loaded = []
 for arguments, avoided in json.loads(sys.argv[1]):
     sys.argv = ["piston-cosim", *arguments]
     try:
-        main()
+        runpy.run_module("piston_cosim", run_name="__main__")
     except SystemExit as ended:
         assert not ended.code, ended.code
     loaded += [(arguments, name) for name in avoided if name in sys.modules]

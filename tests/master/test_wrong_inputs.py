@@ -148,7 +148,6 @@ SAID = {
     f"{SHEET} bore_radius='2 km'": "bore_radius: expected 0.001 to 1 m, got 2 km",
     f"{SHEET} wires.0.from=bodies.film": "expected one of bodies.film_thickness,",
     f"{SHEET} pictures.0.x=bodies.crank_angl": "png: expected one of bodies.film_thickness,",
-    f"{SHEET} \"pictures.0.fields=['ehd.presure']\"": "png: expected one of",
     f"{SHEET} time.stop='7 bar'": "time.stop: expected a quantity in rad, got '7 bar'",
     f"{SHEET} time.until_periodic=-1": "until_periodic: expected a value of at least 0,",
     f"{SHEET} time.until_periodic=abc": "until_periodic: expected a number, got 'abc'",
