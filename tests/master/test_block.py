@@ -40,6 +40,12 @@ class Tree(NamedTuple):
     stencil: Annotated[NDArray[np.float64], "2, n, m"]
 
 
+@pytest.fixture(params=[True, False])
+def ready(request):
+    """Kernels as they are called inside others, and as Python calls them."""
+    return (lambda kernel: compiled(kernel.py_func)) if request.param else lambda kernel: kernel
+
+
 def branch(random, n, m):
     """Return a branch of random numbers."""
     return Branch(
@@ -57,15 +63,12 @@ def same(one, other):
     return np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("is_compiled", [True, False])
 @pytest.mark.parametrize("n, m", [(3, 4), (1, 1)])
-def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
+def test_a_tree_comes_back_from_its_row(n, m, ready):
     random = np.random.default_rng(n)
     absent = branch(random, n, m)._replace(field=np.zeros((0, 0)))
     tree = Tree(branch(random, n, m), 0.3, absent, random.random((2, n, m)))
-    put, get = flatten(Tree)
-    if is_compiled:
-        put, get = compiled(put.py_func), compiled(get.py_func)
+    put, get = map(ready, flatten(Tree))
     length = room_of(Tree, "n, m")(n, m)
     row = np.full(length, np.nan)
     end = put(row, tree)
@@ -75,13 +78,12 @@ def test_a_tree_comes_back_from_its_row(n, m, is_compiled):
     assert np.isnan(row).sum() == n * (m + 1)
 
 
-@pytest.mark.parametrize("is_compiled", [True, False])
-def test_a_row_is_alike_where_its_lengths_are(is_compiled):
+def test_a_row_is_alike_where_its_lengths_are(ready):
     """Every length is compared and nothing else, by their positions in the 25 words."""
     random = np.random.default_rng(5)
     row = row_of(Tree(branch(random, 2, 1), 0.3, branch(random, 1, 1), random.random((2, 1, 1))))
     lengths = {1, 2, 8, 13, 14, 18, 20, 21, 22}
-    is_alike = compiled(alike(Tree).py_func) if is_compiled else alike(Tree)
+    is_alike = ready(alike(Tree))
     assert is_alike(row, row)
     for k in range(len(row)):
         for value in (row[k] + 1.0, -1.0, np.nan, 1e300):
@@ -98,16 +100,12 @@ class Table(NamedTuple):
     length: float
 
 
-@pytest.mark.parametrize("is_compiled", [True, False])
 @pytest.mark.parametrize("n, m", [(3, 4), (3, 5)])
-def test_bits_of_single_precision_and_whole_numbers_come_back(n, m, is_compiled):
+def test_bits_of_single_precision_and_whole_numbers_come_back(n, m, ready):
     random = np.random.default_rng(m)
     single = random.random((n, m)).astype(np.float32)
     table = Table(single, random.integers(-(2**62), 2**62, (n, m)), 0.3)
-    get = reader(Table)
-    if is_compiled:
-        get = compiled(get.py_func)
-    found = get(row_of(table))
+    found = ready(reader(Table))(row_of(table))
     assert [one.dtype for one in found[:2]] == [np.float32, np.int64]
     assert same(found, table)
 
@@ -153,13 +151,10 @@ def setup_row():
     return row_of(tree)
 
 
-@pytest.mark.parametrize("is_compiled", [True, False])
-def test_checker_accepts_the_row_and_rejects_what_is_out_of_range(is_compiled):
+def test_checker_accepts_the_row_and_rejects_what_is_out_of_range(ready):
     """Lengths, positions, whole numbers by their bits, and numbers that are not finite."""
     row, reals = setup_row(), 7 + CELLS
-    check = checker(Setup, "reals")
-    if is_compiled:
-        check = compiled(check.py_func)
+    check = ready(checker(Setup, "reals"))
     assert check(row, reals) == len(row) == IS_WET + 4
     assert check(row, reals - 1) == -1  # the cells of `place` end at 10
     for k in range(IS_WET + 1):
