@@ -52,19 +52,16 @@ def objects(skirt):
     """Kind -> object of all that a user holds."""
     film = pc.Film((8, 4))
     film.start(1e-5, sliding_velocity=1.0)
-    fmu = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
-    yield {
+    return {
         "Case": pc.open_case("two_mass_oscillator"),
         "Results": skirt,
         "Plots": skirt.plot,
         "Series": skirt.series("ehd.friction_power"),
         "RecordedField": RecordedField(np.ones((8, 4)), 1e-3, "Pa", "Pressure"),
         "Film": film,
-        "FMU": fmu,
         "BodyReport": BodyReport("piston", [], 10, 5, 30, 0.1, np.zeros(3), np.eye(3), 1.0, 1, []),
         "Memory of a film": film.state,
     }
-    fmu.close()
 
 
 def test_a_repr_is_one_short_line_without_an_address(objects):
@@ -363,6 +360,7 @@ def test_time_is_the_abscissa_without_a_crank(oscillator):
 def test_an_fmu_of_a_case_has_the_options_asked_for(here):
     film = pc.open_fmu(pc.build_fmu("data_sheet", "ehd", options={"grid": [16, 8]}))
     assert film.fields["film_thickness"].shape == (16, 8)
+    assert repr(film).startswith("<FMU ") and " at 0x" not in repr(film)
     with pytest.raises(pc.BadInput, match="no such file"):
         pc.open_fmu("film.fmu")
 

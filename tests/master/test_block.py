@@ -63,19 +63,18 @@ def same(one, other):
     return np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("n, m", [(3, 4), (1, 1)])
-def test_a_tree_comes_back_from_its_row(n, m, ready):
-    random = np.random.default_rng(n)
-    absent = branch(random, n, m)._replace(field=np.zeros((0, 0)))
-    tree = Tree(branch(random, n, m), 0.3, absent, random.random((2, n, m)))
+def test_a_tree_comes_back_from_its_row(ready):
     put, get = map(ready, flatten(Tree))
-    length = room_of(Tree, "n, m")(n, m)
-    row = np.full(length, np.nan)
-    end = put(row, tree)
-    assert np.array_equal(row[:end], row_of(tree))
-    assert same(get(row), tree)
-    # the absent array alone leaves room
-    assert np.isnan(row).sum() == n * (m + 1)
+    for n, m in ((3, 4), (1, 1)):
+        random = np.random.default_rng(n)
+        absent = branch(random, n, m)._replace(field=np.zeros((0, 0)))
+        tree = Tree(branch(random, n, m), 0.3, absent, random.random((2, n, m)))
+        row = np.full(room_of(Tree, "n, m")(n, m), np.nan)
+        end = put(row, tree)
+        assert np.array_equal(row[:end], row_of(tree))
+        assert same(get(row), tree)
+        # the absent array alone leaves room
+        assert np.isnan(row).sum() == n * (m + 1)
 
 
 def test_a_row_is_alike_where_its_lengths_are(ready):
@@ -100,14 +99,15 @@ class Table(NamedTuple):
     length: float
 
 
-@pytest.mark.parametrize("n, m", [(3, 4), (3, 5)])
-def test_bits_of_single_precision_and_whole_numbers_come_back(n, m, ready):
-    random = np.random.default_rng(m)
-    single = random.random((n, m)).astype(np.float32)
-    table = Table(single, random.integers(-(2**62), 2**62, (n, m)), 0.3)
-    found = ready(reader(Table))(row_of(table))
-    assert [one.dtype for one in found[:2]] == [np.float32, np.int64]
-    assert same(found, table)
+def test_bits_of_single_precision_and_whole_numbers_come_back(ready):
+    get = ready(reader(Table))
+    for n, m in ((3, 4), (3, 5)):
+        random = np.random.default_rng(m)
+        single = random.random((n, m)).astype(np.float32)
+        table = Table(single, random.integers(-(2**62), 2**62, (n, m)), 0.3)
+        found = get(row_of(table))
+        assert [one.dtype for one in found[:2]] == [np.float32, np.int64]
+        assert same(found, table)
 
 
 # ---- rows from a file

@@ -445,7 +445,7 @@ def altered(data, rng):
     return words.tobytes()
 
 
-COUNTS = [300, pytest.param(10_000, marks=pytest.mark.slow)]
+COUNTS = [100, pytest.param(10_000, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)

@@ -47,10 +47,13 @@ def test_keys_of_the_file_of_the_parts_and_of_their_parameters(found):
 
 
 def test_schema_takes_the_shipped_cases_and_refuses_a_wrong_key():
+    schemas = []
     for name in case_names():
         path = find_case(name)
         schema = json_schema(read_tree(path), path.parent)
-        Draft202012Validator.check_schema(schema)
+        if schema not in schemas:  # several cases have the same
+            Draft202012Validator.check_schema(schema)
+            schemas.append(schema)
         validator = Draft202012Validator(schema)
         for tree in (read_tree(path), tomllib.loads(path.read_text())):
             tree = json.loads(json.dumps(tree))
