@@ -52,8 +52,10 @@ class Toy:
     def enter(self, parameters, start_time, stop_time):
         self.values |= {key: np.array(value, dtype=float) for key, value in parameters.items()}
 
-    def leave(self):
-        pass
+    def ignore(self, *given):
+        """Do nothing."""
+
+    leave = free = close = ignore
 
     def set(self, name, value):
         self.values[name] = np.array(value, dtype=float)
@@ -74,17 +76,11 @@ class Toy:
     def restore(self, saved):
         self.state, self.values = saved[0].copy(), {k: v.copy() for k, v in saved[1].items()}
 
-    def free(self, saved):
-        pass
-
     def serialise(self, saved):
         return pack(saved)
 
     def deserialise(self, data):
         return unpack(data)
-
-    def close(self):
-        pass
 
 
 def go(system, output, watch=lambda *args: None, *, tree, **given):
