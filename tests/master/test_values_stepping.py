@@ -25,11 +25,7 @@ from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.master.participants.interpolated import (
-    InterpolatedParticipant,
-    hermite,
-    linear,
-)
+from piston_cosim.master.participants.interpolated import InterpolatedParticipant
 
 from .toys import Toy, variable
 
@@ -327,19 +323,6 @@ def test_what_is_no_conjugate_is_refused(conjugate, unit, message):
         work_of("m", unit, conjugate)
 
 
-def test_courses_by_hand():
-    # Eq. (I1): from 1 to 3 in 2 s
-    assert linear(np.array([1.0]), np.array([3.0]), 2.0).tolist() == [[1.0], [1.0]]
-    # Eq. (I2): u0 = 1, u1 = 3, u0' = 1/2, u1' = 4, H = 2: u = 1 + s/2 - s^2 + 5/8 s^3, of
-    # which the derivatives at 0 are 1/2, 2 x (3 - 1 - 4)/2 = -2 and 6 x (4.5 - 2)/4 = 3.75
-    course = hermite(*(np.array([value]) for value in (1.0, 3.0, 0.5, 4.0)), 2.0)
-    assert course[:, 0].tolist() == [1.0, 0.5, -2.0, 3.75]
-    s, factorials = 2.0, (1, 1, 2, 6)
-    taylor = sum(c * s**k / f for k, (c, f) in enumerate(zip(course[:, 0], factorials)))
-    slope = 0.5 - 2.0 * s + 3.75 * s**2 / 2
-    assert (taylor, slope) == (3.0, 4.0)
-
-
 class Told(Toy):
     """A participant that only notes the courses it is told; its state is their number."""
 
@@ -369,7 +352,7 @@ def tried(participant, time, end, **more):
     "kind, first, second",
     [
         ("linear", [1.0, 1.0], [3.0, -0.5]),
-        # slopes 1/2 at the start, 4 at 2 s, 0 at 4 s
+        # Eq. (I2): slopes 1/2 at the start, 4 at 2 s, 0 at 4 s: u = 1 + s/2 - s^2 + 5/8 s^3
         ("hermite", [1.0, 0.5, -2.0, 3.75], [3.0, 4.0, 2 * (-1.5 - 8.0) / 2, 6 * (4.0 + 1.0) / 4]),
     ],
 )
