@@ -1,4 +1,6 @@
-"""Other lubrication FMUs in the place of the shipped one: the template, and one in C."""
+"""Other lubrication FMUs in the place of the shipped one: the template, one in C, one without
+derivatives.
+"""
 
 import importlib
 import re
@@ -8,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
 
 import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
@@ -56,6 +59,23 @@ def in_c(template, tmp_path_factory):
 def test_template_is_short_and_valid(template):
     assert len(TEMPLATE.read_text().splitlines()) < 60
     assert validate_fmu(str(template)) == []
+
+
+def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
+    rng = np.random.default_rng(5)
+    forces = []
+    for path in (template, in_c):
+        participant = FmuParticipant("film", path)
+        participant.start({}, 0.0, 1.0)
+        rng = np.random.default_rng(5)
+        for k in range(3):
+            participant.set("film_thickness", 2e-5 + 1e-5 * rng.random(CELLS))
+            participant.set("sliding_velocity", 5 * rng.random(CELLS))
+            participant.step(k * 1e-4, 1e-4)
+        forces.append(participant.get("nodal_pressure_force"))
+        participant.close()
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-9, atol=1e-9)  # sums in another order
+    assert forces[0].max() > 1.0
 
 
 QUASI_NEWTON = [
@@ -120,6 +140,22 @@ def test_a_run_takes_a_model_class_or_its_file(template, tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", argv)
     with pytest.raises(SystemExit, match="2"):
         main()
+
+
+def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
+    """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
+    fmu = FmuBuilder.build_FMU(
+        HERE / "stock_film.py",
+        dest=tmp_path / "stock.fmu",
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
+    )
+    role, breaches, remarks = check_fmu(fmu)
+    assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
+    results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
+    converged(results.summary)
+    assert results.summary["derivative_products"] == 0
+    assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
 
 
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
