@@ -196,16 +196,6 @@ def test_a_refused_step_has_no_tangent():
         model.tangent(film, velocity)
 
 
-def test_overlap_survives_and_pushes_apart():
-    model, state, _ = motored(Parameters(SHAPE, roughness_rms=1e-6), 20)
-    film, velocity = motored_film(SHAPE, 21 * DEGREE)
-    film[3, 4] = -2e-6
-    _, outputs = model.advance(state, film, velocity, DEGREE)
-    assert outputs["minimum_film_thickness"] == -2e-6
-    assert outputs["asperity_pressure"][3, 4] == outputs["asperity_pressure"].max() > 1e7
-    assert all(np.isfinite(value).all() for value in outputs.values())
-
-
 def test_a_step_with_such_an_edge_is_refused():
     model = LubricationModel(Parameters(SHAPE))
     film, velocity = np.full(SHAPE, 1e-5), np.full(SHAPE, 2.0)

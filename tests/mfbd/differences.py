@@ -1,4 +1,4 @@
-"""Directional derivatives of a step against central differences of it."""
+"""Differences: directional derivatives of a step, and Lagrange's equations of an energy."""
 
 import dataclasses
 
@@ -62,3 +62,28 @@ def rough_change(model, base, seed=1):
         pins=pins,
         carrier=base.carrier._make((0.0,) * 4),
     )
+
+
+def lagrange(energy, position, velocity, acceleration, scale):
+    """d/dt dT/dvelocity - dT/dposition of a kinetic energy, quadratic in the velocities, by
+    differences of fourth order; `scale`, the change of each coordinate that they take.
+    """
+    position, velocity, acceleration = (
+        np.asarray(one, dtype=np.longdouble) for one in (position, velocity, acceleration)
+    )
+    unit = np.eye(len(position))
+    weights = ((1, 8 / 12), (2, -1 / 12))
+
+    def momentum(t):
+        z = position + velocity * t + acceleration * t * t / 2
+        r = velocity + acceleration * t
+        return np.array([(energy(z, r + 50 * u) - energy(z, r - 50 * u)) / 100 for u in unit])
+
+    def slope(u, s):
+        ends = ((w, position + k * s * u, position - k * s * u) for k, w in weights)
+        return sum(w * (energy(up, velocity) - energy(down, velocity)) for w, up, down in ends) / s
+
+    dt = 1e-5
+    along = sum(w * (momentum(k * dt) - momentum(-k * dt)) for k, w in weights) / dt
+    found = along - np.array([slope(u, s) for u, s in zip(unit, scale)])
+    return found.astype(float)

@@ -10,7 +10,6 @@ import pytest
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid, BuildOptions
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
-from piston_cosim.fmu_mfbd.geometry.film import on_knots, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field, read, spread
 from piston_cosim.fmu_mfbd.offline import reduce
@@ -97,18 +96,6 @@ def test_a_point_in_a_hole_reads_the_nearest_edge():
     np.testing.assert_allclose((reading @ turn).reshape(4, 2), wanted, atol=1e-12)
     there = covered(points, np.array(triangles), *at, 1.0)
     assert there.tolist() == [[True, True], [True, True], [True, False], [True, False]]
-
-
-def test_spreading_is_the_transpose_of_reading():
-    rng = np.random.default_rng(0)
-    kind = np.array([3, 0, 1, 2, 0])
-    field = modal_field(rng.standard_normal((8, 6, 5)), kind)
-    window = window_at(0.0, 1.0, 0.0, np.array([1.2, 1.9, 2.6]))
-    q, force = rng.standard_normal(5), rng.standard_normal((3, 8))
-    seen = on_rows(window, window.value, read(field, window.first, window.knots, q))
-    assert np.vdot(seen, force) == pytest.approx(
-        q @ spread(field, window.first, on_knots(window, force)), rel=1e-13
-    )
 
 
 def test_folding_by_symmetry_changes_nothing():

@@ -7,9 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
-from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.reduction.geometry import block_faults, circle_through, piston_faults
-from piston_cosim.fmu_mfbd.reduction.interpolation import covered
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.models import MODELS
 
@@ -99,18 +97,3 @@ def test_all_faults_of_both_bodies_are_one_answer(coarse, tmp_path, monkeypatch)
         "'bore': expected it above the crank axis at y = 0, got y = -10 mm",
     ):
         assert words in told
-
-
-def test_a_window_in_the_skirt_is_seen(coarse):
-    """A skirt whose faces from theta = 22.5 to 67.5 deg are gone, two of sixteen around."""
-    folder, _ = coarse
-    mesh = read_mesh(folder / "piston.msh", SURFACES, say=quiet)
-    faces = mesh.faces["skirt"]
-    middle = mesh.points[faces[:, :3]].mean(axis=1)
-    theta = np.degrees(np.arctan2(middle[:, 0], middle[:, 2])) % 360.0
-    kept = faces[(theta < 22.5) | (theta > 67.5)]
-    angle, height = cell_centres(48, 6, -16e-3, 8e-3)
-    there = covered(mesh.points, kept, angle, height, 28e-3)
-    turn = np.degrees(angle) % 360.0
-    gone = (turn > 22.6) & (turn < 67.4)
-    assert np.array_equal(there, np.repeat(~gone[:, None], 6, axis=1))

@@ -3,6 +3,7 @@ the block, sensitivity of a step; a block at rest changes nothing.
 """
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 
-from .differences import products_by_differences
+from .differences import lagrange, products_by_differences
 from .test_floating_frame import SKEW
 from .test_model import SPEED, STEP, forces
 
@@ -67,37 +68,6 @@ def energy_in_space(body, unbalance, position, velocity):
     )
 
 
-def richardson(energy, position, velocity, acceleration, scale):
-    """Lagrange's equations by differences of fourth order: d/dt of the momentum along the motion,
-    minus dT/dposition.
-    """
-    position, velocity, acceleration = (
-        np.asarray(v, dtype=np.longdouble) for v in (position, velocity, acceleration)
-    )
-    unit = np.eye(len(position))
-    weights = ((1, 8 / 12), (2, -1 / 12))
-
-    def momentum(t):
-        z = position + velocity * t + acceleration * t * t / 2
-        r = velocity + acceleration * t
-        return np.array([(energy(z, r + 50 * u) - energy(z, r - 50 * u)) / 100 for u in unit])
-
-    dt = 1e-5
-    along = sum(w * (momentum(k * dt) - momentum(-k * dt)) for k, w in weights) / dt
-    slope = np.array(
-        [
-            sum(
-                w
-                * (energy(position + k * s * u, velocity) - energy(position - k * s * u, velocity))
-                for k, w in weights
-            )
-            / s
-            for u, s in zip(unit, scale)
-        ]
-    )
-    return along - slope
-
-
 @pytest.mark.parametrize("degrees", [0, 30, 60, 90, 200, 333])
 def test_forces_in_a_moving_block_are_lagranges(degrees):
     """Residual and torque, and what the block has to bear: all in one, offsets, rod inertia and
@@ -121,13 +91,10 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     acceleration = np.array([*a, dw, MOVING.ax, MOVING.ay, MOVING.alpha])
     scale = np.array([1e-4, 1e-3, 1e-3, 1e-4, 1e-4, 1e-3], dtype=np.longdouble)
 
-    def lagrange(unbalance):
-        def energy(at, moving):
-            return energy_in_space(body, unbalance, at, moving)
-
-        return richardson(energy, place, velocity, acceleration, scale).astype(float)
-
-    whole, bare = lagrange(UNBALANCE), lagrange(0.0)
+    whole, bare = (
+        lagrange(partial(energy_in_space, body, one), place, velocity, acceleration, scale)
+        for one in (UNBALANCE, 0.0)
+    )
     lack = imbalance(body, SKEW, load, now, crank)
     free = imbalance(
         body, SKEW, load._replace(lateral=0.0, axial=0.0, moment=0.0, guided=0.0), now, crank

@@ -1,13 +1,11 @@
 """Gas tables, measured profiles, bore shapes: values, and what is refused."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
@@ -183,15 +181,6 @@ def test_speed_table_takes_the_place_of_the_input(shaped):
     # 1 ms from 50 to 60 turns a second, then 1 ms at 60
     assert out["crank_angle"] == pytest.approx(0.2 + 2 * np.pi * (55e-3 + 60e-3), rel=1e-13)
     assert out["rotation_speed"] == pytest.approx(120 * np.pi) and state.crank_acceleration == 0.0
-
-
-def test_a_free_crank_has_no_table(reduced):
-    options, piston, block = reduced
-    table = speed_table(inline_numbers("speed", [(0, 300), (1, 310)]), "time", 2 * np.pi, 1.0, 1.0)
-    free = Parameters(crank_free=1)
-    assert faults(ReducedBodies(piston, block), options, free) == []
-    (fault,) = faults(ReducedBodies(piston, block), replace(options, speed=table), free)
-    assert fault.startswith("crank_free: expected 0 with a table build.speed")
 
 
 def test_gas_table_acts_like_the_input(shaped, monkeypatch):
