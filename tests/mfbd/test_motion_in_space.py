@@ -216,25 +216,8 @@ def even_inputs(model, seed):
     return dataclasses.replace(rough, pressure_force=push, friction_force=drag)
 
 
-NAMES = (
-    "film_thickness",
-    "sliding_velocity",
-    "piston_position",
-    "lateral_displacement",
-    "rocking_angle",
-    "lateral_velocity",
-    "rocking_velocity",
-    "side_force",
-    "crank_torque",
-    "pin_force_x",
-    "pin_force_y",
-    "pin_friction_moment",
-    "pin_friction_power",
-    "kinetic_energy",
-    "film_work",
-    "energy_gain",
-    "energy_size",
-)
+COUNTS = {"residual_evaluations", "jacobian_evaluations", "interface_work_error"}
+"""Outputs that follow the solver and round-off."""
 
 
 def test_symmetric_loads_give_the_piston_in_its_plane():
@@ -252,7 +235,7 @@ def test_symmetric_loads_give_the_piston_in_its_plane():
             for model, (state, _) in zip((flat, space), ends)
         ]
         most = np.maximum(most, np.abs(ends[1][0].position[2:]))
-        for name in NAMES:
+        for name in ends[0][1].keys() - COUNTS:
             one, other = (np.asarray(out[name]) for _, out in ends)
             np.testing.assert_allclose(
                 other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max(), err_msg=name
