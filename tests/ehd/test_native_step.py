@@ -46,8 +46,8 @@ twins.start()
 assert not python.fault, python.fault
 rng = np.random.default_rng(0)
 twins.compare()
-for k in range(1, 13):
-    give(k * 20 * DEGREE)
+for k in range(1, 9):
+    give(k * 30 * DEGREE)
     twins.advance((5 + k % 3) * DEGREE)
     twins.compare()
     seeds = rng.standard_normal((3, *grid)) * [[[1e-6]], [[1.0]], [[1.0]]]
@@ -112,7 +112,7 @@ def compared(changes, mask, surface, folder):
     ],
 )
 def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):
-    """Twelve uneven steps of a film that ruptures, with tangents; also beside cut-outs."""
+    """Eight uneven steps of a film that ruptures, with tangents; also beside cut-outs."""
     off, iterations, emptiest, touched, from_openings, on_bore = compared(
         changes, mask, "skirt", tmp_path
     )
