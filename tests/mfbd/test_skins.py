@@ -20,53 +20,37 @@ def body_of(kind, **given):
     return kind(**({one.name: None for one in fields(kind)} | given))
 
 
-def test_displacement_at_the_corners_is_the_recovered_one():
-    random = np.random.default_rng(3)
-    anatomy = body_of(
-        Anatomy,
-        points=random.normal(size=(9, 3)),
-        tets=np.empty((0, 10), int),
-        skin=np.array([[8, 2, 5, 0, 1, 3], [5, 2, 7, 1, 4, 6]]),  # corners, then middles of edges
-        shapes=random.normal(size=(9, 3, 4)),
-        young=np.nan,
-    )
-    piston = body_of(ReducedPiston, skirt_lower=-0.02, skirt_upper=0.01)
-    skin = _skin("piston", Reduced(piston, anatomy, None))
-    assert skin.skirt == (-0.02, 0.01)
-    assert skin.points[skin.triangles] == pytest.approx(anatomy.points[anatomy.skin[:, :3]])
-    q = random.normal(size=4)
-    whole = recover(anatomy, q).displacement[anatomy.skin[:, :3]]
-    shown = (skin.modes @ q)[skin.triangles]
-    assert shown == pytest.approx(whole, rel=1e-12)
-    assert _skin("block", Reduced(body_of(ReducedBlock), anatomy, None)).skirt is None
-
-
-def test_stress_on_the_skin_is_the_recovered_one():
-    """A row of cells, the skin on the first element: its corners take the mean of all around them;
+def test_displacement_and_stress_on_the_skin_are_the_recovered_ones():
+    """A row of cells, the skin on two elements: its corners take the mean of all around them;
     elements that are left out have no say there.
     """
-    points, tets = box_mesh((3, 1, 1), (3.0, 1.0, 1.0))
-    assert not np.isin(tets, tets[0]).any(axis=1).all()
+    points, tets = box_mesh((6, 1, 1), (6.0, 1.0, 1.0))
+    assert not np.isin(tets, tets[:2]).any(axis=1).all()
     random = np.random.default_rng(7)
     anatomy = body_of(
         Anatomy,
         points=points,
         tets=tets,
-        skin=tets[:1, [0, 1, 2, 4, 5, 6]],
+        skin=tets[[1, 0]][:, [2, 0, 1, 6, 4, 5]],
         shapes=random.normal(size=(len(points), 3, 4)),
         young=7e10,
         poisson=0.3,
     )
     piston = body_of(ReducedPiston, skirt_lower=-0.02, skirt_upper=0.01)
     skin = _skin("piston", Reduced(piston, anatomy, None))
+    assert skin.skirt == (-0.02, 0.01)
+    assert skin.points[skin.triangles] == pytest.approx(anatomy.points[anatomy.skin[:, :3]])
     coordinates = random.normal(size=(2, 4))
     shown = skin.von_mises(coordinates)
     assert shown is not None
     for own, q in zip(shown, coordinates):
-        whole = von_mises(recover(anatomy, q).stress)[np.unique(anatomy.skin[:, :3])]
+        found = recover(anatomy, q)
+        whole = von_mises(found.stress)[np.unique(anatomy.skin[:, :3])]
         assert own == pytest.approx(whole, rel=1e-12)
+        moved = (skin.modes @ q)[skin.triangles]
+        assert moved == pytest.approx(found.displacement[anatomy.skin[:, :3]], rel=1e-12)
     block = _skin("block", Reduced(body_of(ReducedBlock), anatomy, None))
-    assert block.von_mises(coordinates) is None
+    assert block.von_mises(coordinates) is None and block.skirt is None
 
 
 @pytest.mark.parametrize("top", [True, False])
