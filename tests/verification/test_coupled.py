@@ -1,5 +1,7 @@
-"""The quick figures of `piston-cosim verify coupled`: an error of the FMUs, or of the one system of
-equations that they are compared with (`monolithic`), sets both sides apart.
+"""Quick figures of `piston-cosim verify coupled`.
+
+An error of the FMUs, or of the reference (`monolithic`, one system of equations), makes the two
+sides differ.
 """
 
 import pytest

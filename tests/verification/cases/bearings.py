@@ -1,5 +1,6 @@
-"""Verification of a film that slides around: journal bearings against closed forms, published
-tables and independent solutions.
+"""Verification of a film that slides around.
+
+It compares journal bearings with closed forms, published tables and independent solutions.
 
 The journal's displacement (x, y) from the axis of the shell gives the film thickness by Eq. (E14),
 and pressure its force by Eq. (E15); U = R omega is the velocity of its surface.
@@ -102,7 +103,7 @@ def bearing(shape: tuple[int, int], length: float, **changes: Any) -> Lubricatio
 
 
 def steady(model: LubricationModel, film_thickness: Array, speed: float = SPEED) -> dict[str, Any]:
-    """Outputs of a steady film under a journal that turns."""
+    """Return the outputs of a steady film under a rotating journal."""
     films = [film_thickness] * 2
     return film_after(model.parameters, films, step=STEADY, turning=speed).outputs
 
@@ -124,7 +125,7 @@ def journal(ratio: float, eccentricity: float, shape: tuple[int, int], **changes
 
 
 def grooved(shape: tuple[int, int]) -> Flags:
-    """An axial groove, one cell wide, where the film is thickest."""
+    """Return an axial groove, one cell wide, where the film is thickest."""
     cells = np.zeros(shape, dtype=bool)
     cells[0] = True
     return cells
@@ -335,8 +336,10 @@ def circumferential_groove_checks() -> Checks:
 def plain_reynolds(
     film_thickness: Array, turning: float, length: float, fed: Flags, supply: float
 ) -> Array:
-    """Pressure of a full film by a solution of its own: finite differences between cell centres of
-    div(h^3 grad p)/(12 mu) = U/2 dh/dx, scipy's sparse solver; `fed` cells hold `supply` [Pa].
+    """Return the pressure of a full film by an independent solution.
+
+    Finite differences between cell centres of div(h^3 grad p)/(12 mu) = U/2 dh/dx are solved by
+    scipy's sparse solver. `fed` cells have the pressure `supply` [Pa].
     """
     n_c, n_a = film_thickness.shape
     dx = 2.0 * np.pi * RADIUS / n_c
@@ -371,7 +374,7 @@ def plain_reynolds(
 
 
 def fed_checks() -> Checks:
-    """A hole, and an axial groove shorter than the bearing, in a full film that turns."""
+    """Check a hole and an axial groove shorter than the bearing, in a full film that rotates."""
     length = 0.05
     supply = 2e5
     shape = (180, 60)
@@ -406,7 +409,7 @@ def fed_checks() -> Checks:
 
 
 def misalignment_checks() -> Checks:
-    """A journal tilted in its shell: moments of the pressure."""
+    """Check the moments of the pressure on a journal tilted in its shell."""
     shape = (90, 30)
     length = 0.05
     y = (np.arange(shape[1]) + 0.5) / shape[1] - 0.5
@@ -430,8 +433,9 @@ def misalignment_checks() -> Checks:
 
 
 class Motion(NamedTuple):
-    """Positions of a journal, ndarray of shape (n, 2) [m], at times [s]; imbalance: largest of a
-    step [-].
+    """Positions of a journal, ndarray of shape (n, 2) [m], at times [s].
+
+    imbalance: largest of a step [-].
     """
 
     times: Array
@@ -440,8 +444,10 @@ class Motion(NamedTuple):
 
 
 class Rotor:
-    """A rigid journal in a bearing, alone with its film: m x'' = F + W by the trapezoidal rule, F +
-    W = 0 at each end of a step without mass; Newton's method on the exact tangent.
+    """Rigid journal in a bearing, alone with its film.
+
+    The motion m x'' = F + W is integrated by the trapezoidal rule. Without mass, F + W = 0 at the
+    end of each step. Newton's method uses the exact tangent.
 
     Parameters
     ----------
@@ -538,8 +544,9 @@ def short_film_force(position: Array, velocity: Array, length: float, turns: flo
 def mobility_orbit(
     length: float, load: Callable[[float], Array], times: Array, start: Array
 ) -> Array:
-    """Positions of a massless journal in a short bearing, shape (n, 2) [m]: at each instant the
-    velocity with which the film, Eq. (V8), carries the load.
+    """Return the positions of a massless journal in a short bearing, shape (n, 2) [m].
+
+    At each instant the journal has the velocity with which the film, Eq. (V8), carries the load.
     """
     omega = SPEED / RADIUS
     guess = np.zeros(2)
@@ -562,8 +569,9 @@ def mobility_orbit(
 
 
 def orbit_checks() -> Checks:
-    """Orbit of a massless journal in a short bearing under a load that turns and one that swings,
-    against the mobility method.
+    """Check the orbit of a massless journal in a short bearing against the mobility method.
+
+    One load rotates and one swings.
     """
     ratio = 0.04
     length = 2.0 * RADIUS * ratio
@@ -614,8 +622,9 @@ def critical_mass(stiffness: Array, damping: Array) -> float:
 
 
 def film_coefficients(length: float, e: float, model: str) -> tuple[Array, Array]:
-    """K and D of a bearing about its steady position, from the tangents of a steady and of a short
-    step, shape (2, 2) [N/m], [N s/m].
+    """Return K and D of a bearing about its steady position, shape (2, 2) [N/m], [N s/m].
+
+    They follow from the tangents of a steady and of a short step.
     """
     shape = (360, 24)
     film = bearing(shape, length, cavitation_model=model)

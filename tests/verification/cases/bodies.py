@@ -1,5 +1,6 @@
-"""Verification of the bodies: figures with closed forms or independent codes behind them, for the
-command line and the tests.
+"""Verification of the bodies against closed forms and independent codes.
+
+The command line and the tests use these figures.
 """
 
 import itertools
@@ -129,8 +130,9 @@ def slider_crank_checks():
 
 
 def guided_piston(angle: float) -> tuple[float, ...]:
-    """Height, acceleration [m/s2], side force, pin force along y [N] and crank torque [N m] at a
-    crank angle.
+    """Return height, acceleration [m/s2] and loads of a guided piston at a crank angle.
+
+    The loads are side force [N], pin force along y [N] and crank torque [N m].
     """
     mechanism = Mechanism(
         crank_radius=0.0288,
@@ -188,8 +190,9 @@ def element_checks():
 
 
 def felupe_difference(points, tets):
-    """Largest difference of stiffness and of mass to those of FElupe, by the largest entry; nothing
-    where it is not installed.
+    """Yield the largest difference of stiffness and of mass to those of FElupe.
+
+    Each is divided by the largest entry. If FElupe is not installed, nothing is yielded.
     """
     try:
         import felupe
@@ -244,8 +247,9 @@ def bar(cells=(80, 4, 2)):
 
 
 def craig_bampton_free(points, K, M, ends, modes):
-    """Free-free frequencies [Hz] of a body with two rigid ends, from 12 constraint modes and
-    `modes` fixed-interface modes.
+    """Return the free-free frequencies [Hz] of a body with two rigid ends.
+
+    The basis has 12 constraint modes and `modes` fixed-interface modes.
 
     Eq. (N4):  Psi = [R_b; -K_ii^-1 K_ib R_b], R_b the rigid motions of one end
     """
@@ -286,8 +290,9 @@ def bar_checks():
 
 
 def beam_in_frame():
-    """Slender steel bar, one end clamped in the frame whose point A it carries, long axis along x,
-    bending in x, y: FlexibleBody.
+    """Return a slender steel bar as a FlexibleBody that bends in x, y.
+
+    Its long axis is along x. One end is clamped in the frame, whose point A is at that end.
     """
     points, K, M, ends = bar((16, 2, 2))
     body = Elastic(K, M, ends[0])
@@ -298,7 +303,7 @@ def beam_in_frame():
 
 
 def flexible_body(integrals, omega):
-    """A body without damping from its `floating_frame_integrals` and frequencies [rad/s]."""
+    """Return a body without damping from its `floating_frame_integrals` and frequencies [rad/s]."""
     arrays: dict[str, Any] = {
         name: np.ascontiguousarray(value) if np.ndim(value) else value
         for name, value in integrals._asdict().items()
@@ -314,8 +319,9 @@ def swing(
     steps: int,
     spectral_radius: float = 1.0,
 ) -> list[Motion]:
-    """Free flexible pendulum about A, no gravity: its motion after each step, coordinates [angle,
-    modal coordinates].
+    """Return the motion of a free flexible pendulum about A after each step, without gravity.
+
+    The coordinates are [angle, modal coordinates].
 
     It starts turning at angular_velocity [rad/s], bent by `bend` [kg^1/2 m] in its lowest mode.
     """
@@ -338,8 +344,9 @@ def swing(
 
 
 def _pendulum_step(body, predicted: Motion, c: Coefficients) -> Motion:
-    """Newton iteration for the end accelerations of the pendulum (A at rest), from those given with
-    the predicted motion.
+    """Solve for the end accelerations of the pendulum by Newton's method, with A at rest.
+
+    The iteration starts from the accelerations of the predicted motion.
     """
     now = _moved(predicted, predicted.acceleration, c)
     for _ in range(12):
@@ -363,7 +370,7 @@ def _pendulum_step(body, predicted: Motion, c: Coefficients) -> Motion:
 
 
 def _moved(predicted, acceleration, c):
-    """The predicted motion with these end accelerations."""
+    """Return the predicted motion with these end accelerations."""
     return Motion(
         predicted.position + c.to_position * acceleration,
         predicted.velocity + c.to_velocity * acceleration,
@@ -389,8 +396,9 @@ def energy(body: FlexibleBody, now: Motion) -> float:
 
 
 def pendulum_checks():
-    """Free flexible pendulum: turning at 30 rad/s while its lowest bending mode rings with 4.5 mm
-    at the tip; nothing is lost.
+    """Check that a free flexible pendulum loses no energy.
+
+    It turns at 30 rad/s while its lowest bending mode oscillates with 4.5 mm at the tip.
     """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
@@ -403,8 +411,9 @@ def pendulum_checks():
 
 
 def order_check():
-    """Observed order of the integrator in the step: modal coordinates of the pendulum after three
-    quarters of a period.
+    """Check the observed order of the integrator in the step.
+
+    The values are the modal coordinates of the pendulum after three quarters of a period.
     """
     body = beam_in_frame()
     period = 2 * np.pi / np.sqrt(body.stiffness[0])
@@ -574,8 +583,10 @@ def load_checks(body, mesh, read, shapes, extra):
 
 
 def exudyn_checks():
-    """Shipped piston with 20 modes on the crank, against Exudyn's floating-frame body where it is
-    installed; steps of 10, 5 and 2.5 us over 2 ms, a motion of about 50 um.
+    """Check the shipped piston with 20 modes on the crank against Exudyn's floating-frame body.
+
+    The steps are 10, 5 and 2.5 us over 2 ms, a motion of about 50 um. If Exudyn is not installed,
+    there are no checks.
     """
     if find_spec("exudyn") is None:
         return

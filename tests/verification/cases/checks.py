@@ -50,7 +50,7 @@ class Check:
 def at_most(
     case: str, quantity: str, computed: SupportsFloat, tolerance: float, source: str, reason: str
 ) -> Check:
-    """A figure that is an error, a count or a cost by itself: no more than `tolerance`."""
+    """Return the check of an error, a count or a cost, which is at most `tolerance`."""
     return Check(case, quantity, computed, None, tolerance, "at most", source, reason)
 
 

@@ -35,8 +35,10 @@ class RigidPiston(NamedTuple):
 
 
 class Compliance(NamedTuple):
-    """Compliance of skirt and bore, with n cells of the film grid, of which m and k columns are on
-    one side of the plane of motion (`mirrored`), and s stations of the bore.
+    """Compliance of skirt and bore for n cells of the film grid.
+
+    m cells and k columns are on one side of the plane of motion (`mirrored`). The bore has s
+    stations.
 
     Parameters
     ----------

@@ -1,5 +1,8 @@
-"""Figures of the coupled problem: whole engines through both FMUs beside one system of equations,
-`engines`; for `piston-cosim verify coupled`.
+"""Figures of whole engines through both FMUs, against one system of equations (`engines`).
+
+They are the rows of `piston-cosim verify coupled`. A comparison on one grid leaves the grid's own
+error to the studies. The other comparisons extrapolate the system of equations from three
+grids.
 
 A comparison on one grid leaves the grid's own error to the studies. The others extrapolate the
 system of equations from three grids.
@@ -73,7 +76,7 @@ class Comparison(NamedTuple):
     begin: int
 
     def curves(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """A quantity of both sides."""
+        """Return a quantity of both sides."""
         return getattr(self.ours, name)[self.begin :], getattr(self.theirs, name)[self.begin :]
 
     def distance(self, name: str) -> float:
@@ -82,13 +85,13 @@ class Comparison(NamedTuple):
         return float(np.sqrt(np.mean((ours - theirs) ** 2)) / np.ptp(theirs))
 
     def distances(self, quantities: tuple[Quantity, ...]) -> Iterator[Check]:
-        """A check of each distance."""
+        """Yield a check of each distance."""
         for name, allowed in quantities:
             what = f"{name}, rms difference over range [-]"
             yield at_most(self.case, what, self.distance(name), allowed, SOURCE, REASON)
 
     def softer(self, quantities: tuple[Quantity, ...]) -> Check:
-        """A check that a comparison with a compliance 5 % larger fails."""
+        """Return the check that a comparison with a compliance 5 % larger fails."""
         passed = [check.passed for check in self.distances(quantities)]
         return at_most(
             self.case,
@@ -100,7 +103,7 @@ class Comparison(NamedTuple):
         )
 
     def scales(self, quantities: tuple[Quantity, ...] = SCALED) -> Iterator[Check]:
-        """A check of each factor that fits the reference to our curve."""
+        """Yield a check of each factor that fits the reference to our curve."""
         for name, allowed in quantities:
             ours, theirs = self.curves(name)
             yield Check(
@@ -115,7 +118,7 @@ class Comparison(NamedTuple):
             )
 
     def work(self) -> Check:
-        """A check of the friction work."""
+        """Return the check of the friction work."""
         ours, theirs = self.curves("friction_power")
         return Check(
             self.case,
@@ -212,8 +215,10 @@ def checks() -> Iterator[Check]:
 
 
 def slow_checks() -> Iterator[Check]:
-    """Flexible bodies on one grid. Rigid ones motored on 82 x 82, and in the cycle until firing
-    against three grids, on twice the default cells and with shorter steps.
+    """Yield the checks of flexible bodies on one grid, and of rigid ones on several.
+
+    Rigid bodies are motored on 82 x 82 cells. In the cycle until firing, they run on twice the
+    default cells with shorter steps. Their reference there uses three grids.
     """
     yield from motored(82)
     yield from flexible(

@@ -1,6 +1,4 @@
-"""Figures of the coupling methods, on whole runs through FMUs: rows for `piston-cosim verify
-master`.
-"""
+"""Figures of the coupling methods on whole runs through FMUs, for `piston-cosim verify master`."""
 
 from functools import partial
 from pathlib import Path
@@ -81,9 +79,7 @@ def oscillator_error(interpolation, step):
 
 
 def oscillator_checks():
-    """preCICE's oscillator: the error at a step of 0.01 s, and the order observed from there to
-    0.005 s.
-    """
+    """Check preCICE's oscillator: error at a step of 0.01 s, and order from there to 0.005 s."""
     held = "the reference holds inputs at the step's beginning, we at its end: equal to first order"
     mean = "the deviation from linear inputs adds their error again"
     digits = "the reference has two digits"
@@ -103,8 +99,9 @@ def oscillator_checks():
 
 
 def slow_checks():
-    """The numerical example whole, with derivatives and without, and the fired one with adaptive
-    steps.
+    """Check whole runs of the numerical example, and of the fired one with adaptive steps.
+
+    The numerical example runs with derivatives and without.
     """
     row = "convergence of plain Gauss-Seidel, 1 or 0", plain_converges(), 0
     reason = "unrelaxed iteration diverges on this tube"
@@ -150,12 +147,11 @@ def films(results):
 
 
 def adaptive_checks():
-    """The fired engine with steps by local error and in steps of 1 deg: each curve's error against
-    steps of 0.125 deg.
+    """Check the fired engine with steps by local error against steps of 1 deg.
 
-    From 30 deg on, because the start from rest rings elastic modes that no step resolves: in the
-    first 5 deg the highest pressure still differs by a quarter of its range between steps of 1/32
-    and 1/64 deg.
+    The error of each curve is measured against steps of 0.125 deg, from 30 deg on. The start from
+    rest excites elastic modes that no step resolves. In the first 5 deg the highest pressure still
+    differs by a quarter of its range between steps of 1/32 and 1/64 deg.
     """
     case = check_case(read_tree(path := find_case("fired_motorcycle"), ()), path)
     study = case.studies["step"]
@@ -191,8 +187,9 @@ def adaptive_checks():
 
 
 def distances(run, fine, begin):
-    """Largest and root mean square difference of every curve from a finer run, at the run's own
-    times from `begin` [s] on.
+    """Return the largest and the root mean square difference of every curve from a finer run.
+
+    The differences are at the run's own times from `begin` [s] on.
 
     Eq. (Z2):  max |d|,  sqrt(integral of d^2 dt / T) by trapezia
     """
@@ -209,7 +206,7 @@ def distances(run, fine, begin):
 
 
 def curves(ports, results):
-    """Times and some scalar outputs of a run."""
+    """Return the times and some scalar outputs of a run."""
     return {"time": results.time, "curves": {port: results.series(port)[0] for port in ports}}
 
 
@@ -221,7 +218,7 @@ WITHOUT_DERIVATIVES = (
 
 
 def modes_a_body(count):
-    """Changes that give each body that many modes."""
+    """Return the changes that give each body `count` modes."""
     return tuple((f"participants.bodies.build.{body}.modes", count) for body in ("piston", "block"))
 
 

@@ -1,8 +1,7 @@
-"""Whole engines, through both FMUs and in one system of equations (`monolithic`), from the same
-numbers.
+"""Whole engines through both FMUs, and in one system of equations (`monolithic`).
 
-Both film models put the same resistance on a face (two half cells in series), because the mean
-film of both cells moves the curves by 1 % on 42 cells.
+Both sides use the same numbers. Both film models put the same resistance on a face, which is two
+half cells in series. The mean film of both cells would move the curves by 1 % on 42 cells.
 """
 
 import tomllib
@@ -133,7 +132,7 @@ RING = {
 
 
 def fired(film: dict[str, str]) -> Problem:
-    """The fired engine with other parameters of the film."""
+    """Return the fired engine with other parameters of the film."""
     return FIRED._replace(lubrication=FIRED.lubrication | film)
 
 
@@ -217,7 +216,7 @@ UNITS = {
 
 
 def engine(problem: Problem, cells: int) -> Engine:
-    """The same numbers for the system of equations."""
+    """Return the same numbers for the system of equations."""
     pin_offset = problem.piston["pin_offset"]
     given = problem.bodies | problem.lubrication | {"pin_offset": pin_offset}
 

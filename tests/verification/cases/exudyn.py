@@ -1,9 +1,8 @@
-"""The flexible piston on its crank in Exudyn: an independent multibody code, the same mesh, modes,
-mechanism and forces.
+"""The flexible piston on its crank in Exudyn, an independent multibody code.
 
-The piston's frame A rides on a rigid rod whose other end goes round with the crank at constant
-speed. Springs hold A laterally and against turning, where the oil film would; a gas force that
-comes and goes presses on the crown. No gravity, no damping.
+Mesh, modes, mechanism and forces are the same. The piston's frame A is on a rigid rod whose other
+end rotates with the crank at constant speed. Springs hold A laterally and against rotation, where
+the oil film would. A gas force on the crown rises and falls. There is no gravity and no damping.
 """
 
 from typing import Any, NamedTuple
@@ -142,8 +141,10 @@ def own_motion(
 
 
 def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) -> Motion:
-    """Motion at the end of a step: the springs' forces and the position they belong to, in turns
-    (the spring adds 1e-3 to the inertia).
+    """Return the motion at the end of a step.
+
+    The springs' forces and the position are computed in turn. The springs add only 1e-3 to the
+    inertia.
     """
     drive = piston.drive
     F = drive.gas(time)
@@ -167,7 +168,9 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
 def exudyn_motion(
     full: FullPiston, piston: CrankedPiston, step: float, steps: int, spectral_radius: float
 ) -> np.ndarray:
-    """The same by Exudyn (ObjectFFRFreducedOrder, joints as constraints, generalised-alpha).
+    """Return the motion of `own_motion` as computed by Exudyn.
+
+    It uses ObjectFFRFreducedOrder, joints as constraints, and generalised-alpha.
 
     Parameters
     ----------
@@ -223,8 +226,9 @@ def _start(mechanism: Mechanism, drive: Drive) -> Start:
 
 
 def _exudyn_piston(exu, system, full, start, gas_shape, drive):
-    """The flexible piston with its gas force, moving along y as the crank has it; Exudyn's
-    dictionary of what it made.
+    """Add the flexible piston with its gas force, and return Exudyn's dictionary of the parts.
+
+    It starts with the velocity along y that the crank gives it.
     """
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
@@ -247,14 +251,14 @@ def _exudyn_piston(exu, system, full, start, gas_shape, drive):
 
 
 def _fixed(item, system):
-    """A marker that does not move."""
+    """Return a marker that does not move."""
     return system.AddMarker(
         item.MarkerNodeCoordinate(nodeNumber=system.AddNode(item.NodePointGround()), coordinate=0)
     )
 
 
 def _held(item, system, frame, drive):
-    """The piston's frame in the plane, on its two springs."""
+    """Hold the piston's frame in the plane, on its two springs."""
     fixed = _fixed(item, system)
     free = [
         system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=frame, coordinate=k))
@@ -271,8 +275,9 @@ def _held(item, system, frame, drive):
 
 
 def _crank_and_rod(item, system, frame, mechanism, drive, start):
-    """Crank with its angle prescribed (its inertia does not matter), rod with its own, and the
-    three joints.
+    """Add the crank, the rod and the three joints.
+
+    The crank's angle is prescribed, so its inertia does not matter. The rod has its own inertia.
     """
     w = drive.crank_speed
     pin = start.pin

@@ -78,7 +78,9 @@ class OscillatingSqueeze(NamedTuple):
 
 
 class RandomFilms(NamedTuple):
-    """failures: steps that did not converge or left the range of film fraction; iterations: most
+    """Statistics of steps of random films.
+
+    failures: steps that did not converge or left the range of film fraction; iterations: most
     factorisations in a step; imbalance: largest mass imbalance.
     """
 
@@ -102,8 +104,9 @@ def steady(
     model: str = "jfo",
     around: bool = False,
 ) -> FilmSolution:
-    """Steady film under a surface that slides with velocity `sliding` [m/s] along j (or i:
-    `around`), the other at rest.
+    """Return the steady film under a surface that slides with velocity `sliding` [m/s].
+
+    The surface slides along j, or along i if `around`. The other surface is at rest.
     """
     moving = np.full(grid.shape, 0.5 * sliding)
     still = np.zeros(grid.shape)
@@ -125,7 +128,7 @@ def centres(cells: int) -> Array:
 
 
 def inclined_pad(cells: int, ratio: float = 1.0) -> Pad:
-    """The infinite pad h = 1 + K (1 - x), all in units of 1.
+    """Return the infinite pad h = 1 + K (1 - x), all in units of 1.
 
     Eq. (V1):  W* = (6/K^2) [ln(1+K) - 2K/(2+K)],   F* = 4 ln(1+K)/K - 6/(2+K),
                p*max = 3K / [2 (1+K) (2+K)]
@@ -173,7 +176,7 @@ def inclined_pad_checks() -> Checks:
 
 
 def coarse_checks() -> Checks:
-    """The default number of cells: errors that second order allows."""
+    """Check the default number of cells: errors that second order allows."""
     load = [("load W*", inclined_pad(40).load, 6.0 * (np.log(2.0) - 2.0 / 3.0), 1.2e-3)]
     reason = SECOND_ORDER + ", 64 times the error at 320 cells"
     yield from compared("Infinite inclined pad K=1, 40 cells", load, CLOSED_FORM, reason)
@@ -236,8 +239,9 @@ def squeeze_plate_checks() -> Checks:
 
 
 def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> OscillatingSqueeze:
-    """Film between plates that move as h = 0.375 + 0.125 cos(4 pi t): (h^3 p')' = 2 d(f h)/dt, p =
-    0.025 at both ends.
+    """Return the film between plates that move as h = 0.375 + 0.125 cos(4 pi t).
+
+    (h^3 p')' = 2 d(f h)/dt, with p = 0.025 at both ends.
     """
     grid = Grid((1, cells), 1.0, 1.0)
     film_step = FilmStep(grid)
@@ -263,8 +267,9 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
 
 
 def _full_width(film: FilmSolution) -> float:
-    """Width of the full film from y = 0, the front cell counted by how far it is filled between its
-    neighbours.
+    """Return the width of the full film from y = 0.
+
+    The front cell counts by its filling between the film fractions of its neighbours.
     """
     full = film.full[0]
     if full.all():
@@ -277,8 +282,10 @@ def _full_width(film: FilmSolution) -> float:
 
 
 def oscillating_squeeze_checks() -> Checks:
-    """Rupture, width of the full film, complete reformation, mass balance, order in the step; 80
-    cells.
+    """Check the oscillating squeeze film on 80 cells.
+
+    The rows are rupture, width of the full film, complete reformation, mass balance and order in
+    the step.
     """
     times, width, imbalance, _ = oscillating_squeeze(80, 2e-4)
     case = "Oscillating squeeze, 80 cells, step 2e-4"
@@ -308,16 +315,18 @@ def oscillating_squeeze_checks() -> Checks:
 
 
 def order_of_halving(values: Sequence[Any]) -> float:
-    """Observed order from the values of three runs, each with half the step of the one before: root
-    mean square differences.
+    """Return the observed order from three runs, each with half the step of the one before.
+
+    It uses root mean square differences of their values.
     """
     coarse, fine = (np.sqrt(np.mean((a - b) ** 2)) for a, b in pairwise(values))
     return np.log2(coarse / fine)
 
 
 def motored_order(parameters: Parameters, name: str, uneven: float) -> float:
-    """Observed order in the step of one field of the motored skirt over a turn, from steps of 2, 1
-    and 0.5 degrees.
+    """Return the observed order in the step of one field of the motored skirt over a revolution.
+
+    The steps are 2, 1 and 0.5 degrees.
 
     Parameters
     ----------
@@ -356,8 +365,7 @@ def step_order_checks() -> Checks:
 
 
 def pocket_slider(cells: int, sliding: float = 1.0) -> tuple[float, ...]:
-    """Mass-conserving pocket slider, 20 mm long with a pocket from 2 to 5 mm seen from the
-    inlet.
+    """Solve the mass-conserving pocket slider, 20 mm long, with a pocket 2 to 5 mm from the inlet.
 
     Returns
     -------
@@ -400,8 +408,9 @@ def pocket_slider_checks() -> Checks:
 
 
 def parabolic_slider(cells: int, curvature: float) -> tuple[float, float, float]:
-    """Exit x*/L, highest pressure and load [-] of the slider h = 1 + c (2x - 1)^2, in units of 1,
-    under the Reynolds condition.
+    """Return exit x*/L, highest pressure and load [-] of the slider h = 1 + c (2x - 1)^2.
+
+    All is in units of 1, under the Reynolds condition.
     """
     grid = Grid((1, cells), 1.0, 1.0)
     h = 1.0 + curvature * (2.0 * centres(cells)[None] - 1.0) ** 2
@@ -414,7 +423,7 @@ def parabolic_slider(cells: int, curvature: float) -> tuple[float, float, float]
 
 
 def parabolic_slider_exact(curvature: float) -> tuple[float, float, float]:
-    """The same by quadrature.
+    """Return the values of `parabolic_slider` by quadrature.
 
     Eq. (V2):  dp/dx = 6 (h - h*) / h^3,   h* = h(x*),   x* from p(x*) = 0
 
@@ -448,8 +457,9 @@ def parabolic_slider_checks() -> Checks:
 def journal_bearing(
     shape: tuple[int, int], ratio: float, eccentricity: float
 ) -> tuple[float, float]:
-    """Sommerfeld number and attitude angle [deg] of a journal bearing, p = 0 where the film is
-    thickest, Reynolds exit.
+    """Return the Sommerfeld number and the attitude angle [deg] of a journal bearing.
+
+    p = 0 where the film is thickest, and the exit is Reynolds'.
 
     Eq. (V3):  h = C (1 + e cos phi),   So = F psi^2 / (B D mu w)
 
@@ -625,7 +635,7 @@ def checks() -> Checks:
 
 
 def random_starved_films(count: int, seed: int = 0) -> RandomFilms:
-    """Steps of rough, partly empty films with random entrainment in both directions."""
+    """Run steps of rough, partly empty films with random entrainment in both directions."""
     rng = np.random.default_rng(seed)
     failures = 0
     iterations = 0
@@ -667,7 +677,7 @@ def random_starved_films(count: int, seed: int = 0) -> RandomFilms:
 
 
 def slow_checks() -> Checks:
-    """What takes longer than a test run should."""
+    """Yield the checks that take too long for a test run."""
     failures, iterations, imbalance = random_starved_films(2000)
     case = "2000 random rough starved films"
     for what, value, bound, source, reason in (

@@ -1,11 +1,12 @@
-"""Independent importers tried on the exported engine FMU, each in a process of its own: how far
-what they see is from what `run` writes, over the whole case, the row before the first step
-included.
+"""Independent importers of the exported engine FMU, compared with the results of `run`.
+
+Each importer runs in a separate process. The comparison is over the whole case, and includes the
+row before the first step.
 
 `piston-cosim verify importers` tries them on the numerical example in FMI 2.0 and 3.0, with Python
-and without (native), and a host of plain C (host.c). Further interpreters are named by
-PISTON_COSIM_PYTHONS, separated by colons: their version of Python runs the FMUs too, and so do the
-importers installed there.
+and without (native). It also tries a host in plain C (host.c). PISTON_COSIM_PYTHONS names further
+interpreters, separated by colons. Their Python versions run the FMUs too, and so do the importers
+installed there.
 """
 
 import json
@@ -344,7 +345,7 @@ class Trial:
 
 
 def try_importers(fmu, version, count, step, pythons=(sys.executable,)):
-    """What each importer saw.
+    """Yield the result of each importer.
 
     Parameters
     ----------
@@ -422,8 +423,9 @@ def _failure(done):
 
 
 def _ask(python, script, *arguments):
-    """The rows or the words that the script says it saw, else the last line printed; "failed" with
-    the last line of the error.
+    """Return the rows or the message that the script reports, else the last printed line.
+
+    If the script fails, return "failed" with the last line of the error.
     """
     done = subprocess.run(
         [str(python), "-c", script, *map(str, arguments)],
@@ -469,8 +471,10 @@ def distance(rows, reference):
 
 
 def judged(trial, reference):
-    """Verdict and words for a trial: "ok", "FAIL", or "-" where the importer is not installed, or
-    the FMU says what its Python lacks.
+    """Return the result of a trial, "ok", "FAIL" or "-", and its message.
+
+    "-" means that the importer is not installed, or that the FMU reports a package missing from
+    Python.
     """
     seen = trial.seen
     if not isinstance(seen, str):
@@ -490,7 +494,7 @@ def _shipped(changes):
 
 
 def engine(changes, versions, say, folder):
-    """What a run of the numerical example writes, and its engine FMUs.
+    """Return the results of the numerical example and its engine FMUs.
 
     Parameters
     ----------
@@ -499,7 +503,7 @@ def engine(changes, versions, say, folder):
     versions : iterable of str
         Of the standard.
     say : callable
-        Told a line of text before long work.
+        Called with a line of text before long work.
     folder : Path
         For the run's results.
 
@@ -541,14 +545,14 @@ def native_engine(changes, versions, say):
 
 
 def shipped_run(changes, say, file):
-    """What a run of the numerical example writes.
+    """Return the results of the numerical example.
 
     Parameters
     ----------
     changes : list of (key, value)
         Of the case.
     say : callable
-        Told a line of text before long work.
+        Called with a line of text before long work.
     file : Path
         For the run's results.
 
@@ -574,7 +578,7 @@ def shipped_run(changes, say, file):
 
 
 def in_whole_ticks(changes, step, tick):
-    """The case in steps that a clock can count.
+    """Return the case with steps that are whole ticks of a clock.
 
     Parameters
     ----------

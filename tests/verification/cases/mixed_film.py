@@ -17,8 +17,10 @@ POINTS = 4
 
 
 class Roughness(NamedTuple):
-    """Greenwood and Tripp's surface: rms [m], eta beta sigma [-], sigma/beta [-], E* [Pa], the
-    coefficient of boundary friction [-] and the velocity that rounds it at rest [m/s].
+    """Rough surface of Greenwood and Tripp, and the boundary friction of its asperities.
+
+    Fields: rms [m], eta beta sigma [-], sigma/beta [-], E* [Pa], coefficient of boundary friction
+    [-], and the velocity that rounds the friction at rest [m/s].
     """
 
     roughness_rms: float
@@ -30,8 +32,9 @@ class Roughness(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Pressure of the cells (n,) [Pa], its slopes against x_A and the rocking angle (n, 2), and
-    against the deflection (n,).
+    """Contact pressure of the cells (n,) [Pa] and its slopes.
+
+    The slopes are against x_A and the rocking angle (n, 2), and against the deflection (n,).
     """
 
     pressure: np.ndarray
@@ -89,8 +92,10 @@ class Asperities:
 
 
 class Supply(NamedTuple):
-    """Oil outside the film: layer that the ring leaves above the skirt, layer at the start and the
-    largest one below it [m], splash [m/s], what an edge can push along [m2].
+    """Oil outside the film.
+
+    The layers [m] are the one that the ring leaves above the skirt, and the initial and the largest
+    one below it. `oil_splash` is in [m/s]. An edge can push `chamfer_capacity` [m2] along.
     """
 
     oil_ring_layer: float

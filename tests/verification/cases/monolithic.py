@@ -1,5 +1,6 @@
-"""The coupled problem once more, as a textbook would write it: bodies and film in one system of
-equations, all of it solved at once in each step. It shares no line and no method with the FMUs.
+"""The coupled problem in one system of equations, as a textbook writes it.
+
+Each step solves bodies and film at once. The code shares no line and no method with the FMUs.
 
 | | FMUs | here |
 |---|---|---|
@@ -182,8 +183,10 @@ NO_FORCE = FilmForce(0.0, 0.0, 0.0)
 
 
 class Faces(NamedTuple):
-    """Sparse operators between n cells k = i n_axial + j and f faces: axial ones
-    i (n_axial + 1) + j from the lower edge up, then circumferential ones behind their cells.
+    """Sparse operators between n cells k = i n_axial + j and f faces.
+
+    Axial faces i (n_axial + 1) + j come first, from the lower edge up. Circumferential faces
+    follow, each behind its cell.
 
     before, behind : cells next to a face, at an edge both are the edge's cell (f, n);
     gradient : across a face, pressure 0 at an edge, half a cell away (f, n) [1/m];
@@ -197,8 +200,9 @@ class Faces(NamedTuple):
 
 
 class Conductance(NamedTuple):
-    """Of faces, K [m3/(Pa s)] a width and a gradient, and its slopes against the film before and
-    behind.
+    """Conductance K of the faces per width and gradient [m3/(Pa s)], and its slopes.
+
+    The slopes are against the film before and behind a face.
     """
 
     value: np.ndarray
@@ -207,8 +211,10 @@ class Conductance(NamedTuple):
 
 
 class OilBalance(NamedTuple):
-    """Of the cells (n,) [m3/s], and of those of `mirrored` (m,) the slopes against the unknowns of
-    the cells and against the film thickness (m, n).
+    """Oil balance of the cells (n,) [m3/s], and its slopes (m, n).
+
+    The slopes are those of the cells of `mirrored` (m,), against the unknowns of all cells and
+    against the film thickness.
     """
 
     value: np.ndarray
@@ -432,20 +438,22 @@ class Monolithic:
         return -r.boundary_friction_coefficient * share
 
     def thickness(self, position, angle, up):
-        """h [m] at the cells without loads on them: of a position, a crank angle (gas), and an
-        acceleration along y.
+        """Return h [m] at the cells without loads on them.
+
+        h depends on the position, the crank angle (by gas) and the acceleration along y.
         """
         bodies = self.elasticity
         pushed = bodies.inertia * up + bodies.gas * self.engine.gas(angle)
         return self.gap + self.by_motion @ position + pushed
 
     def deflection(self, compliance, load):
-        """What loads add to h [m] at the cells."""
+        """Return the change of h [m] at the cells by loads."""
         return 0 * self.gap if compliance is None else self.orbits @ (compliance @ load)
 
     def carried(self, fraction, sliding):
-        """Film fraction upstream of the axial faces, and the operator that takes it from the
-        cells; `inlet` is that of the edges.
+        """Return the film fraction upstream of the axial faces, and its operator on the cells.
+
+        The film fraction of the edges is `inlet`.
         """
         around, along = self.engine.grid
         upstream = self.faces.before if sliding < 0 else self.faces.behind
@@ -462,7 +470,7 @@ class Monolithic:
         return np.concatenate([axial.ravel(), np.zeros(len(self.gap))])
 
     def sharpened(self, fraction, sliding):
-        """What van Leer's limiter adds to the upstream film fraction at the faces inside.
+        """Return the addition of van Leer's limiter to the upstream film fraction at inner faces.
 
         Eq. (Z7):  f = f_U + a b/(a + b) where a b > 0,  a = f_U - f_UU,  b = f_D - f_U
                    U, UU the cells upstream, D downstream
@@ -627,7 +635,7 @@ class Monolithic:
         raise ArithmeticError(f"no solution at {np.degrees(angle):g} deg: last step {size:.1e}")
 
     def oil_balance(self, unknown, h, sliding, now, content_past, more) -> OilBalance:
-        """What each cell gains and does not keep, and its slopes.
+        """Return the residual of the oil balance of each cell, and its slopes.
 
         Eq. (Z4):  d(f h)/dt + div q = 0,  q = -K dp/dy - V/2 f h along y,  q = -K dp/dx around
 
@@ -677,9 +685,10 @@ class Monolithic:
         return np.column_stack([end - base for end in ends])
 
     def _newton(self, oil, full, jacobian, now, balance, missing):
-        """Newton's step of the cells, of the position and of the loads z that deflect the
-        bodies. What the drag on the skirt and the acceleration along y change is
-        left to the iteration.
+        """Return Newton's step of the cells, of the position and of the loads z on the bodies.
+
+        The effects of the drag on the skirt and of the acceleration along y are left to the
+        iteration.
 
         Eq. (Z11):  z = A (p + p_c),   deflection C z
         """
@@ -719,8 +728,9 @@ def _interpret(unknown):
 
 
 def mirrored(around, along):
-    """The problem is symmetric about the plane of motion: matrix (n, m) that spreads m cells of
-    their own over all n, and the numbers of these m cells.
+    """Return the matrix (n, m) that spreads m cells over all n, and the numbers of the m cells.
+
+    The problem is symmetric about the plane of motion, and the m cells are those of one side.
     """
     i = np.arange(around)
     partner = np.remainder(2 * (around // 4) - i, around)

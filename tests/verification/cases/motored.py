@@ -1,6 +1,4 @@
-"""A skirt that moves on a given path: the transient film that verification, tests and benchmarks
-share.
-"""
+"""Transient film of a skirt on a prescribed path, shared by verification, tests and benchmarks."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
@@ -19,8 +17,9 @@ FORCES = ("nodal_pressure_force", "nodal_friction_force", "nodal_circumferential
 
 
 class SkirtMotion(NamedTuple):
-    """Film thickness [m] and sliding velocity [m/s], or their changes, each ndarray of shape (n_c,
-    n_a).
+    """Film thickness [m] and sliding velocity [m/s], or their changes.
+
+    Each is an ndarray of shape (n_c, n_a).
     """
 
     film_thickness: Array
@@ -36,8 +35,9 @@ class MotoredRun(NamedTuple):
 
 
 def motored_film(shape: tuple[int, int], time: float) -> SkirtMotion:
-    """A skirt that shifts and tilts in its bore at 3000 rpm, with rupture, reformation and reversal
-    of sliding.
+    """Return the motion of a skirt that shifts and tilts in its bore at 3000 rpm.
+
+    The film ruptures and reforms, and the sliding reverses.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def film_after(
 
 
 def motored(parameters: Parameters, steps: int) -> MotoredRun:
-    """The first `steps` degrees of the motored skirt."""
+    """Run the first `steps` degrees of the motored skirt."""
     return motored_until(parameters, np.arange(1, steps + 1) * DEGREE)
 
 
@@ -110,7 +110,10 @@ def motored_until(
     ends: Iterable[float],
     motion: Callable[[tuple[int, int], float], Sequence[Array]] = motored_film,
 ) -> MotoredRun:
-    """The same with steps that end at the times `ends` [s], or another motion of the surfaces."""
+    """Run the motored skirt with steps that end at the times `ends` [s].
+
+    `motion` replaces the motion of the surfaces.
+    """
     model = LubricationModel(parameters)
     state, _ = model.start(*motion(parameters.shape, 0.0))
     history = []
@@ -146,8 +149,9 @@ def tangent_error(
     step: float = UNEVEN,
     directions: int = 3,
 ) -> float:
-    """Largest difference of tangent and central difference, relative to the largest entry, over
-    directions without switching.
+    """Return the largest difference of tangent and central difference.
+
+    It is relative to the largest entry, over directions without switching.
 
     Parameters
     ----------

@@ -1,5 +1,4 @@
-"""Verification rows of every part: computed against closed forms, published tables and independent
-codes.
+"""Verification rows of every part, against closed forms, published tables and independent codes.
 
 A part is modules with `checks()` and, for what takes long, `slow_checks()`; both yield `Check`.
 """
@@ -21,7 +20,7 @@ PARTS = {
 
 
 def checks(parts, slow):
-    """The named parts' checks, computed one by one: pairs of part and `Check`."""
+    """Yield pairs of part and `Check` of the named parts, computed one by one."""
     for part in parts:
         series = [module.checks for module in PARTS[part]]
         series += [module.slow_checks for module in PARTS[part] if slow]
