@@ -1,12 +1,11 @@
-"""What the piston of `yielding_bosses` answers in its bosses and on its skirt, static, reduced and
-by its whole mesh.
+"""Static deflection of the bosses and the skirt of `yielding_bosses`, reduced and whole mesh.
 
-1. Boss deflection under loads that are known, with gas on the crown and inertia in balance with
-   them: the reduced body's beside that of the unreduced mesh on six supports of its own. The loads:
-   an even half turn of pressure, and a cosine over +-30 deg that falls along the pin; of a finished
-   run, given by its results file, the pressures of its left boss besides.
-2. Deflection of the skirt under a load on its thrust side, bosses tied rigidly, on a film of
-   growing stiffness about a rigid pin, on even pressure.
+1. Boss deflection under known loads, with gas on the crown and inertia in balance with them. It
+   compares the reduced body with the unreduced mesh on six supports. The loads are an even half
+   turn of pressure, and a cosine over +-30 deg that falls along the pin. If the results file of a
+   finished run is given, the pressures of its left boss are added.
+2. Deflection of the skirt under a load on its thrust side. The bosses are tied rigidly, or rest on
+   a film of growing stiffness around a rigid pin, or on even pressure.
 
 Run: python tests/bench/bosses.py [RESULTS.h5]
 """
@@ -60,8 +59,10 @@ class Whole:
         self.mean = mean_conditions(points, np.asarray(area.sum(axis=1)).ravel())
 
     def balanced(self, pressure):
-        """Nodal forces of cells' forces in both bosses, (2, c, a), of gas that carries what of them
-        acts along the cylinder, and of inertia for the rest.
+        """Return the nodal forces of balanced forces on the cells of both bosses, shape (2, c, a).
+
+        Gas balances the part of the cells' forces along the cylinder, and inertia balances the
+        rest.
         """
         force = self.bosses.outward().T @ np.ravel(pressure)
         force = force + (self.rigid[:, 1] @ force) * self.gas
@@ -69,7 +70,7 @@ class Whole:
         return force - self.M @ (self.rigid @ np.linalg.solve(inertia, self.rigid.T @ force))
 
     def balance_at_bosses(self, force):
-        """Forces with those that hold the mean motion of the bores against them (Eq. (J5))."""
+        """Balance forces by those that hold the mean motion of the bores (Eq. (J5))."""
         held = np.linalg.solve((self.mean @ self.rigid).T, self.rigid.T @ force)
         return force - self.mean.T @ held
 
@@ -130,8 +131,10 @@ def of_bosses(whole, build, tree, results):
 
 
 def of_skirt(whole, build):
-    """Table 2: mean deflection of the skirt where a load on its thrust side acts, without moment
-    about the pin, over that of a piston tied to a rigid pin at every node of its bosses.
+    """Print table 2: mean deflection of the skirt under a load on its thrust side.
+
+    The load has no moment about the pin. The deflection is divided by that of a piston whose bosses
+    are tied to a rigid pin at every node.
     """
     mesh = whole.mesh
     angle, height = cell_centres(

@@ -1,8 +1,9 @@
-"""What FMI costs the numerical example: its first turn through FMUs against the same slaves called
-directly in this process.
+"""Cost of FMI in the first revolution of the numerical example: FMUs against direct calls.
 
-Same master, same steps, 60 modes a body, 40 x 40; the two take turns of 10 steps. Run: python
-tests/bench/coupling_overhead.py
+The direct calls use the same model classes in this process. Both use the same master, the same
+steps, 60 modes per body and 40 x 40 cells, and alternate every 10 steps.
+
+Run: python tests/bench/coupling_overhead.py
 """
 
 import os

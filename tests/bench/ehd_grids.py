@@ -1,8 +1,9 @@
-"""How the cost of a factorisation, a step and a derivative grows with the grid. Run: python
-tests/bench/ehd_grids.py [cells ...]
+"""Growth of the cost of a factorisation, a step and a derivative with the grid.
 
 One thread, one run. Each solver takes the same first degrees of the motored skirt, where the film
 ruptures.
+
+Run: python tests/bench/ehd_grids.py [cells ...]
 """
 
 import os
@@ -40,8 +41,10 @@ class Recorder:
 
 
 def measure(cells, solver):
-    """Step [s], factorisations a step, one factorisation and derivative [s], highest pressure [Pa];
-    means over the steps after the first.
+    """Return times [s], factorisations per step and the highest pressure [Pa].
+
+    The times are those of a step, a factorisation and a derivative. Means are over the steps after
+    the first.
     """
     shape = cells, cells
     model = LubricationModel(Parameters(shape, roughness_rms=5e-7))

@@ -1,8 +1,9 @@
-"""What the number of cylinders costs: 1, 2 and 4 pistons on one mounted block, each piston and each
-film an FMU.
+"""Cost of the number of cylinders: 1, 2 and 4 pistons on one mounted block.
 
-Engines of the case `twin`, rigid, 40 x 40 cells a film, 40 deg; beside them the first piston alone,
-in a block that does not move. Run: python tests/bench/engines.py
+Each piston and each film is an FMU. The engines of the case `twin` are rigid, with 40 x 40 cells
+per film, and run over 40 deg. The first piston alone, in a block at rest, is the comparison.
+
+Run: python tests/bench/engines.py
 """
 
 import os
@@ -36,7 +37,7 @@ def computed(tree, path):
 
 
 def main():
-    """The table."""
+    """Print the table."""
     single = alone(engine_tree(ENGINES["single"], GRID, STOP), 1)
     trees = {"one, block at rest": single}
     trees |= {name: engine_tree(one, GRID, STOP) for name, one in ENGINES.items()}

@@ -1,11 +1,12 @@
-"""What access to an FMU costs: set all inputs, a step, read both force fields, save and restore the
-state, a derivative.
+"""Cost of access to an FMU: set, step, get, save and restore the state, and compute a derivative.
 
-Times are the best of several, in milliseconds, on the 40 x 40 lubrication FMU with oil temperature
-as a third input field; compare within one run only. Columns: FMI 2.0 and 3.0 by FMPy's Python lists
-and by the master's pointers; FMI 2.0 by pointers in a process of its own, and through pythonfmu's
-own library, as an FMU has it that was built without a C compiler. A step is that of a restored
-state with inputs as they are.
+The FMU is the 40 x 40 lubrication FMU with oil temperature as a third input field. "Set" writes all
+inputs, and "get" reads both force fields. Times are the best of several, in milliseconds. Compare
+them within one run only. A step starts from a restored state with unchanged inputs.
+
+The columns are FMI 2.0 and 3.0 by FMPy's Python lists and by the master's pointers. Two more
+columns use pointers with FMI 2.0: in a separate process, and through pythonfmu's own library. An
+FMU that is built without a C compiler contains that library.
 
     python tests/bench/fmu_cost.py
 """
@@ -39,8 +40,9 @@ def best(action, before=lambda: None):
 
 
 def costs(p, write, read, advance):
-    """Rows of the table for one way of access: `write()`, `read()`, `advance()` of a participant
-    that has been started.
+    """Return the rows of the table for one way of access to a started participant.
+
+    `write()`, `read()` and `advance()` access the participant.
     """
     write()
     start = p.save()
@@ -62,7 +64,7 @@ def costs(p, write, read, advance):
 
 
 def started(path, isolated=False):
-    """A participant ready for its first step."""
+    """Return a participant ready for its first step."""
     p = open_fmu("bench", path)
     p = IsolatedParticipant(p, 60.0) if isolated else p
     p.start({"film_thickness": np.full(CELLS, 3e-5)}, 0.0, 1.0)
@@ -70,7 +72,7 @@ def started(path, isolated=False):
 
 
 def by_pointers(path, isolated=False):
-    """The master's own way, FMI 2.0 or 3.0."""
+    """Return the costs of the master's own access, FMI 2.0 or 3.0."""
     p = started(path, isolated)
 
     def write():
@@ -85,8 +87,9 @@ def by_pointers(path, isolated=False):
 
 
 def by_lists(path):
-    """FMPy's calls with Python lists, as an importer in Python makes them; the state by the same
-    calls as the master's.
+    """Return the costs of FMPy's calls with Python lists, as in an importer in Python.
+
+    The calls for the state are those of the master.
     """
     p = started(path)
     one = p._fmu

@@ -11,7 +11,7 @@ from piston_cosim.master.fmi import compiled as module
 
 
 def as_numba_has_it(value):
-    """The value with numpy's scalars for Python's: division by zero gives inf, as compiled."""
+    """Return the value with numpy's scalars: division by zero gives inf, as compiled."""
     if type(value) is float:
         return np.float64(value)
     if isinstance(value, tuple):
@@ -21,8 +21,10 @@ def as_numba_has_it(value):
 
 
 def interpreted(kernel=None, **options):
-    """Stands in for `compiled` and `compilable`; one that is to be inlined gets what its
-    caller has already.
+    """Replace `compiled` and `compilable` by Python.
+
+    A kernel with options, such as inlining, is returned unchanged, because its caller has the
+    converted values already.
     """
     if kernel is None:
         return functools.partial(interpreted, **options)

@@ -102,7 +102,7 @@ class Fate:
 
 
 def read_mutants(path):
-    """The recorded mutants, each with the test file that is likeliest to notice it."""
+    """Return the recorded mutants, each with the test file that is likeliest to detect it."""
     record = tomllib.loads(path.read_text())
     first = record.pop("first")
     return [
@@ -113,7 +113,7 @@ def read_mutants(path):
 
 
 def copy_tree(source, target, copy=shutil.copy2):
-    """A tree with what has been compiled."""
+    """Copy a tree with the compiled files."""
     target.mkdir(parents=True)
     for part in source.iterdir():
         if part.name in LEFT_OUT or (part.name.startswith(".") and part.name not in HIDDEN):
@@ -151,7 +151,7 @@ def pytest(tree, cache, tests, interpreted=False):
 
 
 def quick_tests(part):
-    """The quick tests of a part, as files."""
+    """Return the quick test files of a part."""
     return [f"{FAST[part]}/test_{name}.py" for name in QUICK[part].split()]
 
 
@@ -161,8 +161,9 @@ def is_interpreted(mutant):
 
 
 def stages(mutant, quick):
-    """Lists of tests to run one after the other: the likeliest to notice first, for most mutants
-    need no more; to collect all others takes longer than to run it.
+    """Return lists of tests to run one after the other, the likeliest to fail first.
+
+    Most mutants need only the first list. Collecting all others takes longer than running it.
     """
     if not quick:
         own = FAST[mutant.part]
@@ -174,8 +175,9 @@ def stages(mutant, quick):
 
 
 def fate_of(mutant, base, base_cache, folder, quick):
-    """Try one mutant in a copy of its own, on the quick tests of its part or on the whole tier;
-    RuntimeError if pytest itself went wrong.
+    """Try one mutant in a separate copy, on the quick tests of its part or on the whole tier.
+
+    Raise RuntimeError if pytest itself fails.
     """
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
@@ -196,7 +198,7 @@ def fate_of(mutant, base, base_cache, folder, quick):
 
 
 def try_all(mutants, workers, quick, **places):
-    """The fates of all mutants, printed as they come."""
+    """Return the fates of all mutants, and print each as it arrives."""
     fates = []
     with ThreadPoolExecutor(workers) as pool:
         tried = [pool.submit(fate_of, mutant, quick=quick, **places) for mutant in mutants]
@@ -220,8 +222,9 @@ def unsound(runs, base, cache):
 
 
 def noticed(text):
-    """The test that failed, from pytest's output; RuntimeError if it names none, for then pytest
-    itself went wrong.
+    """Return the failed test named in pytest's output.
+
+    Raise RuntimeError if there is none, because pytest itself failed then.
     """
     failures = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", text, re.MULTILINE)
     if not failures:
@@ -241,7 +244,7 @@ def report(fates):
 
 
 def arguments():
-    """What the command line says."""
+    """Return the arguments of the command line."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--only", default="", help="regular expression: in file, text or sentence")
     parser.add_argument("--check", action="store_true", help="only tell the stale records")

@@ -47,7 +47,7 @@ def step(participant, time, inputs, outputs):
 
 
 def started(path, inputs, output):
-    """An instance of an FMU after its start, its state there, and how long that took [s]."""
+    """Return an FMU's started instance, its state, and the duration of the start [s]."""
     begin = perf_counter()
     one = FmuParticipant("one", path)
     one.start(inputs, 0.0, 1.0)

@@ -1,12 +1,11 @@
-"""What the rod's eye of `yielding_bosses` answers to its film, static, reduced and by its whole
-mesh, and what is left out of its motion.
+"""Static deflection of the rod's eye of `yielding_bosses`, reduced and by the whole mesh.
 
-1. Deflection of the bore under loads that are known, 25 kN each, by number of modes: an even half
-   turn of pressure, a cosine over +-30 deg that falls along the pin, a cosine that bears mostly at
-   both ends, downwards as under gas and upwards as under inertia; of a finished run of the variant
-   `elastic`, given by its results file, the film's own besides.
-2. Deflection by the small end's own weight under the rod's largest acceleration, which the modes
-   are not told of; lowest frequencies.
+1. Deflection of the bore under known loads of 25 kN each, by number of modes. The loads are an even
+   half turn of pressure, a cosine over +-30 deg that falls along the pin, and a cosine that bears
+   mostly at both ends. Each acts downwards as under gas, and upwards as under inertia. If the
+   results file of a finished run of the variant `elastic` is given, its film loads are added.
+2. Deflection by the small end's own weight under the rod's largest acceleration, a load that the
+   modes do not contain, and the lowest frequencies.
 
 Run: python tests/bench/small_end.py [RESULTS.h5]
 """
@@ -50,7 +49,7 @@ class Once:
         self.factors = None
 
     def __call__(self, matrix):
-        """The factors of the first matrix that was given."""
+        """Return the factors of the first matrix, for every matrix."""
         self.factors = self.factors or factorise(matrix)
         return self.factors
 

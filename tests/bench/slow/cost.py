@@ -1,9 +1,11 @@
-"""What a macro step costs, by cells and by modes: `run` with participants in Python and of machine
-code, the time inside its participants, which no master could spare, and both in one native FMU.
+"""Cost of a macro step, by cells and by modes, with participants in Python and native.
 
-The numerical example from rest, fields left out of the results; what either needs to start is left
-out too, and the best of several passes counts. Beside what is drawn: what of the time inside is the
-film's, and the derivatives that a macro step asks for.
+It times `run` with Python participants, the time inside these, which no master could save, and both
+participants in one native FMU. It also prints the film's share of the time inside, `run` with
+native participants, and the number of derivatives per macro step.
+
+The run is the numerical example from rest, without fields in the results. The time of the start is
+left out, and the best of several passes counts.
 
 Run: python tests/bench/slow/cost.py [STEPS], on a quiet machine. The default of 60 steps of 1 deg
 draws docs/cost.svg.
@@ -35,8 +37,10 @@ CURVES = ("run", "of that inside film and bodies", "both in one native FMU")
 
 
 class Costs(NamedTuple):
-    """Times of a macro step as in `CURVES`, inside the film, of `run` with native participants and
-    inside these [ms]; derivatives asked for.
+    """Times of a macro step [ms] and number of derivatives (`products`).
+
+    `run`, `inside` and `single` are the `CURVES`, and `film` is the time inside the film. `native`
+    is the time of `run` with native participants, and `native_inside` the time inside these.
     """
 
     run: float

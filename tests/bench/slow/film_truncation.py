@@ -64,8 +64,9 @@ PATCHES = {  # angles [deg], height from the middle over the length, widths [deg
 
 
 class Surface(NamedTuple):
-    """A body's surface on its whole mesh: elastic body, how the surface is read at the grid's
-    angles [rad] and heights [m], and film loads at these points.
+    """Surface of a body on its whole mesh: elastic body, its reading, and film loads.
+
+    The surface is read, and loaded, at the grid's angles [rad] and heights [m].
     """
 
     elastic: Elastic
