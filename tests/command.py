@@ -1,5 +1,6 @@
-"""The command line in the process of the tests, without the second that a new Python takes, and in
-one of its own.
+"""Runs of the command line, in the process of the tests and in a separate one.
+
+In the process of the tests, a run saves the second that a new Python takes to start.
 """
 
 import contextlib

@@ -1,6 +1,9 @@
-"""One BLAS thread, as the command line has it: rounding does not depend on the machine's cores, and
-small algebra is faster. Every test has the marker of its tier, by the folder it is in. Folders of
-long tests come first: a file is one process's, and a long one at the end keeps the others idle.
+"""One BLAS thread, a marker for each tier, and the order of the folders.
+
+As on the command line, one BLAS thread makes rounding independent of the machine's cores, and small
+algebra faster. Every test gets the marker of its tier, according to its folder. Folders of long
+tests come first. One process runs a whole file, so a long file at the end leaves the other
+processes idle.
 """
 
 import gc

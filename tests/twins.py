@@ -1,5 +1,6 @@
-"""The step of a native FMU next to that of its class in Python, in one process: both get the same
-values, and what they then have is compared.
+"""Comparison of a step of a native FMU with that of its Python class, in one process.
+
+Both get the same values, and their values after the step are compared.
 """
 
 import numpy as np

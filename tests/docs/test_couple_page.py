@@ -20,7 +20,7 @@ def blocks(language):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder in which a reader has typed the page's Python and its case file, and run both."""
+    """Return a folder with the page's Python and its case file, both of which were run."""
     folder = tmp_path_factory.mktemp("couple")
     (folder / "script.py").write_text("\n".join(blocks("python")))
     (folder / "case.toml").write_text(blocks("toml")[0])
@@ -40,8 +40,10 @@ def test_the_script_is_as_short_as_promised():
 
 
 def test_the_script_gives_the_closed_form(folder):
-    """Inputs held at the end of a step are of order 1: after 1 s at 1 ms 2.8 % of 1 m, after 0.1 s
-    0.13 %, in proportion to the step.
+    """The error of the script is 2.8 % of 1 m after 1 s, and 0.13 % after 0.1 s.
+
+    Inputs held at the end of a step are of order 1, so the error is proportional to the step of 1
+    ms.
     """
     results = pc.open_results(folder / "coupled.h5")
     t = results.time

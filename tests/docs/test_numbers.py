@@ -1,4 +1,5 @@
-"""Numbers of the front page and of the gallery: they agree with the runs in `docs/gallery.json`.
+"""Numbers of the front page and of the gallery agree with the runs in `docs/gallery.json`.
+
 `tests/fmu/test_main_job.py` repeats the run of the front page.
 """
 
@@ -22,7 +23,7 @@ ROWS = {
 
 @pytest.fixture(scope="module")
 def gallery():
-    """The module that makes the gallery."""
+    """Return the module that makes the gallery."""
     specification = importlib.util.spec_from_file_location("gallery", ROOT / "docs/gallery.py")
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
@@ -56,9 +57,11 @@ def test_every_case_has_a_number_its_reference_and_a_run_time(gallery):
 
 
 def test_the_gallery_agrees_with_the_closed_forms(gallery):
-    """Side force without friction: the film's moments change it by 1 %. Petroff's journal is
-    concentric, eccentricity raises the power and the cavity lowers it: 3 %. Shaking force: rounding
-    of the peak between steps of 1 deg, and the piston's lateral motion.
+    """Numbers of the gallery differ from closed forms only by what these neglect.
+
+    Side force without friction: the film's moments change it by 1 %. Petroff's journal is
+    concentric: the error is 3 %, because eccentricity raises the power and the cavity lowers it.
+    Shaking force: the peak is rounded between steps of 1 deg, and the piston moves laterally.
     """
     for case, allowed in (("data_sheet", 0.02), ("journal_bearing", 0.05), ("twin", 0.01)):
         value, reference = gallery.number(case)

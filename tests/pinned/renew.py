@@ -61,7 +61,7 @@ def run(entry, folder):
 
 
 def renewed(text, name, values):
-    """The file's text with new values of one run; everything else stays as it is."""
+    """Return the file's text with new values of one run, and everything else unchanged."""
     head, rest = text.split(f'["{name}".values]\n', 1)
     _, start, tail = rest.partition('\n["')
     lines = "".join(f"{key} = {value!r}\n" for key, value in values.items())

@@ -1,8 +1,9 @@
-"""Pinned runs: the shipped cases still give what they gave. Nothing here says that it is right,
-which is for tests/ehd, tests/mfbd and tests/verification: it says that nothing changed.
+"""Pinned runs: the results of the shipped cases have not changed.
 
-Values and runs stand in values.toml, renewed by `python tests/pinned/renew.py`, which prints old
-beside new. The runs go by the command line, as a user's would.
+These tests do not show that the results are right: tests/ehd, tests/mfbd and tests/verification do.
+
+The values and the runs are in values.toml. `python tests/pinned/renew.py` renews them, and prints
+old and new values side by side. The runs use the command line, as a user does.
 """
 
 import pytest

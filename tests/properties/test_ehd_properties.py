@@ -17,7 +17,7 @@ quick = settings(max_examples=25, deadline=None)
 
 @st.composite
 def cases(draw):
-    """A rough film in four successive shapes, with sliding velocities that may reverse."""
+    """Draw a rough film in four successive shapes, with sliding velocities that may reverse."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     level = draw(st.floats(1e-6, 3e-5))
     films = level * (1.0 + 0.8 * rng.uniform(-1.0, 1.0, (4, *SHAPE)))
@@ -26,8 +26,9 @@ def cases(draw):
 
 
 def last(films, velocities, step=STEP, **parameters):
-    """Outputs after three steps, the last two of second order unless the film lost too much oil at
-    once.
+    """Return the outputs after three steps.
+
+    The last two are of second order unless the film loses too much oil at once.
     """
     model = LubricationModel(Parameters(SHAPE, **parameters))
     state, _ = model.start(films[0], velocities[0])

@@ -29,7 +29,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def film(seed):
-    """A skirt and a bore with random modes, and the window at a random height."""
+    """Return a skirt and a bore with random modes, and the window at a random height."""
     rng = np.random.default_rng(seed)
     angle, rows = cell_centres(8, 5, -0.01, 0.008)
     skirt = Skirt(
@@ -68,8 +68,9 @@ def test_virtual_work_for_any_force_and_motion(seed):
 @settings(max_examples=30, deadline=None)
 @given(seeds)
 def test_film_rate_is_the_derivative_of_the_film(seed):
-    """Power of a unit pressure force against the difference of film thickness along the motion,
-    moving skirt and uneven bore included.
+    """Power of a unit pressure force equals the difference of film thickness along the motion.
+
+    The motion of the skirt and an uneven bore are included.
     """
     rng, skirt, bore, _ = film(seed)
     position = 1e-5 * rng.standard_normal(7)
@@ -102,8 +103,9 @@ def test_the_rod_keeps_its_length(lateral, crank_angle):
 @settings(max_examples=50, deadline=None)
 @given(st.floats(0, 6.28), st.floats(10, 1000))
 def test_torque_of_a_guided_piston_averages_to_nothing(angle, speed):
-    """Inertia alone gives back in half a turn what it took in the other: torque(phi) + torque(-phi)
-    = 0 without offsets.
+    """Without offsets, torque(phi) + torque(-phi) = 0.
+
+    Inertia alone returns in one half turn the work that it took in the other.
     """
     mechanism = Mechanism(0.025, 0.1, 0.0, 0.2, 2e-4, 0.3, 0.1)
     nothing = Load(0.0, 0.0, 0.0, 0.0, np.zeros(0))
