@@ -14,8 +14,9 @@ FLAGS = ("-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
 
 
 def compile_model(source, library, *flags):
-    """A shared library of a C source, with all functions that it does not offer; who has no
-    compiler skips the test.
+    """Compile a shared library of a C source; skip the test if there is no compiler.
+
+    `not_offered.c` adds the functions that the source does not offer.
     """
     needs_compiler(native=False)
     sources = [source, MODELS / "not_offered.c"]
@@ -32,8 +33,9 @@ def pack(fmu, description, library, name=None):
 
 
 class Variable(NamedTuple):
-    """A row of a description: attributes are those of its type in FMI 2.0, `inside` its content in
-    FMI 3.0.
+    """A variable of a model description.
+
+    In FMI 2.0 `attributes` belong to the element of its type; in FMI 3.0 `inside` is its content.
     """
 
     name: str

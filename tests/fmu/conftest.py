@@ -28,7 +28,10 @@ STOP = ("time.stop", "12 deg")
 
 @pytest.fixture(scope="session")
 def results_of(tmp_path_factory, worker_id):
-    """Returns the results of a run of `shipped.RUNS`; all workers of a session share its file."""
+    """Return a function that returns the results of a run of `shipped.RUNS`.
+
+    All workers of a session share the results file of a run.
+    """
     root = tmp_path_factory.getbasetemp()
     root = root if worker_id == "master" else root.parent
 
@@ -45,19 +48,19 @@ def results_of(tmp_path_factory, worker_id):
 
 @pytest.fixture(params=["python", "native"])
 def backend(request):
-    """What the code of an FMU is run by."""
+    """Return the backend that runs the code of an FMU."""
     return request.param
 
 
 @pytest.fixture(scope="session")
 def fmu():
-    """The lubrication FMU on a small grid."""
+    """Build the lubrication FMU on a small grid."""
     return build_fmu("fmu_ehd", {"grid": [12, 10]}, Path("."))
 
 
 @pytest.fixture(scope="session")
 def native_fmu(make_native):
-    """The same without Python; the first time its kernels are compiled, some minutes."""
+    """Build the same FMU without Python; compiling its kernels for the first time takes minutes."""
     return make_native([12, 10])
 
 
@@ -68,19 +71,19 @@ def rigid_bodies(grid):
 
 @pytest.fixture(scope="session")
 def make_native():
-    """Builds a native film on a grid."""
+    """Return a builder of native films on a grid."""
     return lambda grid, **more: make("fmu_ehd", {"grid": grid}, Path("."), True, **more)
 
 
 @pytest.fixture(scope="session")
 def native_bodies():
-    """Builds rigid bodies without Python, on a grid."""
+    """Return a builder of native rigid bodies on a grid."""
     return lambda grid, **more: make("fmu_mfbd", *rigid_bodies(grid), True, **more)
 
 
 @pytest.fixture(scope="session")
 def native_engine():
-    """Builds the numerical example, rigid, as one FMU without Python, on a grid."""
+    """Return a builder of the rigid numerical example as one native FMU on a grid."""
     return lambda grid, changes=(), **more: export(
         small_tree(STOP, *changes, grid=grid), native=True, **more
     )
@@ -88,13 +91,13 @@ def native_engine():
 
 @pytest.fixture(scope="session")
 def bodies_fmu():
-    """The body FMU of the numerical example, rigid, on the same small grid."""
+    """Build the rigid body FMU of the numerical example on the same small grid."""
     return build_fmu("fmu_mfbd", *rigid_bodies([12, 10]))
 
 
 @pytest.fixture
 def folder(tmp_path, library):
-    """A folder with a.fmu and b.fmu, two counters."""
+    """Return a folder with two counters, a.fmu and b.fmu."""
     for name in "ab":
         make_counter(tmp_path / f"{name}.fmu", library)
     return tmp_path
@@ -102,7 +105,7 @@ def folder(tmp_path, library):
 
 @pytest.fixture(scope="session")
 def host(tmp_path_factory):
-    """A compiled host that is not Python."""
+    """Compile a host that is not Python."""
     needs_compiler(native=False)
     program = tmp_path_factory.mktemp("host") / "host"
     subprocess.run(
@@ -114,8 +117,10 @@ def host(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def outside():
-    """Runs code after a prelude in a bare Python away from the source, the FMU's path its argument;
-    what it prints last is JSON.
+    """Return a function that runs code after a prelude in a bare Python, away from the source.
+
+    The argument of the code is the path of the FMU. The function returns the last printed line,
+    read as JSON.
     """
 
     def run(prelude, fmu, body):
@@ -144,7 +149,7 @@ class Unpacked:
         self.location = "file://" + urllib.parse.quote(str(self.folder / "resources"))
 
     def arguments(self, given, value, wanted, seed):
-        """What the host wants to know of this FMU."""
+        """Return the arguments that the host needs for this FMU."""
         return [
             self.folder,
             self.identifier,

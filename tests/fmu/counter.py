@@ -33,7 +33,7 @@ LOOP = (("a.x", "b.u", ""), ("b.x", "a.u", "tolerance = 1e-12"))
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
-    """The model compiled."""
+    """Compile the model."""
     library = tmp_path_factory.mktemp("counter") / "counter.so"
     compile_model(SOURCE, library)
     return library
@@ -75,7 +75,7 @@ def case_text(
     own="",
     coupling="",
 ):
-    """A case of two participants a and b.
+    """Return a case of two participants a and b.
 
     wires : (from, to, further lines); a, b : lines of their parameters; own, coupling, more :
     further lines of both participants, of the coupling, and at the end.

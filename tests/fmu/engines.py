@@ -11,9 +11,7 @@ PITCH = 0.13
 
 
 class Cylinder(NamedTuple):
-    """Crank angle by which it stands behind the first, bank angle [deg]; place along the crank
-    [m].
-    """
+    """Crank angle behind the first cylinder and bank angle [deg]; position along the crank [m]."""
 
     behind: float
     bank: float
@@ -40,7 +38,7 @@ ENGINES = {
 def engine_tree(
     cylinders: list[Cylinder], grid: tuple[int, int], stop: str, tolerance: str = "1 nm"
 ) -> dict[str, Any]:
-    """A case's TOML tree: participants cylinder_1, film_1 .. and block, nothing drawn."""
+    """Return a case's TOML tree without pictures: participants cylinder_1, film_1 .. and block."""
     whole = read_tree(PATH)
     parts = whole["participants"]
     count = len(cylinders)
@@ -80,7 +78,7 @@ def engine_tree(
 
 
 def _renamed(text: Any, k: int) -> Any:
-    """A port of the front cylinder as that of the k-th."""
+    """Return a port of the front cylinder as that of the k-th."""
     if not isinstance(text, str):
         return text
     text = text.replace("front_film.", f"film_{k}.").replace("front.", f"cylinder_{k}.")
@@ -88,7 +86,7 @@ def _renamed(text: Any, k: int) -> Any:
 
 
 def alone(tree: dict[str, Any], k: int) -> dict[str, Any]:
-    """The k-th cylinder of an engine in a block that does not move: a single-piston case."""
+    """Return the single-piston case of the k-th cylinder, in a block that does not move."""
     body, film = f"cylinder_{k}", f"film_{k}"
     participants = {name: deepcopy(tree["participants"][name]) for name in (body, film)}
     del participants[body]["build"]["mounted"]
@@ -107,7 +105,7 @@ def alone(tree: dict[str, Any], k: int) -> dict[str, Any]:
 
 
 def held(tree: dict[str, Any]) -> dict[str, Any]:
-    """The same on mounts that do not yield."""
+    """Return the same engine on mounts that do not yield."""
     tree = deepcopy(tree)
     parameters = tree["participants"]["block"]["parameters"]
     parameters |= {f"stiffness_{axis}": ["1e30 N/m"] * 4 for axis in "xyz"}

@@ -1,5 +1,6 @@
-"""A slave that does one bad thing, once: when its time reaches `at` and the file `marker` is not
-there yet, which it makes.
+"""A model class with a fault that occurs once, when its time reaches `at`.
+
+The fault occurs only if the file `marker` does not exist yet, and creates that file.
 
 Eq. (X1):  dx/dt = u/2 - x + sin(2 pi t) sin(2 pi k/n),   backward Euler;
            output x, input u the other one's x

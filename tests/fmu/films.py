@@ -11,7 +11,7 @@ SKIRT = 82.8e-3
 
 
 def one_film(grid: tuple[int, int], stop: str) -> dict[str, Any]:
-    """The case's TOML tree on a grid up to `stop`, with nothing drawn."""
+    """Return the case's TOML tree on a grid up to `stop`, without pictures."""
     tree = read_tree(PATH)
     tree["time"]["stop"] = stop
     for table in tree["participants"].values():
@@ -24,8 +24,9 @@ def one_film(grid: tuple[int, int], stop: str) -> dict[str, Any]:
 def several_films(
     grid: tuple[int, int], stop: str, bands: Sequence[tuple[int, int]]
 ) -> dict[str, Any]:
-    """The same with a film of its own on each band of rows (first and last, from 1): participants
-    film_1, film_2 .. on the surfaces band_1, band_2 ..
+    """Return the same case with a film on each band of rows (first and last, from 1).
+
+    The participants are film_1, film_2 .., on the surfaces band_1, band_2 ..
     """
     tree = one_film(grid, stop)
     around, along = grid
@@ -50,7 +51,7 @@ def several_films(
 
 
 def _renamed(port: Any, k: int) -> Any:
-    """A port of the one film or its surface as that of the k-th."""
+    """Return a port of the single film or its surface as that of the k-th."""
     if not isinstance(port, str):
         return port
     return port.replace("bodies.", f"bodies.band_{k}.").replace("ehd.", f"film_{k}.")

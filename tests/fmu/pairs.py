@@ -26,8 +26,9 @@ class Apart:
                 table[name] = np.maximum(table.get(name, 0.0), np.abs(one).max())  # keeps a NaN
 
     def shares(self, of=MappingProxyType({})):
-        """Return each difference that is not zero as a share of the largest value of its name, or
-        of the name that `of` gives.
+        """Return each nonzero difference as a share of the largest value of its name.
+
+        `of` may give another name whose largest value is used.
         """
         sizes = {
             name: 1.0 if name.endswith(BY_ITSELF) else self.size[of.get(name, name)] or 1.0

@@ -1,6 +1,4 @@
-"""What a run says of itself afterwards: logs, where the time went, the work that crossed the
-interface, tables.
-"""
+"""What a run reports: logs, wall time by part, work across the interface, tables."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -135,8 +133,10 @@ def test_a_log_goes_on_after_its_checkpoint(tmp_path):
 
 
 def test_growth_of_a_warming_piston_is_no_spurious_energy(tmp_path):
-    """3 K/ms close the film. Its work on the skirt that grows is part of what the bodies received:
-    the work over the wires, to a thousandth of the part that grows.
+    """The work of the film on the growing skirt is part of the energy that the bodies receive.
+
+    3 K/ms close the film. That energy equals the work over the wires to a thousandth of the part
+    that comes from growth.
     """
     (tmp_path / "warm.csv").write_text("time [s], warm [K]\n0, 293.15\n0.01, 323.15\n")
     tree = small_tree(("time.stop", "20 deg"))

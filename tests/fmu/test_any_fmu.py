@@ -1,5 +1,6 @@
-"""FMUs as other tools export them: alone, with names and units of their own, without saved states,
-with wires of every type.
+"""FMUs as other tools export them.
+
+They run alone, have their own names and units, save no states, or have wires of every type.
 
 Eq. (X5):  x_n = x_0 / (1 + H k)^n                  a lag alone, backward Euler
 Eq. (X6):  sum over n steps of k = n (n - 1) / 2    a counter read at the beginning of each step
@@ -28,7 +29,7 @@ ALONE = 1.1 ** -np.arange(STEPS + 1.0)  # Eq. (X5)
 
 
 def driven(inputs):
-    """The lag from 1 on inputs over its steps, by backward Euler."""
+    """Return the lag from 1 on over its steps, for these inputs, by backward Euler."""
     found = [1.0]
     for u in inputs:
         found.append((found[-1] + H * u) / (1 + H))
@@ -42,7 +43,7 @@ def solved(folder, text, changes=()):
 
 
 def refused(folder, text):
-    """The sentences by which a case is refused before the run."""
+    """Return the messages that reject a case before the run."""
     with pytest.raises(BadInput) as refusal:
         solved(folder, text)
     assert not (folder / "o.h5.partial").exists()

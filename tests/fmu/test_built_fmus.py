@@ -1,5 +1,6 @@
-"""Calls that every built FMU answers alike: film, bodies, a coupled case and two lags in a loop, in
-Python and native, of FMI 2.0 and 3.0.
+"""Calls that every built FMU answers alike, in Python and native, of FMI 2.0 and 3.0.
+
+The FMUs are a film, bodies, a coupled case and two lags in a loop.
 """
 
 from itertools import product
@@ -46,7 +47,7 @@ LENGTH = {"film": 2.0**-14, "bodies": 2.0**-15, "coupled": STEP, "lags": 0.125}
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Makes the FMU of a kind, a backend and a version of FMI; each once."""
+    """Return a builder of the FMU of a kind, a backend and a version of FMI; each is built once."""
     folder, table = write_bodies(tmp_path_factory.mktemp("bodies"), 16, 1, (6, 4))
     makers = {
         "film": lambda *how: make("fmu_ehd", {"grid": [*GRID]}, Path("."), *how),
@@ -105,8 +106,10 @@ def same(one, other):
 
 
 def test_a_state_is_whole(each):
-    """A step repeated from a saved, or a serialised, state gives the same bits, in this instance
-    and in another that began with other parameters. Instances do not share their state.
+    """A step repeated from a saved or a serialised state gives the same bits.
+
+    It does so in this instance and in another that started with other parameters. Instances do not
+    share their state.
     """
     _, _, start = each
     one, two, last = start(), start({}), start()
@@ -288,8 +291,10 @@ def test_description_is_valid(built, kind, backend, version):
 
 @pytest.mark.parametrize("kind, angle, table", [("bodies", 200.0, 0.1e6), ("engine", 8.0, 6.8e6)])
 def test_gas_is_of_table_or_input_and_both_are_told_once(built, kind, backend, angle, table):
-    """By the output of the gas: 0.1 MPa of the bodies' table, linear to 3 MPa at 0 and 720 deg;
-    6.8 MPa of the data sheet's engine near its peak.
+    """The output of the gas pressure shows its source: the table, the input or their sum.
+
+    The table of the bodies has 0.1 MPa, linear to 3 MPa at 0 and 720 deg. The data sheet's engine
+    has 6.8 MPa near its peak. If `gas_source` is `either`, using both is logged once.
     """
     shown = {}
     for source in ("either", "table", "input", "sum"):

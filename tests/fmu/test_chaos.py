@@ -1,8 +1,10 @@
-"""Runs of a coupled pair that are killed, frozen, starved of disk or whose files are damaged, and
-resumed until they end: the tables must be those of an undisturbed run, bit for bit.
+"""Runs of a coupled pair that are disturbed, and resumed until they end.
 
-What cannot be gone on with (a damaged checkpoint) must be refused by a sentence; it is begun again
-then, as a user would.
+They are killed, frozen, starved of disk, or their files are damaged. Their tables must be those
+of an undisturbed run, bit for bit.
+
+A damaged checkpoint must be rejected with a message. The run then starts again, as a user would
+do.
 """
 
 import os
@@ -59,7 +61,7 @@ class Chaos:
         self.calm = tables(self.whole(folder / "calm"))
 
     def command(self, *words, limit=None):
-        """The command started; limit : largest file it may write [bytes], as a full disk."""
+        """Start the command; `limit`: largest file it may write [bytes], as on a full disk."""
 
         def narrow():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -76,7 +78,7 @@ class Chaos:
         )
 
     def said(self, process):
-        """What a command said; a traceback is a bug, and so is a hang."""
+        """Return the output of a command; a traceback is a bug, and so is a hang."""
         try:
             said, _ = process.communicate(timeout=LONGEST)
         except subprocess.TimeoutExpired:
@@ -87,7 +89,7 @@ class Chaos:
         return said
 
     def whole(self, output):
-        """The results of an undisturbed run."""
+        """Return the results of an undisturbed run."""
         process = self.command("run", "case.toml", "--no-plots", "--output", output)
         said = self.said(process)
         assert process.returncode == 0, said
@@ -176,7 +178,7 @@ def is_written(output, since):
 
 
 def children(number):
-    """Processes that a process has started, those of its threads too."""
+    """Return the processes that a process has started, including those of its threads."""
     found = []
     for task in Path(f"/proc/{number}/task").glob("*"):
         found += map(int, (task / "children").read_text().split())

@@ -1,5 +1,6 @@
-"""Checkpoints: without code, of a size that does not grow, and refused with a sentence where they
-are damaged, of another version or of another FMU.
+"""Checkpoints contain no code and do not grow.
+
+If they are damaged or belong to another version or another FMU, a message rejects them.
 """
 
 import os
@@ -29,7 +30,7 @@ SUMMARY = '[summary]\nmean = "mean a.x"\nleast = "min b.x"\nsum = "last b.number
 
 
 def interrupted(folder, at, method="iqn_ils", every=5, stop="9 s"):
-    """A run that is stopped at a time [s]; its results file."""
+    """Return the results file and the summary of a run that is stopped at a time [s]."""
     text = case_text(
         [*LOOP, ("a.n", "b.number", "")],
         method=method,

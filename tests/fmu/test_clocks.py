@@ -1,5 +1,6 @@
-"""Clocks of FMI 3.0: ticks at their instants whatever the macro step, sampled loops and triggered
-jumps against closed forms.
+"""Clocks of FMI 3.0 tick at their instants, whatever the macro step.
+
+Sampled loops and triggered jumps follow closed forms.
 
 Eq. (X20):  x((k+1) T) = e^(-T) x_k + (1 - e^(-T)) u_k,   u_k = -g (x_k + sum of x_j, j < k)
             a lag and a sampled controller that holds its output
@@ -99,8 +100,10 @@ def test_the_description_is_valid(folder):
 
 @pytest.mark.parametrize("step", ["0.03 s", "0.1 s", "0.45 s"])
 def test_every_kind_of_clock_ticks_at_its_instants(folder, tmp_path, step):
-    """constant: 0, 0.1, ...; fixed: 0.025 + 0.125 k, by the FMU's word; countdown: intervals 0.05,
-    0.1, 0.2, ...; changing: 0, 0.1, 0.3, 0.6, ... A row shows what was before its own instant.
+    """A row shows the number of ticks before its own instant.
+
+    Constant clock: 0, 0.1, ... Fixed, as the FMU sets it: 0.025 + 0.125 k. Countdown: intervals
+    0.05, 0.1, 0.2, ... Changing: 0, 0.1, 0.3, 0.6, ...
     """
     results, time = solved(folder, tmp_path / "o.h5", case_text([], step=step))
     for name, instants in {

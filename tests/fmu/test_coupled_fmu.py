@@ -20,9 +20,7 @@ TREE = small_tree(("time.stop", f"{STEPS} deg"))
 
 @pytest.fixture(scope="module")
 def reference(tmp_path_factory):
-    """Watched outputs after every macro step of a run, shape (STEPS + 1, 4), and the macro step
-    [s].
-    """
+    """Return the watched outputs after every macro step, (STEPS + 1, 4), and the macro step [s]."""
     results = run_tree(EXAMPLE, TREE, tmp_path_factory.mktemp("run") / "run.h5")
     ports = [next(port for port in results.ports if port.endswith(f".{n}")) for n in WATCHED]
     return np.transpose(values_of(results, *ports)), results.time[-1] / STEPS
@@ -84,8 +82,9 @@ def test_same_results_as_run_at_the_macro_step(coupled, reference):
 
 
 def advanced(coupled, step, factor, end):
-    """Watched outputs after each communication step of `factor` macro steps, up to `end` of them;
-    shape (end / factor, 4).
+    """Return the watched outputs after each communication step, shape (end / factor, 4).
+
+    A communication step has `factor` macro steps; `end` is the number of macro steps.
     """
     participant, rows = started(coupled), []
     for k in range(round(end / factor)):
@@ -95,9 +94,11 @@ def advanced(coupled, step, factor, end):
 
 
 def test_steps_between_a_tenth_and_ten_times_the_case_s(coupled, reference):
-    """All of them end as near to the run in tenths of the macro step as the run itself has been
-    until then: the error of that step; steps that are longer are cut into whole macro steps, and
-    those of two, five and ten are the run's own values.
+    """Steps of any length end within the error of the macro step.
+
+    The error is the largest difference until then between the run and one in tenths of the macro
+    step. The FMU cuts longer steps into whole macro steps. Steps of two, five and ten macro steps
+    give the run's own values.
     """
     values, step = reference
     end = 10
@@ -112,10 +113,11 @@ def test_steps_between_a_tenth_and_ten_times_the_case_s(coupled, reference):
 
 
 def test_derivatives_are_those_of_the_step(coupled, reference):
-    """Products for a seed of both inputs beside central differences of the repeated step, and
-    nothing stays behind: the next step gives the same bits as without. In the fourth step: in
-    the second the piston is nearer to the middle than it is nudged, and the thinnest film changes
-    sides.
+    """Directional derivatives equal central differences of the repeated step and change no state.
+
+    The seed has both inputs. The next step gives the same bits as without derivatives. The test
+    uses the fourth step: in the second the piston is nearer to the middle than it is nudged, and
+    the thinnest film changes sides.
     """
     _, step = reference
     last = 3

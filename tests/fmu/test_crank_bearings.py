@@ -1,5 +1,6 @@
-"""models/crank_bearings: six films on one piston's mechanism; orbits against the mobility method,
-forces, export.
+"""models/crank_bearings: six films on one piston's mechanism.
+
+The tests compare orbits with the mobility method, check forces, and export the case.
 """
 
 from functools import partial
@@ -27,8 +28,10 @@ BEFORE_FIRING = (f"{PARAMETERS}.start_crank_angle", "-60 deg")
 
 
 class Bearing:
-    """A bearing of finite length and a journal without mass, in the shell's axes: the velocity with
-    which the film carries a load at each instant (the mobility method), and the orbit of it.
+    """A bearing of finite length and a journal without mass, in the shell's axes.
+
+    At each instant the mobility method gives the velocity with which the film carries a load, and
+    from it the orbit.
 
     div(h^3/(12 mu) grad p) = dh/dt + w/2 dh/da, p = 0 at both ends and cut off below zero; w of
     the journal less that of the shell. p is a cosine series along the bearing, differences around.
@@ -64,7 +67,7 @@ class Bearing:
         return np.einsum("nak,nz->kaz", parts, self.along)
 
     def velocity(self, place, turning, load, guess):
-        """That carries the load on the journal [m/s], by Newton's method."""
+        """Return the journal velocity that carries the load [m/s], by Newton's method."""
         *moving, spinning = self.pressures(place, turning)
         scale = np.abs(load).max() + 1.0
         for _ in range(50):
@@ -120,8 +123,9 @@ def in_axes(vectors, turn):
 
 
 def orbits(results):
-    """Of both journals, shown by a run and found by the mobility method under the run's loads, by
-    surface; (n, 2) in clearances.
+    """Return both orbits of each journal, from the run and from the mobility method, by surface.
+
+    Each has shape (n, 2), in clearances. The mobility method takes the loads of the run.
     """
     time, angle = results.time, results.series("bodies.crank_angle").values
     turn, share = rod_motion(angle)
@@ -151,9 +155,11 @@ def are_near(results, apart, share, eccentric=0.0):
 
 
 def test_journals_go_the_way_of_the_mobility_method_under_their_loads(tmp_path):
-    """Fired, the bearings as long as they are, pressure below zero cut off as there, smooth. The
-    load is that of the run, the way that of the film. A run's steps of a degree, squeeze and place
-    at their ends, and its 6 cells along are what is left: 2 % of the clearance.
+    """Orbits agree with those of the mobility method to 2 % of the clearance.
+
+    The engine is fired, the bearings are smooth and have their finite length. Pressure below zero
+    is cut off, as in the method. The loads come from the run. The rest comes from the run's steps
+    of a degree, with squeeze and position at their ends, and from its 6 cells along.
     """
     changes = []
     for name in CRANK:
@@ -167,8 +173,9 @@ def test_journals_go_the_way_of_the_mobility_method_under_their_loads(tmp_path):
 
 @pytest.mark.slow
 def test_the_shipped_case_beside_the_mobility_method(tmp_path):
-    """The whole cycle. The run's films keep their oil and are fed by slots: within a tenth of the
-    clearance, thinnest films within 15 %.
+    """Orbits of the whole cycle agree to a tenth of the clearance, thinnest films to 15 %.
+
+    The run's films conserve their oil and are fed by slots.
     """
     tree = read_tree(PATH) | {"record": {"every": 100}, "pictures": []}
     results = computed(tree, tmp_path / "shipped.h5")
@@ -176,9 +183,10 @@ def test_the_shipped_case_beside_the_mobility_method(tmp_path):
 
 
 def test_gas_and_inertia_pass_through_all_bearings(results_of):
-    """Newton's law of rod and crank, their centres on a mechanism without play: what the eye, the
-    big end and the main bearing carry. Films give way by micrometres, which accelerate so little
-    that 2 % of the largest force are left.
+    """The eye, the big end and the main bearing carry the forces of Newton's law for rod and crank.
+
+    Their centres are those of a mechanism without play. Films give way by micrometres. This motion
+    adds little acceleration: the forces agree to 2 % of the largest force.
     """
     six = results_of("crank_bearings")
     eye, big, main = (course(six, f"{name}_force") for name in ("small_end", *CRANK.values()))
@@ -198,17 +206,19 @@ def test_gas_and_inertia_pass_through_all_bearings(results_of):
 
 
 def test_films_that_keep_their_oil_stay_near_the_mobility_method(results_of):
-    """The films as they are, with cavities that oil must fill again before it carries, on 48 x 4
-    cells: an eighth of the clearance at the most from where pressure is but cut off, thinnest
-    within a tenth.
+    """The shipped films stay within an eighth of the clearance of orbits with a plain cut-off.
+
+    The films have 48 x 4 cells and cavities that oil must refill before they carry load. The
+    thinnest films agree to a tenth.
     """
     are_near(results_of("crank_bearings"), 0.125, 0.1)
 
 
 def test_the_exported_fmu_of_six_films_gives_the_values_of_the_run(tmp_path):
-    """One FMU of bodies and six films, stepped by an importer, against the recorded run. By name
-    the film of the big end comes before the bodies, but it starts after them: the gap of the first
-    instant is its own.
+    """An importer that steps the FMU of bodies and six films repeats the recorded run.
+
+    By name the film of the big end comes before the bodies, but it starts after them. Its first gap
+    is therefore that of the bodies.
     """
     tree = small_crank(stop="6 deg")
     results = computed(tree, tmp_path / "run.h5")

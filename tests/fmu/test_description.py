@@ -1,5 +1,6 @@
-"""What an FMU says of itself: who made it, its run, constants, documentation; nothing of the
-machine it was built on.
+"""The description of an FMU: who made it, its run, constants, documentation.
+
+It contains nothing of the machine on which it was built.
 """
 
 import ast
@@ -86,8 +87,10 @@ def test_without_compiler_there_is_no_twin(monkeypatch):
 
 
 def test_engine_has_the_words_and_the_run_of_its_case(engine):
-    """720 deg in steps of 1 deg at 6000 rpm: 0.02 s by 2.78e-5 s; velocities agree to 1e-6 of their
-    nominal value, what a wire without a tolerance is given.
+    """The description and the default run of the engine are those of its case.
+
+    720 deg in steps of 1 deg at 6000 rpm are 0.02 s in steps of 2.78e-5 s. Velocities agree to 1e-6
+    of their nominal value, the default tolerance of a wire.
     """
     model = fmpy.read_model_description(str(engine))
     assert model.modelName == model.coSimulation.modelIdentifier == "numerical_example"
@@ -137,8 +140,9 @@ def test_only_the_code_that_runs_is_inside(any_fmu):
 
 
 def test_a_second_grid_compiles_nothing(fmu, outside):
-    """Code has its name of the sources alone, and kernels do not depend on sizes: the same files
-    lie there after another grid.
+    """FMUs of two grids use the same compiled files.
+
+    The name of the code depends on the sources alone, and kernels do not depend on sizes.
     """
     code = """
         film = [v.valueReference for v in model.modelVariables if v.name.startswith("film_thick")]

@@ -1,5 +1,6 @@
-"""FMUs that end the process or print, and scripts that start worker processes: exit codes, streams,
-and how often a script's body runs.
+"""FMUs that end the process or print, and scripts that start worker processes.
+
+The tests check exit codes, streams, and how often a script's body runs.
 """
 
 import subprocess
@@ -11,14 +12,14 @@ from .counter import case_text
 
 
 def python(folder, *arguments):
-    """A finished process of Python in a folder."""
+    """Run Python in a folder and return the finished process."""
     return subprocess.run(
         [sys.executable, *arguments], cwd=folder, capture_output=True, text=True, timeout=120
     )
 
 
 def run(folder, text):
-    """A finished `piston-cosim run`."""
+    """Run a case with `piston-cosim run` and return the finished process."""
     (folder / "case.toml").write_text(text)
     return python(folder, "-m", "piston_cosim", "run", "case.toml", "--output", "out", "--no-plots")
 

@@ -1,5 +1,6 @@
-"""The example in models/engine: three FMUs in an SSP, run explicitly by FMPy and iterated by the
-master.
+"""The example in models/engine: three FMUs in an SSP.
+
+FMPy runs them explicitly, and the master iterates them.
 """
 
 import pytest

@@ -1,5 +1,7 @@
-"""Faults injected into a run of 200 steps: it recovers and ends converged, or stops with exit code
-1, a sentence, and a checkpoint that goes on to the same bits as a run without the fault.
+"""Faults injected into a run of 200 steps.
+
+The run recovers and ends converged, or stops with exit code 1, a message and a checkpoint. From
+the checkpoint it continues to the same bits as a run without the fault.
 """
 
 import resource
@@ -52,7 +54,7 @@ checkpoint_every = 30
 
 
 def call_apart(*words, **settings):
-    """The command in a process group of its own, in which it may be interrupted."""
+    """Run the command in its own process group, in which it may be interrupted."""
     process = begun(".", *words, start_new_session=True, **settings)
     out, errors = process.communicate(timeout=120)
     return subprocess.CompletedProcess(words, process.returncode, out, errors)
@@ -135,8 +137,9 @@ def goes_on_as_if_nothing_had_happened(done, folder, whole):
 
 
 def test_full_disk(whole, tmp_path):
-    """No file may grow beyond 1.2 MB, those of the whole run do: the write that meets the limit
-    fails as on a full disk.
+    """The write that meets the limit of a file's size fails as on a full disk.
+
+    No file may grow beyond 1.2 MB. Files of the whole run do.
     """
 
     def limit():

@@ -23,7 +23,7 @@ def of(results, name):
 
 @cache
 def block():
-    """The case's block, reduced."""
+    """Return the case's block, reduced."""
     build = read_tree(PATH)["participants"]["block"]["build"]
     prepare = import_part("fmu_mfbd.monoblock.build").prepare
     _, (file,) = prepare(build, PATH.parent, lambda text: None)
@@ -31,8 +31,10 @@ def block():
 
 
 def test_interface_newton_and_what_it_leaves(results_of):
-    """All five participants by their own derivatives: as many iterations as a rigid block's twin
-    takes, one more while the modes ring after the start; what film and bodies say of their work.
+    """Interface Newton converges with the derivatives of all five participants.
+
+    It takes as many iterations as with a rigid block, and one more while the modes ring after the
+    start. Film and bodies report the error of their work.
     """
     flexible = results_of("flexible_twin")
     assert flexible.summary["unconverged_steps"] == 0

@@ -1,5 +1,7 @@
-"""models/floating_pin: four films on one piston, three of them of its pin, which may tilt and bend;
-forces against closed forms, powers, the tied pin as the limit, where the films bear.
+"""models/floating_pin: four films on one piston, three of them on its pin.
+
+The pin may tilt and bend. The tests compare forces with closed forms, and powers with each
+other. They check the tied pin as the limit, and where the films carry load.
 """
 
 import numpy as np
@@ -29,10 +31,12 @@ from .shipped import DATA_SHEET, FLOATING_PIN, PARAMETERS, PINS, firing_pin, sma
 
 @pytest.mark.parametrize("eccentricity", [pytest.param(0.3, marks=pytest.mark.slow), 0.6])
 def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
-    """The lubrication model under the body's film thickness, in a shell turned by 0.3 rad, the pin
-    off its axis along 1.1 rad: load, attitude angle and moments of Ocvirk's bearing as in
-    `verify ehd`, 5e-3 for the same reasons; on the shell half the load's lever less. The load is
-    that of pressure: Ocvirk's has no share of the shear, which in so short a bearing is as large.
+    """A side load on a pin has the load, attitude angle and moments of Ocvirk's bearing.
+
+    The lubrication model takes the body's film thickness in a shell turned by 0.3 rad. The pin is
+    off the axis along 1.1 rad. The tolerance of 5e-3 has the same reasons as in `verify ehd`. Half
+    the load's lever adds to the moment on the pin and reduces that on the shell. The load is that
+    of pressure: Ocvirk's has no share of the shear, which in so short a bearing is as large.
     """
     shape, length = (180, 24), 2 * RADIUS * 0.02
     surface = pin_surface(RADIUS, CLEARANCE, shape)
@@ -60,8 +64,10 @@ def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
 
 
 def squeezed(length, load, viscosity, clearance, time):
-    """Eccentricity [-] of a short bearing that a load squeezes from its middle, pressure below zero
-    cut off: e' = W c^2/(mu R L^3 I),  I = int_(-pi/2)^(pi/2) cos^2 a/(1 - e cos a)^3 da.
+    """Return the eccentricity [-] of a short bearing that a load squeezes from its middle.
+
+    Pressure below zero is cut off:
+    e' = W c^2/(mu R L^3 I),  I = int_(-pi/2)^(pi/2) cos^2 a/(1 - e cos a)^3 da.
     """
     angle = np.linspace(-np.pi / 2, np.pi / 2, 2001)
 
@@ -73,9 +79,11 @@ def squeezed(length, load, viscosity, clearance, time):
 
 
 def test_a_standing_engine_squeezes_its_pin_as_a_short_bearing(tmp_path):
-    """Crank at rest at bottom dead centre, gas on the crown: each boss carries half of its force,
-    the eye all of it. L/D of 1/9 and 1/6: the short bearing carries (L/D)^2 or so too much, and the
-    piston's inertia delays the way by some microseconds of 3 ms.
+    """A crank at rest at bottom dead centre squeezes its pin as a short bearing.
+
+    Gas acts on the crown: each boss carries half of its force, the eye all of it. At L/D of 1/9 and
+    1/6 the short bearing carries about (L/D)^2 too much. The piston's inertia delays the motion by
+    some microseconds of 3 ms.
     """
     films = {"left_film": 4e-3, "right_film": 4e-3, "small_end_film": 6e-3}
     changes = [
@@ -110,9 +118,10 @@ def test_a_standing_engine_squeezes_its_pin_as_a_short_bearing(tmp_path):
 
 
 def test_what_pin_and_films_say_of_friction(results_of):
-    """The moments on the pin times its speed in each shell, against what the films tell (Eq. (F8)):
-    the same but for C/R and second order in cells of 7.5 deg; pressure of asperities has a lever on
-    the pin, and none in Eq. (F8).
+    """The moments on the pin times its speed equal the friction power of the films (Eq. (F8)).
+
+    The speed is that in each shell. The rest is C/R and second order in cells of 7.5 deg. Pressure
+    of asperities has a lever on the pin, and none in Eq. (F8).
     """
     four = results_of("floating_pin")
     told = sum(four.series(f"{film}.friction_power").values for film in PINS)
@@ -122,8 +131,10 @@ def test_what_pin_and_films_say_of_friction(results_of):
 
 
 def test_newton_needs_no_more_iterations_than_with_one_film(results_of):
-    """Mean of the tied piston on the same grid, and a half: the pin's films are far thinner. A
-    pin that bends from rest in films a tenth of a micrometre thin takes 3.6, a rigid one 2.8.
+    """The mean number of iterations is at most that of the tied piston plus a half.
+
+    The grid is the same, but the pin's films are far thinner. A pin that bends from rest in films a
+    tenth of a micrometre thin takes 3.6, a rigid one 2.8.
     """
     one, four, bending = (
         results_of(name).summary["mean_iterations"]
@@ -135,9 +146,10 @@ def test_newton_needs_no_more_iterations_than_with_one_film(results_of):
 
 @pytest.mark.slow
 def test_the_tied_pin_is_the_limit_of_small_clearances(tmp_path):
-    """Motion of the piston against that of data_sheet without friction at the pin, by clearance c
-    of the pin's films. Their viscosity goes with c^2: the pin then takes the same place in c, and
-    play and friction both fall with c.
+    """The piston's motion approaches that of a tied pin without friction as the clearance c falls.
+
+    The tied case is data_sheet. The viscosity of the pin's films goes with c^2: the pin's position
+    in units of c then stays the same, and play and friction both fall with c.
     """
     stop = ("time.stop", "60 deg")
     names = ("lateral_displacement", "rocking_angle", "side_force")
@@ -175,9 +187,11 @@ def thinnest(results, surface):
 
 
 def test_a_pin_that_bends_bears_at_the_edges(results_of):
-    """Pushed up in the middle by the eye, held at both ends by the bosses: its films are thinnest
-    at the ends of the eye and at the inner ends of the bosses, which carry the same load there. A
-    rigid pin is parallel to its shells and bears amid each, both halves alike.
+    """A bending pin loads the ends of the eye and the inner ends of the bosses.
+
+    The eye pushes the pin up in the middle, and the bosses hold both ends. The films are thinnest
+    at these edges; the bosses carry the same load. A rigid pin is parallel to its shells and loads
+    the middle of each, both halves alike.
     """
     bending, rigid = results_of("bending_pin"), results_of("floating_pin")
     assert bending.series("bodies.elastic_energy").values.max() > 1e-3
@@ -201,8 +215,10 @@ def test_a_pin_that_bends_bears_at_the_edges(results_of):
 
 
 def test_a_pin_tilts_towards_the_thinner_oil(tmp_path):
-    """Oil of the left boss three times as thick: under the gas the right end of the pin gives way
-    more. The pin goes up in its bosses, on the right by more than on the left.
+    """If the left boss has thicker oil, the right end of the pin gives way more under the gas.
+
+    The oil is three times as thick. The pin rises in its bosses, on the right by more than on the
+    left.
     """
     thick = ("participants.left_film.parameters.viscosity", "16.8 mPa s")
     results = run_tree(FLOATING_PIN, firing_pin(1, thick), tmp_path / "lopsided.h5")

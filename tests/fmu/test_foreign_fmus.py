@@ -1,5 +1,6 @@
-"""FMUs that nobody here wrote, in the manner of the Reference-FMUs: C without Python, FMI 2.0 and
-3.0, wired into a loop.
+"""FMUs of other origin, in the style of the Reference-FMUs, in a loop.
+
+They are written in C without Python, for FMI 2.0 and 3.0.
 
 Eq. (X3):  dx/dt = -k x + g x, backward Euler through the loop:  x_n = x_0 / (1 + H (k - g))^n
 """

@@ -106,7 +106,7 @@ DESCRIPTIONS = description(units={"u": "mm"}, definitions=MILLIMETRE), DESCRIPTI
 
 
 def damaged(text, rng):
-    """The text with a few random changes."""
+    """Return the text with a few random changes."""
     for _ in range(rng.choice((1, 1, 1, 2, 4))):
         text = rng.choice((_value, _value, _piece, _character, _line))(text, rng)
     return text
@@ -127,7 +127,7 @@ def _value(text, rng):
 
 
 def _piece(text, rng):
-    """A piece cut out, or put in elsewhere."""
+    """Cut a piece out, or insert a copy of it elsewhere."""
     begin = rng.randrange(len(text) + 1)
     piece = text[begin : begin + rng.randint(1, 80)]
     at = rng.randrange(len(text) + 1)
@@ -141,7 +141,7 @@ def _character(text, rng):
 
 
 def _line(text, rng):
-    """A line twice, or not at all."""
+    """Repeat a line, or remove it."""
     lines = text.splitlines(keepends=True)
     if not lines:
         return text
@@ -151,7 +151,7 @@ def _line(text, rng):
 
 
 def attempt(seed, folder):
-    """What became of one damaged system: "taken" or "refused"; anything else is raised."""
+    """Return the outcome of one damaged system, "taken" or "refused"; raise anything else."""
     rng = random.Random(seed)
     files = {"a": DESCRIPTION_3, "b": rng.choice(DESCRIPTIONS)}
     case, table = CASE, TABLE

@@ -17,8 +17,10 @@ CELL = ("nodal_pressure_force[3,4]", "film_thickness[3,4]")
 
 
 def ask(host, *fmus, before=(), only=None, **environment):
-    """Exit code, lines of numbers and error text of the host; `before` starts it. The environment
-    is `only`, if given, else that of the tests without Python's, and what is given.
+    """Return exit code, lines of numbers and error text of the host; `before` starts it.
+
+    The environment is `only`, if given. Otherwise it is that of the tests without Python's
+    variables, updated by `environment`.
     """
     arguments = [str(a) for fmu in fmus for a in fmu]
     run = subprocess.run(
@@ -57,7 +59,7 @@ def bodies(bodies_fmu, unpack, tmp_path_factory):
 
 
 def in_python(arguments):
-    """The same drive as host.c's, by FMPy in this process."""
+    """Drive the FMU as host.c does, by FMPy in this process."""
     folder, identifier, _, given, value, wanted, seed, guid = arguments
     one = fmi2.FMU2Slave(
         guid=guid, unzipDirectory=str(folder), modelIdentifier=identifier, instanceName="python"
@@ -121,7 +123,7 @@ def test_host_finds_the_interpreter_it_is_told(host, film, tmp_path, setting):
 
 
 def bare_python(folder):
-    """A Python without packages."""
+    """Create a Python without packages."""
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
     return folder / "bin" / "python"
 
@@ -155,7 +157,7 @@ def test_refusals_are_errors_and_heard_without_logging(host, fmu, unpack, tmp_pa
 
 @pytest.fixture
 def stranger():
-    """Starts a command as a user without an entry in any list of users."""
+    """Return the words that start a command as a user without an entry in any list of users."""
     words = ["unshare", "--user", "--map-user=54321"]
     if not shutil.which("unshare") or subprocess.run([*words, "true"]).returncode:
         pytest.skip("no user namespaces here")
@@ -237,8 +239,9 @@ print(bool(made), *said)
 
 
 def test_a_python_in_the_host_that_lacks_packages_is_told_in_one_sentence(film, tmp_path):
-    """The host's own Python is the one that would run the model: what it lacks, and how to mend
-    it.
+    """The message names the packages that the host's Python lacks and the command that adds them.
+
+    The host's own Python is the one that would run the model.
     """
     folder, identifier, location, *_, guid = map(str, film)
     bare = bare_python(tmp_path)
@@ -274,8 +277,10 @@ DRIVER = Path(__file__).parent / "native_driver.c"
 def test_other_machines_say_the_same(
     make_native, native_bodies, unpack, tmp_path, platform, kind, steps, first
 ):
-    """The same host program, compiled for the machine, under an emulator: the bits of the film; of
-    the bodies to the last digits of other C libraries' sin, tanh and hypot.
+    """The same host program, compiled for another machine, gives the same under an emulator.
+
+    The film agrees to the bit. The bodies agree to the last digits of other C libraries' sin, tanh
+    and hypot.
     """
     ending, emulator = MACHINES[platform]
     compile_for, film = compiler_of(platform), kind == "fmu_ehd"

@@ -36,8 +36,9 @@ def shipped(tmp_path_factory):
 @pytest.mark.parametrize("native", [False, True])
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_every_importer_gives_what_run_writes(shipped, version, native):
-    """Row 0 included; those that are installed in any case must be among them. A native FMU needs
-    nothing that Python has.
+    """Every importer gives the values that `run` writes, including row 0.
+
+    Importers that are always installed must be among them. A native FMU needs no part of Python.
     """
     reference, fmus, step = shipped
     assert reference.shape == (STEPS + 1, 1 + len(WATCHED))
@@ -80,7 +81,7 @@ CURVE = np.array([TIMES, [0.0, 1.0, 4.0, 9.0, 10.0]]).T
 
 
 def changed(row, column, by):
-    """The curve with one value changed."""
+    """Return the curve with one value changed."""
     curve = CURVE.copy()
     curve[row, column] += by
     return curve

@@ -1,6 +1,4 @@
-"""What a run of foreign FMUs imports: nothing that takes long to import and that only our own
-bodies and films need.
-"""
+"""A run of foreign FMUs imports nothing slow that only our own bodies and films need."""
 
 import pytest
 

@@ -19,7 +19,7 @@ CASES = {"elastic_tube", "fired_motorcycle", "numerical_example", "two_mass_osci
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
-    """A copy of what a wheel is made of, so that building leaves nothing in the checkout."""
+    """Copy the sources of a wheel, so that building leaves nothing in the checkout."""
     copy = tmp_path_factory.mktemp("source")
     for name in (*PARTS, "tests/verification/cases"):
         shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -36,12 +36,12 @@ LARGEST_WHEEL = 6_000_000
 
 @pytest.fixture(scope="module")
 def wheel(source, tmp_path_factory):
-    """The wheel."""
+    """Build the wheel."""
     return built(source, tmp_path_factory.mktemp("wheel"))
 
 
 def built(source, folder):
-    """The wheel of a source tree, dated by nobody's clock."""
+    """Build the wheel of a source tree with a fixed date."""
     build = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", folder, source]
     dated = os.environ | {"SOURCE_DATE_EPOCH": "1700000000"}
     subprocess.run(build, check=True, capture_output=True, env=dated)
@@ -65,7 +65,7 @@ def python(request, source, tmp_path_factory):
 
 @pytest.fixture
 def crowded(tmp_path):
-    """A folder with foreign packages of the parts' names, which break whoever imports them."""
+    """Return a folder with foreign packages of the parts' names, which fail on import."""
     for name in PARTS:
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise RuntimeError('not ours')\n")
@@ -73,7 +73,7 @@ def crowded(tmp_path):
 
 
 def said(interpreter, folder, *words):
-    """What a command prints when it is run in a folder that is on the path."""
+    """Return the output of a command that runs in a folder that is on the path."""
     done = subprocess.run(
         [str(interpreter), "-m", *words], cwd=folder, capture_output=True, text=True
     )

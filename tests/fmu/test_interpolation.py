@@ -1,5 +1,6 @@
-"""Inputs that move inside a macro step: exact polynomials, the standard's call, and clear words
-where it is not to be had.
+"""Inputs that move inside a macro step.
+
+The tests check exact polynomials, the call of the standard, and messages for unsupported cases.
 """
 
 import numpy as np
@@ -53,8 +54,10 @@ def motion(participant, course, step):
 
 
 def test_a_step_follows_the_course_and_forgets_it(oscillator):
-    """A cubic whose exact motion is a cubic too: k_m v = m u'' + (k_o + k_m) u for u = s^3; with
-    held inputs it is another.
+    """A step follows the course of its input, which acts in this step alone.
+
+    The input is a cubic whose exact motion is a cubic too: k_m v = m u'' + (k_o + k_m) u for
+    u = s^3. Held inputs give another motion.
     """
     participant, step = FmuParticipant("one", oscillator), 0.02
     participant.start({}, 0.0, 1.0)

@@ -31,8 +31,9 @@ def ran(tmp_path, *changes):
 
 
 def test_motion_forces_and_power_of_the_coupled_shaft(tmp_path):
-    """5 ms of the shipped case: Newton's law between film and shaft, oil, and the power of the
-    drive beside that of the film.
+    """Film and shaft obey Newton's law, conserve oil and agree on power over 5 ms.
+
+    The power of the drive equals that of the film. The case is the shipped one.
     """
     results = ran(tmp_path, ("time.stop", "5 ms"))
 
@@ -59,8 +60,9 @@ def test_motion_forces_and_power_of_the_coupled_shaft(tmp_path):
 
 
 def test_a_film_named_first_starts_after_its_shaft_all_the_same(tmp_path, capsys):
-    """It is as full as the gap that the shaft tells at the start, 40 um, and not a quarter full by
-    the 10 um that its own start value says; the way is the same to the bit.
+    """A film that comes first starts with the shaft's gap of 40 um, and full.
+
+    Its own start value of 10 um would fill a quarter of the gap. The motion is the same to the bit.
     """
     tree = read_tree(PATH, [("time.stop", "1 ms")])
     places = []
@@ -75,8 +77,10 @@ def test_a_film_named_first_starts_after_its_shaft_all_the_same(tmp_path, capsys
 
 
 def test_an_elastic_shell_opens_the_film_and_takes_its_load(tmp_path):
-    """8 ms of the variant `elastic`, with a steel ring that hangs at its upper quarter: gap,
-    support and power in every step. Without the slope of the ring the drive misses 4 % of power.
+    """An elastic shell opens the film and carries its load in every step, and the power agrees.
+
+    The run takes 8 ms of the variant `elastic`, with a steel ring that hangs at its upper quarter.
+    Without the slope of the ring the drive misses 4 % of power.
     """
     variant = read_tree(PATH)["variants"]["elastic"]
     del variant["title"]

@@ -1,5 +1,6 @@
-"""Loops and chains of FMUs that other tools could have exported (`c_models/odd.c`): which are
-iterated, which step once, whose states are restored.
+"""Loops and chains of FMUs that other tools could have exported (`c_models/odd.c`).
+
+The tests check which of them iterate, which step once, and whose states are restored.
 
 Eq. (X14):  x' = u - x over a step H with u held:  x_1 = (x_0 + H u) / (1 + H)
 """
@@ -82,8 +83,9 @@ def last(results, port):
 
 
 def lag_and_half(steps, explicit=False):
-    """x of `lag` and of `half` after some steps, in a loop that agrees at the end of each, or in
-    which `half` reads what `lag` has just computed and `lag` what `half` was.
+    """Return x of `lag` and of `half` after some steps in a loop that agrees at the end of each.
+
+    If `explicit`, `half` reads the new value of `lag`, and `lag` reads the old value of `half`.
     """
     x, z = 1.0, 1.0
     matrix = np.array([[1 + H, -0.5 * H], [-H, 1 + H]])
@@ -196,7 +198,7 @@ def test_event_mode_that_an_fmu_declares_and_rejects_can_be_switched_off(tmp_pat
 
 
 def checked(folder, a, b):
-    """The loop of two FMUs and a chain behind it, as `check` reports them."""
+    """Return the loop of two FMUs, with a chain behind it, as `check` reports it."""
     text = f'title = "loop"\n[time]\nstop = "1 s"\nstep = "{H} s"\n'
     for name, fmu in {"c": "double", "a": a, "b": b}.items():
         text += f'[participants.{name}]\nfmu = "{fmu}.fmu"\n'

@@ -1,5 +1,6 @@
-"""The main job as a user runs it: `piston-cosim run numerical_example` in a process of its own,
-both runs until they repeat.
+"""The main job as a user runs it in its own process: `piston-cosim run numerical_example`.
+
+Both of its runs continue until they repeat.
 """
 
 import json
@@ -36,7 +37,7 @@ def summary(job):
 
 @pytest.fixture
 def flexible(job):
-    """The last period."""
+    """Yield the last period."""
     with Results(job / "results/numerical_example/flexible.h5") as results:
         yield results
 
@@ -48,9 +49,11 @@ def rigid(job):
 
 
 def test_pressure_moves_to_the_ends_of_the_skirt_where_it_bends(flexible, rigid):
-    """First finding of the source paper. Measured: 36 and 25 % above the pressure on the thrust
-    line at the highest pressure, 15 % or more in 84 and 69 % of the loaded instants. The bounds are
-    the sizes that the case was chosen for.
+    """The ends of the skirt carry the highest pressure: first finding of the source paper.
+
+    Their pressure was measured to be 36 and 25 % above that on the thrust line at the highest
+    pressure. In 84 and 69 % of the loaded instants it was 15 % or more above. The bounds are the
+    sizes that the case was chosen for.
     """
     for peak in findings(flexible).peaks:
         assert peak.distance >= 45.0
@@ -60,8 +63,9 @@ def test_pressure_moves_to_the_ends_of_the_skirt_where_it_bends(flexible, rigid)
 
 
 def test_flexible_bodies_keep_a_thicker_film_and_rub_less_on_the_upstroke(flexible, rigid):
-    """Second and third finding, by nine tenths of the sizes that were measured: 45 % more film,
-    15 % less friction on the upstroke.
+    """Second and third finding: 45 % more film and 15 % less friction on the upstroke.
+
+    These sizes were measured. The bounds are nine tenths of them.
     """
     bends, stiff = findings(flexible), findings(rigid)
     assert bends.film > 1.40 * stiff.film
@@ -69,16 +73,18 @@ def test_flexible_bodies_keep_a_thicker_film_and_rub_less_on_the_upstroke(flexib
 
 
 def test_the_pressed_side_bends_away_from_the_film(flexible, rigid):
-    """10.6 um were measured. Bodies that do not bend have the gap of clearance, profile and motion
-    to round-off of 1e-5 m.
+    """The pressed side bends by more than 9.5 um; 10.6 um were measured.
+
+    The gap of rigid bodies is that of clearance, profile and motion to round-off of 1e-5 m.
     """
     assert findings(flexible).bend > 9.5e-6
     assert np.abs(deflection(rigid)).max() < 1e-18
 
 
 def test_the_run_repeats_the_numbers_of_the_front_page(summary):
-    """`docs/gallery.json` holds the summary from which README and gallery take their numbers. They
-    show three digits; the runs of two machines differ by less.
+    """The run repeats the summary in `docs/gallery.json`, the source of README and gallery.
+
+    They show three digits; the runs of two machines differ by less.
     """
     stored = json.loads((ROOT / "docs/gallery.json").read_text())["numerical_example"]
     for variant, run in (("flexible", summary), ("rigid", summary["variants"]["rigid"])):

@@ -59,7 +59,7 @@ def test_a_label_names_variant_and_model():
 
 
 def two_films():
-    """The numerical example's tree with a second film."""
+    """Return the numerical example's tree with a second film."""
     tree = read_tree(find_case("numerical_example"), [])
     participants = tree["participants"] | {"pin": {"fmu": "pin.fmu", "role": "lubrication"}}
     return tree | {"participants": participants}

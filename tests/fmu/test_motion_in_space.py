@@ -1,6 +1,4 @@
-"""The rigid piston of `data_sheet` moving in space on its film: the plane as the symmetric case,
-a lopsided one.
-"""
+"""The rigid piston of `data_sheet` moves in space on its film, symmetric and lopsided."""
 
 import numpy as np
 
@@ -11,9 +9,11 @@ ACROSS = ("pin_axis_displacement", "roll_angle", "yaw_angle")
 
 
 def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):
-    """60 deg, in as many iterations: accelerations are solved to 1e-11, and a film makes 1e-7 of a
-    force of what that is of its thickness; 5e-7 of each range. The film is even about z = 0 to some
-    1e-4 N of a thousand, so that shift, roll and yaw stay within 2e-12 m or rad; allowed 2e-11.
+    """Symmetric loads give the plane motion to 5e-7 of each range, in as many iterations.
+
+    The run takes 60 deg. Accelerations are solved to 1e-11; a film turns that error in its
+    thickness into 1e-7 of its force. The film is even about z = 0 to some 1e-4 N of a thousand.
+    Shift, roll and yaw therefore stay within 2e-12 m or rad; the test allows 2e-11.
     """
     stop = ("time.stop", "60 deg")
     flat = run_tree(DATA_SHEET, tied(stop), tmp_path / "flat.h5")
@@ -27,8 +27,11 @@ def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):
 
 
 def test_a_tilted_pin_moves_and_pushes_its_piston_along(results_of):
-    """The pin's inertia forces and its film's, of kilonewtons, lean by half a mrad, on a film that
-    gives way where the skirt is oval; roll leaves where the eye holds it by what its play allows.
+    """A tilted pin shifts, rolls and yaws its piston.
+
+    The pin's inertia forces and those of its film, of kilonewtons, lean by half a mrad. The film
+    gives way where the skirt is oval. The roll leaves the position held by the eye as far as play
+    allows.
     """
     lopsided = results_of("piston_in_space")
     # work of the film on the grid is that in the coordinates, to round-off

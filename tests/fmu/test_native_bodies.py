@@ -1,6 +1,7 @@
-"""The body FMU that needs no Python next to the one in Python, with a tied and a floating pin. The
-kernels are the same; products of a matrix with a vector, and sin, tanh and hypot are those of
-other libraries.
+"""The native body FMU compared with the one in Python, with a tied and a floating pin.
+
+The kernels are the same. Products of a matrix with a vector, and sin, tanh and hypot are those
+of other libraries.
 """
 
 from typing import Any, NamedTuple
@@ -58,8 +59,9 @@ OFFSETS = [
 
 
 def given(one, k):
-    """Inputs of a step: rough loads on all films that turn round, a thousand newtons on each of a
-    pin's.
+    """Return the inputs of a step: rough, rotating loads on all films.
+
+    Each film of a pin gets a thousand newtons.
     """
     rng = np.random.default_rng(k)
     values = {
@@ -90,8 +92,10 @@ def given(one, k):
 
 
 class Bodies(NamedTuple):
-    """Package, options and folder of a build; parameters; steps; whether no matrices are
-    multiplied, so that only the account differs, whose products of vectors are numpy's in Python.
+    """Package, options and folder of a build; parameters; steps; whether it is exact.
+
+    A build is exact if it multiplies no matrices. Then only the account differs, because numpy
+    multiplies its vectors in Python.
     """
 
     build: tuple[str, dict[str, Any], Any]
@@ -101,7 +105,7 @@ class Bodies(NamedTuple):
 
 
 def of_case(tree, path, **more):
-    """The bodies of a case."""
+    """Return the bodies of a case."""
     case = check_case(tree, path)
     values = parameters_ahead(case, declared_participants(case, path.parent, []), [])
     return Bodies(build_of(tree, path, "bodies"), values["bodies"], 24, **more)

@@ -1,6 +1,7 @@
-"""The coupled FMU that needs no Python next to the coupled FMU in Python: the same steps, taken by
-machine code. Film and bodies are those of the native FMUs; what differs is the order of the sums in
-the master's products of vectors, and that a small matrix is factorised instead of inverted.
+"""The native coupled FMU takes the same steps as the coupled FMU in Python.
+
+Film and bodies are those of the native FMUs. The order of the sums in the master's products of
+vectors differs, and a small matrix is factorised instead of inverted.
 """
 
 from functools import cache
@@ -51,7 +52,7 @@ TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 
 @cache
 def exported(*changes, native=True, **sizes):
-    """The coupled FMU of the small case with changes, as machine code or in Python."""
+    """Export the coupled FMU of the small case with changes, as machine code or in Python."""
     return export(small_tree(("time.stop", "12 deg"), *changes, **sizes), native=native)
 
 
@@ -73,7 +74,7 @@ def started(path, values=HARD):
 
 
 def given(one, k, cooling=0.1):
-    """Inputs of the k-th step, and tunable parameters; the piston cools by `cooling` [K]."""
+    """Return the inputs and tunable parameters of step k; the piston cools by `cooling` [K]."""
     values = {
         "gas_pressure": 1e5 * k,
         "ring_side_force": 5.0 * np.sin(k),
@@ -87,14 +88,15 @@ def given(one, k, cooling=0.1):
 
 
 def warm(one, k):
-    """The piston keeps its temperature: pressures of a few kPa would show a last bit of the gap as
-    1e-12.
+    """Return the same inputs for a piston that keeps its temperature.
+
+    Otherwise pressures of a few kPa would show a last bit of the gap as 1e-12.
     """
     return given(one, k, cooling=0.0)
 
 
 def step(one, k, steps=1):
-    """The k-th step, or several in one."""
+    """Take the k-th step, or several in one."""
     for name, value in given(one, k).items():
         one.set(name, value)
     one.step((k - 1) * STEP, steps * STEP)
@@ -113,7 +115,7 @@ def outputs_of(one):
 
 
 def compared(pair, steps, values=(), inputs=given):
-    """Outputs of the pair after each step, and their differences."""
+    """Return the outputs of the pair after each step, and their differences."""
     return side_by_side(pair, dict(values), inputs, steps, lambda k: STEP, redo=steps + 1)
 
 
@@ -128,8 +130,10 @@ def test_every_output_is_that_of_the_fmu_in_python():
 
 
 def two_films():
-    """Three participants, two of one library; bands of unequal size with a groove between them,
-    next to the axis, surfaces that touch.
+    """Return a case of three participants, two of them of one library.
+
+    The bands have unequal size and a groove between them. The piston is off the axis, and surfaces
+    touch.
     """
     tree = several_films((12, 12), "12 deg", [(1, 5), (7, 12)])
     tree["participants"]["bodies"]["parameters"] |= {
@@ -180,9 +184,11 @@ def test_a_floating_pin_is_that_of_the_fmu_in_python():
 
 @pytest.mark.slow
 def test_flexible_bodies_are_those_of_the_fmu_in_python():
-    """Four modes a body. The wires have more directions now than a linear solve takes products, and
-    where it stops in between follows the last digits: to the case's tolerance of 1 nm the film is
-    the same to a thousandth of that; to a tolerance of 1e-5 nm, 1e-9 of the film, everything is.
+    """Bodies with four modes each give the values of the FMU in Python.
+
+    The wires have more directions than a linear solve takes products, and the last digits decide
+    where it stops. With the case's tolerance of 1 nm the film agrees to a thousandth of that. With
+    a tolerance of 1e-5 nm, 1e-9 of the film, everything agrees to 1e-9.
     """
     trees = [small_tree(("time.stop", "12 deg"), *more, modes=4) for more in ((), TIGHT)]
     apart = compared(both(trees[0], EXAMPLE), 20, HARD)

@@ -58,8 +58,9 @@ SPLASH = dict(ON_BORE, oil_supply="bore_and_ring", oil_splash=1e-3, **ROUGH)
 
 
 def many_windows():
-    """Windows on both sides, one across the first row, single ones at an edge and within, and a
-    film cell with none beside it.
+    """Return windows on both sides, across the first row, at an edge and within.
+
+    One film cell has no film cell beside it.
     """
     cells = opening(GRID)
     cells[4, 0] = cells[9, 5] = cells[2, 9] = True
@@ -150,7 +151,7 @@ FILMS = {
 
 
 def flat(changes):
-    """Changes of `Parameters` as parameters of the FMU."""
+    """Return changes of `Parameters` as parameters of the FMU."""
     default = Oil()
     own = {k: v for k, v in changes.items() if k not in ("oil", "open_cells", "surface")}
     oil = changes.get("oil", default)
@@ -167,7 +168,7 @@ def numbered(values):
 
 
 def started(path, film, velocity, **values):
-    """An instance of the FMU after its initialisation."""
+    """Return an instance of the FMU after its initialisation."""
     one = FmuParticipant("film", path)
     one.start(numbered(values) | {"film_thickness": film, "sliding_velocity": velocity}, 0.0, 1.0)
     return one
@@ -238,8 +239,10 @@ FIELD = np.linspace(340.0, 400.0, 30).reshape(6, 5)
     "inputs", [(), tuple(EDGES), ("pressure_upper_edge", "oil_temperature"), ("oil_temperature",)]
 )
 def test_conditions_change_between_steps(backend, inputs):
-    """Temperature and pressure of an edge, and a field of temperatures: as tunable parameters, and
-    as inputs. The oil thins as well. Oil of a cut-out is as warm as the nearest film's to the film.
+    """Temperature and pressure of an edge and a field of temperatures may change between steps.
+
+    They are tunable parameters or inputs. The oil thins as well. For the film, oil of a cut-out is
+    as warm as that of the nearest film cell.
     """
     shape, mask = (6, 5), np.ones((6, 5), dtype=int)
     if inputs == ("oil_temperature",):
@@ -322,9 +325,10 @@ def test_the_library_exports_the_standard_alone(native_fmu, unpack, tmp_path):
 
 
 def test_a_film_of_many_cells_gives_its_first_outputs_at_once(host, make_native, unpack, tmp_path):
-    """40 x 40 cells: from nothing to an output in 0.1 s, for a host in C that knows its references,
-    and here through the arrays of FMI 3. (FMI 2 names 11 281 scalars; reading them takes FMPy a
-    second.)
+    """A film of 40 x 40 cells gives an output within 0.1 s from nothing.
+
+    This holds for a host in C that knows its references, and here through the arrays of FMI 3. FMI
+    2 names 11 281 scalars, and FMPy takes a second to read them.
     """
     grid = [40, 40]
     place = unpack(make_native(grid), tmp_path / "place")

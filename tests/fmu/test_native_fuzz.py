@@ -1,5 +1,6 @@
-"""Calls at random of a native FMU under AddressSanitizer; damaged files and states, and valid ones
-with other content.
+"""Calls at random of a native FMU under AddressSanitizer.
+
+They include damaged files and states, and valid ones with other content.
 """
 
 import os
@@ -36,7 +37,7 @@ def version(request):
 
 @pytest.fixture(scope="session", params=INSIDE)
 def fuzzed(request, version, make_native, native_bodies, native_engine, unpack, tmp_path_factory):
-    """Runs a number of calls on two FMUs of one library; what was counted."""
+    """Return a function that runs random calls on two FMUs of one library and counts them."""
     inside = INSIDE[request.param]
     make = dict(zip(INSIDE, (make_native, native_bodies, native_engine)))[request.param]
     fmus = make([12, 10], version=version), make([6, 5], version=version)
@@ -84,8 +85,9 @@ def fuzzed(request, version, make_native, native_bodies, native_engine, unpack, 
 
 
 def sizes(description):
-    """Elements of each variable in the order of references, negative where they are no reals; time,
-    which FMI 3.0 has behind all, is none of them.
+    """Return the elements of each variable in the order of references, negative if it is not real.
+
+    Time, which FMI 3.0 lists last, is left out.
     """
     variables = [v for v in description.modelVariables if v.causality != "independent"]
     if description.fmiVersion.startswith("2"):
@@ -99,8 +101,10 @@ def sizes(description):
 
 @pytest.mark.parametrize("calls, seed", [(5000, 1), (100_000, 2), (100_000, 3)])
 def test_calls_at_random_touch_no_memory_but_their_own(fuzzed, calls, seed):
-    """All came back: hundreds went well, hundreds were refused; no damage was overlooked. Of the
-    files and states with new sums, some were rejected and some ran.
+    """All calls return, and every damage is detected.
+
+    Hundreds of calls succeed, and hundreds are rejected. Of the files and states with new sums,
+    some are rejected and some run.
     """
     well, refused, words, damaged, tried, rejected, forged = fuzzed(calls, seed)
     assert well > calls / 10 and refused > calls / 10 and words > calls / 20

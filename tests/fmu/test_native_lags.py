@@ -1,5 +1,6 @@
-"""The coupled FMU that needs no Python, next to the one in Python, on participants that compile in
-seconds: two lags in a loop (`outside/lag`).
+"""The native coupled FMU compared with the one in Python: two lags in a loop (`outside/lag`).
+
+These participants compile in seconds.
 """
 
 import os
@@ -49,7 +50,7 @@ def fmus():
 
 
 def given(one, k):
-    """Loads that change."""
+    """Return loads that change."""
     return {"a.load": np.sin(k), "b.load": 0.5 * np.cos(k)}
 
 
@@ -63,13 +64,14 @@ def compared(fmus, lengths, values=(), inputs=given, **more):
 
 
 def states(apart):
-    """What both are at last."""
+    """Return the last states of both FMUs."""
     return [np.array([float(one[f"{name}.x"]) for name in "ab"]) for one in apart.last]
 
 
 def test_steps_and_derivatives_are_those_of_the_fmu_in_python(fmus):
-    """Of one macro step, of three, and of two and a half; a derivative is the step taken again
-    with nudged inputs, of which nothing stays behind.
+    """Steps of one, three and two and a half macro steps agree, and so do their derivatives.
+
+    A derivative takes the step again with nudged inputs and changes no state.
     """
     lengths = (1, 1, 3, 2.5, 1)
     products = ["a.x", "b.x"]

@@ -1,5 +1,7 @@
-"""Libraries of native FMUs: those a release brings are taken as they are, those for macOS export
-what a host calls and ask for its system library alone.
+"""Libraries of native FMUs: those of a release and those for macOS.
+
+Those of a release are used as they are. Those for macOS export the functions that a host calls
+and need its system library alone.
 """
 
 import struct
@@ -19,7 +21,7 @@ MACS = {"darwin64": 0x01000007, "aarch64-darwin": 0x0100000C}  # CPU_TYPE_X86_64
 
 @pytest.fixture
 def brought(monkeypatch, tmp_path):
-    """A folder of libraries made ahead, on a machine that can compile nothing."""
+    """Return a folder of prebuilt libraries, on a machine that can compile nothing."""
     monkeypatch.setattr(builder_native, "AHEAD", tmp_path)
     monkeypatch.setattr(builder_native, "compiler_of", lambda platform: None)
     monkeypatch.setattr(builder_native, "too_old", lambda: ["numba is too old"])

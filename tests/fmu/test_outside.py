@@ -1,5 +1,6 @@
-"""Participants, methods, step controls and observers of another installed package: the elastic tube
-with its wall outside.
+"""Participants, methods, step controls and observers of another installed package.
+
+The case is the elastic tube with its wall outside.
 """
 
 import tomllib
@@ -23,12 +24,12 @@ SHORT = [("time.stop", "0.05 s")]
 
 @pytest.fixture
 def installed(monkeypatch):
-    """The example package on the path, as pip would lay it there."""
+    """Add the example package to the path, as pip would install it."""
     monkeypatch.syspath_prepend(Path(__file__).parent / "outside")
 
 
 def outside(tree):
-    """The case with the wall of the other package."""
+    """Return the case with the wall of the other package."""
     tree["participants"]["wall"] = {"plugin": "outside_wall"}
     tree["wires"][1]["from"] = "wall.area"
     return tree

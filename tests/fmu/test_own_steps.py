@@ -23,7 +23,7 @@ def signal(folder):
 
 
 def lag(count, step, k, u, x=1.0):
-    """The lag behind u(t) at every step."""
+    """Return the lag behind u(t) at every step."""
     found = [x]
     for n in range(count):
         found.append((found[-1] + step * u((n + 1) * step)) / (1 + step * k))  # Eq. (X8)
@@ -64,7 +64,7 @@ def test_a_loop_of_two_rates_agrees(folder):
 
 
 def with_table(kind, interpolation, more="", time=""):
-    """A table that drives the lag a, which takes steps of a fifth of the macro step."""
+    """Return a case whose table drives the lag a in steps of a fifth of the macro step."""
     return f"""title = "table"
 [time]
 {time}
@@ -144,7 +144,7 @@ def test_tables_that_cannot_be_used(folder, table, words):
 
 
 def one_length(folder, library):
-    """The FMU a with steps of one length alone."""
+    """Write the FMU a, which takes steps of one length alone."""
     text = description().replace('StepSize="true"', 'StepSize="false"')
     pack(folder / "a.fmu", text, library)
 

@@ -1,5 +1,7 @@
-"""Reports of computed runs in a browser: a flexible piston, a rigid one, a bearing, a pin on four
-films, two cylinders. The page is gone through by keys; what it draws is what the results hold.
+"""Reports of computed runs in a browser.
+
+The runs are a flexible piston, a rigid one, a bearing, a pin on four films, and two cylinders.
+The tests go through the page by keys and compare what it draws with the results.
 """
 
 import re
@@ -44,7 +46,10 @@ SLOW = {"twin": pytest.mark.slow, "pin": pytest.mark.slow}
     scope="module", params=[pytest.param(name, marks=SLOW.get(name, ())) for name in CASES]
 )
 def seen(request, tmp_path_factory):
-    """A run, its results and its page, the results in a folder that is not named after the case."""
+    """Yield a run, its results and its page.
+
+    The folder of the results is not named after the case.
+    """
     name, changes = CASES[request.param]
     folder = tmp_path_factory.mktemp(request.param)
     path = find_case(name)

@@ -51,8 +51,9 @@ def test_equal_to_plain_cycles_in_fewer(runs):
 
 
 def test_results_are_on_one_cycle(runs):
-    """The case starts at -360 deg: -360 to 360 deg, whatever the number of the cycle; rows between
-    are of steps halved at an impact.
+    """Results are from -360 to 360 deg, whatever the number of the cycle.
+
+    The case starts at -360 deg. Rows between whole steps come from steps halved at an impact.
     """
     _, (_, periodic) = runs
     angle = np.degrees(periodic.series("bodies.crank_angle").values)
@@ -63,8 +64,10 @@ def test_results_are_on_one_cycle(runs):
 
 
 def test_another_period_changes_the_numbers_by_less_than_a_hundredth(tmp_path):
-    """What is left to go is a share of the last change, which the tolerance keeps to 1e-3 of each
-    field's range; a smallest or largest value follows the fields by a factor of a few.
+    """The remaining change is a share of the last one.
+
+    The tolerance limits the last change to 1e-3 of each field's range. A smallest or largest value
+    follows the fields by a factor of a few.
     """
     summaries = []
     for least in (2, None):

@@ -1,5 +1,6 @@
-"""Interrupted runs go on with the same bits: after SIGINT, and after kill -9 from the last
-checkpoint, in a new process.
+"""Interrupted runs continue in a new process with the same bits.
+
+They do so after SIGINT, and after kill -9 from the last checkpoint.
 """
 
 import os
@@ -38,8 +39,9 @@ def compare(first, second):
 
 
 def goes_on(words, folder, name, whole, kind=signal.SIGKILL, code=-signal.SIGKILL):
-    """Interrupt a run after its first checkpoint and resume it in a new process: the datasets are
-    those of the whole run.
+    """Interrupt a run after its first checkpoint and resume it in a new process.
+
+    Assert that the datasets are those of the whole run.
     """
     checkpoint = folder / f"{name}.h5.checkpoint"
     process = begun(folder, *words, folder)

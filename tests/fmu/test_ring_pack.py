@@ -33,13 +33,15 @@ VALUES = dict(
 
 
 def forces(**changed):
-    """Outputs of the pack."""
+    """Return the outputs of the pack."""
     return module_of(PATH.parent / "ring_pack.py")._forces(VALUES | changed)
 
 
 def test_numbers_by_hand():
-    """W' = 900 + 1.2e-3 2e6 = 3300 N/m; grooves move at 0.05 + 0.02 2 = 0.09 m/s; flanks carry
-    pi 0.08 2.5e-3 2e6 = 1256.6 N. 1e-9: creep velocities of 1e-6 m/s.
+    """The forces and the power of the pack equal values computed by hand.
+
+    W' = 900 + 1.2e-3 2e6 = 3300 N/m; grooves move at 0.05 + 0.02 2 = 0.09 m/s; flanks carry
+    pi 0.08 2.5e-3 2e6 = 1256.6 N. The tolerance of 1e-9 is due to creep velocities of 1e-6 m/s.
     """
     o = forces()
     rubbing = 0.12 * exp(-2.0) * 3300.0
@@ -67,9 +69,11 @@ def test_without_gas_only_tension_rubs():
 
 
 def test_the_pack_acts_on_the_piston_in_the_same_macro_step(tmp_path):
-    """A dozen degrees after firing: forces are those of the motion at the end of the same step, to
-    the tolerance of the wires, and slow the piston. In creep 4.5 kN on the flanks rub with 0.1/2e-3
-    N s/m each, the wires let 1e-6 m/s and 23 mm 1e-4 rad/s pass: 0.75 N.
+    """The forces of the pack are those of the motion at the end of the same step.
+
+    They slow the piston in a dozen degrees after firing, and agree to the tolerance of the wires.
+    In creep, 4.5 kN on the flanks rub with 0.1/2e-3 N s/m per newton. The wires let 1e-6 m/s pass,
+    and 1e-4 rad/s at 23 mm: 0.75 N.
     """
     start = ("participants.bodies.parameters.start_crank_angle", "5 deg")
     small = coarse(start, ("time.stop", "12 deg"), modes=None)

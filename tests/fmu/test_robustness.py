@@ -82,8 +82,10 @@ print(len(sys.path) - before, (sizes[-1] - sizes[9]) / 40)
 
 
 def test_fifty_instances_one_after_the_other(fmu):
-    """With the front; pythonfmu's own library corrupts the heap in this test (found at exit, after
-    10 to 50 instances).
+    """Fifty instances with the project's own front library leave no path and no memory behind.
+
+    pythonfmu's own library corrupts the heap in this test (found at exit, after 10 to 50
+    instances).
     """
     told = script(CYCLES.format(path=sys.path, fmu=str(fmu)), timeout=300)
     paths, kilobytes = map(float, told.split())
@@ -93,7 +95,7 @@ def test_fifty_instances_one_after_the_other(fmu):
 
 @pytest.fixture(scope="session")
 def stock_fmu():
-    """The lubrication FMU as a machine without C compiler builds it."""
+    """Build the lubrication FMU as a machine without C compiler does."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CC", "no-such-compiler")
         return build_fmu("fmu_ehd", {"grid": list(CELLS)}, ".")

@@ -1,5 +1,6 @@
-"""`run` with participants of machine code: the same steps as with those in Python, by the same
-master. What machine code does not cover is rejected ahead.
+"""`run` with native participants takes the same steps as with those in Python.
+
+The master is the same. It rejects in advance what machine code does not support.
 """
 
 import importlib
@@ -109,8 +110,9 @@ def rejected(make, *arguments, **named):
 
 
 def test_what_is_not_covered_is_rejected_before_anything_is_made(monkeypatch):
-    """By a build of one participant, by an export and by a run, with its place in the case. The
-    mask of a film comes from the mesh of its body.
+    """A build of one participant, an export and a run reject it with its position in the case.
+
+    The mask of a film comes from the mesh of its body.
     """
     bodies = importlib.import_module("piston_cosim.fmu_mfbd.build")
     monkeypatch.setattr(bodies, "prepare", lambda *_: pytest.fail("a body was reduced"))

@@ -1,5 +1,6 @@
-"""Several films on one body, each a lubrication FMU of its own: as one film with a groove, and what
-the report says of each.
+"""Several films on one body, each a lubrication FMU of its own.
+
+They equal one film with a groove. The report describes each of them.
 """
 
 from functools import partial
@@ -23,10 +24,11 @@ computed = partial(run_tree, PATH)
 
 @pytest.mark.slow
 def test_two_films_beside_a_groove_are_one_film_with_a_groove(tmp_path):
-    """The same equations, solved together or apart, in steps that agree to 1 pm of film: films of
-    1e-5 m then stand at most a tenth of that apart, motion a few 1e-9 of its range. Friction is the
-    same to 2e-12 until a cavity reaches the groove, and to 2e-7 from there on: why has not been
-    found.
+    """The same equations are solved together or apart, in steps that agree to 1 pm of film.
+
+    Films of 1e-5 m then differ by at most a tenth of that, motion by a few 1e-9 of its range.
+    Friction agrees to 2e-12 until a cavity reaches the groove, and to 2e-7 from then on. The reason
+    is not known.
     """
     trees = {"one": with_cut_out(), "two": several_films(GRID, "60 deg", GROOVED)}
     for tree in trees.values():
@@ -53,9 +55,11 @@ def test_as_many_iterations_as_with_one(results_of, name):
 
 
 def test_a_crown_land_beside_the_skirt(tmp_path):
-    """Skirt and motion are those of the piston without a film on its land, which stands off by what
-    its shape, the way of A and the tilt say, row by row (Eq. (H1)); a tenth full of oil and
-    without pressure it holds nothing but the shear in that tenth, 1e-5 of what moves the piston.
+    """Skirt and motion are those of the piston without a film on its land.
+
+    The gap of the land follows from its shape, the motion of A and the tilt, row by row (Eq. (H1)).
+    A tenth full of oil and without pressure, the land holds only the shear in that tenth. This is
+    1e-5 of the forces that move the piston.
     """
     path = find_case("grooved_skirt")
     short = [("time.stop", "20 deg"), ("time.step", "2 deg"), ("record.every", 1)]

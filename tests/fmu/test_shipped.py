@@ -1,5 +1,6 @@
-"""What all shipped cases keep: oil and work to round-off, the contract of their bodies, and words
-for what does not fit together.
+"""All shipped cases balance oil and work to round-off and keep the contract of their bodies.
+
+Messages reject parts that do not fit together.
 """
 
 import numpy as np
@@ -60,8 +61,10 @@ def test_oil_and_work_of_every_film_to_round_off(results_of, name, iterations):
 
 @pytest.mark.parametrize("name, films", [("floating_pin", PINS), ("crank_bearings", BEARINGS)])
 def test_what_the_films_take_the_bodies_give(results_of, name, films):
-    """By their motion bodies lose what passes over the wires, but for what pressure does as a
-    journal turns, part of what the films of pin and crank rub; time integration errs by less.
+    """The motion of the bodies loses the energy that passes over the wires.
+
+    The difference is the work of pressure as a journal turns, part of the friction in the films of
+    pin and crank. Time integration errs by less.
     """
     results = results_of(name)
     friction = sum(results.series(f"{film}.friction_power").values for film in films)

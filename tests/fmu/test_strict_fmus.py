@@ -1,5 +1,6 @@
-"""An FMU that keeps to the letter of the standard, in a loop with itself: its derivative is not
-that of a step, it may refuse to be instantiated, it may fail, and it may refuse to end.
+"""An FMU that follows the standard to the letter, in a loop with itself.
+
+Its derivative is not that of a step. It may refuse to be instantiated, fail, or refuse to end.
 
 Eq. (X11):  (1 + H) a' = a + H g b',   (1 + H) b' = b - H g a',   a = 1, b = 0 at the start
 """
@@ -40,7 +41,7 @@ def folder(tmp_path_factory):
 
 
 def run(folder, output, a="cell", method="newton", isolated=False, fails_at=1e9, parallel=False):
-    """The finished command, and its summary if it wrote one."""
+    """Return the finished command, and its summary if it wrote one."""
     text = case_text(
         WIRES,
         method,
@@ -59,7 +60,7 @@ def run(folder, output, a="cell", method="newton", isolated=False, fails_at=1e9,
 
 
 def exact():
-    """a over the steps of Eq. (X11)."""
+    """Return a over the steps of Eq. (X11)."""
     matrix = np.array([[1 + STEP, -STEP * GAIN], [STEP * GAIN, 1 + STEP]])
     states = [np.array([1.0, 0.0])]
     for _ in range(10):

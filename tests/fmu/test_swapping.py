@@ -38,9 +38,7 @@ def template():
 
 @pytest.fixture(scope="module")
 def in_c(template, tmp_path_factory):
-    """The template's model in C: its model description with a library that has never heard of
-    Python.
-    """
+    """Build the template's model in C: its model description with a library without Python."""
     folder = tmp_path_factory.mktemp("c")
     library, fmu = folder / "axial_c.so", folder / "axial_c.fmu"
     sizes = f"-DN={CELLS[0]}", f"-DM={CELLS[1]}"
@@ -95,8 +93,9 @@ def converged(summary):
 
 
 def test_a_swapped_fmu_stays_isolated(template):
-    """`--lubrication X.fmu --set participants.ehd.isolated=true`: what a foreign FMU is best run
-    with.
+    """Isolation is the best way to run a foreign FMU.
+
+    Its options are `--lubrication X.fmu --set participants.ehd.isolated=true`.
     """
     changes = [("participants.ehd.isolated", True), ("participants.ehd.timeout", "5 s")]
     tree, _ = swap(read_tree(PATH, [*SMALL, *changes]), "ehd", template)
@@ -105,8 +104,9 @@ def test_a_swapped_fmu_stays_isolated(template):
 
 
 def test_both_run_the_numerical_example_to_the_same_result(template, in_c, tmp_path):
-    """Without derivatives: the template by Newton on differences of two steps, the one in C by
-    quasi-Newton.
+    """Both agree without derivatives.
+
+    The template uses Newton on differences of two steps, the FMU in C quasi-Newton.
     """
     results = {}
     for name, fmu in (("template", template), ("c", in_c)):
@@ -167,7 +167,7 @@ def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
 
 
 def described(fmu, path, **words):
-    """An FMU of which the description alone is left, with other words."""
+    """Write the description of an FMU alone, with some words replaced."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(path, "w") as target:
         text = source.read("modelDescription.xml").decode()
         for old, new in words.items():

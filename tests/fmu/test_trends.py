@@ -1,5 +1,7 @@
-"""Trends by a sweep of fired runs in two processes: those published for clearance, ovality, speed
-and oil, and those that theory wants for viscosity, barrel, pin offset and supply.
+"""Trends by a sweep of fired runs in two processes.
+
+Those for clearance, ovality, speed and oil are published. Theory gives those for viscosity,
+barrel, pin offset and supply.
 """
 
 from typing import NamedTuple
@@ -34,10 +36,12 @@ STARVED = {
 
 
 class Outcome(NamedTuple):
-    """Of a run: range of the lateral motion [m]; fastest lateral motion from 20 deg before firing
-    top dead centre on, where the piston changes sides [m/rad]; thinnest film [m]; mean friction
-    power [W]; mean oil in the film [m3]; asperities' share of friction [-]; mean tilt from firing
-    top dead centre to 40 deg after it [rad].
+    """Outcome of a run.
+
+    travel: range of the lateral motion [m]; slap: fastest lateral motion from 20 deg before firing
+    top dead centre on, where the piston changes sides [m/rad]; film: thinnest film [m]; power: mean
+    friction power [W]; oil: mean oil in the film [m3]; boundary: asperities' share of friction [-];
+    tilt: mean tilt from firing top dead centre to 40 deg after it [rad].
     """
 
     travel: float
@@ -79,8 +83,9 @@ def run_all(axes, changes, tree, folder):
 
 @pytest.fixture(scope="module")
 def trends(tmp_path_factory):
-    """Short fired runs, rigid, 16 x 12 cells, from 30 deg before to 150 deg after firing top dead
-    centre.
+    """Return the outcomes of short fired runs of rigid bodies on 16 x 12 cells, by axis.
+
+    They run from 30 deg before to 150 deg after firing top dead centre.
     """
     tree = read_tree(PATH)
     changes = coarse(
@@ -105,7 +110,7 @@ def trends(tmp_path_factory):
 
 
 def changes_of(outcomes, name):
-    """Changes of a figure from run to run."""
+    """Return the changes of a figure from run to run."""
     return np.diff([getattr(one, name) for one in outcomes])
 
 
@@ -161,8 +166,9 @@ def test_a_film_is_thicker_at_higher_speed(trends):
 
 @pytest.mark.parametrize("k", range(3))
 def test_where_oil_lacks_the_piston_slaps(trends, k):
-    """Nothing is squeezed until it is across: it arrives faster and comes nearer, and less oil is
-    sheared on the way.
+    """The piston arrives faster, comes nearer to the bore, and shears less oil on the way.
+
+    Without oil, nothing is squeezed until the piston is across.
     """
     both = [trends["clearance"][k], trends["starved clearance"][k]]
     assert both[1].slap > 3.0 * both[0].slap

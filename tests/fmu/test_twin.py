@@ -1,5 +1,7 @@
-"""Several cylinders on one mounted block: shaking forces in closed form, the block's own equations,
-a block that does not yield, phases.
+"""Several cylinders on one mounted block.
+
+The tests check shaking forces in closed form, the block's own equations, a block that does not
+yield, and phases.
 """
 
 import numpy as np
@@ -28,8 +30,9 @@ BLOCK = module_of(PATH.parent / "mounted_block.py")
 
 
 def shaking(name, offset=0.0):
-    """Force and moment of all cylinders of an engine on its block over a turn, (points, 6); pistons
-    amid their bores.
+    """Return force and moment of all cylinders on their block over a revolution, (points, 6).
+
+    The pistons are in the middle of their bores.
     """
     cylinders = ENGINES[name]
     body = rigid_body(PISTON, (0.001, 26.5e-3), 3e-3 + PISTON * 26.5e-3**2)
@@ -73,7 +76,7 @@ def one_cylinder(offset):
 
 
 def shifted(curve, degrees):
-    """A curve over a turn, so many degrees later."""
+    """Return a curve over a revolution, so many degrees later."""
     spectrum = np.fft.rfft(curve)
     order = np.arange(len(spectrum))
     return np.fft.irfft(spectrum * np.exp(-1j * order * np.radians(degrees)), POINTS)
@@ -148,8 +151,9 @@ VALUES = {
 
 
 def test_matrices_of_the_block_by_points():
-    """Kinetic and elastic energy of a motion: of eight masses with the block's mass, centre and
-    inertia, and of the springs.
+    """The matrices give the kinetic and elastic energy of a motion as computed by points.
+
+    The points are eight masses with the block's mass, centre and inertia, and the springs.
     """
     engine = BLOCK.engine_of(VALUES)
     u, turn = np.array([0.3, -0.2, 0.5]), np.array([0.7, 1.1, -0.4])
@@ -201,8 +205,9 @@ SHOWN = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
 
 
 def test_a_block_that_does_not_yield_leaves_each_cylinder_alone(tmp_path):
-    """Mounts of 1e30 N/m: each cylinder is its single-piston case, 17 deg apart, and one 720 deg
-    behind the other is the other.
+    """On mounts of 1e30 N/m, each of two cylinders 17 deg apart is its single-piston case.
+
+    A third cylinder, 720 deg behind the first, equals the first.
     """
     tree = held(engine_tree(in_line(0.0, 17.0, 720.0), GRID, STOP, ROUND_OFF))
     for wire in tree["wires"]:  # without energy check, which halves steps of one engine alone

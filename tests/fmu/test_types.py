@@ -1,5 +1,7 @@
-"""Every type of FMI 3.0 from one FMU to another at the ends of its range, arrays as long as a
-structural parameter says, steps that end early, and an end that an FMU asks for.
+"""Every type of FMI 3.0 passes from one FMU to another at the ends of its range.
+
+Arrays are as long as a structural parameter says. Steps may end early, and an FMU may ask for
+the end of the run.
 """
 
 import numpy as np
@@ -74,7 +76,7 @@ def folder(tmp_path_factory):
 
 
 def text(wires=(), **more):
-    """A case of two of them."""
+    """Return a case of two such FMUs."""
     return case_text(wires, fmus=["typed.fmu"] * 2, **more)
 
 

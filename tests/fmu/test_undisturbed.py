@@ -1,5 +1,7 @@
-"""What must not break a run: an FMU that hangs or changes the working directory, a point of a
-sweep that never ends, archives and names made to do harm.
+"""Faults that must not break a run.
+
+An FMU hangs or changes the working directory, a point of a sweep never ends, or archives and
+names are made to do harm.
 """
 
 import csv
@@ -32,7 +34,7 @@ def case(folder):
 
 
 def hangs(folder, step):
-    """The case with an FMU that hangs at a step."""
+    """Write the case with an FMU that hangs at a step."""
     text = case_text(LOOP, b=f"trouble = 1\ntrouble_at = {step}")
     (folder / "case.toml").write_text(text)
 

@@ -1,5 +1,6 @@
-"""Variants of a run side by side: the bits of one after the other, and what happens when one of
-them fails, dies or is interrupted.
+"""Variants that run side by side give the same bits as one after the other.
+
+The tests also check what happens if one of them fails, dies or is interrupted.
 """
 
 import json
@@ -28,7 +29,7 @@ MORE = """
 
 @pytest.fixture
 def write_case(folder):
-    """Writes the base case, and a variant in which `b` does what its parameters say."""
+    """Return a function that writes the base case, and a variant with other parameters of `b`."""
 
     def write(value=0, at=-1):
         text = case_text(LOOP, b="trouble = 0\ntrouble_at = -1\nk = 1.0")
@@ -39,7 +40,7 @@ def write_case(folder):
 
 
 def begun(folder, *words, jobs=2, case="case.toml"):
-    """A run in a session of its own, so that its processes can be found."""
+    """Start a run in its own session, so that its processes can be found."""
     run = ("run", case, "--no-plots", "--output", "o", "--jobs", jobs)
     return command.begun(folder, *run, *words, start_new_session=True)
 

@@ -1,5 +1,6 @@
-"""models/yielding_bosses: a flexible piston on a floating pin, four films; its stiff
-limit; pin, bosses and the rod's eye that yield.
+"""models/yielding_bosses: a flexible piston on a floating pin with four films.
+
+The tests check its stiff limit, and pin, bosses and the rod's eye that yield.
 """
 
 import numpy as np
@@ -17,9 +18,10 @@ AROUND = 48
 
 
 def test_an_eye_that_yields_carries_a_bending_pin_over_its_length(results_of):
-    """Gas presses the pin down in the eye, whose bore becomes shorter along the rod by what the
-    pin's ends carry over and wider across it, or the other way round: what it does is told, and no
-    row of four carries more than half.
+    """No row of the four in the eye carries more than half of the load.
+
+    Gas presses the pin down in the eye. Its bore becomes shorter along the rod and wider across it,
+    or the reverse, depending on how much the pin's ends carry over. The body reports the widening.
     """
     elastic = results_of("elastic_eye")
     pressure = elastic.dataset("small_end_film.pressure")[-1]
@@ -33,8 +35,9 @@ def test_an_eye_that_yields_carries_a_bending_pin_over_its_length(results_of):
 
 
 def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(results_of):
-    """Pin and piston in balance along the bore: what the pin does to the eye is what it does to the
-    piston, but for the pin's own mass, 60 g at up to 6700 m/s2.
+    """The pin's force on the eye equals that on the piston, except for the pin's own inertia.
+
+    Pin and piston are in balance along the bore. The pin has 60 g at up to 6700 m/s2.
     """
     elastic = results_of("elastic_eye")
     on_eye = elastic.series("bodies.small_end_force_y").values
@@ -45,9 +48,11 @@ def test_force_on_the_pin_is_that_of_the_films_on_piston_and_rod(results_of):
 
 @pytest.mark.slow
 def test_a_boss_that_yields_bears_at_its_inner_end(results_of):
-    """Both carry the same load, 40 deg after firing as at any time; rigid shells bear evenly along
-    a pin that stays parallel to them, yielding ones where the piston is stiffest: the left boss at
-    its upper end, next to the rod.
+    """Rigid bosses carry the load evenly, yielding ones at the inner end.
+
+    Both carry the same load, 40 deg after firing as at any time. In rigid shells the pin stays
+    parallel. Yielding shells carry most where the piston is stiffest: the left boss at its upper
+    end, next to the rod.
     """
     carried, apart = [], []
     for one in map(results_of, ("yielding_bosses", "rigid_bosses")):
@@ -64,8 +69,10 @@ def test_a_boss_that_yields_bears_at_its_inner_end(results_of):
 
 @pytest.mark.slow
 def test_a_piston_a_thousand_times_as_stiff_is_the_rigid_one(results_of, tmp_path):
-    """Its modes with a thousandth of their compliance. Where the pin stands in its bosses goes with
-    it; the piston's way across the bore bends in the skirt's wedge and has some times that left.
+    """The modes of the piston have a thousandth of their compliance.
+
+    The pin's position in its bosses changes in proportion. The piston's motion across the bore is
+    not linear in the skirt's wedge, and several times that share remains.
     """
     tree = yielding()
     build = tree["participants"]["bodies"]["build"]

@@ -1,8 +1,8 @@
-"""An example of a package that brings a participant, a method, a step control and an observer of
-its own.
+"""An example package with its own participant, method, step control and observer.
 
-The wall of the elastic tube without FMI, as a coupling adapter of another program would bring it;
-plain relaxation with a memory; steps of half the length asked for; a list of the ends of windows.
+The participant is the wall of the elastic tube without FMI, as a coupling adapter of another
+program would provide it. The method is plain relaxation with a memory. The step control takes
+steps of half the requested length. The observer lists the ends of windows.
 """
 
 from dataclasses import dataclass, field
