@@ -1,5 +1,6 @@
-"""A lubrication FMU as pythonfmu's own manual makes one: no units, no nominals, no derivatives,
-state by its variables.
+"""A lubrication FMU as pythonfmu's own manual makes one.
+
+It has no units, nominals or derivatives, and its variables hold the state.
 
 A local film law (squeeze alone): p = -12 mu hdot w^2 / h^3 / 10, cut off at 0; w: half the skirt's
 length.

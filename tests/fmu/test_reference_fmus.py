@@ -97,8 +97,9 @@ def matched(fields):
 
 @of_each
 def test_in_a_wired_pair(fmu, tmp_path):
-    """What the first says is what the second hears, at the end of the same step where it is real,
-    a step later where it is held.
+    """The inputs of the second FMU equal the outputs of the first.
+
+    Real values agree at the end of the same step, held ones a step later.
     """
     if fmu.stem == "Clocks":
         pytest.skip(f"{fmu.stem} {WITHOUT[fmu.stem]}")

@@ -1,6 +1,4 @@
-"""Other lubrication FMUs in the place of the shipped one: the template, one in C, one without
-derivatives.
-"""
+"""Lubrication FMUs that replace the shipped one: a template, one in C, one without derivatives."""
 
 import importlib
 import re
