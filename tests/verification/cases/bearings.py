@@ -165,8 +165,9 @@ def table_checks() -> Checks:
 
 
 def butenschoen_rotation(ratio: float, e: float) -> tuple[float, float]:
-    """Sommerfeld number F psi^2/(mu omega B D) of a steady bearing and attitude angle [deg],
-    psi = C/R.
+    """Return Sommerfeld number and attitude angle [deg] of a steady bearing.
+
+    The Sommerfeld number is F psi^2/(mu omega B D), with psi = C/R.
 
     Eq. (V11):  So_D = (B/D)^2 e/(2 s^4) (pi^2 s^2 + 16 e^2)^(1/2) a1 (1 - e)/(-a2 - e),   phi =
                 arctan(pi s/(2 e)) sum of b_k e^k,   s^2 = 1 - e^2

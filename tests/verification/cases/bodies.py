@@ -436,8 +436,10 @@ BODIES = {
 
 
 def shipped_body(name):
-    """A body of the shipped case as a full model: mesh, Elastic, how its surface's grid is read,
-    angles, heights.
+    """Return a body of the shipped case as a full model.
+
+    The values are the mesh, the mass matrix, Elastic, the reading of the surface's grid, angles and
+    heights.
     """
     kind = BODIES[name]
     mesh = read_mesh(
@@ -458,8 +460,9 @@ def shipped_body(name):
 
 
 def film_loads(angle, height, skirt_length):
-    """Pressure patches like a film's, (patches, c a): on the thrust and the other side, at three
-    heights, wide and narrow.
+    """Return pressure patches like those of a film, shape (patches, c a).
+
+    They are on the thrust side and on the other side, at three heights, wide and narrow.
     """
     loads = []
     for side, width, share, length in itertools.product(
@@ -475,8 +478,9 @@ def film_loads(angle, height, skirt_length):
 
 
 def deflection_error(body, read, shapes, loads, full):
-    """Largest relative error (root mean square over the grid) of the static deflection in a basis,
-    over all loads.
+    """Return the largest relative error of the static deflection in a basis over all loads.
+
+    The error is the root mean square over the grid.
     """
     modes, omega = orthonormal_modes(body, shapes)
     reduced = (read @ modes) @ ((modes.T @ loads) / omega[:, None] ** 2)
@@ -528,8 +532,9 @@ def bases_of(name, mesh, body, reading, angle, height, extra):
 
 
 def deflection_checks():
-    """Static deflection under film-like patches, gas and inertia: reduced against the full
-    finite-element model.
+    """Check the static deflection under film-like patches, gas and inertia.
+
+    The reference is the full finite-element model.
     """
     for name in BODIES:
         mesh, M, body, reading, angle, height = shipped_body(name)
@@ -562,8 +567,9 @@ def rigid_loads(mesh, M):
 
 
 def load_checks(body, mesh, read, shapes, extra):
-    """Crown and skirt under gas pressure and steady inertia: 60 pressure modes against the full
-    model.
+    """Check crown and skirt under gas pressure and steady inertia against the full model.
+
+    The basis has 60 pressure modes.
     """
     modes, omega = orthonormal_modes(body, shapes)
     crown = np.zeros((len(mesh.points), 3), dtype=bool)
