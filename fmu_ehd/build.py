@@ -32,15 +32,11 @@ class CaseOptions(BaseModel):
     """Type of film surface. A skirt slides along its bore. A bearing slides around and along its
     shell.
     """
-    no_fields: bool = False
-    """Omit the outputs pressure, asperity_pressure and film_fraction."""
     inputs: list[str] = []
     """Conditions that are inputs instead of parameters."""
     oil: str | None = None
     """Name of an oil in the oil library. Its values become the start values of the oil parameters.
     """
-    oil_library: str | None = None
-    """TOML file of oils, relative to the case folder. Default: the shipped library."""
     mask: str | list[list[int]] | None = None
     """Mask of the film: a CSV file relative to the case folder, or its rows, one per
     circumferential cell. 1: film, 0: cut-out. "none": film everywhere. Default: mask of the body's
@@ -77,7 +73,7 @@ def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[
         As `prepare`.
     """
     built = BuildOptions.read(prepare(options or {}, folder, lambda line: None)[0])
-    return variables(built.grid, not built.no_fields, built.inputs, built.oil, built.surface)
+    return variables(built.grid, built.inputs, built.oil, built.surface)
 
 
 def prepare(
@@ -110,33 +106,29 @@ def prepare(
     """
     chosen = validated(CaseOptions, options)
     faults = []
-    oil = _oil(chosen, Path(folder), faults)
+    oil = _oil(chosen.oil, faults)
     mask = _mask(chosen, Path(folder), faults)
     if faults:
         raise BadInput(faults)
-    built = BuildOptions(
-        chosen.grid, chosen.no_fields, tuple(chosen.inputs), oil, mask, chosen.surface
-    )
+    built = BuildOptions(chosen.grid, tuple(chosen.inputs), oil, mask, chosen.surface)
     return built.written(), []
 
 
-def _oil(chosen: CaseOptions, folder: Path, faults: list[str]) -> dict[str, float | str]:
+def _oil(name: str | None, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
-    if chosen.oil is None:
-        if chosen.oil_library:
-            faults.append("oil: expected an oil of oil_library, got nothing; give its name")
+    if name is None:
         return {}
-    path = folder / chosen.oil_library if chosen.oil_library else MODELS / "oils.toml"
-    try:
-        library = tomllib.loads(path.read_text())
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        faults.append(f"oil_library: {file_fault(path, error)}")
-        return {}
-    if chosen.oil not in library:
+    library = _library()
+    if name not in library:
         hint = "`piston-cosim keys oil` lists the oils"
-        faults.append(f"oil: {unknown('oil', chosen.oil, library, hint)}")
+        faults.append(f"oil: {unknown('oil', name, library, hint)}")
         return {}
-    return oil_values(chosen.oil, library[chosen.oil], faults)
+    return oil_values(name, library[name], faults)
+
+
+def _library() -> dict[str, Any]:
+    """Tables of the shipped oils by name."""
+    return tomllib.loads((MODELS / "oils.toml").read_text())
 
 
 class LibraryOil(NamedTuple):
@@ -156,13 +148,11 @@ class LibraryOil(NamedTuple):
     viscosity: tuple[float, float]
 
 
-def library_oils(build: Mapping[str, Any], folder: Path) -> list[LibraryOil]:
+def library_oils() -> list[LibraryOil]:
     """Return the oils that a film can select by `oil`; raise BadInput if the library has faults."""
-    named = build.get("oil_library")
-    path = folder / named if named else MODELS / "oils.toml"
     faults: list[str] = []
     oils = []
-    for name, entry in tomllib.loads(path.read_text()).items():
+    for name, entry in _library().items():
         values: dict[str, Any] = oil_values(name, entry, faults)
         oil = Oil(**values)
         cold, hot = oil.low_shear_viscosity(np.array([313.15, 373.15]))

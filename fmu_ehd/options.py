@@ -17,8 +17,6 @@ class BuildOptions:
     ----------
     grid : tuple of int
         (n_circumferential, n_axial).
-    no_fields : bool
-        The FMU leaves out `variables.DIAGNOSTIC_FIELDS`.
     inputs : tuple of str
         Conditions that are inputs instead of parameters.
     oil : dict
@@ -30,7 +28,6 @@ class BuildOptions:
     """
 
     grid: tuple[int, int]
-    no_fields: bool = False
     inputs: tuple[str, ...] = ()
     oil: Mapping[str, float | str] = field(default_factory=dict)
     mask: list[list[int]] | None = None

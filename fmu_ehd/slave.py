@@ -16,7 +16,6 @@ from .state import Memory
 from .variables import (
     DERIVATIVE_INPUTS,
     DERIVATIVE_OUTPUTS,
-    DIAGNOSTIC_FIELDS,
     TURNING_INPUT,
     TURNING_OUTPUT,
     variables,
@@ -53,7 +52,7 @@ class Ehd(FieldSlave):
     def variables(options: Mapping[str, Any]) -> list[Variable]:
         """Variable table for the grid, the oil and the inputs of `options`, build.json."""
         built = BuildOptions.read(options)
-        return variables(built.grid, not built.no_fields, built.inputs, built.oil, built.surface)
+        return variables(built.grid, built.inputs, built.oil, built.surface)
 
     def start(self, values: Mapping[str, Any]) -> tuple[Memory, dict[str, Any]]:
         """Build the model; state and outputs of a full film."""
@@ -76,7 +75,7 @@ class Ehd(FieldSlave):
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
         self._tell_of_remark()
-        return state, self._shown(outputs)
+        return state, outputs
 
     def advance(
         self, state: Memory, values: Mapping[str, Any], time: float, step: float
@@ -94,7 +93,7 @@ class Ehd(FieldSlave):
         except NotConverged as trouble:
             raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
         self._tell_of_remark()
-        return state, self._shown(outputs)
+        return state, outputs
 
     def _tell_of_remark(self):
         """Log the warning of the last start or step, each once."""
@@ -113,9 +112,3 @@ class Ehd(FieldSlave):
         """Change of both force fields for changed film and velocity at the end of the last step."""
         motions = [seeds[name] for name in self.derivative_inputs]
         return dict(zip(self.derivative_outputs, self.model.tangent(*motions)))
-
-    def _shown(self, outputs):
-        """Return the outputs, without diagnostic fields if the FMU was built without them."""
-        if not self.built.no_fields:
-            return outputs
-        return {k: v for k, v in outputs.items() if k not in DIAGNOSTIC_FIELDS}

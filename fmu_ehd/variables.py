@@ -24,9 +24,6 @@ KELVIN = next(
     (v.minimum, v.maximum) for v in CONDITION_VARIABLES if v.name == "oil_temperature_lower_edge"
 )
 
-# outputs that an FMU may be built without
-DIAGNOSTIC_FIELDS = ("pressure", "asperity_pressure", "film_fraction")
-
 DERIVATIVE_INPUTS = ("film_thickness", "sliding_velocity")
 DERIVATIVE_OUTPUTS = ("nodal_pressure_force", "nodal_friction_force")
 # a bearing's, beside these
@@ -36,7 +33,6 @@ TURNING_OUTPUT = "nodal_circumferential_force"
 
 def variables(
     shape: tuple[int, int],
-    fields: bool = True,
     inputs: Collection[str] = (),
     starts: Mapping[str, float | str] | None = None,
     surface: str = "skirt",
@@ -47,8 +43,6 @@ def variables(
     ----------
     shape : tuple of int
         (n_circumferential, n_axial).
-    fields : bool
-        False leaves the three diagnostic fields out.
     inputs : collection of str
         Names in `CONDITION_VARIABLES` that are inputs instead of tunable parameters;
         "oil_temperature" adds a field input that replaces the two edge temperatures.
@@ -85,7 +79,7 @@ def variables(
         *conditions,
         *(exchanged[name] for name in DERIVATIVE_INPUTS + DERIVATIVE_OUTPUTS),
         *(exchanged[name] for name in turning),
-        *(exchanged[name] for name in DIAGNOSTIC_FIELDS if fields),
+        *(exchanged[name] for name in ("pressure", "asperity_pressure", "film_fraction")),
         *(v for v in SUMMARY if is_of(surface, v.name)),
     ]
 

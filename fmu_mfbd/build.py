@@ -219,11 +219,11 @@ def in_space(build: Build, piston: Path) -> InSpace:
             raise BadInput(f"piston.{error}") from None
         centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset
     else:
-        assert build.motion_in_space
+        assert (space := build.motion_in_space) and space.inertia_x and space.inertia_y
         x, y = sheet.centre
         mass = sheet.mass
-        centre = np.array([x - build.piston.pin_offset, y, build.motion_in_space.centre_z])
-        about_centre = build.motion_in_space.tensor(sheet.inertia)
+        centre = np.array([x - build.piston.pin_offset, y, space.centre_z])
+        about_centre = np.diag([space.inertia_x, space.inertia_y, sheet.inertia])
     # Eq. (J22)
     steiner = mass * (float(centre @ centre) * np.eye(3) - np.outer(centre, centre))
     *_, z = centre

@@ -99,7 +99,7 @@ assert all(np.allclose(film, films[0], atol=1e-10) for film in films)  # 1 pm a 
 
 # %%
 try:
-    coupled("constant", relaxation=1.0, halvings=0).run("coupling/plain.h5")
+    coupled("constant", relaxation=1.0, advanced={"halvings": 0}).run("coupling/plain.h5")
 except pc.StepFailed as failure:
     print("stopped:", str(failure).splitlines()[0])
 

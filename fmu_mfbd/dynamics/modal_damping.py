@@ -1,4 +1,4 @@
-"""Springs and dampers of modes: two damping ratios and Rayleigh's two terms."""
+"""Springs and dampers of modes: one damping ratio for slow modes, another for fast ones."""
 
 from typing import Any, NamedTuple
 
@@ -34,7 +34,7 @@ def modal_springs(omega: np.ndarray, p: Any) -> ModalSprings:
 def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
     """Write the damping of modes with these stiffnesses.
 
-    Eq. (I5):  D = 2 zeta omega + a + b omega^2      zeta the ratio below or above the transition
+    Eq. (I5):  D = 2 zeta omega      zeta the ratio below or above the transition
 
     Parameters
     ----------
@@ -43,14 +43,11 @@ def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
     stiffness : ndarray, shape (k,)
         omega^2 [rad2/s2]; its root is omega to the bit.
     p : Parameters
-        a, b: rayleigh_mass_factor [1/s], rayleigh_stiffness_factor [s]. zeta: damping_ratio below
-        damping_transition_frequency, and high_frequency_damping_ratio from there on [-].
+        zeta: damping_ratio below damping_transition_frequency, and high_frequency_damping_ratio
+        from there on [-].
     """
     for k in range(len(stiffness)):
         omega = np.sqrt(stiffness[k])
         fast = 2 * np.pi * p.damping_transition_frequency <= omega
         zeta = p.high_frequency_damping_ratio if fast else p.damping_ratio
-        # Eq. (I5)
-        damping[k] = (
-            2 * zeta * omega + p.rayleigh_mass_factor + p.rayleigh_stiffness_factor * stiffness[k]
-        )
+        damping[k] = 2 * zeta * omega  # Eq. (I5)

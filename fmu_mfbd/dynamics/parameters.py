@@ -28,8 +28,6 @@ TUNABLE = (
     "damping_ratio",
     "high_frequency_damping_ratio",
     "damping_transition_frequency",
-    "rayleigh_mass_factor",
-    "rayleigh_stiffness_factor",
 )
 """Parameters that may change between steps: the damping of all modes."""
 Damping = namedtuple("Damping", TUNABLE)
@@ -215,12 +213,6 @@ class Parameters:
     )
     quasi_static_frequency: float = _declared(
         "Hz", "Frequency above which modes follow their load without inertia", 1e9, 0.0, 1e9
-    )
-    rayleigh_mass_factor: float = _declared(
-        "1/s", "Additional damping proportional to mass", 0.0, 0.0, 1e6
-    )
-    rayleigh_stiffness_factor: float = _declared(
-        "s", "Additional damping proportional to stiffness", 0.0, 0.0, 1.0
     )
     spectral_radius: float = _declared(
         "1", "Spectral radius of the time integrator at infinite frequency", 0.6, 0.0, 1.0

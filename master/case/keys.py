@@ -170,13 +170,11 @@ def _has(path: list[str], wanted: list[str]) -> bool:
     return any(path[k : k + len(wanted)] == wanted for k in range(len(path)))
 
 
-def library_oils(tree: dict[str, Any], folder: Path) -> list[Any]:
+def library_oils(tree: dict[str, Any]) -> list[Any]:
     """Return the oils that the films of a case can select by name."""
-    oils = {}
-    for table in _built(tree).values():
-        if function := part_function(table["package"], "library_oils"):
-            oils |= {oil.name: oil for oil in function(table.get("build", {}), folder)}
-    return list(oils.values())
+    packages = dict.fromkeys(table["package"] for table in _built(tree).values())
+    functions = filter(None, (part_function(package, "library_oils") for package in packages))
+    return [oil for function in functions for oil in function()]
 
 
 def matching_oils(oils: list[Any], word: str) -> list[Any]:

@@ -28,7 +28,7 @@ class Time(Table):
     """Start of the run, as a time or a crank angle. Default: 0."""
     stop: str | None = None
     """Latest end of the run, as a time or a crank angle. Required unless `until_periodic` is set.
-    Default with `until_periodic`: `most_periods` periods.
+    Default with `until_periodic`: 20 periods.
     """
     step: str
     """Macro step, as a time or a crank angle. If a wire sets `local_error`, it is the longest macro
@@ -47,13 +47,8 @@ class Time(Table):
     """
     until_periodic: float = Field(0.0, ge=0, lt=1)
     """Tolerance of periodicity, relative to the range of each quantity, see Eq. (Y2). The run ends
-    when film, motion and oil repeat within it. 0: run until `stop`. Typical value: 1e-3.
-    """
-    least_periods: int = Field(2, ge=2, le=1000)
-    """Minimum number of periods with `until_periodic`."""
-    most_periods: int = Field(20, ge=2, le=1000)
-    """Maximum number of periods with `until_periodic` and without `stop`. Warns if the run is not
-    periodic by then.
+    when film, motion and oil repeat within it, and warns if they do not by `stop`. 0: run until
+    `stop`. Typical value: 1e-3.
     """
 
     @model_validator(mode="after")
@@ -61,11 +56,6 @@ class Time(Table):
         if self.stop is None and not self.until_periodic:
             raise ValueError(
                 "stop: expected a time or an angle, got nothing; or set until_periodic"
-            )
-        if self.least_periods > self.most_periods:
-            raise ValueError(
-                f"least_periods: expected at most most_periods = {self.most_periods}, "
-                f"got {self.least_periods}"
             )
         return self
 
@@ -183,6 +173,22 @@ class WireTable(Table):
     """
 
 
+class Advanced(Table):
+    """Numerical settings of the coupling that few cases need."""
+
+    probing: bool = False
+    """Use Newton with finite differences in a macro step without secants, or if the secants fail.
+    """
+    windows: int = Field(3, ge=0)
+    """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
+    filter_limit: float = Field(1e-2, gt=0, lt=1)
+    """Relative size of what is new in a secant below which it is dropped."""
+    differences: bool = False
+    """Use finite differences instead of the participants' directional derivatives."""
+    halvings: int = Field(6, ge=0)
+    """Maximum number of halvings of a macro step that fails."""
+
+
 class Coupling(Table):
     """Iteration of a macro step to its fixed point."""
 
@@ -212,19 +218,23 @@ class Coupling(Table):
     """Maximum number of iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
     """Factor of constant relaxation, and first factor of the other methods."""
-    probing: bool = False
-    """Use Newton with finite differences in a macro step without secants, or if the secants fail.
-    """
-    windows: int = Field(3, ge=0)
-    """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
-    filter_limit: float = Field(1e-2, gt=0, lt=1)
-    """Relative size of what is new in a secant below which it is dropped."""
-    largest_krylov_space: int = Field(120, ge=1)
-    """Maximum number of derivative products per Newton update."""
-    differences: bool = False
-    """Use finite differences instead of the participants' directional derivatives."""
-    halvings: int = Field(6, ge=0)
-    """Maximum number of halvings of a macro step that fails."""
+    advanced: Advanced = Field(default_factory=lambda: Advanced.model_validate({}))
+    """Numerical settings that few cases need; `keys coupling.advanced` lists them."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def in_advanced(cls, table):
+        """Name the new place of keys that were in this table before."""
+        before = sorted(table.keys() & Advanced.model_fields) if isinstance(table, dict) else ()
+        if before:
+            raise ValueError(
+                "\n".join(
+                    f"{key}: expected in coupling.advanced, got coupling.{key}; "
+                    f"write coupling.advanced.{key}"
+                    for key in before
+                )
+            )
+        return table
 
     @model_validator(mode="before")
     @classmethod

@@ -7,6 +7,9 @@ from ..fmi.errors import BadInput
 from ..fmi.quantities import registry, to_si
 from .schema import Case, Time
 
+MOST_PERIODS = 20
+"""Periods of a run with `until_periodic` and without `stop`."""
+
 
 def record_interval(case: Case, speed: float | None) -> float:
     """Return the interval between records of the fields [s], 0 if it counts macro steps.
@@ -54,11 +57,11 @@ def times(case: Case, speed: float | None) -> Clock:
         if case.time.period or case.time.until_periodic:
             raise BadInput(str(fault))
         period = 0.0  # a default that is no multiple of the macro step
-    stop = values.get("stop", begin + case.time.most_periods * period)
+    stop = values.get("stop", begin + MOST_PERIODS * period)
     steps = (stop - begin) / step
     if fault := _whole_fault("time.stop", case.time.stop, case.time.start, steps, case.time):
         raise BadInput(fault)
-    earliest = begin + case.time.least_periods * period if case.time.until_periodic else stop
+    earliest = begin + 2 * period if case.time.until_periodic else stop
     smallest = values.get("smallest_step", step / 64)
     return Clock(stop, step, smallest, period, min(stop, earliest))
 

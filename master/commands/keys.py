@@ -1,6 +1,7 @@
 """`piston-cosim keys`."""
 
 import json
+from dataclasses import replace
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -18,6 +19,7 @@ def command(
     /,
     *,
     case: str = "data_sheet",
+    advanced: Annotated[bool, Parameter(negative=())] = False,
     json_schema_: Annotated[bool, Parameter(name="--json-schema")] = False,
 ):
     """List the keys of a case file.
@@ -38,6 +40,8 @@ def command(
         contains this word. Default: all keys.
     case
         Case whose participants are listed.
+    advanced
+        Print also the numerical settings in tables `advanced`.
     json_schema_
         Print a JSON schema of such a case for editors.
     """
@@ -48,9 +52,9 @@ def command(
         return
     found = case_keys(tree, path.parent)
     if word is None:
-        print_tables(found)
+        print_tables([key for key in found if advanced or ".advanced." not in key.path])
         return
-    oils = matching_oils(library_oils(tree, path.parent), word)
+    oils = matching_oils(library_oils(tree), word)
     try:
         chosen, is_table = chosen_keys(found, word)
     except BadInput:
@@ -66,12 +70,16 @@ def command(
 
 
 def print_tables(keys: list[Key]):
-    """Print keys by the table of the case file that they are in."""
+    """Print keys by the table of the case file that they are in, tables with the same keys once."""
     tables: dict[str, list[Key]] = {}
     for key in keys:
-        tables.setdefault(key.path.rpartition(".")[0], []).append(key)
+        table = key.path.rpartition(".")[0] or "case"
+        tables.setdefault(table, []).append(replace(key, path=key.name))
+    names: dict[tuple[Key, ...], list[str]] = {}
     for name, group in tables.items():
-        console.print(f"\n[bold]{name or 'case'}[/]", highlight=False)
+        names.setdefault(tuple(group), []).append(name)
+    for group, heads in names.items():
+        console.print("", *(f"[bold]{name}[/]" for name in heads), sep="\n", highlight=False)
         _print(group, "name")
 
 

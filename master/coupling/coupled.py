@@ -67,7 +67,9 @@ class Options:
             tuple(tree["order"]),
             tree["step"],
             tuple(_read_wire(entry) for entry in tree["wires"]),
-            SimpleNamespace(**tree["coupling"]),
+            SimpleNamespace(
+                **tree["coupling"] | {"advanced": SimpleNamespace(**tree["coupling"]["advanced"])}
+            ),
             tuple(
                 Variable(**entry | {key: tuple(entry[key]) for key in ("shape", "choices")})
                 for entry in tree["variables"]
@@ -173,7 +175,7 @@ class Coupled(FieldSlave):
         )
         start(self.system)
         self.stepper = Stepper(
-            self.system, method_of(coupling), coupling.halvings, order=coupling.predictor
+            self.system, method_of(coupling), coupling.advanced.halvings, order=coupling.predictor
         )
         return self._reached(values, self.start)
 

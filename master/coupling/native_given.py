@@ -35,8 +35,8 @@ def uncovered(coupling: Any) -> Iterator[str]:
     """Yield the faults of a coupling table that a native FMU does not support."""
     if coupling.method != "newton":
         yield f"coupling.method: expected newton in a native FMU, got {coupling.method!r}"
-    if coupling.differences:
-        yield "coupling.differences: expected false in a native FMU, got true"
+    if coupling.advanced.differences:
+        yield "coupling.advanced.differences: expected false in a native FMU, got true"
 
 
 def uncovered_wires(wires: Iterable[Any]) -> Iterator[str]:
@@ -88,9 +88,8 @@ def coupled_inside(
     options, names = slave.inside, list(insides)
     coupling = options.coupling
     layout = layout_of(options.wires, options.order, coupling.parallel)
-    known: dict[str, Any] = (
-        vars(Newton()) | vars(coupling) | dict(step=options.step, lenience=LENIENCE)
-    )
+    known: dict[str, Any] = {**vars(Newton()), **vars(coupling), **vars(coupling.advanced)}
+    known |= dict(step=options.step, lenience=LENIENCE)
     known |= dict(nudge=NUDGE, predicted=coupling.predictor + 1)
     rows = _participants(insides, codes, len(options.wires))
     wires = [

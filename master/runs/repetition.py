@@ -10,7 +10,6 @@ differently in each period. Then the change stops decreasing, and the run report
 """
 
 from collections.abc import Iterable, Mapping
-from math import inf, isinf
 
 import numpy as np
 
@@ -47,9 +46,6 @@ class Repetition:
         The fields of Eq. (Y2).
     tolerance : float
         Tolerance of d.
-    least, most : int
-        Minimum and maximum number of periods, including rejected ones. `most` is inf if the stop
-        time limits them.
     ends : bool
         Whether the run ends once it is periodic. Otherwise it continues to its stop time.
     extrapolation : Extrapolation, optional
@@ -71,14 +67,12 @@ class Repetition:
         self,
         compared: Iterable[Port],
         tolerance: float,
-        least: int,
-        most: float,
         ends: bool = True,
         extrapolation: Extrapolation | None = None,
     ):
         self.compared = list(compared)
         self.tolerance = tolerance
-        self.least, self.most, self.ends = least, most, ends
+        self.ends = ends
         self.extrapolation = extrapolation
         self.count = 0
         self.distances: list[float] = []
@@ -96,8 +90,7 @@ class Repetition:
     @property
     def is_over(self) -> bool:
         """True if no further period is needed."""
-        settled = self.is_periodic and self.taken >= self.least
-        return self.ends and (settled or self.taken >= self.most)
+        return self.ends and self.is_periodic
 
     @property
     def taken(self) -> int:
@@ -160,9 +153,7 @@ class Repetition:
             return text[0].upper() + text[1:]
         why = f". {self._why()}" if len(self.distances) > 1 else ""
         advice = (
-            "Increase or remove time.stop"
-            if self.ends and isinf(self.most)
-            else "Increase time.most_periods"
+            "Set a later time.stop"
             if self.ends
             else f"Set time.until_periodic = {self.tolerance:g}, and increase or remove time.stop"
         )
@@ -248,8 +239,7 @@ def repetition(case, tree, system) -> Repetition | None:
     storable = all(getattr(p, "can_serialise", False) for p in system.participants.values())
     slow = Extrapolation() if ends and storable else None
     tolerance = time.until_periodic or USUAL_TOLERANCE
-    most = time.most_periods if time.stop is None else inf
-    return Repetition(compared, tolerance, time.least_periods, most, ends, slow)
+    return Repetition(compared, tolerance, ends, slow)
 
 
 def turning(tree, participants) -> list[str]:

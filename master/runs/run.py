@@ -172,8 +172,8 @@ class ActiveRun(Observer):
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
             system,
-            by_components(method_of(case.coupling), system, case.coupling.halvings),
-            case.coupling.halvings,
+            by_components(method_of(case.coupling), system, case.coupling.advanced.halvings),
+            case.coupling.advanced.halvings,
             self,
             case.coupling.predictor,
             _step_control(system, case.coupling),

@@ -21,7 +21,7 @@ folder, changes = sys.argv[1], json.loads(sys.argv[2])
 grid = (6, 8)
 mask = np.array(json.loads(sys.argv[3]) or np.ones(grid), dtype=int)
 surface = sys.argv[4]
-options = dict(grid=grid, inputs=[], oil={}, no_fields=False, mask=None, surface=surface)
+options = dict(grid=grid, inputs=[], oil={}, mask=None, surface=surface)
 if not mask.all():
     options["mask"] = mask.tolist()
 open(folder + "/build.json", "w").write(json.dumps(options))

@@ -26,13 +26,6 @@ def test_every_output_is_declared_and_every_declared_output_is_set(slave):
     assert isinstance(state, Ehd.state_type)
 
 
-def test_diagnostic_fields_can_be_left_out(tmp_path):
-    slave = made_slave(tmp_path, grid=[8, 6], no_fields=True)
-    slave.exit_initialization_mode()
-    assert slave.do_step(0.0, 1e-4)
-    assert "film_fraction" not in slave.views
-
-
 @pytest.mark.parametrize("supply", ["edges", "bore_and_ring"])
 def test_restored_state_repeats_the_bytes(slave, supply):
     choose(slave, "oil_supply", supply)

@@ -181,7 +181,7 @@ def test_what_is_behind_an_fmu_that_cannot_go_back_is_halved_alone(coupled):
 
 def test_a_step_that_an_fmu_without_saved_states_would_have_to_repeat_ends_the_run(coupled):
     with pytest.raises(ParticipantFault, match="cannot save and restore its state"):
-        coupled({"b": "short", "a": "one_way"}, ["a.y -> b.u"], halvings=0)
+        coupled({"b": "short", "a": "one_way"}, ["a.y -> b.u"], advanced={"halvings": 0})
 
 
 @pytest.mark.parametrize("isolated", [False, True])

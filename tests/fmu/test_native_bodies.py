@@ -75,7 +75,6 @@ def given(one, k):
         "piston_temperature": 293.15 + 0.5 * k,
         "bore_temperature": 293.15 - 0.2 * k,
         "damping_ratio": 0.02 + 0.01 * (k % 3),
-        "rayleigh_mass_factor": 100.0 * (k % 3),
     }
     shaken = (40 * np.cos(k), -25 * np.sin(k), 300 * np.sin(k), 0.7 * np.cos(k))
     values |= dict(zip(SHAKEN, shaken))

@@ -316,7 +316,7 @@ def test_state_of_the_numerical_example_is_small(native_engine, modes):
 
 
 def test_what_does_not_converge_names_the_worst_wire():
-    one = started(exported(("coupling.max_iterations", 3), ("coupling.halvings", 0)))
+    one = started(exported(("coupling.max_iterations", 3), ("coupling.advanced.halvings", 0)))
     with pytest.raises(Discard) as refusal:
         for k in range(1, 12):
             step(one, k)

@@ -132,7 +132,7 @@ def test_what_is_not_covered_is_rejected_before_anything_is_made(monkeypatch):
         assert words in rejected(build_native_fmu, *film, platforms=[platform])
     of_coupling = [
         ("coupling.method", "iqn_ils"),
-        ("coupling.differences", True),
+        ("coupling.advanced.differences", True),
         ("wires.0.relative_tolerance", 1e-3),
     ]
     case = check_case(small_tree(*CHANGES, *of_coupling), EXAMPLE)
@@ -140,7 +140,7 @@ def test_what_is_not_covered_is_rejected_before_anything_is_made(monkeypatch):
     for words in (
         "platform: expected one of linux64",
         "coupling.method: expected newton in a native FMU",
-        "coupling.differences: expected false in a native FMU",
+        "coupling.advanced.differences: expected false in a native FMU",
         "relative_tolerance: expected 0 in a native FMU, got 0.001",
         *(f"participants.bodies.build.{words}" for words in OF_BODIES),
     ):

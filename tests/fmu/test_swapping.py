@@ -76,7 +76,7 @@ def test_fmu_in_c_computes_what_the_template_computes(template, in_c):
 
 QUASI_NEWTON = [
     ("coupling.method", "iqn_ageing"),
-    ("coupling.probing", True),
+    ("coupling.advanced.probing", True),
     ("coupling.max_iterations", 60),
 ]
 

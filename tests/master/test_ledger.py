@@ -25,7 +25,7 @@ TREE = TOYS | {
         "echo": {"fmu": "echo.fmu", "role": "lubrication"},
     },
     "wires": [TOYS["wires"][0] | {"conjugate": "plant.y0"}, TOYS["wires"][1]],
-    "coupling": TOYS["coupling"] | {"halvings": 4},
+    "coupling": TOYS["coupling"] | {"advanced": {"halvings": 4}},
 }
 
 

@@ -89,7 +89,10 @@ def test_the_mean_of_both_ends_is_of_second_order(tmp_path, method):
     for inputs in ("held", "mean"):
         coarse, fine = (
             abs(
-                position(tmp_path, step, method=method, inputs=inputs, differences=True) - reference
+                position(
+                    tmp_path, step, method=method, inputs=inputs, advanced={"differences": True}
+                )
+                - reference
             )
             for step in (0.02, 0.01)
         )

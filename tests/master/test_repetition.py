@@ -99,9 +99,9 @@ def test_a_last_period_without_an_instant_has_no_recorded_fields(toys, tmp_path)
 
 def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
     """Numbers are of the last one all the same."""
-    time = TREE["time"] | {"least_periods": 5}
+    time = TREE["time"] | {"until_periodic": 1e-12, "stop": "20 s"}
     tree = TREE | {"time": time, "record": TREE["record"] | {"periods": 2}}
-    summary = go(toys(), tmp_path / "run.h5", tree=tree)
+    summary = go(toys(stop=20.0), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["steps"]) == (5, 20)
     assert summary["mean"] == pytest.approx(x(np.arange(17.0, 21.0)).mean(), rel=1e-9)
     with Results(tmp_path / "run.h5") as results:
@@ -133,21 +133,14 @@ def test_a_fixed_stop_says_that_the_run_has_not_settled(toys, tmp_path, stop, pe
 
 
 def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
-    tree = TREE | {"time": TREE["time"] | {"most_periods": 2}}
+    tree = TREE | {"time": TREE["time"] | {"stop": "8 s"}}
     summary = go(toys(stop=8.0), tmp_path / "run.h5", tree=tree)
     assert (summary["periods"], summary["periodic"]) == (2, False)
     assert summary["settled"] == (
         f"Not periodic: the relative change between the last two of 2 periods is {distance(2):.2g} "
         f"(tolerance 0.001). The change still decreases: echo.w0 {distance(2):.2g}, plant.y0 "
-        f"{distance(2):.2g}. Increase time.most_periods"
+        f"{distance(2):.2g}. Set a later time.stop"
     )
-
-
-def test_the_stop_time_ends_a_run_that_is_not_yet_periodic(toys, tmp_path):
-    tree = TREE | {"time": TREE["time"] | {"stop": "8 s"}}
-    summary = go(toys(stop=8.0), tmp_path / "run.h5", tree=tree)
-    assert (summary["periods"], summary["periodic"]) == (2, False)
-    assert summary["settled"].endswith(". Increase or remove time.stop")
 
 
 def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
@@ -158,7 +151,7 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
     def wandering(t):
         return np.sin(np.pi * t / 2) + np.sin(t)
 
-    tree = TREE | {"time": TREE["time"] | {"most_periods": 7}}
+    tree = TREE | {"time": TREE["time"] | {"stop": "28 s"}}
     said = []
     system = affine([[0.0]], wandering, 1e-9, stop=28.0, period=4.0)
     summary = go(system, tmp_path / "run.h5", tree=tree, log=said.append)
@@ -230,7 +223,7 @@ def test_distance_by_hand():
     10. A field that stands still counts nothing.
     """
     ports = [("a", "f"), ("a", "s"), ("a", "still")]
-    one = Repetition(ports, 0.5, 2, 9)
+    one = Repetition(ports, 0.5)
     one.begin(standing(f=[0.0, 3.0], s=1.0, still=5.0))
     one.note(standing(f=[2.0, -1.0], s=3.0, still=5.0))
     one.note(standing(f=[0.3, 3.4], s=1.0, still=5.0))

@@ -223,8 +223,8 @@ def test_axes_of_a_sweep_by_hand():
         ("1 rad / s", "1.5 rad / s", "2 rad / s", "2.5 rad / s", "3 rad / s"),
     )
     assert parse_axis("coupling.method=newton;explicit", TREE).values == ("newton", "explicit")
-    both = parse_axis("coupling.halvings+coupling.order=[2,3];3", TREE)
-    assert both.keys == ("coupling.halvings", "coupling.order") and both.values == ([2, 3], 3)
+    both = parse_axis("coupling.max_iterations+coupling.order=[2,3];3", TREE)
+    assert both.keys == ("coupling.max_iterations", "coupling.order") and both.values == ([2, 3], 3)
 
 
 def test_a_point_is_named_by_what_bears_on_its_run():

@@ -26,7 +26,7 @@ from .toys import TOYS, at, contents, wires
 TREE = TOYS | {
     "time": {"stop": "4 s", "step": "1 s"},
     "wires": wires(2),
-    "coupling": TOYS["coupling"] | {"halvings": 1},
+    "coupling": TOYS["coupling"] | {"advanced": {"halvings": 1}},
     "record": {"fields": ["plant.y0"], "every": 2, "checkpoint_every": 2},
     "summary": {
         "low": "min echo.w1",

@@ -102,8 +102,6 @@ OTHER = dict(
     damping_ratio=0.3,
     high_frequency_damping_ratio=0.7,
     damping_transition_frequency=2e4,
-    rayleigh_mass_factor=40.0,
-    rayleigh_stiffness_factor=1e-7,
 )
 HARD = dataclasses.replace(PARAMETERS, **OTHER)
 FLEXIBLE = {

@@ -16,7 +16,6 @@ def command(
     grid: str | None = None,
     output: OutputFile | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
-    no_fields: Annotated[bool, Parameter(negative=())] = False,
     native: Annotated[bool, Parameter(negative=())] = False,
     platform: str = "linux64",
 ):
@@ -38,16 +37,12 @@ def command(
         File to write. Default: a file in the cache, whose path is printed.
     fmi
         Version of FMI.
-    no_fields
-        Omit the output fields (pressure, asperity pressure, film fraction). Use it for tools that
-        cannot handle thousands of scalars.
     native
         Write machine code that needs no Python. Reports each option that it does not support.
     platform
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
         aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
-    fewer = {"no_fields": True} if no_fields else {}
     name = {"mfbd": "bodies"}.get(source, source)
     sources = (case, name)
     if ".py" in source:
@@ -55,7 +50,7 @@ def command(
     made = build_fmu(
         *sources,
         output=output,
-        options=({"grid": parse_grid(grid)} if grid else {}) | fewer,
+        options={"grid": parse_grid(grid)} if grid else {},
         fmi=fmi,
         platforms=platform.split(",") if native else (),
         say=say,

@@ -42,22 +42,21 @@ def method_of(coupling: Any) -> Method:
     """Return the method of a case's coupling table, as `coupled.Coupling` or `schema.Coupling`."""
     if coupling.method not in METHODS:
         return made("methods", coupling.method, coupling)
+    advanced = coupling.advanced
     if coupling.method == "newton":
-        return Newton(
-            coupling.max_iterations, coupling.largest_krylov_space, differences=coupling.differences
-        )
+        return Newton(coupling.max_iterations, differences=advanced.differences)
     if coupling.method == "explicit":
         return Explicit()
     if coupling.method in ("aitken", "constant"):
         return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
     secants = {
-        "iqn_ils": LeastSquares(coupling.windows, coupling.filter_limit),
-        "iqn_imvj": MultiVector(coupling.windows, coupling.filter_limit),
+        "iqn_ils": LeastSquares(advanced.windows, advanced.filter_limit),
+        "iqn_imvj": MultiVector(advanced.windows, advanced.filter_limit),
         "iqn_ageing": Ageing(),
     }
     return QuasiNewton(
         secants[coupling.method],
         coupling.relaxation,
         coupling.max_iterations,
-        coupling.probing,
+        advanced.probing,
     )

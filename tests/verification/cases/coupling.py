@@ -212,7 +212,7 @@ def curves(ports, results):
 
 WITHOUT_DERIVATIVES = (
     ("coupling.method", "iqn_ageing"),
-    ("coupling.probing", True),
+    ("coupling.advanced.probing", True),
     ("coupling.max_iterations", 60),
 )
 
@@ -229,7 +229,7 @@ def plain_converges():
             "elastic_tube",
             ("coupling.method", "constant"),
             ("coupling.relaxation", 1.0),
-            ("coupling.halvings", 0),
+            ("coupling.advanced.halvings", 0),
             ("time.stop", "0.01 s"),
         )
         return 1
