@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..coupling.wiring import Wire, port_of
-from ..fmi.errors import BadInput, file_fault
+from ..fmi.errors import BadInput, collecting, file_fault
 from ..fmi.fields import NO_NUMBERS
 from .keys import declared_variables
 from .machine_code import native_choice
@@ -25,6 +25,34 @@ class DeclaredParticipant:
     declares_units: bool = True
 
 
+class Ahead(NamedTuple):
+    """Participants whose parts declare their variables, by name, before anything is built.
+
+    parameters : valid parameters in SI, by participant; faults : of build options and parameters.
+    """
+
+    participants: dict[str, DeclaredParticipant]
+    parameters: dict[str, dict[str, Any]]
+    faults: list[str]
+
+
+def ahead(case, folder) -> Ahead:
+    """Return what the parts of a case declare."""
+    declared = {}
+    faults: list[str] = []
+    for name, table in case.participants.items():
+        with collecting(faults, f"participants.{name}."):
+            variables = declared_variables(table, folder)
+            if variables is not None:
+                fields = {one.name: _as_fmu(one) for one in variables}
+                declared[name] = DeclaredParticipant(name, Path(table.package), fields)
+    parameters = {
+        name: given_values(participant, case.participants[name].parameters, faults)
+        for name, participant in declared.items()
+    }
+    return Ahead(declared, parameters, faults)
+
+
 def faults_ahead(case, folder):
     """Return every fault of a case that is found before anything is built.
 
@@ -41,13 +69,9 @@ def faults_ahead(case, folder):
     -------
     list of str
     """
-    faults: list[str] = []
-    declared = declared_participants(case, folder, faults)
-    parameters = parameters_ahead(case, declared, faults)
+    declared, parameters, faults = ahead(case, folder)
     check_sources(case.wires, faults)
-    for table in case.wires:
-        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys():
-            wire_of(table, declared, case.coupling, faults)
+    _declared_wires(case, declared, faults)
     for name, table in case.participants.items():
         if fault := missing_file(table, folder):
             faults.append(f"participants.{name}.{fault}")
@@ -58,20 +82,23 @@ def faults_ahead(case, folder):
     return faults
 
 
+def _declared_wires(case, declared, faults):
+    """Return the wires of real numbers between declared participants; append faults."""
+    joined = [
+        wire_of(table, declared, case.coupling, faults)
+        for table in case.wires
+        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys()
+    ]
+    return [wire for wire in joined if isinstance(wire, Wire)]
+
+
 def run_ahead(case, folder):
     """Return the clock of the run and its wires of real numbers, before anything is built.
 
     The clock is None if the variables of the participant with the angular speed are not declared.
     """
-    ignored = []
-    declared = declared_participants(case, folder, ignored)
-    parameters = parameters_ahead(case, declared, ignored)
-    joined = [
-        wire_of(table, declared, case.coupling, ignored)
-        for table in case.wires
-        if {port_of(table.source)[0], port_of(table.target)[0]} <= declared.keys()
-    ]
-    wires = [wire for wire in joined if isinstance(wire, Wire)]
+    declared, parameters, ignored = ahead(case, folder)
+    wires = _declared_wires(case, declared, ignored)
     turning = case.time.angular_speed
     if turning and port_of(turning)[0] not in declared:
         return None, wires
@@ -79,43 +106,10 @@ def run_ahead(case, folder):
     return clock, wires
 
 
-def declared_participants(case, folder, faults):
-    """Return the participants whose parts declare their variables, by name.
-
-    Faults of their build options are appended to `faults`.
-    """
-    declared = {}
-    for name, table in case.participants.items():
-        try:
-            variables = declared_variables(table, folder)
-        except BadInput as error:
-            faults += [f"participants.{name}.{line}" for line in error.faults]
-            continue
-        if variables is not None:
-            fields = {one.name: _as_fmu(one) for one in variables}
-            declared[name] = DeclaredParticipant(name, Path(table.package), fields)
-    return declared
-
-
-def parameters_ahead(case, declared, faults):
-    """Return the parameters of declared participants in SI, by name; append faults."""
-    return {
-        name: given_values(participant, case.participants[name].parameters, faults)
-        for name, participant in declared.items()
-    }
-
-
 def _as_fmu(variable):
     """Return a declared variable with the choices of an enumeration by number, as in FMUs."""
     numbers: Any = {text: k for k, text in enumerate(variable.choices, 1)}
     return replace(variable, choices=numbers)
-
-
-def native_participants(case, folder):
-    """Return the names of the participants that are built as machine code."""
-    ignored = []
-    declared = declared_participants(case, folder, ignored)
-    return native_choice(case, folder, parameters_ahead(case, declared, ignored))[0]
 
 
 def check_time(case, parameters, faults):
@@ -125,13 +119,11 @@ def check_time(case, parameters, faults):
         given = case.participants[owner].parameters
         if name in given and name not in parameters[owner]:
             return None, 0.0  # its value is a fault that is already in the list
-    try:
+    with collecting(faults):
         speed = angular_speed(case, parameters)
         record_interval(case, speed)
         return times(case, speed), start_time(case, speed)
-    except BadInput as error:
-        faults += error.faults
-        return None, 0.0
+    return None, 0.0
 
 
 def angular_speed(case, parameters):

@@ -9,10 +9,9 @@ from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short
 from ..fmi.tree import import_part
-from .ahead import declared_participants, faults_ahead, parameters_ahead
+from .ahead import Ahead, ahead, faults_ahead
 from .checked import check_case
-from .contract import contract, interface
-from .keys import declared_variables
+from .contract import given_by_others
 from .reading import find_case, read_tree
 from .schema import Case
 from .system import open_system
@@ -88,11 +87,12 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         return CheckedCase(path, str(title), faults=error.faults)
     folder = path.parent
     faults = faults_ahead(case, folder)
-    previews = _previews(case, folder)
+    declared = ahead(case, folder)
+    previews = _previews(case, folder, declared)
     for owner, one in previews.items():
         lines = [f"participants.{owner}, {line}" for line in one.faults]
         faults += [line for line in lines if line not in faults]
-    faults += _disagreements(case, folder, previews)
+    faults += _disagreements(case, declared, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     found = _loops(case, folder, faults) if not faults else []
     return CheckedCase(path, case.title, previews, faults, remarks, found)
@@ -118,21 +118,21 @@ def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
     return []
 
 
-def _previews(case: Case, folder: Path) -> dict[str, Preview]:
+def _previews(case: Case, folder: Path, declared: Ahead) -> dict[str, Preview]:
     """Return the previews of the participants whose parameters are valid."""
-    values = parameters_ahead(case, declared_participants(case, folder, []), [])
     previews = {}
-    for name, given in values.items():
+    for name, given in declared.parameters.items():
         table = case.participants[name]
         try:
             look = import_part(f"{table.package}.preview").preview
         except ImportError:
             continue  # a part of another package
-        names = {one.name: one.choices for one in declared_variables(table, folder) or []}
+        fields = declared.participants[name].fields
         worded = {
-            key: names[key][value - 1] if names[key] else value for key, value in given.items()
+            key: [*fields[key].choices][value - 1] if fields[key].choices else value
+            for key, value in given.items()
         }
-        refused = dict.fromkeys(_refused(table, given, names))
+        refused = dict.fromkeys(_refused(table, given, fields))
         previews[name] = look(table.build, worded | refused, folder)
     return previews
 
@@ -142,39 +142,28 @@ def _refused(table, taken, known):
     return [key for key in table.parameters if key in known and key not in taken]
 
 
-def _disagreements(case: Case, folder: Path, previews: dict[str, Preview]) -> list[str]:
+def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) -> list[str]:
     """Return faults of parameters that differ from the measurement of another part.
 
     The contract lists the pairs that must agree. An omitted parameter has its default. Rejected
     parameters are not compared.
     """
-    values = parameters_ahead(case, declared_participants(case, folder, []), [])
     faults = []
-    for name, table in case.participants.items():
-        if table.role not in contract() or name not in values:
+    for name, key, (giver, surface), figure in given_by_others(case, "agree"):
+        seen = previews.get(giver, Preview())
+        measured = seen.figure(f"{surface}{figure}") or seen.figure(figure)
+        if measured is None or name not in declared.participants:
             continue
-        other = interface(case.wires, name, table.role)
-        if other is None:
+        fields, values = declared.participants[name].fields, declared.parameters[name]
+        if key not in fields or key in _refused(case.participants[name], values, fields):
             continue
-        for key, source in contract()[table.role].agree.items():
-            role, _, figure = source.partition(".")
-            if case.participants[other.owner].role != role:
-                continue
-            giver = other.owner
-            seen = previews.get(giver, Preview())
-            measured = seen.figure(f"{other.surface}{figure}") or seen.figure(figure)
-            declared = {one.name: one for one in declared_variables(table, folder) or []}
-            if measured is None or key not in declared:
-                continue
-            if key in _refused(table, values[name], declared):
-                continue
-            given = values[name].get(key, declared[key].start)
-            if abs(given - measured.value) > APART * abs(measured.value):
-                default = "" if key in values[name] else ", its default"
-                faults.append(
-                    f"participants.{name}.parameters.{key}: expected "
-                    f"{short(measured.value, measured.unit, 5)}, the {figure.replace('_', ' ')} of "
-                    f"{f'{giver}.{other.surface}'.removesuffix('.')}, got "
-                    f"{short(given, measured.unit, 5)}{default}"
-                )
+        given = values.get(key, fields[key].start)
+        if abs(given - measured.value) > APART * abs(measured.value):
+            default = "" if key in values else ", its default"
+            faults.append(
+                f"participants.{name}.parameters.{key}: expected "
+                f"{short(measured.value, measured.unit, 5)}, the {figure.replace('_', ' ')} of "
+                f"{f'{giver}.{surface}'.removesuffix('.')}, got "
+                f"{short(given, measured.unit, 5)}{default}"
+            )
     return faults

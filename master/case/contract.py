@@ -4,7 +4,7 @@ The check covers names, units, shapes and capabilities.
 """
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -105,6 +105,30 @@ def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) ->
         if taker == name and taken in contract()[role].inputs["field"] and given.endswith(taken):
             return Interface(giver, given.removesuffix(taken))
     return None
+
+
+class Given(NamedTuple):
+    """Value that a participant takes from the source of its fields, by the contract.
+
+    name, key : participant and its key; source : the other side; what : name of the value there.
+    """
+
+    name: str
+    key: str
+    source: Interface
+    what: str
+
+
+def given_by_others(case: Any, kind: str) -> Iterator[Given]:
+    """Yield the pairs of `Role.build` or `Role.agree` that a case has."""
+    for name, table in case.participants.items():
+        if table.role not in contract():
+            continue
+        other = interface(case.wires, name, table.role)
+        for key, source in getattr(contract()[table.role], kind).items() if other else ():
+            role, _, what = source.partition(".")
+            if case.participants[other.owner].role == role:
+                yield Given(name, key, other, what)
 
 
 def envelope_kinds(tree: dict) -> dict[str, str]:

@@ -19,7 +19,7 @@ from ..coupling.native_given import (
 )
 from ..fmi.builder import code_of, code_with, pack_fmu, slave_of
 from ..fmi.builder_native import cannot_build, pack_native_fmu, part_of, slave_inside
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, collecting
 from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
 from .ahead import run_ahead
@@ -137,14 +137,11 @@ def _uncovered_ahead(case, platforms):
     for name, table in case.participants.items():
         if not table.package:
             continue
-        try:
+        with collecting(faults):
             part = part_of(table.package)
-        except BadInput as refusal:
-            faults += refusal.faults
-            continue
-        packages.add(table.package)
-        ahead = part.uncovered(table.build)
-        faults += [f"participants.{name}.build.{fault}" for fault in ahead]
+            packages.add(table.package)
+            ahead = part.uncovered(table.build)
+            faults += [f"participants.{name}.build.{fault}" for fault in ahead]
     return [*cannot_build(platforms, (MASTER, *sorted(packages))), *faults]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
-from .contract import contract, interface
+from .contract import contract, given_by_others
 
 
 def build_options(
@@ -32,25 +32,14 @@ def build_options(
     progress : callable
         Called with messages.
     """
-    roles = contract()
     builds = {name: dict(table.build) for name, table in case.participants.items()}
-    for name, table in case.participants.items():
-        if not table.package or table.role not in roles:
+    for name, key, (owner, surface), option in given_by_others(case, "build"):
+        table = case.participants[name]
+        if not table.package or key in table.build:
             continue
-        for key, source in roles[table.role].build.items():
-            role, _, option = source.partition(".")
-            other = interface(case.wires, name, table.role)
-            if key in table.build or other is None:
-                continue
-            giver = case.participants[other.owner]
-            if giver.role != role:
-                continue
-            try:
-                given = _built(giver, Path(folder), progress)
-            except BadInput:
-                continue  # reported when the giver is built
-            value = given.get(f"{other.surface}{option}")
-            if value is not None:
+        with suppress(BadInput):  # reported when the giver is built
+            given = _built(case.participants[owner], Path(folder), progress)
+            if (value := given.get(f"{surface}{option}")) is not None:
                 builds[name][key] = value
     return builds
 

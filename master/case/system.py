@@ -6,13 +6,14 @@ from typing import Any
 
 from ..coupling.wiring import HeldWire, System, Wire, port_of
 from ..coupling.work import conjugates
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, collecting
 from ..participants.plugins import plugin
 from ..participants.substeps import Substeps
-from .ahead import angular_speed, check_ports, check_time, faults_ahead, native_participants
+from .ahead import ahead, angular_speed, check_ports, check_time, faults_ahead
 from .contract import starting_order
 from .given import build_options, masks
 from .inputs import check_fixed, interpolating, slopes, with_one_way
+from .machine_code import native_choice
 from .opening import open_participant
 from .times import record_interval
 from .values import given_values
@@ -48,22 +49,20 @@ def open_system(
     if faults:
         raise BadInput(faults)
     participants = {}
-    native = native_participants(case, folder)
+    native, _ = native_choice(case, folder, ahead(case, folder).parameters)
     if case.native:
         from ..fmi.builder_native import compile_ahead
 
         compile_ahead([case.participants[name].package for name in sorted(native)], progress)
     builds = build_options(case, folder, progress)
     for name in case.participants:
-        try:
+        with collecting(faults, f"participants.{name}."):
             make = (own or {}).get(name)
             participants[name] = (
                 make()
                 if make
                 else open_participant(name, case, builds[name], folder, progress, name in native)
             )
-        except BadInput as error:
-            faults += [f"participants.{name}.{line}" for line in error.faults]
     if faults:
         raise BadInput(faults)
     parameters = {
@@ -83,10 +82,8 @@ def open_system(
     in_units_of_wires(parameters, conversions)
     participants = with_one_way(case, converting(participants, conversions), faults)
     participants = interpolating(case, participants, {wire.target for wire in wires}, faults)
-    try:
+    with collecting(faults):
         conjugates(wires, case.wires)
-    except BadInput as error:
-        faults += error.faults
     check_fixed(case, participants, faults)
     check_ports(case, participants, faults)
     _check_plugins(case, faults)
@@ -125,10 +122,8 @@ def _check_plugins(case, faults):
     if case.coupling.step_control:
         names.append(("step_controls", case.coupling.step_control))
     for kind, name in names:
-        try:
+        with collecting(faults):
             plugin(kind, name)
-        except BadInput as error:
-            faults += error.faults
 
 
 def _as_they_start(participants, wires, progress):

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, collecting
 from ..participants.derivatives import Differenced, objection
 from ..participants.one_way import OneWayParticipant
 from ..participants.rollback import rollback_fault
@@ -27,13 +27,10 @@ def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
     faults: list[str] = []
     for name in rolled_back(system, iterates):
         inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
-        try:
+        with collecting(faults):
             fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
-        except BadInput as error:
-            faults += error.faults
-            continue
-        if fault:
-            reasons[name] = fault
+            if fault:
+                reasons[name] = fault
     if any(wire.local_error is not None for wire in system.wires):
         faults += [
             f"participants.{name}: expected a restored state with local_error, got {why}"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput, ParticipantFault
+from ..fmi.errors import BadInput, ParticipantFault, collecting
 from ..participants.participant import Participant
 from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
@@ -75,11 +75,9 @@ def _each(
     """Return the participants for which the action succeeds; append the others' faults."""
     succeeded: dict[str, Participant] = {}
     for name, participant in participants.items():
-        try:
+        with collecting(faults):
             action(name)
             succeeded[name] = participant
-        except BadInput as error:
-            faults += error.faults
     return succeeded
 
 

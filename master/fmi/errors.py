@@ -2,7 +2,8 @@
 
 import os
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TypeVar
@@ -25,15 +26,22 @@ class BadInput(ValueError):
         super().__init__("\n".join(self.faults))
 
 
+@contextmanager
+def collecting(faults: list[str], before: str = "") -> Generator[None, None, None]:
+    """Append the faults of a `BadInput` to a list, each with a prefix, instead of raising it."""
+    try:
+        yield
+    except BadInput as error:
+        faults += [f"{before}{line}" for line in error.faults]
+
+
 def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:
     """Return the results of a function for all items; raise `BadInput` with the faults of all."""
     found: list[Found] = []
     faults: list[str] = []
     for item in items:
-        try:
+        with collecting(faults):
             found.append(function(item))
-        except BadInput as error:
-            faults += error.faults
     if faults:
         raise BadInput(dict.fromkeys(faults))
     return found

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import players
-from ..fmi.errors import BadInput, file_fault, unknown
+from ..fmi.errors import BadInput, collecting, file_fault, unknown
 from ..fmi.quantities import to_si
 from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .instants import CRANK_ANGLE
@@ -203,10 +203,8 @@ def check_measured(runs, measured):
             if port not in results.ports:
                 faults.append(f"measured {label}: {unknown('variable', port, results.ports)}")
                 continue
-            try:
+            with collecting(faults):
                 _factor(column.unit, results.series(port).unit)
-            except BadInput as error:
-                faults += error.faults
     if faults:
         raise BadInput(faults)
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.ahead import declared_participants, parameters_ahead
+from piston_cosim.master.case.ahead import ahead
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 
@@ -106,7 +106,7 @@ class Bodies(NamedTuple):
 def of_case(tree, path, **more):
     """Return the bodies of a case."""
     case = check_case(tree, path)
-    values = parameters_ahead(case, declared_participants(case, path.parent, []), [])
+    values = ahead(case, path.parent).parameters
     return Bodies(build_of(tree, path, "bodies"), values["bodies"], 24, **more)
 
 
