@@ -125,7 +125,9 @@ def given_by_others(case: Any, kind: str) -> Iterator[Given]:
         if table.role not in contract():
             continue
         other = interface(case.wires, name, table.role)
-        for key, source in getattr(contract()[table.role], kind).items() if other else ():
+        if other is None:
+            continue
+        for key, source in getattr(contract()[table.role], kind).items():
             role, _, what = source.partition(".")
             if case.participants[other.owner].role == role:
                 yield Given(name, key, other, what)

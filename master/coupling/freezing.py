@@ -9,30 +9,17 @@ from ..participants.plain import NotPlain, pack, unpack
 from .methods.explicit import Growth
 from .methods.krylov import Pairs, RecycledGmres
 from .methods.quasi_newton import Memory
-from .methods.secants import (
-    Ageing,
-    AgeingMemory,
-    Decomposed,
-    LeastSquares,
-    LeastSquaresMemory,
-    MultiVector,
-    MultiVectorMemory,
-    Pair,
-    Rings,
-)
+from .methods.secants import Ageing, Decomposed, LeastSquares, MultiVector, Pair, Rings
 from .step_control import StepControl
 from .stepping import Stepper
 
 REMEMBERED = (
     Ageing,
-    AgeingMemory,
     Decomposed,
     Growth,
     LeastSquares,
-    LeastSquaresMemory,
     Memory,
     MultiVector,
-    MultiVectorMemory,
     Pair,
     Pairs,
     RecycledGmres,

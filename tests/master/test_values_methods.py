@@ -162,7 +162,6 @@ def test_oldest_pairs_make_room():
     """As many pairs as are kept, of a linear map, after as many of the opposite one."""
     random, n = np.random.default_rng(0), 8
     matrix, memory = np.eye(n) + 0.5 * random.standard_normal((n, n)), Ageing(8, noise=1e-12)
-    memory = memory.memory()
     memory.begin()
     for sign in (1, -1):
         for change in random.standard_normal((n, n)):

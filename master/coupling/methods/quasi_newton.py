@@ -1,5 +1,6 @@
 """Interface quasi-Newton by secants, for participants without directional derivatives."""
 
+from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,7 +10,7 @@ from ..vector import moved
 from .krylov import RecycledGmres
 from .newton import Newton
 from .probing import ProbedStep
-from .secants import LeastSquares, SecantMemory, Secants
+from .secants import LeastSquares, Secants
 from .solution import NotConverged, Solution, Tried, check_finite
 
 
@@ -27,7 +28,7 @@ class QuasiNewton:
     Parameters
     ----------
     secants : Secants
-        LeastSquares, MultiVector or Ageing.
+        LeastSquares, MultiVector or Ageing, without pairs.
     relaxation : float
         Factor of the first update, while there are no secants.
     max_iterations : int
@@ -38,14 +39,14 @@ class QuasiNewton:
         seen, or after half of max_iterations.
     """
 
-    secants: Secants = LeastSquares()
+    secants: Secants = field(default_factory=LeastSquares)
     relaxation: float = 0.1
     max_iterations: int = 50
     probing: bool = False
     astray: float = 5.0
 
     def memory(self) -> "Memory":
-        return Memory(self.secants.memory())
+        return Memory(deepcopy(self.secants))
 
     def solve(self, macro_step: Tried, guess: np.ndarray, memory: "Memory") -> Solution:
         try:
@@ -55,7 +56,7 @@ class QuasiNewton:
         except SecantsDiverged as lost:
             return self._probe(macro_step, guess, memory, lost.history)
 
-    def _iterate(self, macro_step: Tried, guess: np.ndarray, secants: SecantMemory) -> Solution:
+    def _iterate(self, macro_step: Tried, guess: np.ndarray, secants: Secants) -> Solution:
         interface = macro_step.interface
         feedback = interface.feedback
         scale = interface.nominal[feedback]
@@ -93,7 +94,7 @@ class QuasiNewton:
         return bool(grown) or 2 * (iterations - 1) > self.max_iterations
 
     def _moved(
-        self, interface: Interface, used: np.ndarray, secants: SecantMemory, r: np.ndarray
+        self, interface: Interface, used: np.ndarray, secants: Secants, r: np.ndarray
     ) -> np.ndarray:
         """Return x_{k+1}."""
         change = np.zeros(interface.size)
@@ -123,7 +124,7 @@ class QuasiNewton:
 class Memory:
     """Secants, and the Krylov pairs of the macro steps that were probed."""
 
-    secants: SecantMemory
+    secants: Secants
     krylov: RecycledGmres = field(default_factory=RecycledGmres)
 
 

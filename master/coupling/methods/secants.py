@@ -1,9 +1,9 @@
 """What quasi-Newton methods learn from iterates, and three ways to an update from it.
 
 A secant pair is a change of the unknowns (the feedback wires) and the change of their residual that
-came with it, both in nominals, newest first. Each way below is a value; its `memory()` collects
-pairs by `learn`, answers a residual by `update`, and is told by `close` that the macro step is
-accepted. Memories are plain data, which a checkpoint holds; see `coupling.freezing`.
+came with it, both in nominals, newest first. Each way below is a memory of pairs: it collects them
+by `learn`, returns the answer to a residual by `update`, and accepts the macro step by `close`.
+Memories are plain data, which a checkpoint holds; see `coupling.freezing`.
 """
 
 from dataclasses import dataclass, field
@@ -14,8 +14,8 @@ import numpy as np
 from .filtering import filtered
 
 
-class SecantMemory(Protocol):
-    """Memory of secant pairs."""
+class Secants(Protocol):
+    """A way to an update from secant pairs, with its memory of them."""
 
     @property
     def empty(self) -> bool: ...
@@ -32,12 +32,6 @@ class SecantMemory(Protocol):
 
     def close(self) -> None:
         """Accept the macro step."""
-
-
-class Secants(Protocol):
-    """A way to an update from secant pairs."""
-
-    def memory(self) -> SecantMemory: ...
 
 
 class Pair(NamedTuple):
@@ -57,9 +51,14 @@ class Decomposed(NamedTuple):
 
 @dataclass
 class PairMemory:
-    """Memory of pairs by macro step; now, past : of the running and of accepted macro steps."""
+    """Memory of pairs by macro step.
 
-    way: Any
+    windows : accepted macro steps whose pairs are used again; limit : of the filter; now, past : of
+    the running and of accepted macro steps.
+    """
+
+    windows: int
+    limit: float
     now: list[Pair] = field(default_factory=list[Pair])
     past: list[Any] = field(default_factory=list[Any])
 
@@ -75,8 +74,8 @@ class PairMemory:
         self.now.insert(0, Pair(residual_change, change))
 
 
-@dataclass(frozen=True)
-class LeastSquares:
+@dataclass
+class LeastSquares(PairMemory):
     """IQN-ILS: all pairs in one least-squares problem, dependent ones dropped by a filter.
 
     Eq. (Q4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
@@ -84,12 +83,7 @@ class LeastSquares:
     It runs in residual-sum scaling: nominals first, then each wire divided by its share of the
     residuals seen in this macro step, so that no field drowns another.
 
-    Parameters
-    ----------
-    windows : int
-        Accepted macro steps whose pairs are used again.
-    limit : float
-        Of the filter.
+    past holds lists of pairs; shares : residuals seen by wire.
 
     References
     ----------
@@ -99,15 +93,6 @@ class LeastSquares:
 
     windows: int = 3
     limit: float = 1e-2
-
-    def memory(self) -> "LeastSquaresMemory":
-        return LeastSquaresMemory(self)
-
-
-@dataclass
-class LeastSquaresMemory(PairMemory):
-    """Memory of `LeastSquares`; past : lists of pairs; shares : residuals seen by wire."""
-
     shares: np.ndarray | None = None
 
     def begin(self) -> None:
@@ -123,7 +108,7 @@ class LeastSquaresMemory(PairMemory):
         weight = 1.0 / np.sqrt(shares)
         columns = self.now + [pair for window in self.past for pair in window]
         chosen, q, triangle = filtered(
-            [weight * pair.residual_change for pair in columns], self.way.limit
+            [weight * pair.residual_change for pair in columns], self.limit
         )
         change = np.zeros_like(r)
         rest = r.copy()
@@ -136,7 +121,7 @@ class LeastSquaresMemory(PairMemory):
 
     def close(self) -> None:
         windows = [self.now, *self.past] if self.now else self.past
-        self.past = windows[: self.way.windows]
+        self.past = windows[: self.windows]
         self.now = []
 
 
@@ -149,15 +134,15 @@ def _shares(r: np.ndarray, wires: list[slice]) -> np.ndarray:
     return shares
 
 
-@dataclass(frozen=True)
-class MultiVector:
+@dataclass
+class MultiVector(PairMemory):
     """IQN-IMVJ: each macro step's pairs correct the inverse Jacobian of the steps before it.
 
     Eq. (Q5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
 
     B is never formed: its steps act one after the other, newest first, each on what the newer ones
     left of r. Steps older than `windows` are forgotten. Of a step's pairs, dependent ones are
-    dropped as in `LeastSquares` by `limit`.
+    dropped as in `LeastSquares` by `limit`. past holds `Decomposed`.
 
     References
     ----------
@@ -167,14 +152,6 @@ class MultiVector:
 
     windows: int = 50
     limit: float = 1e-3
-
-    def memory(self) -> "MultiVectorMemory":
-        return MultiVectorMemory(self)
-
-
-@dataclass
-class MultiVectorMemory(PairMemory):
-    """Memory of `MultiVector`; past : `Decomposed`."""
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Return the answer to the residual r and the unexplained rest."""
@@ -188,17 +165,31 @@ class MultiVectorMemory(PairMemory):
 
     def _decomposed(self) -> list[Decomposed]:
         columns = [pair.residual_change for pair in self.now]
-        chosen, q, triangle = filtered(columns, self.way.limit)
+        chosen, q, triangle = filtered(columns, self.limit)
         if not chosen:
             return []
         return [Decomposed(q, triangle, np.array([self.now[k].change for k in chosen]).T)]
 
     def close(self) -> None:
-        self.past = [*self._decomposed(), *self.past][: self.way.windows]
+        self.past = [*self._decomposed(), *self.past][: self.windows]
         self.now = []
 
 
-@dataclass(frozen=True)
+@dataclass
+class Rings:
+    """Pairs of known macro steps, the newest in the place of the oldest.
+
+    residual_changes : unit vectors, shape (kept, n); changes : theirs, shape (kept, n); products :
+    inner products of the residual changes, shape (kept, kept); steps : their macro steps.
+    """
+
+    residual_changes: np.ndarray
+    changes: np.ndarray
+    products: np.ndarray
+    steps: np.ndarray
+
+
+@dataclass
 class Ageing:
     """Pairs trusted less the older they are: least squares that know how fast the Jacobian drifts.
 
@@ -218,35 +209,13 @@ class Ageing:
         d.
     noise : float
         n, of a pair's squared length: what bends the map within a step.
+    step, count : int
+        Macro steps accepted, and pairs learnt.
     """
 
     kept: int = 300
     drift: float = 1e-4
     noise: float = 1e-6
-
-    def memory(self) -> "AgeingMemory":
-        return AgeingMemory(self)
-
-
-@dataclass
-class Rings:
-    """Pairs of known macro steps, the newest in the place of the oldest.
-
-    residual_changes : unit vectors, shape (kept, n); changes : theirs, shape (kept, n); products :
-    inner products of the residual changes, shape (kept, kept); steps : their macro steps.
-    """
-
-    residual_changes: np.ndarray
-    changes: np.ndarray
-    products: np.ndarray
-    steps: np.ndarray
-
-
-@dataclass
-class AgeingMemory:
-    """Memory of `Ageing`; count, step : pairs learnt and macro steps accepted."""
-
-    way: Ageing
     step: int = 0
     count: int = 0
     rings: Rings | None = None
@@ -260,7 +229,7 @@ class AgeingMemory:
 
     def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
         size = np.linalg.norm(residual_change)
-        kept = self.way.kept
+        kept = self.kept
         if size == 0.0:
             return
         if self.rings is None:
@@ -281,13 +250,13 @@ class AgeingMemory:
         """Return the answer to the residual r and the unexplained rest: (-X a, r - V a)."""
         if self.rings is None:
             return np.zeros_like(r), r
-        known = slice(min(self.count, self.way.kept))
+        known = slice(min(self.count, self.kept))
         v = self.rings.residual_changes[known]
         steps = self.rings.steps[known]
         apart = np.abs(steps[:, None] - steps)
-        matrix = self.rings.products[known, known] * np.exp(-self.way.drift * apart)
-        matrix[np.diag_indices_from(matrix)] += self.way.noise
-        aged = np.exp(-self.way.drift * (self.step - steps)) * (v @ r)
+        matrix = self.rings.products[known, known] * np.exp(-self.drift * apart)
+        matrix[np.diag_indices_from(matrix)] += self.noise
+        aged = np.exp(-self.drift * (self.step - steps)) * (v @ r)
         a = np.linalg.solve(matrix, aged)  # Eq. (Q6)
         return -(a @ self.rings.changes[known]), r - a @ v
 
