@@ -12,7 +12,7 @@ from ..participants.restarted import RestartedParticipant
 from .components import Component, Part, components, part
 from .interface import Interface
 from .methods import Explicit, MacroStep
-from .methods.probing import ProbedStep
+from .methods.probing import jacobian
 from .negotiation import untrusted, without_rollback
 from .wiring import System
 
@@ -131,18 +131,12 @@ def _matrix(own: Part, begin: float, step: float) -> np.ndarray:
     interface = own.interface
     names: Sequence[str] = own.component.names
     saved = {name: interface.participants[name].save() for name in names}
-    probed = ProbedStep(own.of(MacroStep(interface, begin, step, saved)))
-    probed.evaluate(interface.read())
-    scale = interface.nominal[interface.feedback]
-    columns: list[np.ndarray] = []
-    for k in np.flatnonzero(interface.feedback):
-        change = np.zeros(interface.size)
-        change[k] = interface.nominal[k]
-        columns.append(probed.derivative(change)[interface.feedback] / scale)
+    macro_step = own.of(MacroStep(interface, begin, step, saved))
+    matrix = jacobian(macro_step, interface.read())
     for name in names:
         interface.participants[name].restore(saved[name])
         interface.participants[name].free(saved[name])
-    return np.array(columns).T
+    return matrix
 
 
 def _gain(matrix: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from ..participants.participant import Participant
 from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
 from .methods.newton import SINGULAR
-from .methods.probing import ProbedStep
+from .methods.probing import jacobian
 from .wiring import System, Wire, carry
 
 START_ITERATIONS = 50
@@ -128,16 +128,9 @@ def _undetermined(begin: "Start", x: np.ndarray) -> list[str]:
     unknowns = np.flatnonzero(interface.feedback)
     if not 0 < len(unknowns) <= LARGEST_CHECKED:
         return []
-    probed = ProbedStep(begin)
-    probed.evaluate(x)
-    scale = interface.nominal[unknowns]
-    matrix = np.eye(len(unknowns))
-    for k, element in enumerate(unknowns):
-        seed = np.zeros(interface.size)
-        seed[element] = scale[k]
-        matrix[:, k] -= probed.derivative(seed)[unknowns] / scale
-    probed.evaluate(x)
-    _, sizes, directions = np.linalg.svd(matrix)  # Eq. (Q12)
+    matrix = jacobian(begin, x)
+    begin.evaluate(x)
+    _, sizes, directions = np.linalg.svd(np.eye(len(unknowns)) - matrix)  # Eq. (Q12)
     open_ones = np.abs(directions[sizes < SINGULAR]).max(axis=0, initial=0.0)
     named = {int(unknowns[k]) for k in np.flatnonzero(open_ones > 0.1)}
     return [

@@ -44,3 +44,17 @@ class ProbedStep:
         products = (result - y) / share
         self.learn((steps / nominal)[feedback], ((products - steps) / nominal)[feedback])
         return products
+
+
+def jacobian(macro_step: Tried, x: np.ndarray) -> np.ndarray:
+    """Return J of the unknowns at x in nominals, by differences, an evaluation for each."""
+    interface = macro_step.interface
+    scale = interface.nominal[interface.feedback]
+    probed = ProbedStep(macro_step)
+    probed.evaluate(x)
+    columns: list[np.ndarray] = []
+    for k in np.flatnonzero(interface.feedback):
+        change = np.zeros(interface.size)
+        change[k] = interface.nominal[k]
+        columns.append(probed.derivative(change)[interface.feedback] / scale)
+    return np.array(columns).T
