@@ -97,6 +97,18 @@ def test_the_command_prints_tables_matches_and_oils(capsys):
     assert json.loads(capsys.readouterr().out)["title"] == "Case"
 
 
+def test_the_command_prints_equal_tables_once_and_numerical_settings_on_request(capsys):
+    command()
+    printed = capsys.readouterr().out
+    assert "axes.N.first\naxes.N.second\n" in printed
+    assert printed.count("\n centred ") == 1
+    assert "\n max_iterations " in printed and "\n halvings " not in printed
+    command(advanced=True)
+    assert "\n halvings " in capsys.readouterr().out
+    command("coupling.advanced")
+    assert "\n halvings " in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     "short, whole",
     [
