@@ -52,3 +52,10 @@ def test_mean_gap_and_couette_stress_near_and_in_overlap(separation):
     sliding = roughness.sliding_stress_factor(separation, 1.0).value
     exact = mean_inverse_gap(separation) + (sliding / separation if separation > 0.0 else 0.0)
     assert quantities[COUETTE, 0, 0] * SIGMA / 0.01 == pytest.approx(exact, abs=2.1e-3)
+
+
+def test_mean_gap_and_couette_stress_by_hand():
+    """h_T(-0.5) = -0.5 x 0.308538 + 0.352065; at H -> 0 35/96 (ln 300 - 11/12) mu/sigma."""
+    assert rough(np.array([[-0.5e-6]]))[0][STORED, 0, 0] == pytest.approx(0.197797e-6, rel=1e-5)
+    touching = rough(np.array([[1e-12]]))[0][COUETTE, 0, 0] * SIGMA / 0.01
+    assert touching == pytest.approx(1.745303, rel=1e-5)

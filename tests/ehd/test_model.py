@@ -217,3 +217,42 @@ def test_a_film_that_an_edge_pressure_drives_has_a_boundary_friction_share_of_on
     (driven, one), (held, less) = sorted(found)
     assert driven < 1.0 and one == 1.0
     assert held > 1.0 and less == pytest.approx(1.0 / held, rel=1e-12)
+
+
+def test_contact_area_is_that_of_the_skirt_that_is_there():
+    """The same parallel film with a part cut out has the same share in contact."""
+    whole, cut = (
+        film_after(Parameters(SHAPE, roughness_rms=1e-6, open_cells=mask), [1e-6]).outputs
+        for mask in (None, opening(SHAPE))
+    )
+    share = whole["contact_area_fraction"]
+    assert share > 0.0
+    assert cut["contact_area_fraction"] == pytest.approx(share, rel=1e-14)
+
+
+def test_cavitation_pressure_shifts_the_datum_alone():
+    gauge, absolute = (
+        motored(
+            Parameters(SHAPE, pressure_lower_edge=p, pressure_upper_edge=p, cavitation_pressure=p),
+            60,
+        )[2][-1]
+        for p in (0.0, 1e5)
+    )
+    scale = gauge["maximum_pressure"]
+    assert (
+        np.abs(absolute["pressure"] - 1e5 - gauge["pressure"]).max() <= 1e-9 * scale
+    )  # round-off of the datum
+    assert np.abs(absolute["film_fraction"] - gauge["film_fraction"]).max() <= 1e-12
+
+
+@pytest.mark.parametrize("flow_factors", ["none", "patir_cheng_1978"])
+def test_friction_power_is_the_work_of_the_axial_force(flow_factors):
+    """- sum F V, with a velocity, a film in contact and oil that differ from cell to cell."""
+    rng = np.random.default_rng(3)
+    film = rng.uniform(1e-6, 8e-6, SHAPE)
+    velocity = rng.uniform(-5.0, 5.0, SHAPE)
+    p = Parameters(SHAPE, roughness_rms=1e-6, flow_factors=flow_factors, open_cells=opening(SHAPE))
+    o = film_after(p, [film] * 2, velocity).outputs
+    work = -(o["nodal_friction_force"] * velocity).sum()
+    assert o["friction_power"] == pytest.approx(work, rel=1e-12)
+    assert o["friction_force_asperity"] != 0.0

@@ -2,7 +2,9 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
+from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
 from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
@@ -113,3 +115,41 @@ def test_the_stress_of_a_large_exponent_may_fall_but_the_film_still_flows():
     critical = 10.0 ** (2.5 + 0.0213 * 100.0)
     assert tangent_thinning(law, 1.2 * critical, 373.15) == (0.74, 0.0)
     assert tangent_thinning(law, 0.0, 373.15) == (1.0, 0.0)
+
+
+def test_reduced_pressure_is_its_integral_and_inverts(law):
+    grid = np.linspace(0.0, 1.0, 20001)
+    for pressure in (0.0, 1e5, 1e7, 1e8):
+        points = pressure * grid
+        integral = trapezoid([1.0 / viscosity_ratio(law, p)[0] for p in points], points)
+        reduced = reduced_pressure(law, pressure)
+        assert reduced == pytest.approx(integral, rel=1e-7)  # trapezoid rule
+        assert pressure_of(law, reduced) == pytest.approx(pressure, rel=1e-9, abs=1e-3)  # table
+
+
+def test_ratio_has_slope_alpha_at_zero_and_its_own_slope_elsewhere(law):
+    assert viscosity_ratio(law, 0.0)[1] == pytest.approx(2e-8)
+    above, below = (viscosity_ratio(law, 5e7 + by)[0] for by in (1e3, -1e3))
+    assert viscosity_ratio(law, 5e7)[1] == pytest.approx((above - below) / 2e3, rel=1e-8)
+
+
+def test_thinned_film_has_its_slopes_where_it_slides_both_ways():
+    law = Oil(shear_thinning_law="cross_1965", shear_thinning_exponent=0.8).thinning
+    laws = FilmLaws(1e-7, 0.0, np.zeros((0, 0)), law)
+
+    def at(film, velocity, turning):
+        cell = np.full((1, 1), 1.0)
+        oil = ShearedOil(velocity * cell, turning * cell, 0.01 * cell, 373.15 * cell)
+        return flow_film(film * cell, oil, laws)
+
+    _, slopes, around = at(8e-6, 0.2, -0.3)
+    for slope, change in (
+        (slopes.by_film, np.array([1e-10, 0.0, 0.0])),
+        (slopes.by_velocity, np.array([0.0, 1e-5, 0.0])),
+        (around.by_velocity, np.array([0.0, 0.0, 1e-5])),
+    ):
+        point = np.array([8e-6, 0.2, -0.3])
+        upper, lower = at(*(point + change)), at(*(point - change))
+        difference = (upper.quantities - lower.quantities) / (2.0 * change.sum())
+        # third derivative times the square of the change, and round-off
+        assert slope == pytest.approx(difference, rel=1e-7, abs=0.0)

@@ -426,3 +426,17 @@ def test_a_parabola_on_a_thin_layer(cells, error, sign):
         _, _, outputs = slide(p, film, -sign * speed, step, 6 * cells)
         exact = reciprocating.steady_load(layer, speed / 2.0)
         assert outputs["nodal_pressure_force"].sum() == pytest.approx(exact, rel=error)
+
+
+def test_oil_is_kept_where_the_skirt_passes_a_window_in_a_step():
+    """Ten degrees a step: up to 4.4 mm, a window and a half."""
+    p = Parameters(
+        SHAPE, oil_supply="bore", initial_oil_layer=5e-6, open_cells=outlines(SHAPE)["ragged"]
+    )
+    model = LubricationModel(p)
+    state, outputs = model.start(*motored_film(SHAPE, 0.0))
+    before = total(outputs)
+    for k in range(1, 73):
+        state, outputs = model.advance(state, *motored_film(SHAPE, 10 * k * DEGREE), 10 * DEGREE)
+        assert total(outputs) == pytest.approx(before, rel=1e-12)
+        assert outputs["film_fraction"].min() >= -1e-15

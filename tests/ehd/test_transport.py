@@ -17,6 +17,8 @@ from piston_cosim.tests.verification.cases.motored import (
     DEGREE,
     UNEVEN,
     SkirtMotion,
+    film_after,
+    motored_tangent_error,
     motored_until,
     tangent_error,
 )
@@ -261,3 +263,21 @@ def test_a_velocity_next_to_nothing_carries_nothing():
     state, _ = model.advance(state, films[2], crawling, 0.7 * DEGREE)
     _, outputs = model.advance(state, films[3], np.ones((12, 10)), DEGREE)
     assert np.isfinite(outputs["nodal_pressure_force"]).all()
+
+
+def test_the_tangent_of_a_starved_film_holds_the_lift():
+    # while nothing switches; third derivative times the difference squared
+    starved = Parameters((12, 10), film_fraction_lower_edge=0.8, film_fraction_upper_edge=0.8)
+    assert motored_tangent_error(starved) <= 1e-8
+
+
+def test_a_velocity_of_next_to_nothing_is_rest():
+    p = Parameters((6, 10), film_fraction_lower_edge=EMPTY)
+    squeezed = FILM * (1.0 + 0.1 * np.sin(np.arange(60.0))).reshape(p.shape)
+
+    def pressed(velocity):
+        films = [FILM, squeezed, squeezed[::-1], squeezed]
+        return film_after(p, films, velocity, 1e-5).outputs["nodal_pressure_force"]
+
+    # a volume of 1e-313 m3 is no divisor
+    assert np.array_equal(pressed(-2e-313), pressed(0.0))

@@ -11,9 +11,9 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import faults
 from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance, place_of
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES
+from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES, PIN
 from piston_cosim.fmu_mfbd.dynamics.pin_tangent import inertia
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PARALLEL,
@@ -38,6 +38,7 @@ from .differences import products_by_differences, rough_change
 from .pin_models import (
     GRIDS,
     MODELS,
+    MODES,
     OWN,
     PARAMETERS,
     RADII,
@@ -242,3 +243,16 @@ def test_what_does_not_go_with_a_floating_pin_is_told():
     assert "pin_mass: expected more than 0 kg with a floating pin, got 0 kg" in told
     assert "pin_friction_coefficient: expected 0 with a floating pin, got 0.05; its films" in told
     assert faults(bodies(), options(True), PARAMETERS) == []
+
+
+def test_inertia_of_modes_by_hand():
+    """Eq. (D22): a mode alone, with the piston's shift along either axis, and with its turning."""
+    model = yielding_model()
+    piston, *_ = yielding_bodies()
+    M = inertia(model.bodies, 0.0)
+    assert np.array_equal(M, M.T)
+    np.testing.assert_allclose(M[7:, 7:], np.eye(MODES))
+    np.testing.assert_allclose(M[LATERAL, 7:], piston.T[0])
+    np.testing.assert_allclose(M[PIN.boss_y, 7:], -piston.T[1])
+    np.testing.assert_allclose(M[PIN.eye_y, 7:], piston.T[1])
+    np.testing.assert_allclose(M[ROCKING, 7:], piston.g)

@@ -29,10 +29,12 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     SpaceBodies,
     SpaceBody,
     SpaceLoad,
+    Spin,
     Stop,
     held,
     imbalance,
     inertia,
+    needed,
     tangent,
 )
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
@@ -582,3 +584,55 @@ def test_a_held_tilt_is_where_roll_counts_from():
         one = space_model(SYMMETRIC, parameters=parameters)
         gaps.append(one.start_moving(0.3, at, 0 * at, still)[1]["film_thickness"])
     np.testing.assert_allclose(gaps[0], gaps[1], atol=1e-18)
+
+
+def exact_needed(acceleration, axes, omega, change):
+    """Return force and moment by Newton and Euler, for axes (3, 3) of any rotation."""
+    first = axes @ S
+    tensor = axes @ J @ axes.T
+    force = MASS * acceleration + np.cross(change, first)
+    force = force + np.cross(omega, np.cross(omega, first))
+    moment = np.cross(first, acceleration) + tensor @ change
+    return force, moment + np.cross(omega, tensor @ omega)
+
+
+def test_inertia_forces_against_large_rotations():
+    """The same motion by rotation matrices: what is left falls with the square of the tilt."""
+    rng = np.random.default_rng(2)
+    acceleration, w, change = rng.standard_normal((3, 3))
+    body = SpaceBody(MASS, S, J)
+    apart = []
+    for size in (1e-2, 1e-3):
+        t = size * np.array([0.6, -0.8, 0.0])
+        found = needed(body, Spin(acceleration, t, w, change))
+        wanted = exact_needed(acceleration, Rotation.from_rotvec(t).as_matrix(), w, change)
+        apart.append([np.abs(a - b).max() for a, b in zip(found, wanted)])
+    ratio = np.array(apart[0]) / apart[1]
+    assert (np.abs(ratio - 100) < 3).all()
+
+
+def test_energy_of_the_body_closes():
+    """Held forces of film, crank at rest, eye a spring, no dampers, a trapezoidal rule: what the
+    body has more of, with the spring, is the work done, to what first order leaves of it, 1e-4.
+    """
+    keeping = dataclasses.replace(PARAMETERS, spectral_radius=1.0)
+    model = standing(keeping, **NO_DAMPER, pin_tilt_play=0.0)
+    push = np.zeros(GRID)
+    push[[1, 6, 11], [3, 9, 6]] = 30.0, 20.0, 50.0
+    given = Inputs(0.0, 0.0, push, np.zeros(GRID))
+    state, _ = model.start(0.0, 0.0, 0.0, given)
+    for _ in range(2):
+        state, out = model.advance(state, given, 1e-6)
+
+    def held(out):
+        spring = 3e4 * (out["roll_angle"] ** 2 + out["yaw_angle"] ** 2) / 2
+        rod = (72 / 223) ** 2 * 1.7 + 0.017 / 0.223**2
+        return out["kinetic_energy"] + spring + rod * out["lateral_velocity"] ** 2 / 2
+
+    begun, work, gain = held(out), 0.0, 0.0
+    for _ in range(200):
+        state, out = model.advance(state, given, 2e-6)
+        work += out["film_work"]
+        gain += out["energy_gain"]
+    assert held(out) - begun == pytest.approx(work, rel=1e-4)
+    assert gain == pytest.approx(work, rel=1e-4)

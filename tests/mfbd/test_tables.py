@@ -13,10 +13,18 @@ from piston_cosim.fmu_mfbd.dynamics.speed_table import crank_motion, speed_table
 from piston_cosim.fmu_mfbd.dynamics.step import GAS
 from piston_cosim.fmu_mfbd.dynamics.tables import (
     TableFault,
+    gas_pressure,
     gas_table,
     inline_numbers,
     profile_table,
     read_numbers,
+)
+from piston_cosim.fmu_mfbd.geometry.profile import (
+    BoreOrder,
+    MeasuredShape,
+    fourier_bore,
+    ovality,
+    table_shape,
 )
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
@@ -215,3 +223,53 @@ def test_missing_and_bad_tables_are_reported_together(coarse):
             folder,
             print,
         )
+
+
+def test_gas_repeats_every_cycle(gas_file):
+    table = gas_table(read_numbers(gas_file), 4 * np.pi, DEG, 1e5)
+    for angle in (0.1, 5.0, 12.5, 12.5 + 4 * np.pi, 0.1 - 4 * np.pi):
+        # linear between points 2 deg apart: (1 deg)^2/2 * 5e5/4
+        assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
+
+
+@pytest.mark.parametrize("first", [0.0, 7.0])
+def test_a_coarse_table_is_as_good_as_a_dense_one(first):
+    """180 um of ovality by 24 angles, 20 um of barrel by 9 heights: 0.01 um, the fourth derivative
+    of 720 um / 384 x (15 deg)^4; straight lines between the angles missed by 1.5 um.
+    """
+    angle = np.radians(first + np.arange(0.0, 360.0, 15.0))
+    height = np.linspace(-14e-3, 13e-3, 9)
+    barrel = 20e-6 * (height / 13.5e-3) ** 2
+    table = MeasuredShape(angle, height, barrel[:, None] + 90e-6 * np.cos(angle) ** 2)
+    at, rows = np.linspace(-1.0, 7.0, 97), np.linspace(-13.9e-3, 12.9e-3, 31)
+    wanted = 90e-6 * np.cos(at)[:, None] ** 2 + 20e-6 * (rows / 13.5e-3) ** 2
+    np.testing.assert_allclose(table_shape(table, at, rows), wanted, atol=1e-8)
+    turned = table_shape(table, at + 2.0 * np.pi, rows)
+    np.testing.assert_allclose(turned, table_shape(table, at, rows), atol=1e-18)
+
+
+def test_profile_file_and_interpolation(tmp_path):
+    path = tmp_path / "skirt.csv"
+    angles, heights = np.arange(0, 360, 5), np.linspace(-16, 8, 25)
+    rows = ["height," + ",".join(str(a) for a in angles)]
+    rows += [
+        f"{h}," + ",".join(str(100 * np.cos(a * DEG) ** 2 + h) for a in angles) for h in heights
+    ]
+    path.write_text("\n".join(rows))
+    table = profile_table(path, DEG, 1e-3, 1e-6)
+    angle, height = np.linspace(0.01, 6.27, 33), np.linspace(-15e-3, 7e-3, 9)
+    wanted = (100 * np.cos(angle) ** 2)[:, None] * 1e-6 + height * 1e-3
+    # cubic over 5 deg: (5 deg)^4 / 384 * 800 um, and straight in height
+    np.testing.assert_allclose(table_shape(table, angle, height), wanted, atol=2e-10)
+    path.write_text("h,0,5,10,15\n0,1,1,1,1")
+    with pytest.raises(TableFault, match="csv: expected gaps near 5 deg between"):
+        profile_table(path, DEG, 1e-3, 1e-6)
+    path.write_text("\n".join([*rows[:3], "1,2,3"]))
+    with pytest.raises(TableFault, match="4: expected 73 numbers, got 3"):
+        profile_table(path, DEG, 1e-3, 1e-6)
+
+
+def test_orders():
+    angle = np.linspace(0, 6, 50)
+    terms = [BoreOrder(0, 25e-6, 0.0), BoreOrder(2, 25e-6, 0.0)]
+    np.testing.assert_allclose(fourier_bore(terms, angle), ovality(angle, 100e-6), atol=1e-18)

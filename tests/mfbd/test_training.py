@@ -11,6 +11,7 @@ from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.training import (
     ENOUGH,
+    load_patterns,
     trained_shapes,
 )
 from piston_cosim.fmu_mfbd.truncations import truncations
@@ -187,3 +188,15 @@ def test_what_a_run_cannot_train_is_refused(coarse, run, tmp_path):
     nothing = trained(options, results(tmp_path / "still.h5", {}, still))
     with pytest.raises(BadInput, match="train_on: expected a run whose film loads"):
         reduced_bodies(nothing, folder, quiet)
+
+
+def test_load_patterns_are_orthonormal_and_weighed():
+    found = load_patterns(random_film(4))
+    np.testing.assert_allclose(
+        found.pattern @ found.pattern.T, np.eye(len(found.strength)), atol=1e-12
+    )
+    assert np.all(np.diff(found.strength) <= 0)
+    assert found.strength[-1] > 1e-4 * found.strength[0]
+    one = FilmLoads(np.ones((5, AROUND, ALONG)), np.zeros((5, AROUND, ALONG)))
+    (strength,) = load_patterns(one).strength
+    assert strength == pytest.approx(np.sqrt(5 * AROUND * ALONG), rel=1e-12)
