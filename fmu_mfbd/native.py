@@ -43,9 +43,8 @@ from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.model import MOTION
 from .dynamics.parameters import Parameters, Settings, settings_of
-from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
+from .dynamics.pin_coordinates import COORDINATES, EYE, layout, of_eye
 from .dynamics.pin_instant import PinScalars
-from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion

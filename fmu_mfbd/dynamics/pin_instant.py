@@ -11,7 +11,7 @@ from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
-from ..geometry.surfaces import pin_surface_at, pins_of
+from ..geometry.surfaces import pin_surface_at
 from .block_force import BlockForce, all_on_block
 from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
@@ -19,27 +19,30 @@ from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_pin import (
     PinFilms,
     PinImbalance,
+    elastic_energy,
     generalised_forces,
     imbalance,
-    on_rod,
+    moments_of,
 )
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_coordinates import (
+    EYE,
     PIN,
     Layout,
     _of_skirt,
+    big_end_film,
     eye_motion,
     is_held,
     layout,
     lifted,
+    main_bearing_film,
     of_shapes,
     play_at,
 )
-from .pin_films import OnModes, PinSystem, films_at, on_modes_of, pin_films, total
-from .pin_inertia import elastic_energy
-from .pin_shells import EYE, _big_end, shell_modes_of
+from .pin_films import PinSystem, film_motion, films_at, own_films, pin_power
+from .pin_shells import shell_modes_of
 from .pin_tangent import tangent
 from .piston_motion import LATERAL, Load
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
@@ -212,8 +215,7 @@ def solved(
     reach: Reach,
     load: Load,
     crank: CrankMotion,
-    forces: PinForces,
-    by: OnModes,
+    own: PinFilms,
 ) -> PinSolution:
     """Solve Eq. (D21) for the accelerations at the end of a step, by Newton's method.
 
@@ -221,7 +223,6 @@ def solved(
     """
     bodies = of.bodies
     first = layout(bodies)
-    mechanism = bodies.mechanism
     n = len(begun)
     end = Motion(np.empty(n), np.empty(n), begun.copy())
     change = np.inf
@@ -230,9 +231,9 @@ def solved(
         for k in range(n):
             end.position[k] = predicted.position[k] + reach.position[k] * end.acceleration[k]
             end.velocity[k] = predicted.velocity[k] + reach.velocity[k] * end.acceleration[k]
-        films = films_at(of.surfaces, mechanism, first, forces, end, crank, by)
+        films = films_at(bodies.mechanism, first, own, end, crank)
         lack = imbalance(bodies, load, end, crank, films)
-        slope = tangent(bodies, load, end, films, lack, reach.velocity, reach.position)
+        slope = tangent(bodies, load, end, crank, own, lack, reach.velocity, reach.position)
         factors = factorise(slope)
         step = substitute(factors, lack.residual)
         size = largest(end.acceleration)
@@ -259,12 +260,25 @@ def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return out
 
 
+class FilmScalars(NamedTuple):
+    """Outputs of a film: force of pin or journal on its shell, moment, changes of diameter."""
+
+    force_x: float
+    force_y: float
+    friction_moment: float
+    across: float
+    along: float
+
+
 @compilable
-def _widened(surfaces, first, position, k):
-    """Return the changes of diameter of the shell of film k, 0 without this film."""
+def _film_scalars(surfaces, first, films, position, k):
+    """Return the outputs of film k, 0 without this film."""
     if k < 0:
-        return 0.0, 0.0
-    return diameters(yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k)))
+        return FilmScalars(0.0, 0.0, 0.0, 0.0, 0.0)
+    opened = yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k))
+    across, along = diameters(opened)
+    x, y = -films.force[k, 0], -films.force[k, 1]
+    return FilmScalars(x, y, films.on_shell[k], across, along)
 
 
 @compilable
@@ -280,10 +294,9 @@ def pin_scalars(
         for way in range(2):
             tilt[way] += shapes.slope[k] * bent[k, way]
             sag[way] += shapes.sag[k] * bent[k, way]
-    wider = _widened(surfaces, first, position, EYE)
-    big_end = _widened(surfaces, first, position, _big_end(first))
-    last = pins_of(surfaces) - 1
-    main = _widened(surfaces, first, position, last if first.main_bearing >= 0 else -1)
+    eye = _film_scalars(surfaces, first, films, position, EYE)
+    big_end = _film_scalars(surfaces, first, films, position, big_end_film(first))
+    main = _film_scalars(surfaces, first, films, position, main_bearing_film(first))
     crank_pin = play_at(first.big_end, position)
     journal = play_at(first.main_bearing, position)
     return PinScalars(
@@ -293,29 +306,29 @@ def pin_scalars(
         small_end_displacement_y=position[PIN.eye_y],
         pin_angle=position[PIN.spin],
         pin_rotation_speed=now.velocity[PIN.spin],
-        small_end_force_x=-films.eye.force[0],
-        small_end_force_y=-films.eye.force[1],
-        small_end_friction_moment=films.eye.on_shell,
+        small_end_force_x=eye.force_x,
+        small_end_force_y=eye.force_y,
+        small_end_friction_moment=eye.friction_moment,
         pin_tilt_x=tilt[0],
         pin_tilt_y=tilt[1],
         pin_bending_x=sag[0],
         pin_bending_y=sag[1],
-        small_end_widening_across=wider[0],
-        small_end_widening_along=wider[1],
+        small_end_widening_across=eye.across,
+        small_end_widening_along=eye.along,
         big_end_displacement_x=crank_pin[0],
         big_end_displacement_y=crank_pin[1],
-        big_end_force_x=-films.big_end.force[0],
-        big_end_force_y=-films.big_end.force[1],
-        big_end_friction_moment=films.big_end.on_shell,
-        big_end_widening_across=big_end[0],
-        big_end_widening_along=big_end[1],
+        big_end_force_x=big_end.force_x,
+        big_end_force_y=big_end.force_y,
+        big_end_friction_moment=big_end.friction_moment,
+        big_end_widening_across=big_end.across,
+        big_end_widening_along=big_end.along,
         main_bearing_displacement_x=journal[0],
         main_bearing_displacement_y=journal[1],
-        main_bearing_force_x=-films.main_bearing.force[0],
-        main_bearing_force_y=-films.main_bearing.force[1],
-        main_bearing_friction_moment=films.main_bearing.on_shell,
-        main_bearing_widening_x=main[0],
-        main_bearing_widening_y=main[1],
+        main_bearing_force_x=main.force_x,
+        main_bearing_force_y=main.force_y,
+        main_bearing_friction_moment=main.friction_moment,
+        main_bearing_widening_x=main.across,
+        main_bearing_widening_y=main.along,
     )
 
 
@@ -348,13 +361,15 @@ def _block_force(mechanism, first, load, end, axial, films, lack):
                 M of Eq. (D25) + its moment on the main bearing
     """
     x, y = lack.on_bearings
-    if first.main_bearing >= 0:
-        x, y = -films.main_bearing.force[0], -films.main_bearing.force[1]
+    turning = 0.0
+    k = main_bearing_film(first)
+    if k >= 0:
+        x, y = -films.force[k, 0], -films.force[k, 1]
+        turning = films.on_shell[k]
     lateral = end.position[LATERAL]
     on = all_on_block(load, lateral, mechanism.offset + lateral, axial.height, x, y)
-    moment = on.moment_on_block + films.main_bearing.on_shell
     # Eq. (D54)
-    return BlockForce(on.force_on_block_x, on.force_on_block_y, moment, x, y)
+    return BlockForce(on.force_on_block_x, on.force_on_block_y, on.moment_on_block + turning, x, y)
 
 
 @compiled
@@ -386,13 +401,11 @@ def end_of_pin_step(
     parts = forces_by_film(system, guided.height, skirt_forces)
     skirt = together(parts)
     at = layout(bodies)
-    by = on_modes_of(of.surfaces, at, forces)
-    on_modes = total(skirt.piston, by.on_piston)
-    modal = with_gas(system, on_modes, others.gas)
-    load = load_of(system, skirt, others, modal)
+    load = load_of(system, skirt, others, with_gas(system, skirt.piston, others.gas))
     predicted = predicted_of(c, before, auxiliary)
     reach = reach_of(c, len(before.position))
-    found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
+    own = own_films(of.surfaces, at, forces)
+    found = solved(of, predicted, before.acceleration, reach, load, crank, own)
     end = found.end
     carried = _auxiliary_after(c, predicted, end)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
@@ -408,12 +421,14 @@ def end_of_pin_step(
         _of_skirt(at, end.position),
         _of_skirt(at, end.velocity),
     )
-    on_pins = pin_films(of, forces, end, crank)
     films = found.films
+    geometry = film_motion(of, end, crank)
+    power = pin_power(of, forces, films, end, crank)
+    moments = moments_of(at, films)
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
-    driven += on_rod(films) * on_pins.rod_turning  # and on what the crank drives
-    driven += (films.big_end.on_pin + films.main_bearing.on_pin) * crank.speed
-    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, on_modes, FIXED)
+    driven += moments.on_rod * power.rod_turning  # and on what the crank drives
+    driven += moments.on_crank * crank.speed
+    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, skirt.piston, FIXED)
     all_forces = generalised_forces(at, films, pushes)
     momenta = Momenta(
         product(of.with_rod, before.velocity),
@@ -437,16 +452,16 @@ def end_of_pin_step(
             axial=axial,
             pin_x=found.lack.on_piston[0],
             pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
-            pin_moment=films.bosses.on_shell,
+            pin_moment=moments.on_piston,
             torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
-            pin_friction_power=on_pins.friction_power,
+            pin_friction_power=power.friction_power,
             evaluations=found.evaluations,
             tangents=found.evaluations,
             change=found.change,
         ),
-        on_pins.film_thickness,
-        on_pins.circumferential_velocity,
-        on_pins.work_error,
+        geometry.film_thickness,
+        geometry.sliding_velocity,
+        power.work_error,
         pin_scalars(bodies.shapes, of.surfaces, at, kept, films),
         found.factors,
         _block_force(mechanism, at, load, end, axial, films, found.lack),
