@@ -197,7 +197,7 @@ def moved_along(now: Motion, way: Motion, size: float) -> Motion:
     return out
 
 
-SHIFT = 1e-7
+SHIFT = 1e-6
 """Largest change of a coordinate for central differences [m], [rad], [kg^1/2 m]."""
 
 

@@ -7,9 +7,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable, compiled, numbered, packed
 from ..geometry.film import NodalForces
-from ..geometry.pin import PinForces, diameters, yielded
+from ..geometry.pin import CRANK_SURFACES, PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at
 from .block_force import BlockForce, all_on_block
@@ -33,6 +33,7 @@ from .pin_coordinates import (
     Layout,
     _of_skirt,
     big_end_film,
+    coordinates_of_film,
     eye_motion,
     is_held,
     layout,
@@ -126,6 +127,22 @@ PIN_OUTPUTS = (
 DECLARED = [(name, Annotated[float, *row]) for name, *row in PIN_OUTPUTS]
 PinScalars = NamedTuple("PinScalars", DECLARED)
 """Their values, as `drive.Scalars`; 0 if their part is absent."""
+
+
+_, pin_scalars_from = packed(PinScalars)
+OUTPUTS = len(PIN_OUTPUTS)
+ROW = numbered(*PinScalars._fields)
+"""Position of each output."""
+
+
+def _rows_of(film):
+    """Return the positions of a film's place, force, moment and widening."""
+    kinds = "_displacement_", "_force_", "_friction_moment", "_widening_"
+    begins = tuple(f"{film}{kind}" for kind in kinds)
+    return [k for k, name in enumerate(PinScalars._fields) if name.startswith(begins)]
+
+
+ROWS_OF_FILMS = np.array([_rows_of(film) for film in ("small_end", *CRANK_SURFACES)])
 
 
 class PinInstant(NamedTuple):
@@ -260,27 +277,6 @@ def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return out
 
 
-class FilmScalars(NamedTuple):
-    """Outputs of a film: force of pin or journal on its shell, moment, changes of diameter."""
-
-    force_x: float
-    force_y: float
-    friction_moment: float
-    across: float
-    along: float
-
-
-@compilable
-def _film_scalars(surfaces, first, films, position, k):
-    """Return the outputs of film k, 0 without this film."""
-    if k < 0:
-        return FilmScalars(0.0, 0.0, 0.0, 0.0, 0.0)
-    opened = yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k))
-    across, along = diameters(opened)
-    x, y = -films.force[k, 0], -films.force[k, 1]
-    return FilmScalars(x, y, films.on_shell[k], across, along)
-
-
 @compilable
 def pin_scalars(
     shapes: AxisShapes, surfaces: np.ndarray, first: Layout, now: Motion, films: PinFilms
@@ -294,42 +290,28 @@ def pin_scalars(
         for way in range(2):
             tilt[way] += shapes.slope[k] * bent[k, way]
             sag[way] += shapes.sag[k] * bent[k, way]
-    eye = _film_scalars(surfaces, first, films, position, EYE)
-    big_end = _film_scalars(surfaces, first, films, position, big_end_film(first))
-    main = _film_scalars(surfaces, first, films, position, main_bearing_film(first))
-    crank_pin = play_at(first.big_end, position)
-    journal = play_at(first.main_bearing, position)
-    return PinScalars(
-        pin_displacement_x=position[PIN.boss_x],
-        pin_displacement_y=position[PIN.boss_y],
-        small_end_displacement_x=position[PIN.eye_x],
-        small_end_displacement_y=position[PIN.eye_y],
-        pin_angle=position[PIN.spin],
-        pin_rotation_speed=now.velocity[PIN.spin],
-        small_end_force_x=eye.force_x,
-        small_end_force_y=eye.force_y,
-        small_end_friction_moment=eye.friction_moment,
-        pin_tilt_x=tilt[0],
-        pin_tilt_y=tilt[1],
-        pin_bending_x=sag[0],
-        pin_bending_y=sag[1],
-        small_end_widening_across=eye.across,
-        small_end_widening_along=eye.along,
-        big_end_displacement_x=crank_pin[0],
-        big_end_displacement_y=crank_pin[1],
-        big_end_force_x=big_end.force_x,
-        big_end_force_y=big_end.force_y,
-        big_end_friction_moment=big_end.friction_moment,
-        big_end_widening_across=big_end.across,
-        big_end_widening_along=big_end.along,
-        main_bearing_displacement_x=journal[0],
-        main_bearing_displacement_y=journal[1],
-        main_bearing_force_x=main.force_x,
-        main_bearing_force_y=main.force_y,
-        main_bearing_friction_moment=main.friction_moment,
-        main_bearing_widening_x=main.across,
-        main_bearing_widening_y=main.along,
-    )
+    x = np.zeros(OUTPUTS)
+    x[ROW.pin_displacement_x] = position[PIN.boss_x]
+    x[ROW.pin_displacement_y] = position[PIN.boss_y]
+    x[ROW.pin_angle] = position[PIN.spin]
+    x[ROW.pin_rotation_speed] = now.velocity[PIN.spin]
+    x[ROW.pin_tilt_x] = tilt[0]
+    x[ROW.pin_tilt_y] = tilt[1]
+    x[ROW.pin_bending_x] = sag[0]
+    x[ROW.pin_bending_y] = sag[1]
+    numbers = (EYE, big_end_film(first), main_bearing_film(first))
+    for n in range(len(numbers)):
+        k = numbers[n]
+        if k < 0:
+            continue
+        place = play_at(coordinates_of_film(first, k).place, position)
+        opened = yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k))
+        across, along = diameters(opened)
+        force_x, force_y = -films.force[k, 0], -films.force[k, 1]
+        values = (place[0], place[1], force_x, force_y, films.on_shell[k], across, along)
+        for m in range(len(values)):
+            x[ROWS_OF_FILMS[n, m]] = values[m]
+    return pin_scalars_from(x)
 
 
 @compilable
