@@ -27,11 +27,13 @@ from ..geometry.pin import (
 from ..geometry.surfaces import pin_surface_at, pins_of
 from .floating_pin import PinFilms, no_films
 from .generalised_alpha import Motion
-from .pin_coordinates import EYE, Layout, PinBodies, coordinates_of_film, layout
+from .pin_coordinates import EYE, Layout, PinBodies, coordinates_of_film, layout, of_shapes
 from .pin_shells import (
     Shell,
+    in_turning_axes,
     own_bent,
     own_velocity,
+    shell_change,
     shell_modes_of,
     shell_of,
 )
@@ -164,68 +166,12 @@ def gap_of(
     return gap
 
 
-@compilable
-def film_motion(of: PinSystem, now: Motion, crank: CrankMotion) -> FilmChange:
-    """Return thickness and circumferential velocity of all films of pin and crank, stacked."""
-    at = layout(of.bodies)
-    cells = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        cells += surface.outward.shape[1] * len(surface.clearance)
-    out = FilmChange(np.empty(cells), np.empty(cells))
-    first = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(of.bodies.mechanism, at, now, crank, k)
-        gap = gap_of(at, surface, shell, now.position, k)
-        stack(out.film_thickness, first, gap)
-        for cell in range(first, first + gap.size):
-            out.sliding_velocity[cell] = surface.radius * shell.turning  # Eq. (H7)
-        first += gap.size
-    return out
-
-
-@compilable
-def moved_along(now: Motion, way: Motion, size: float) -> Motion:
-    """Return a motion so many times a change away from another."""
-    n = len(now.position)
-    out = Motion(np.empty(n), np.empty(n), np.empty(n))
-    for k in range(n):
-        out.position[k] = now.position[k] + size * way.position[k]
-        out.velocity[k] = now.velocity[k] + size * way.velocity[k]
-        out.acceleration[k] = now.acceleration[k] + size * way.acceleration[k]
-    return out
-
-
-SHIFT = 1e-6
-"""Largest change of a coordinate for central differences [m], [rad], [kg^1/2 m]."""
-
-
-@compilable
-def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -> FilmChange:
-    """Return the change of all films of pin and crank with a change of the motion.
-
-    The films' geometry is linear in the modes and nearly so in all other coordinates.
-    """
-    size = 1e-300
-    for change in moved.position:
-        size = max(size, abs(change))
-    size = SHIFT / size
-    out = film_motion(of, moved_along(end, moved, size), crank)
-    behind = film_motion(of, moved_along(end, moved, -size), crank)
-    for cell in range(len(out.film_thickness)):
-        thinner, slower = behind.film_thickness[cell], behind.sliding_velocity[cell]
-        out.film_thickness[cell] = (out.film_thickness[cell] - thinner) / (2 * size)
-        out.sliding_velocity[cell] = (out.sliding_velocity[cell] - slower) / (2 * size)
-    return out
-
-
-class PinFilmPower(NamedTuple):
-    """Powers of all films of pin and crank at an instant.
+class PinFilmState(NamedTuple):
+    """All films of pin and crank at an instant.
 
     Parameters
     ----------
-    work_error
+    film_thickness, circumferential_velocity, work_error
         As of `PinInstant`.
     friction_power : float
         Of the films of the pin [W].
@@ -233,17 +179,22 @@ class PinFilmPower(NamedTuple):
         Angular velocity of the rod [rad/s].
     """
 
+    film_thickness: np.ndarray
+    circumferential_velocity: np.ndarray
     work_error: np.ndarray
     friction_power: float
     rod_turning: float
 
 
 @compilable
-def pin_power(
+def pin_films(
     of: PinSystem, forces: PinForces, films: PinFilms, end: Motion, crank: CrankMotion
-) -> PinFilmPower:
-    """Return the powers of all films of pin and crank; `films` are their resultants."""
+) -> PinFilmState:
+    """Return all films of pin and crank at an instant; `films` are their resultants."""
     at = layout(of.bodies)
+    cells = len(forces.pressure)
+    gaps = np.empty(cells)
+    around = np.empty(cells)
     errors = np.empty(pins_of(of.surfaces))
     friction_power = 0.0
     rod_turning = 0.0
@@ -252,10 +203,48 @@ def pin_power(
         surface = pin_surface_at(of.surfaces, k)
         shell = shell_of(of.bodies.mechanism, at, end, crank, k)
         own = on_film(surface, forces, first)
-        first += len(own.pressure)
+        last = first + len(own.pressure)
+        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
+        for cell in range(first, last):
+            around[cell] = surface.radius * shell.turning  # Eq. (H7)
         errors[k] = _work_error(at, surface, own, films, shell, end, k)
         if k <= EYE:
             friction_power -= shell.turning * films.on_pin[k]
         if k == EYE:
             rod_turning = shell.own_turning
-    return PinFilmPower(errors, friction_power, rod_turning)
+        first = last
+    return PinFilmState(gaps, around, errors, friction_power, rod_turning)
+
+
+@compilable
+def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -> FilmChange:
+    """Return the change of all films of pin and crank with a change of the motion."""
+    at = layout(of.bodies)
+    cells = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        cells += surface.outward.shape[1] * len(surface.clearance)
+    gaps = np.empty(cells)
+    velocities = np.empty(cells)
+    first = 0
+    for k in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, k)
+        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+        by_motion = shell_change(of.bodies.mechanism, at, end, moved, crank, k)
+        way = in_turning_axes(shell.axes, shell.place, by_motion.place, by_motion.turn)
+        more = of_shapes(at, moved.position)
+        bent = shell.bent.position
+        bends = np.empty(bent.shape)
+        for n in range(len(bent)):
+            bend = in_turning_axes(shell.axes, bent[n], more[n], by_motion.turn)
+            bends[n, 0] = bend[0]
+            bends[n, 1] = bend[1]
+        gap = opening_of(surface, way, bends)
+        opened = yielded(surface, shell_modes_of(at, moved.position, k))
+        around, along = gap.shape
+        for i in range(around):
+            for j in range(along):
+                gaps[first + i * along + j] = gap[i, j] + opened[i, j]
+                velocities[first + i * along + j] = surface.radius * by_motion.turning
+        first += gap.size
+    return FilmChange(gaps, velocities)

@@ -8,10 +8,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, numbered, packed
-from ..geometry.film import NodalForces
 from ..geometry.pin import CRANK_SURFACES, PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at
+from ..geometry.film import NodalForces
 from .block_force import BlockForce, all_on_block
 from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
@@ -42,7 +42,7 @@ from .pin_coordinates import (
     of_shapes,
     play_at,
 )
-from .pin_films import PinSystem, film_motion, films_at, own_films, pin_power
+from .pin_films import PinSystem, films_at, own_films, pin_films
 from .pin_shells import shell_modes_of
 from .pin_tangent import tangent
 from .piston_motion import LATERAL, Load
@@ -404,11 +404,10 @@ def end_of_pin_step(
         _of_skirt(at, end.velocity),
     )
     films = found.films
-    geometry = film_motion(of, end, crank)
-    power = pin_power(of, forces, films, end, crank)
+    on_pins = pin_films(of, forces, films, end, crank)
     moments = moments_of(at, films)
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
-    driven += moments.on_rod * power.rod_turning  # and on what the crank drives
+    driven += moments.on_rod * on_pins.rod_turning  # and on what the crank drives
     driven += moments.on_crank * crank.speed
     pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, skirt.piston, FIXED)
     all_forces = generalised_forces(at, films, pushes)
@@ -436,14 +435,14 @@ def end_of_pin_step(
             pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
             pin_moment=moments.on_piston,
             torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
-            pin_friction_power=power.friction_power,
+            pin_friction_power=on_pins.friction_power,
             evaluations=found.evaluations,
             tangents=found.evaluations,
             change=found.change,
         ),
-        geometry.film_thickness,
-        geometry.sliding_velocity,
-        power.work_error,
+        on_pins.film_thickness,
+        on_pins.circumferential_velocity,
+        on_pins.work_error,
         pin_scalars(bodies.shapes, of.surfaces, at, kept, films),
         found.factors,
         _block_force(mechanism, at, load, end, axial, films, found.lack),

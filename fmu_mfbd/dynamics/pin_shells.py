@@ -80,28 +80,28 @@ def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotio
 
 
 @compilable
-def own_velocity(shell: Shell) -> np.ndarray:
-    """Return d' in the axes of the shell [m/s]."""
-    return _in_shell(shell, shell.place, shell.velocity)
+def in_turning_axes(
+    axes: np.ndarray, place: np.ndarray, change: np.ndarray, turn: float
+) -> np.ndarray:
+    """Return the change of a vector in space in axes that turn, (2,)."""
+    aside = across(place)
+    return in_axes(axes, pair(change[0] - turn * aside[0], change[1] - turn * aside[1]))
 
 
 @compilable
-def _in_shell(shell, place, velocity):
-    """Return the velocity of a vector from the shell's axis, in the shell's turning axes, (2,)."""
-    aside = across(place)
-    turn = shell.own_turning
-    moved = pair(velocity[0] - turn * aside[0], velocity[1] - turn * aside[1])
-    return in_axes(shell.axes, moved)
+def own_velocity(shell: Shell) -> np.ndarray:
+    """Return d' in the axes of the shell [m/s]."""
+    return in_turning_axes(shell.axes, shell.place, shell.velocity, shell.own_turning)
 
 
 @compilable
 def own_bent(shell: Shell) -> ModeMotion:
     """Return tilt and bending of the pin in the axes of the shell."""
-    bent = shell.bent
+    bent, turn = shell.bent, shell.own_turning
     out = ModeMotion(np.empty(bent.position.shape), np.empty(bent.position.shape))
     for k in range(len(bent.position)):
         place = in_axes(shell.axes, bent.position[k])
-        velocity = _in_shell(shell, bent.position[k], bent.velocity[k])
+        velocity = in_turning_axes(shell.axes, bent.position[k], bent.velocity[k], turn)
         for way in range(2):
             out.position[k, way] = place[way]
             out.velocity[k, way] = velocity[way]
@@ -113,3 +113,34 @@ def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray
     """Return the modal coordinates of the shell of film k."""
     film = coordinates_of_film(first, k)
     return coordinates[film.mode : film.end]
+
+
+class ShellChange(NamedTuple):
+    """Change of a pin's position (2,) [m] and of its shell's angle [rad].
+
+    It includes the change of the speed at which the pin turns in the shell [rad/s].
+    """
+
+    place: np.ndarray
+    turn: float
+    turning: float
+
+
+@compilable
+def shell_change(
+    mechanism: Mechanism, first: Layout, end: Motion, moved: Motion, crank: CrankMotion, k: int
+) -> ShellChange:
+    """Return the change of the shell of film k with a change of the motion."""
+    film = coordinates_of_film(first, k)
+    turn = 0.0
+    own = 0.0
+    if film.holder == ON_PISTON:
+        turn = moved.position[ROCKING]
+        own = moved.velocity[ROCKING]
+    elif film.holder == ON_ROD:
+        rod = motion(mechanism, eye_motion(first, end), crank).rod
+        eye = eye_motion(first, moved)
+        turn = rod.slope * eye.position
+        own = rod.slope * eye.velocity + rod.velocity_slope * eye.position
+    spin = moved.velocity[PIN.spin] if k <= EYE else 0.0
+    return ShellChange(play_at(film.place, moved.position), turn, spin - own)

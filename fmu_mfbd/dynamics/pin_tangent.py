@@ -10,12 +10,14 @@ from .floating_frame import TURN, X, Y, frame_arrow, mode_coupling
 from .floating_pin import PinFilms, PinImbalance, imbalance, no_films, pushed, springs_of
 from .generalised_alpha import Motion
 from .pin_coordinates import PIN, Crankshaft, PinBodies, layout
-from .pin_films import SHIFT, films_at, moved_along
+from .pin_films import films_at
 from .piston_motion import Load
 from .slider_crank import CrankMotion, Mechanism
 
-LARGEST = 1e4
-"""Largest change of an acceleration for central differences [m/s2], [rad/s2]."""
+SHIFT, LARGEST = 1e-6, 1e4
+"""Change of a coordinate for central differences [m], [rad], and largest one of its acceleration
+[m/s2], [rad/s2].
+"""
 
 
 @compilable
@@ -56,12 +58,8 @@ def tangent(
         if first.modes <= j < first.shapes or first.eye <= j < first.crank:
             continue
         size = SHIFT / max(to_position[j], SHIFT / LARGEST)
-        way = Motion(np.zeros(first.size), np.zeros(first.size), np.zeros(first.size))
-        way.position[j] = to_position[j]
-        way.velocity[j] = to_velocity[j]
-        way.acceleration[j] = 1.0
-        ahead = _residual(bodies, load, moved_along(now, way, size), crank, own)
-        behind = _residual(bodies, load, moved_along(now, way, -size), crank, own)
+        ahead = _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, size)
+        behind = _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, -size)
         for i in range(first.size):
             out[i, j] = (ahead[i] - behind[i]) / (2 * size)
     _put_modes(out, bodies, own, lack, to_velocity, to_position)
@@ -69,10 +67,14 @@ def tangent(
 
 
 @compilable
-def _residual(bodies, load, now, crank, own):
-    """Return the residual in a motion of bodies and shells."""
-    films = films_at(bodies.mechanism, layout(bodies), own, now, crank)
-    return imbalance(bodies, load, now, crank, films).residual
+def _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, size):
+    """Return the residual after a change of the end acceleration of coordinate j."""
+    moved = Motion(now.position.copy(), now.velocity.copy(), now.acceleration.copy())
+    moved.position[j] += size * to_position[j]
+    moved.velocity[j] += size * to_velocity[j]
+    moved.acceleration[j] += size
+    films = films_at(bodies.mechanism, layout(bodies), own, moved, crank)
+    return imbalance(bodies, load, moved, crank, films).residual
 
 
 @compilable
