@@ -8,10 +8,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, numbered, packed
+from ..geometry.film import NodalForces
 from ..geometry.pin import CRANK_SURFACES, PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at
-from ..geometry.film import NodalForces
 from .block_force import BlockForce, all_on_block
 from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
