@@ -58,8 +58,10 @@ def tangent(
         if first.modes <= j < first.shapes or first.eye <= j < first.crank:
             continue
         size = SHIFT / max(to_position[j], SHIFT / LARGEST)
-        ahead = _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, size)
-        behind = _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, -size)
+        moved = _moved(now, to_velocity, to_position, j, size)
+        ahead = _residual(bodies, load, moved, crank, own)
+        moved = _moved(now, to_velocity, to_position, j, -size)
+        behind = _residual(bodies, load, moved, crank, own)
         for i in range(first.size):
             out[i, j] = (ahead[i] - behind[i]) / (2 * size)
     _put_modes(out, bodies, own, lack, to_velocity, to_position)
@@ -67,14 +69,20 @@ def tangent(
 
 
 @compilable
-def _residual_along(bodies, load, now, crank, own, to_velocity, to_position, j, size):
-    """Return the residual after a change of the end acceleration of coordinate j."""
+def _moved(now, to_velocity, to_position, j, size):
+    """Return a motion after a change of the end acceleration of coordinate j."""
     moved = Motion(now.position.copy(), now.velocity.copy(), now.acceleration.copy())
     moved.position[j] += size * to_position[j]
     moved.velocity[j] += size * to_velocity[j]
     moved.acceleration[j] += size
-    films = films_at(bodies.mechanism, layout(bodies), own, moved, crank)
-    return imbalance(bodies, load, moved, crank, films).residual
+    return moved
+
+
+@compilable
+def _residual(bodies, load, now, crank, own):
+    """Return the residual in a motion of bodies and shells."""
+    films = films_at(bodies.mechanism, layout(bodies), own, now, crank)
+    return imbalance(bodies, load, now, crank, films).residual
 
 
 @compilable
