@@ -31,7 +31,7 @@ LATE = 120.0
 
 
 def _above(descriptor):
-    """The same pipe as a descriptor of 10 or more."""
+    """Return the same pipe as a descriptor of 10 or more."""
     moved = fcntl.fcntl(descriptor, fcntl.F_DUPFD, 10)
     os.close(descriptor)
     return moved
@@ -95,7 +95,7 @@ class Browser:
         raise AssertionError("the browser opens no page")
 
     def ask(self, method: str, **given):
-        """What the browser answers to a command."""
+        """Return the browser's answer to a command."""
         self._count += 1
         wanted = self._count
         message = {"id": wanted, "method": method, "params": given}
@@ -141,7 +141,7 @@ class Browser:
         )
 
     def run(self, script: str):
-        """What an asynchronous function of that body returns."""
+        """Return the value of an asynchronous function with this body."""
         answer = self.ask(
             "Runtime.evaluate",
             expression=f"(async () => {{ {script} }})()",
@@ -166,8 +166,9 @@ class Browser:
         return {one["name"]: one["value"] for one in told}
 
     def said(self) -> list[str]:
-        """Words to the console, errors that nobody caught; not what the browser's own software for
-        graphics says of its speed.
+        """Return the console messages and uncaught errors.
+
+        Messages of the browser's software renderer about its speed are left out.
         """
         kinds = {
             "Runtime.consoleAPICalled": lambda one: [str(arg.get("value")) for arg in one["args"]],

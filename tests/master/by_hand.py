@@ -16,8 +16,9 @@ class Held(np.ndarray):
 
 
 class InMemory:
-    """Results of one period: {port: (values, unit)} at every time, {field: (values, unit)} at the
-    instants, all of one case.
+    """Results of one period in memory.
+
+    All are of one case: `series` is {port: (values, unit)} at every time, `fields` at the instants.
     """
 
     period = 0.0

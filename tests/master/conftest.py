@@ -30,14 +30,16 @@ def any_browser(tmp_path_factory):
 
 @pytest.fixture
 def browser(any_browser):
-    """A browser with an empty page, the same for all tests."""
+    """Return a browser with an empty page, shared by all tests."""
     any_browser.reset()
     return any_browser
 
 
 class Affine(Toy):
-    """Outputs A u + b(t) of all inputs u; t is the sum of the steps taken, so that a step taken
-    twice without going back shows. Steps longer than `longest` are refused.
+    """Participant with outputs A u + b(t) of all inputs u.
+
+    The time t is the sum of the steps taken, so that a step repeated without rollback shows.
+    Steps longer than `longest` are rejected.
     """
 
     longest = np.inf
@@ -60,7 +62,7 @@ class Affine(Toy):
         return self._give(self.matrix @ u, {})
 
     def _give(self, vector, values):
-        """The vector cut into the outputs."""
+        """Cut the vector into the outputs."""
         for key, output in self.outputs.items():
             size = int(np.prod(output.shape))
             values[key], vector = vector[:size].reshape(output.shape), vector[size:]

@@ -24,7 +24,7 @@ LARGEST_IMPORT = 0.05
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """An empty folder to work in."""
+    """Change to an empty working folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -37,7 +37,7 @@ def oscillator(here):
 
 @pytest.fixture(scope="module")
 def skirt(tmp_path_factory):
-    """A rigid skirt on a coarse grid for eight degrees, fields at every second of them."""
+    """Run a rigid skirt on a coarse grid for 8 deg; fields are recorded at every second degree."""
     changes = {
         "time.stop": "8 deg",
         "participants.bodies.build.grid": [16, 8],

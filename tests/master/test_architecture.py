@@ -129,8 +129,9 @@ CHECK += ("scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.integra
 
 
 def test_commands_import_little(tmp_path):
-    """Of `python -m piston_cosim`: numpy alone takes as long as all of `--help`, other modules 0.05
-    to 0.6 s.
+    """`python -m piston_cosim` imports only the modules that a command needs.
+
+    numpy alone takes as long as all of `--help`, other modules take 0.05 to 0.6 s.
     """
     check = ["check", "numerical_example", "--picture", str(tmp_path / "check.png")]
     first = [(["--help"], HEAVY), (["--version"], HEAVY), (check, CHECK)]

@@ -1,5 +1,6 @@
-"""A case looked at before anything is built: all faults at once, and parts that speak of different
-engines.
+"""`check` examines a case before anything is built.
+
+It reports all faults at once, and participants that describe different engines.
 """
 
 import pytest

@@ -1,5 +1,7 @@
-"""Kernels kept on disk: true to what they call, made again when damaged, done without
-if need be."""
+"""Compiled kernels are cached on disk.
+
+They follow edits of the functions that they call, are rebuilt when damaged, and are optional.
+"""
 
 import fcntl
 import shutil
@@ -106,7 +108,7 @@ def written(folder):
 
 @pytest.fixture
 def fresh(tmp_path):
-    """A package whose kernels nobody has compiled."""
+    """Return a package without compiled kernels."""
     return written(tmp_path)
 
 
@@ -119,7 +121,7 @@ def first(tmp_path_factory):
 
 @pytest.fixture
 def package(first, tmp_path):
-    """A package whose kernels are kept."""
+    """Return a package with cached kernels."""
     shutil.copytree(first.home, tmp_path / "kernels")
     return Package(tmp_path)
 

@@ -1,5 +1,6 @@
-"""Equations can be found: each label is defined once and stands where it is computed; each citation
-has its work.
+"""Equations can be found.
+
+Each label is defined once and is cited where it is computed; each citation has an entry.
 """
 
 import ast

@@ -24,7 +24,7 @@ def tree(tolerance=1e-3):
 
 
 def tank(affine, flow, slow=("level",)):
-    """A system whose plant is a tank, its states in the layout of the project's slaves."""
+    """Build a system whose plant is a tank, with states in the layout of the project's FMUs."""
     system = affine([[0.0]], lambda t: 0.0, 1e-9, stop=20.0 * CYCLE, period=float(CYCLE))
     plant = system.participants["plant"]
 
@@ -94,8 +94,10 @@ def spilling(level):
 
 
 def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
-    """A rise that does not slow down is moved on by 30 of its changes: from 0.02 to 0.32, which
-    runs dry. The second time is the last, and the plain cycles go on as if nothing had been.
+    """An extrapolation that makes the run worse is taken back.
+
+    A steady rise is extrapolated by 30 of its changes, from 0.02 to 0.32, and the tank runs dry.
+    After the second attempt the plain cycles continue as if there had been none.
     """
     said = []
     summary = go(tank(affine, spilling), tmp_path / "fast.h5", log=said.append)

@@ -75,7 +75,7 @@ def version(request):
 
 @pytest.fixture(scope="module", params=["python", "native"])
 def fmu(request, version, library, tmp_path_factory):
-    """The toy as an FMU, in Python or native."""
+    """Return the toy as an FMU, in Python or native."""
     if request.param == "python":
         options = {"texts": True}
         return build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", options, version=version)

@@ -1,5 +1,6 @@
-"""Every key of a case, found in the option classes and the declarations of the FMUs; short names;
-what is like a name that is none.
+"""Every key of a case is found, with short names and suggestions for unknown names.
+
+The keys come from the option classes and from the declarations of the FMUs.
 """
 
 import json

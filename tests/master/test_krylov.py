@@ -52,8 +52,10 @@ def preconditioned(pairs, used):
 
 @pytest.mark.parametrize("filled", [4, 9, 13])
 def test_preconditioner(filled):
-    """Eq. (Q7), with fewer pairs than fit, with more than there are directions, of which only the
-    noise makes a regular matrix, and with pairs that go round the end.
+    """The preconditioner follows Eq. (Q7).
+
+    The cases: fewer pairs than fit, pairs that wrap around the end, and more pairs than directions.
+    In the last one only the noise makes the matrix regular.
     """
     pairs = remembered(np.random.default_rng(1), 9, 6, filled)
     preconditioned(pairs, min(filled, 9))  # 6 directions would allow 11
@@ -61,8 +63,9 @@ def test_preconditioner(filled):
 
 @pytest.mark.parametrize("known", [3, 10, 17])
 def test_no_more_pairs_than_their_directions_need(known):
-    """Eq. (Q11) in a plane: 1.3 x 2 + 4 = 6.6 pairs, the seven newest; nothing of what is older is
-    looked at, and as few are known in the next solve.
+    """Eq. (Q11) in a plane: 1.3 x 2 + 4 = 6.6 pairs, so that the seven newest are used.
+
+    Older pairs are not read, and no more than seven are known in the next solve.
     """
     rng = np.random.default_rng(5)
     kept, n, used = 12, 40, min(known, 7)
@@ -135,8 +138,10 @@ def test_products_that_are_not_finite_are_not_used():
 
 @pytest.mark.parametrize("filled, count", [(0, 3), (4, 4), (6, 9)])
 def test_what_is_kept(filled, count):
-    """Fewer pairs than fit, as many as make it begin again, more than fit at once; one of them is
-    nothing and is left out.
+    """The newest pairs that fit are kept.
+
+    The cases: fewer than fit, enough to wrap around, and more than fit at once.
+    One pair is zero and is left out.
     """
     rng = np.random.default_rng(4)
     kept, n = 7, 5

@@ -60,9 +60,12 @@ def go(affine, made, output):
 
 
 def test_steps_that_make_energy_are_refused_and_halved(affine, tmp_path):
-    """The first step moves the toys from 0, 5.5 N by 11 m: half of these 60.5 J counts in the
-    second, a quarter in the third. There 0.4 J are more than 2 % of 15.1 J, and of 13.5 J in
-    the fourth; 0.1 J of 6.1 J and more are not.
+    """A step that creates energy is rejected and halved.
+
+    The first step moves the toys from 0, 5.5 N by 11 m, which is 60.5 J.
+    Half of it counts in the second step, a quarter in the third.
+    There 0.4 J are more than 2 % of 15.1 J, and in the fourth more than 2 % of 13.5 J.
+    The 0.1 J of a half step are less than 2 % of 6.1 J and more.
     """
     summary = go(affine, 0.4, tmp_path / "run.h5")
     assert summary["energy_refused_steps"] == summary["halved_steps"] == 2
@@ -87,8 +90,9 @@ def test_energy_that_no_halving_cures_stops_the_run(affine, tmp_path):
 
 
 def test_the_rule_by_hand():
-    """Eq. (W2): 1.4 J from 3.4 - 2 J; 2 % of 20 J, of which 10 J are held, and what the
-    tolerance is worth, 1 J.
+    """Eq. (W2): 3.4 - 2 J = 1.4 J are created.
+
+    2 % of 20 J, of which 10 J are stored, are allowed, and 1 J for the tolerance.
     """
     one = Ledger([("a", "e"), ("b", "e")], [("a", "z")])
     told = {"e": 3.4, "z": 10.0}
@@ -107,8 +111,10 @@ def test_the_rule_by_hand():
 
 
 def test_a_step_can_return_half_of_what_the_last_one_lost():
-    """8 J are lost, then 4.3 J come back, of which 0.3 J are too many for 2 % of 10 J; a step
-    without loss leaves nothing to return.
+    """A step can return half of the energy that the last one lost.
+
+    8 J are lost, then 4.3 J come back; 0.3 J of them are more than 2 % of 10 J.
+    A step without loss leaves nothing to return.
     """
     one = Ledger([("a", "e")], [])
     gain = {"e": -8.0}

@@ -1,9 +1,8 @@
-"""Inputs held at the mean of both ends of a macro step: second order with participants that know
-nothing of it.
+"""Inputs held at their mean over a macro step give second order, whatever the participants do.
 
-The pair is a crane and its controller: a trolley with a hanging load, dx/dt = A x + B u, y = C x +
-D u, each side exact for the input that it holds. The controller passes part of its input on at
-once (D is not 0), so that its output at the end of a step needs the input's value there.
+The pair is a crane, a trolley with a hanging load, and its controller: dx/dt = A x + B u,
+y = C x + D u. Each side is exact for the input that it holds. The controller has direct
+feedthrough (D is not 0), so that its output at the end of a step needs the input's value there.
 """
 
 from types import SimpleNamespace
@@ -76,7 +75,7 @@ def position(tmp_path, step, **coupling):
 
 
 def exact():
-    """The same as one system: dx/dt = (A + B D2 C) x + B C2 z, dz/dt = A2 z + B2 C x."""
+    """Return y of the monolithic system dx/dt = (A + B D2 C) x + B C2 z, dz/dt = A2 z + B2 C x."""
     (a, b, c, _), (a2, b2, c2, d2) = CRANE, CONTROLLER
     whole = np.block([[a + d2 * np.outer(b, c), np.outer(b, c2)], [np.outer(b2, c), a2]])
     return float((expm(whole) @ np.array([0.5, 0.0, 0.1, 0.0, 0.5]))[0])

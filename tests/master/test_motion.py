@@ -33,8 +33,9 @@ def solids():
 
 
 def in_line():
-    """Two cylinders: the bodies above, 0.2 m along the crank and turned by 30 deg; and as they are,
-    at -0.1 m.
+    """Return the bodies of two cylinders at 0.2 m and -0.1 m along the crank.
+
+    The first cylinder is turned by 30 deg.
     """
     stands = {"front": Stand(0.2, np.radians(30)), "rear": Stand(-0.1)}
     return [

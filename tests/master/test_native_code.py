@@ -37,7 +37,7 @@ attributes #0 = { nounwind }
 
 
 def engine(text, *others):
-    """The machine code of a module, linked with others."""
+    """Return an engine with the machine code of a module that is linked with others."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     module = binding.parse_assembly(text)

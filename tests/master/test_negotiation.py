@@ -1,5 +1,6 @@
-"""Whose directional derivative is that of a step: cells with closed-form steps that answer one or
-the other.
+"""A participant's directional derivative belongs to a step or to a communication point.
+
+The cells have closed-form steps and provide one or the other.
 
 Eq. (X10):  x1 = (x0 + H g u) / (1 + H),   y = x1:   dy/du = H g / (1 + H) over a step,
             0 at a communication point
@@ -25,8 +26,9 @@ SLOPE = H * GAIN / (1 + H)
 
 
 class Cell(Toy):
-    """Eq. (X10); `respond(u, steps taken)` is what an input does, `answer` its own derivative by
-    u.
+    """Cell of Eq. (X10).
+
+    `respond(u, steps taken)` is the effect of the input, `answer` its own derivative by u.
     """
 
     def __init__(self, answer=SLOPE, respond=lambda u, count: GAIN * u, start=0.0):
@@ -87,7 +89,7 @@ def contact(u, count):
 
 
 def curved(u, count):
-    """Turns within a hundredth of the nominal value."""
+    """Return a response that curves within a hundredth of the nominal value."""
     return np.sin(300 * u)
 
 
@@ -148,8 +150,9 @@ def test_an_input_with_little_influence_is_tried_by_itself():
 
 
 def test_newton_goes_on_by_differences(affine):
-    """x = 3 x + 1, x = -0.5: with a derivative of 0 a pass triples the error, by differences one
-    Newton step is exact.
+    """Newton continues by differences if a derivative is wrong: x = 3 x + 1, x = -0.5.
+
+    With a derivative of 0 a pass triples the error; with differences one Newton step is exact.
     """
     system = affine([[3.0]], lambda t: 1.0, 1e-6)
     plant = system.participants["plant"]

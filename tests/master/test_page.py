@@ -1,5 +1,7 @@
-"""Report in a browser: no console message, no network request, and every number, line and colour on
-the screen equals the results file.
+"""The report in a browser shows the results file.
+
+There is no console message and no network request.
+Every number, line and colour on the screen equals the file's.
 """
 
 import base64
@@ -58,7 +60,7 @@ PLATE = Solid(
 
 
 def written(path, factor=1.0, grid=(AROUND, ALONG), instants=INSTANTS):
-    """A run whose pressure goes over four decades and whose film is a ramp, in one cut-out none."""
+    """Write a run with pressure over four decades, a ramp as film, and one cell without film."""
     steps = 4 * (instants - 1)
     angle = np.linspace(0, 4 * np.pi, steps + 1)
     at = angle[::4]
@@ -99,8 +101,9 @@ def page_of_runs(case, runs, folder, **changes):
 
 
 def tube(name, radius, height, motion=None):
-    """A tube of about the size of the shipped bodies: 2300 points, 4600 triangles, 60 modes
-    of waves around and along; the stress that of a wave.
+    """Return a tube of about the size of the shipped bodies.
+
+    It has 2300 points, 4600 triangles and 60 modes, waves around and along; the stress is a wave.
     """
     instants, modes = 361, 60
     points, cells = cylinder_cells((64, 36), radius, (-height / 2, height / 2))
@@ -117,7 +120,7 @@ def tube(name, radius, height, motion=None):
 
 
 def large_page(folder):
-    """A report of two runs over two cycles in 361 instants on a grid of 40 x 40, with bodies."""
+    """Write a report of two runs: two cycles, 361 instants, a grid of 40 x 40, and bodies."""
     grid, instants = (40, 40), 361
     runs = {
         label: written(folder / f"{label}.h5", factor, grid, instants)
@@ -145,7 +148,10 @@ def page(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def window(page, tmp_path_factory):
-    """The page in a browser. Tests leave instant and choices as they like."""
+    """Yield the page in a browser.
+
+    Tests do not restore the instant and the choices.
+    """
     with Browser(tmp_path_factory.mktemp("profile"), 1440) as shown:
         shown.open(page[0])
         yield shown
@@ -232,7 +238,7 @@ LAYERS = {
 
 
 def field(page, kind, label, k):
-    """A field of the file in the unit of the page."""
+    """Return a field of the file in the unit of the page."""
     port, factor = LAYERS[kind]
     return page[1][label].dataset(port)[k] * factor
 
@@ -388,8 +394,9 @@ def test_equal_bodies_are_stored_once():
 
 @pytest.mark.slow
 def test_first_picture_and_frames_a_second(tmp_path):
-    """By processor time, which other work on the machine hardly changes: a frame at 30 a second has
-    33 ms for the thread of the page, and the first picture 2 s.
+    """The first picture takes 2 s, and the page's thread 33 ms for a frame at 30 a second.
+
+    Processor time is measured, because other work on the machine hardly changes it.
     """
     page = large_page(tmp_path)
     assert page.stat().st_size < 5e6

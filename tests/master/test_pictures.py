@@ -30,7 +30,7 @@ FIELD = np.eye(4)
 
 
 def run(field=FIELD, there=None, **more):
-    """A run that has recorded a field."""
+    """Return a run that has recorded a field."""
     usual = {"recorded": ["ehd.pressure"], "ports": [], "time": np.array([0.0, 0.5, 1.0])}
     given = {"case": {"participants": {}}, "there": lambda port: there}
     given["field"] = lambda port, instant: RecordedField(field, 0.0, "Pa", "")
@@ -42,13 +42,13 @@ def case_of(*pictures, axes=NEUTRAL):
 
 
 def map_of(results, axes=NEUTRAL, time="0 s"):
-    """The panel of the map of a run's pressure."""
+    """Draw the map of a run's pressure and return its panel."""
     picture = Picture(file="a.png", title="", kind="map", fields=["ehd.pressure"], time=time)
     return draw_maps(case_of(axes=axes), picture, {"base": results}).axes[0]
 
 
 def lines_of(y, x="b.crank_angle", units=None, **runs):
-    """The figure of curves {port: (values, unit)} of runs."""
+    """Draw the figure of curves {port: (values, unit)} of runs."""
     picture = Picture(file="a.png", title="", kind="lines", x=x, y=y, units=units or {})
     return draw_lines(case_of(), picture, {label: InMemory([], own) for label, own in runs.items()})
 

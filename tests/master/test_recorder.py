@@ -6,8 +6,9 @@ from piston_cosim.master.runs.recorder import Schedule, recorded_ports
 
 
 def test_instants_of_runs_in_other_steps_are_the_same_numbers():
-    """Multiples of 0.1 s are met to round-off by steps of a tenth, of a third of it, and by uneven
-    ones; the record says the multiple itself, so that sets of instants have it in common.
+    """Steps of a tenth, a third of a tenth, and uneven ones record the same instants.
+
+    They meet multiples of 0.1 s to round-off; the record holds the multiple itself.
     """
 
     def instants(times):
@@ -27,8 +28,9 @@ def participant(**shapes):
 
 
 def test_rows_of_numbers_that_make_a_state_are_always_recorded():
-    """Of what the contract has bodies repeat: modal coordinates and their rates, not scalars, which
-    are recorded anyway; each once; of a film nothing more than the case says.
+    """The modal coordinates and rates of bodies are always recorded, each once.
+
+    Scalars are recorded anyway; of a film only the fields of the case are recorded.
     """
     participants = {
         "bodies": participant(lateral_velocity=(), modal_coordinate=(60,), modal_velocity=(60,)),

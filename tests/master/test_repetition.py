@@ -144,8 +144,10 @@ def test_a_run_that_does_not_become_periodic_says_so(toys, tmp_path):
 
 
 def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine, tmp_path):
-    """sin(pi t/2) + sin(t): a period of 4 s begins and ends at unlike points of the second sine, by
-    2 |sin 2 cos(4 k - 2)| in period k; of the first seven the fourth is the nearest.
+    """A run whose periods do not approach each other reports the quantity that does not repeat.
+
+    In sin(pi t/2) + sin(t), a period of 4 s begins and ends at different points of the second sine.
+    The change is 2 |sin 2 cos(4 k - 2)| in period k; of the first seven the fourth is the smallest.
     """
 
     def wandering(t):
@@ -175,8 +177,10 @@ def test_a_run_whose_periods_do_not_come_nearer_says_what_does_not_repeat(affine
     ],
 )
 def test_a_run_that_ends_early_goes_on_in_its_period(toys, tmp_path, instant, how, stopped):
-    """At 4 s a period ends: what was asked for then is done after the first step of the next. One
-    that is killed goes on from its last checkpoint.
+    """A run that is interrupted continues in its period.
+
+    A period ends at 4 s; an action requested then runs after the first step of the next period.
+    A run that is killed continues from its last checkpoint.
     """
     whole = go(toys(), tmp_path / "whole.h5")
     resumed = go_on(toys, tmp_path / "run.h5", at(instant, *how), stopped=stopped)
@@ -187,13 +191,13 @@ def test_a_run_that_ends_early_goes_on_in_its_period(toys, tmp_path, instant, ho
 
 @pytest.fixture
 def enveloped(monkeypatch):
-    """Runs whose envelope is the largest value of plant.y0."""
+    """Set the envelope of all runs to the largest value of plant.y0."""
     kept = Envelopes({"plant.y0": "max"})
     monkeypatch.setattr(run_module, "envelopes", lambda tree, participants: copy(kept))
 
 
 def largest(path):
-    """Stored envelope, and the largest value of the file's last period."""
+    """Return the stored envelope, and the largest value of the file's last period."""
     with Results(path) as results:
         series = results.last.series("plant.y0").values
         return float(results.envelope("plant.y0").values), series.max()
@@ -212,15 +216,16 @@ def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, t
 
 
 def standing(**values):
-    """A participant `a` with these outputs."""
+    """Return a participant `a` with these outputs."""
     values = {name: np.array(value, dtype=float) for name, value in values.items()}
     return {"a": SimpleNamespace(get=values.get)}
 
 
 def test_distance_by_hand():
-    """Eq. (Y2): cells 0 and 3 end at 0.3 and 3.4, rms change sqrt((0.09 + 0.16)/2); in between they
-    were at 2 and -1, ranges 2 and 4.4; s ends at 1 where it began, t moves by all of its range
-    10. A field that stands still counts nothing.
+    """Eq. (Y2): cells that start at 0 and 3 end at 0.3 and 3.4, rms change sqrt((0.09 + 0.16)/2).
+
+    In between they are 2 and -1, so that their ranges are 2 and 4.4.
+    `s` ends at 1, where it began. A field that does not change does not count.
     """
     ports = [("a", "f"), ("a", "s"), ("a", "still")]
     one = Repetition(ports, 0.5)

@@ -45,8 +45,9 @@ def case():
 
 @pytest.fixture
 def results(tmp_path):
-    """x = -1 mm sin, y = 1 N cos, z = 1 N cos over one turn in one second; a 4 x 3 field that
-    moves.
+    """Write x = -1 mm sin, y = 1 N cos, z = 1 N cos over one revolution in 1 s.
+
+    A 4 x 3 field changes with time.
     """
     path, time = tmp_path / "run.h5", np.linspace(0.0, 1.0, STEPS + 1)
     turn = 2 * np.pi * time

@@ -151,8 +151,11 @@ def test_impacts_lose_the_energy_from_a_peak_to_the_next_minimum():
 
 
 def test_coefficient_of_friction_over_load_and_speed():
-    """9 mPa s, 50 mm: 4.5e-4 Pa s m times 10 m/s by 900 + 100 N is 4.5e-6, (5 + 15) N by them 0.02;
-    a step that carries 30 N is left out.
+    """The coefficient of friction is drawn over viscosity x speed / load.
+
+    9 mPa s x 50 mm = 4.5e-4 Pa s m; times 10 m/s by 900 + 100 N is 4.5e-6.
+    The friction force of (5 + 15) N gives a coefficient of 0.02.
+    A step that carries 30 N is left out.
     """
     results = run([0.0, 1.0], piston_velocity=[-10.0, 3.0])
     results.case = {"participants": BODIES | {"ehd": {"role": "lubrication"}}}

@@ -13,7 +13,7 @@ from .by_hand import write_results
 
 @pytest.fixture
 def results(tmp_path):
-    """A run of four steps whose fields were kept at every second."""
+    """Write a run of four steps with fields at every second step."""
     write_results(
         tmp_path / "run.h5",
         np.arange(4) * 1e-3,

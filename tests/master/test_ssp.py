@@ -65,8 +65,10 @@ def members(path):
 
 
 def test_every_scalar_is_a_connector_of_its_component_and_of_the_system(package):
-    """No wire feeds the inputs of crank, gas and rings; each is joined to its component and
-    starts where the case has it: 6000 rpm = 200 pi rad/s.
+    """Every scalar is a connector of its component and of the system.
+
+    No wire feeds the inputs of crank, gas and rings. Each is connected to its component.
+    Each starts at the value of the case: 6000 rpm = 200 pi rad/s.
     """
     files = members(package)
     root = files["SystemStructure.ssd"]
@@ -99,8 +101,10 @@ def test_units_are_declared_where_they_are_used(package):
 
 
 def test_omsimulator_finds_its_step_and_nothing_that_it_refuses(package):
-    """It reads the prefix as text, the first annotation of the system alone, and takes System,
-    Units, Enumerations and DefaultExperiment of the root and nothing else.
+    """OMSimulator finds its step size and no element that it rejects.
+
+    It reads the prefix as text and only the first annotation of the system.
+    Of the root it accepts only System, Units, Enumerations and DefaultExperiment.
     """
     with zipfile.ZipFile(package) as archive:
         text = archive.read("SystemStructure.ssd").decode()
@@ -165,7 +169,7 @@ def test_no_ssp_is_bad_input(tmp_path):
 
 @pytest.fixture(scope="module")
 def arrays(tmp_path_factory):
-    """The same case with FMI 3.0 FMUs."""
+    """Export the same case with FMI 3.0 FMUs."""
     if not compiler():
         pytest.skip("no C compiler")
     path = tmp_path_factory.mktemp("ssp3") / "case.ssp"

@@ -1,5 +1,6 @@
-"""Step control: its estimate against steps of BDF2 on known functions, what it does with it, and
-resuming.
+"""Step control: its error estimate, its decisions and its resume.
+
+The reference of the estimate is a step of BDF2 on known functions.
 """
 
 from dataclasses import replace
@@ -50,8 +51,9 @@ def estimate(function, times):
 
 
 def bdf2_error(function, slope, times):
-    """What a BDF2 step from exact values is off by: the parabola through them and the end that has
-    the slope there.
+    """Return the error of a BDF2 step from exact values.
+
+    The parabola passes through both values and has the given slope at the end.
     """
     (t2, t1, t), (x2, x1) = times, (function(times[0]), function(times[1]))
     line = x1 + (t - t1) * (x1 - x2) / (t1 - t2)

@@ -28,8 +28,9 @@ def tree():
 
 
 class Answering(Executor):
-    """Answers in place of processes: counts what is asked, fails for one value, dies for
-    another.
+    """Executor that answers without processes.
+
+    It counts the calls, fails for one value and dies for another.
     """
 
     def __init__(self):
@@ -152,8 +153,9 @@ def test_a_second_sweep_in_the_same_folder_is_refused(tree, tmp_path):
 
 
 def test_the_table_of_another_sweep_stays(tree, tmp_path):
-    """A sweep that grows goes on in its table; fewer values, other keys or a change of the case
-    have one of their own.
+    """A sweep that grows continues its table.
+
+    Fewer values, other keys or a change of the case give a separate table.
     """
 
     def points(text, changes=()):

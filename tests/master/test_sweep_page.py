@@ -10,8 +10,9 @@ from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 
 
 def front(points):
-    """Mask of the points that no other is better than: smaller or equal in everything, and smaller
-    in something.
+    """Return the mask of the points that no other point dominates.
+
+    A point dominates if it is smaller or equal in every column and smaller in one.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ def participants():
 
 
 def wired(participants, coupling=SEQUENTIAL, target="film.film_thickness", **given):
-    """The wire from the body's film thickness, and its faults."""
+    """Return the wire from the body's film thickness, and its faults."""
     faults = []
     table = WireTable(**{"from": "body.film_thickness", "to": target}, **given)
     return wire_of(table, participants, coupling, faults), faults

@@ -248,7 +248,7 @@ class Gmres(RecycledGmres):
 
 
 def doubled(v):
-    """A v of A = diag(2, 1)."""
+    """Return A v of A = diag(2, 1)."""
     return np.array([2.0, 1.0]) * v
 
 

@@ -1,5 +1,6 @@
-"""What is made of results files, and the edge where units live: one number by hand for every
-option.
+"""Values computed from results files, and the conversion of units.
+
+Each option has one number by hand.
 """
 
 import io
@@ -259,8 +260,9 @@ def test_products_and_conversions_by_hand():
 
 
 def test_definitions_of_units_are_kept_and_damage_heals(tmp_path, monkeypatch):
-    """The same bits from pint's own files, from what is kept of them, from damaged ones, and where
-    nothing can be kept.
+    """Cached definitions of units give the same bits as pint's own files.
+
+    So do damaged ones, which are rebuilt, and a folder that cannot be written.
     """
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
     made = registry.__wrapped__

@@ -60,7 +60,7 @@ go_on = partial(toy.go_on, tree=TREE)
 
 
 def rows(path):
-    """A log's rows without its header, single spaces between."""
+    """Return a log's rows without its header, with single spaces."""
     return "".join(" ".join(line.split()) + "\n" for line in path.read_text().splitlines()[1:])
 
 
@@ -169,8 +169,11 @@ def recording(toys, interval):
 
 
 def test_halved_steps_do_not_move_instants_that_are_asked_for(toys, tmp_path):
-    """Multiples of 2 s with the step to 4 s in halves; of 1.5 s, which no step of 1 s hits but the
-    halves': the first row behind each, at its own time.
+    """Halved steps do not move the requested instants.
+
+    The step to 4 s is halved. Multiples of 2 s stay.
+    Steps of 1 s do not meet the multiples of 1.5 s, but halves do.
+    The first row after each multiple is recorded, at its own time.
     """
     for interval, instants in ((2.0, [0.0, 2.0, 4.0]), (1.5, [0.0, 2.0, 3.0])):
         system, tree = recording(toys, interval)

@@ -1,8 +1,7 @@
-"""Predictor, halving with rollback, step control, start, work and interpolated inputs: every number
-by hand.
+"""Predictor, halving with rollback, step control, start, work and interpolated inputs by hand.
 
 Systems are x = b(t) (A = 0) unless a test says otherwise: the first residual of a macro step is
-then what the predictor is off by. rel = 1e-9 is round-off of some ten operations, amplified by the
+then the error of the predictor. rel = 1e-9 is round-off of some ten operations, amplified by the
 tolerance of 1e-3 where residuals are differences of values up to 125.
 """
 
@@ -173,7 +172,7 @@ def test_evaluations_of_a_step_that_does_not_converge_are_counted(affine):
 
 
 def controlled(affine, allowed, smallest=1.0):
-    """Steps of x = t^3 up to 7 s by local error."""
+    """Step x = t^3 to 7 s with local error control."""
     system = affine([[0.0]], lambda t: t**3, FINE, local_error=allowed)
     watched = Watched(system, control=step_control(system.wires, smallest))
     watched.advance(0.0, 7.0)

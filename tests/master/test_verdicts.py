@@ -22,7 +22,7 @@ ROUGHNESS = 0.54e-6
 
 
 def judged(folder, **given):
-    """what -> verdict on the run of `made`."""
+    """Return {what: verdict} of the run of `made`."""
     with made(folder, **given) as results:
         case = check_case(results.case, PATH)
         return {one.what: one for one in verdicts(case, results)}
@@ -31,10 +31,12 @@ def judged(folder, **given):
 def made(
     folder, film=5e-6, pressure=3e6, periods=2, knock=0.0, field=None, tree=None, more=(), **summary
 ):
-    """Results of so many periods of 720 deg in steps of 10 deg; in the first one the film is half
-    as thick and all else twice as large. Side force 1 kN sin(phi/2), in phase with what gas and
-    inertia ask for and `knock` times that away from it. `field`: pressure over film fraction at two
-    instants; `more`: other columns.
+    """Write results of `periods` periods of 720 deg in steps of 10 deg.
+
+    In the first period the film is half as thick and all else is twice as large.
+    The side force is 1 kN sin(phi/2), in phase with its demand from gas and inertia.
+    `knock` times the same amplitude is added 90 deg out of phase.
+    `field`: pressure and film fraction at two instants; `more`: other columns.
     """
     tree = tree or read_tree(PATH)
     angle = np.radians(np.arange(-360, 720 * periods - 359, 10.0))
@@ -184,9 +186,10 @@ def test_the_worst_place_by_side_angle_and_height(tmp_path):
 
 
 def hill(width_around, width_along, cells=40, closed=0, at=9, full=10):
-    """Pressure and film fraction at two instants: none, then a box with corner at (`at`, 20), in
-    a film that is full over `full` cells along; `closed` cells around and 4 along about (0, 30)
-    have no film.
+    """Return the pressure and the film fraction at two instants.
+
+    The pressure is 0, then a box with its corner at (`at`, 20), where the film is full over `full`
+    cells along. `closed` cells around and 4 cells along about (0, 30) have no film.
     """
     pressure, fraction = np.zeros((2, cells, 40)), np.full((2, cells, 40), 0.95)
     fraction[1] = 0.9
@@ -217,8 +220,10 @@ def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence)
 
 
 def test_the_first_screen_by_hand(tmp_path):
-    """Of the last period alone. Mean power 100 W over a period of 4 pi/100 s and pi 55^2 144 mm^3:
-    9.182 kPa (Eq. (X12)).
+    """The first screen shows the last period alone.
+
+    The mean power is 100 W over a period of 4 pi/100 s, the volume pi 55^2 144 mm^3.
+    The FMEP is then 9.182 kPa (Eq. (X12)).
     """
     volume = np.pi * 0.055**2 * 0.144
     with made(tmp_path, wall_time_s=3.0, **settled(2e-4)) as results:
@@ -266,8 +271,10 @@ def test_a_run_shorter_than_a_period_has_no_fmep_and_no_oil_per_period(tmp_path)
 
 
 def test_contact_share_of_the_last_period_by_hand(tmp_path):
-    """Power 1 W for 1 s, then 3 W for 1 s: shares 0.5 and 0.2 since the start are 0.5 J and 0.8 J
-    of contact, 0.3 J of the last period's 3 J.
+    """The contact share is that of the last period.
+
+    The power is 1 W for 1 s, then 3 W for 1 s. The shares since the start, 0.5 and 0.2, are 0.5 J
+    and 0.8 J of contact. The last period has 0.3 J of its 3 J.
     """
     with write_results(
         tmp_path / "run.h5",
@@ -291,8 +298,10 @@ def test_local_error_of_backward_euler_is_exact_for_a_parabola():
 
 @pytest.mark.parametrize("turn, colour", [(8.0, "green"), (11.0, "amber")])
 def test_play_of_a_pin_is_judged_by_its_error_over_the_range(tmp_path, turn, colour):
-    """An oscillation that turns by some degrees a step: its local error is turn^2/4 of its
-    range, and three times that is 1.5 % with 8 deg and 2.8 % with 11 deg.
+    """The play of a pin is judged by its error over its range.
+
+    The oscillation turns by `turn` a step, so that its local error is turn^2/4 of its range.
+    Three times that is 1.5 % with 8 deg and 2.8 % with 11 deg.
     """
     angle = np.radians(turn) * np.arange(145)
     names = ("pin_displacement", "small_end_displacement")

@@ -31,7 +31,7 @@ TOYS = {
 
 
 def variable(name, causality, **more):
-    """A scalar without unit; `more` replaces what is known of it."""
+    """Return a scalar without unit; `more` replaces attributes."""
     usual = {"shape": (), "nominal": 1.0, "unit": "1", "type": "Real", "description": ""}
     unknown = dict.fromkeys(("minimum", "maximum", "derivative_of"))
     return SimpleNamespace(**{"name": name, "causality": causality} | usual | unknown | more)
@@ -84,12 +84,12 @@ class Toy:
 
 
 def go(system, output, watch=lambda *args: None, *, tree, **given):
-    """The run's summary."""
+    """Run a system and return the summary."""
     return run(system, check_case(tree, "case.toml"), tree, output, watch, **given)
 
 
 def at(instant, do=lambda: os.kill(os.getpid(), signal.SIGINT)):
-    """A watch that interrupts once a time is reached."""
+    """Return a watch that interrupts once a time is reached."""
     return lambda time, *others: do() if time == instant else None
 
 
@@ -99,7 +99,7 @@ def fall():
 
 
 def go_on(make, output, watch, *, tree, stopped=Interrupted):
-    """The summary of a run that is stopped and goes on with fresh toys."""
+    """Stop a run, resume it with fresh toys and return the summary."""
     with pytest.raises(stopped):
         go(make(), output, watch, tree=tree)
     return go(make(), output, tree=tree, begin_at=Checkpoint.read(Checkpoint.path(output)))
