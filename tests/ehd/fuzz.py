@@ -16,7 +16,7 @@ STRANGE = (0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, 1e12, -1e12, np.nan, np.
 
 
 def made_slave(folder, **build):
-    """A slave of build options, whose files are read from and written to a folder."""
+    """Return a slave of build options that reads and writes its files in a folder."""
     options, files = prepare(build, folder, print)
     assert files == []
     (folder / "build.json").write_text(json.dumps(options))
@@ -39,7 +39,7 @@ class Fuzz:
         self.renew()
 
     def renew(self):
-        """A fresh slave, in a third of the cases with strange parameters."""
+        """Replace the slave; a third of the new ones have strange parameters."""
         inputs = ["pressure_upper_edge", "oil_temperature"]
         self.slave = made_slave(self.folder, grid=[6, 5], inputs=inputs)
         self.slave.log = lambda *arguments: None
@@ -60,7 +60,7 @@ class Fuzz:
         self.saved = []
 
     def value(self):
-        """A plausible or a strange number."""
+        """Return a plausible or a strange number."""
         return (
             float(self.rng.choice(STRANGE))
             if self.rng.random() < 0.3
@@ -68,8 +68,9 @@ class Fuzz:
         )
 
     def set_values(self):
-        """Any value in any run of references; parameters only before initialisation, as the
-        standard demands.
+        """Set any values of consecutive references.
+
+        Parameters are set only before initialisation, as the standard demands.
         """
         free = (
             0
@@ -81,7 +82,7 @@ class Fuzz:
         self.slave.set_real(list(range(first, last)), [self.value() for _ in range(first, last)])
 
     def set_film(self):
-        """A film and a velocity that could be, now and then with one strange element."""
+        """Set a plausible film and velocity, sometimes with one strange element."""
         film = 10.0 ** self.rng.uniform(-7.0, -4.0) * self.rng.uniform(-0.2, 1.0, (6, 5))
         if self.rng.random() < 0.1:
             film[tuple(self.rng.integers(5, size=2))] = self.value()
@@ -91,7 +92,7 @@ class Fuzz:
         self.slave.views["pressure_upper_edge"][...] = self.rng.choice([0.0, 1e5])
 
     def step(self):
-        """A step, plausible or not."""
+        """Take a step of plausible or strange size."""
         if self.rng.random() < 0.7:
             self.set_film()
         before = (

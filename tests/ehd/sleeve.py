@@ -15,8 +15,9 @@ VISCOSITY = 0.013  # [Pa s]
 
 
 def near(value, rel=1e-12):
-    """Within a share of the value: film flows of 1e-8 m3/s are smaller than pytest's absolute
-    tolerance.
+    """Return a relative tolerance about the value.
+
+    Film flows of 1e-8 m3/s are smaller than pytest's absolute tolerance.
     """
     return pytest.approx(value, rel=rel, abs=0.0)
 
@@ -28,9 +29,9 @@ def parameters(shape, **changes):
 
 
 def stepped(shape, film, velocity=0.0, step=1e-4, conditions=None, **changes):
-    """Outputs of one step of a film that stays as it is, or of a list of films in turn.
+    """Return the outputs of one step of a constant film, or of a list of films in turn.
 
-    A full film that stays is steady at once.
+    A constant full film is steady at once.
     """
     films = film if isinstance(film, list) else [film, film]
     given = conditions or {}

@@ -67,8 +67,10 @@ def test_smooth_surfaces_do_not_touch():
 
 
 def test_a_narrow_land_is_found_where_there_is_a_film():
-    """A land of one cell, 10 um high, across a skirt 1 um rough; the same cells cut out; a land
-    lower than the roughness.
+    """A narrow land counts only where there is a film.
+
+    The land is one cell wide and 10 um high, across a skirt 1 um rough.
+    The same cells cut out do not count, nor does a land lower than the roughness.
     """
     film = np.full((8, 6), 12e-6)
     film[:, 3] = 2e-6

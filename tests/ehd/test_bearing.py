@@ -18,7 +18,7 @@ SHAPE = (24, 8)
 
 
 def cut(shape):
-    """A groove and a hole."""
+    """Return the open cells of a groove and a hole."""
     cells = np.zeros(shape, dtype=bool)
     cells[0] = True
     cells[7:9, 3:5] = True
@@ -49,8 +49,9 @@ PHYSICS = {
 
 
 def motion(shape, time):
-    """Film thickness [m], axial and circumferential velocity [m/s] of a journal that turns, tilts
-    and shifts.
+    """Return the motion of a journal that turns, tilts and shifts.
+
+    It is the film thickness [m], the axial and the circumferential velocity [m/s].
     """
     theta = np.arange(shape[0]) * 2.0 * np.pi / shape[0]
     y = (np.arange(shape[1]) + 0.5) / shape[1] - 0.5
@@ -61,7 +62,7 @@ def motion(shape, time):
 
 
 def run(changes, ends):
-    """A bearing after steps that end at given times [s]."""
+    """Return a bearing after steps that end at given times [s]."""
     parameters = Parameters(SHAPE, surface="bearing", skirt_length=0.03, **changes)
     model, state, history = motored_until(parameters, ends, motion)
     return model, state, history[-1]
@@ -96,8 +97,10 @@ FACTORS = dict(flow_factors="patir_cheng_1978", roughness_rms=1e-5, boundary_fri
 
 @pytest.mark.parametrize("surfaces", ON_ITS_SIDE)
 def test_a_turning_bearing_is_an_axial_slider_on_its_side(surfaces):
-    """One row around, a sector with both ends at ambient, is the pad of the skirt along its axis;
-    the grid rests on the bore, so sliding is the other way.
+    """A turning bearing is an axial slider on its side.
+
+    One row around, a sector with both ends at ambient, is the pad of the skirt along its axis.
+    The grid rests on the bore, so that sliding has the opposite sign.
     """
     n = 30
     slope = 1.0 + np.linspace(1.0, 0.0, n)
@@ -126,8 +129,10 @@ def test_a_turning_bearing_is_an_axial_slider_on_its_side(surfaces):
 
 
 def test_a_skirt_given_nothing_around_has_its_axial_pressure_on_a_bearing_too():
-    """The grid of a bearing rests on the other surface: with a film that is steady there, sliding
-    to and fro change places.
+    """Without circumferential velocity a bearing has the axial pressure of a skirt.
+
+    The grid of a bearing rests on the other surface.
+    If the film is steady on that surface, sliding has the opposite sign.
     """
     film = np.linspace(1e-5, 2e-5, 8)
     found = {

@@ -6,7 +6,7 @@ from piston_cosim.fmu_ehd.solvers.blocks import BlockTridiagonal, invert_in_plac
 
 
 def stencil(rng, shape):
-    """A column-dominant M-matrix of five-point shape on a ring."""
+    """Return a column-dominant M-matrix of five-point shape on a ring."""
     south, north, west, east = (-rng.random(shape) for _ in range(4))
     south[:, 0] = north[:, -1] = 0.0
     rows = (
@@ -64,9 +64,7 @@ def test_solution_satisfies_the_system(shape, ahead, shift):
 
 
 def with_columns(old, new, chosen):
-    """Stencil with the columns of axial stations `chosen` taken from `new`, the others from
-    `old`.
-    """
+    """Return a stencil whose columns of axial stations `chosen` are `new`, the others `old`."""
     j = np.arange(old.shape[-1])
     column = np.tile(j, (5, 1))  # in which each coefficient of station j stands
     column[SOUTH] = j - 1

@@ -1,5 +1,6 @@
-"""What a film takes from the bodies that move it: what it stores and turns into heat, less what the
-pressure around it does.
+"""Energy that a film takes from the bodies that move it.
+
+It is the energy stored and turned into heat, less the work of the pressure around the film.
 """
 
 import numpy as np
@@ -20,14 +21,16 @@ SLOW = 1e9  # [s]
 
 
 def flat(gap):
-    """A film of one thickness [m]."""
+    """Return a film of one thickness [m]."""
     return np.full(SHAPE, gap)
 
 
 @pytest.mark.parametrize("coating", [0.0, 20e-6])
 def test_contact_gives_back_what_it_took(coating):
-    """Asperities, and a coating in series with them, pressed from 12 to 1 um and back so slowly,
-    in 1e9 s a step, that the oil does nothing: what is stored is the work of the forces.
+    """Contact returns the energy that it took: the stored energy is the work of the forces.
+
+    Asperities, and a coating in series with them, are pressed from 12 to 1 um and back.
+    Steps of 1e9 s are so slow that the oil has no effect.
     """
     p = Parameters(SHAPE, roughness_rms=2e-6, coating_thickness=coating)
     model = LubricationModel(p)
@@ -53,8 +56,11 @@ def test_contact_gives_back_what_it_took(coating):
 
 
 def test_what_turns_a_steady_journal_is_heat():
-    """Eccentric by 0.8, nothing squeezes, ends without pressure: all that its moment about its own
-    axis does, shear and pressure on the slope of the film, and no more.
+    """The work that turns a steady journal is heat.
+
+    The eccentricity is 0.8, nothing is squeezed, and the ends have no pressure.
+    The heat is the whole work of the moment about the journal's own axis.
+    This moment consists of shear and of pressure on the slope of the film.
     """
     shape = (60, 10)
     model = bearing(shape, RADIUS, cavitation_model="gumbel", cavity_shear="full_film")
@@ -65,8 +71,9 @@ def test_what_turns_a_steady_journal_is_heat():
 
 
 def test_sliding_turns_work_into_heat():
-    """A full film of 10 um, nothing pressed: mu V^2 / h on the area, in steps of 0.1 ms; as much as
-    its friction takes.
+    """Sliding turns work into heat, mu V^2 / h on the area, as much as its friction takes.
+
+    The film is full, 10 um thick and without pressure; the steps are 0.1 ms.
     """
     p = Parameters(SHAPE)
     outputs = film_after(p, [1e-5] * 2, 5.0).outputs
@@ -80,8 +87,10 @@ def test_sliding_turns_work_into_heat():
 
 @pytest.mark.parametrize("cavitation, edges", [(0.0, 3e5), (2e4, 2e4), (-5e4, 1e5)])
 def test_what_the_pressure_around_does_is_not_taken_from_the_bodies(cavitation, edges):
-    """Plates that part from 10 to 12 um so slowly that p is that of the edges everywhere: the film
-    gives the bodies p dV, which came in with the oil.
+    """The work of the pressure around the film is not taken from the bodies.
+
+    Plates part from 10 to 12 um so slowly that p is the pressure of the edges everywhere.
+    The film gives the bodies p dV, which came in with the oil.
     """
     p = Parameters(
         SHAPE,
@@ -111,8 +120,9 @@ FULL = {
 
 @pytest.mark.parametrize("choice", FULL)
 def test_a_full_film_takes_the_work_of_its_surfaces(choice):
-    """Random film thickness and velocities in uneven steps: the work of pressure on the film
-    thickness, by the mean of both ends, and of sliding.
+    """A full film takes the work of its surfaces under random films, velocities and steps.
+
+    It is the work of sliding and of the pressure on the film thickness, by the mean of both ends.
     """
     edges = dict(pressure_lower_edge=HIGH, pressure_upper_edge=1.1 * HIGH)
     model = LubricationModel(Parameters(SHAPE, **edges | FULL[choice]))
@@ -141,8 +151,10 @@ def test_a_full_film_takes_the_work_of_its_surfaces(choice):
 
 
 def wedge(shape, squeezed, sliding):
-    """Energy that a wedge between edges under pressure takes in a step in which it is squeezed by
-    a height [m], and the heat of its faces and of sliding less the work of its edges [J].
+    """Return the energy that a wedge takes in a step, and the heat less the work of its edges [J].
+
+    The wedge is between edges under pressure and is squeezed by a height [m].
+    The heat is that of its faces and of sliding.
     """
     p = Parameters(shape, pressure_lower_edge=HIGH, pressure_upper_edge=2.0 * HIGH)
     model = LubricationModel(p)
@@ -171,8 +183,10 @@ def wedge(shape, squeezed, sliding):
 
 
 def test_heat_of_pressure_flow_is_that_of_the_faces():
-    """Heat Q of `account`: to round-off while nothing slides, with the mean pressure of a step;
-    under steady sliding but for h dp/dy, of which flow and shear see another film.
+    """The heat of pressure flow, Q of `account`, is the heat of the faces.
+
+    Without sliding it is so to round-off, with the mean pressure of a step.
+    Under steady sliding h dp/dy differs, because flow and shear use different film thicknesses.
     """
     taken, heat = wedge(SHAPE, 2e-7, 0.0)
     assert taken == pytest.approx(heat, rel=1e-11)
@@ -196,8 +210,9 @@ def test_oil_leaves_above_where_the_pressure_falls(drop):
 
 
 def test_oil_leaves_and_enters_above_at_once():
-    """Where sliding draws oil in and pressure drives it out, the thin half does the one and the
-    thick half the other.
+    """Oil leaves and enters above at the same time.
+
+    Sliding draws oil in at the thin half, and pressure drives it out at the thick half.
     """
     film = np.repeat([[5e-6], [4e-5]], 20, axis=0)
     outputs = film_after(Parameters((40, 6), pressure_lower_edge=1e7), [film] * 3, 0.5).outputs
@@ -206,8 +221,9 @@ def test_oil_leaves_and_enters_above_at_once():
 
 
 def test_tuned_viscosity_is_that_of_another_start():
-    """A step with a changed viscosity, against a model that starts with it; the film is full and
-    nothing squeezes, so that the past does not matter.
+    """A step with a changed viscosity equals that of a model that starts with it.
+
+    The film is full and nothing is squeezed, so that the past does not matter.
     """
     thin, thick = Parameters(SHAPE), Parameters(SHAPE, oil=Oil(viscosity=0.02))
     sliding = flat(5.0)

@@ -15,7 +15,7 @@ NO_LIFT = np.zeros((7, 10))
 
 
 def problem(ring, seed=0, shape=(7, 9)):
-    """A rough, partly starved film with entrainment in both directions."""
+    """Return a rough, partly starved film with entrainment in both directions."""
     rng = np.random.default_rng(seed)
     grid = Grid(shape, 7e-3, 9e-3, ring)
     edges = Edges(
@@ -66,8 +66,10 @@ def test_a_solution_that_is_not_finite_is_refused():
 
 
 def test_a_full_region_spreads_over_the_film_by_a_cell_an_iteration():
-    """One cell of a film at rest is squeezed: pressure reaches all of it within a step. Cells that
-    switch singly find the same film, in hundreds of iterations.
+    """A full region spreads over the film by one cell per iteration.
+
+    One cell of a film at rest is squeezed, and pressure reaches all of it within a step.
+    If cells switch singly, the film is the same after hundreds of iterations.
     """
     shape = (30, 30)
     films = np.full((3, *shape), 1e-5)

@@ -40,9 +40,10 @@ def mean_inverse_gap(separation):
 
 @pytest.mark.parametrize("separation", [1.0, 0.2, 0.02, 0.0, -0.5, -1.0, -2.0])
 def test_mean_gap_and_couette_stress_near_and_in_overlap(separation):
-    """Eqs. (R1), (R4), with Phi_fs of Eq. (R5) above. 2.1e-3: the closed form of (R4) leaves out
-    terms of first order in the cut-off, 35/96 x 1.7/300 with the largest slope of (1 - s^2)^3;
-    1e-6: the table.
+    """Eqs. (R1) and (R4), with Phi_fs of Eq. (R5) above, hold near and in overlap.
+
+    2.1e-3: the closed form of (R4) leaves out terms of first order in the cut-off.
+    They are 35/96 x 1.7/300 with the largest slope of (1 - s^2)^3. 1e-6: the table.
     """
     film = np.array([[separation * SIGMA]])
     quantities, _ = rough(film, gamma=1.0, share=1.0)

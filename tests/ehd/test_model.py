@@ -71,8 +71,10 @@ def test_what_is_given_in_cut_outs_is_looked_at_nowhere(name):
 @pytest.mark.parametrize("own", [False, True])
 @pytest.mark.parametrize("pressure, fraction", [(2e5, 1.0), (0.0, 0.3)])
 def test_a_cut_out_is_an_edge_of_the_film_beside_it(pressure, fraction, own):
-    """All cells above row 6 cut out: the film is that of a skirt that ends there, to round-off,
-    with the pressure and the oil of the lower edge, or with its own beside a lower edge at 1e5 Pa.
+    """A film below a cut-out is that of a skirt that ends there, to round-off.
+
+    All cells above row 6 are cut out. The cut-out has the pressure and the oil of the lower edge,
+    or its own next to a lower edge at 1e5 Pa.
     """
     rows = 6
     film, velocity = motored_film(SHAPE, 30 * DEGREE)
@@ -147,8 +149,10 @@ def test_a_film_that_is_no_number_is_refused_by_its_cell(wrong):
 
 
 def test_a_coated_film_survives_jumps():
-    """Films of 2 um that jump by up to 30 % from cell to cell and step to step, piezoviscous oil:
-    none of 200 steps is refused (whole steps of Newton's method lost one; of 2000, 0.3 to 0.5 %).
+    """A coated film with piezoviscous oil survives jumps: none of 200 steps is rejected.
+
+    Films of 2 um jump by up to 30 % from cell to cell and step to step.
+    Whole steps of Newton's method lost one of 200, and 0.3 to 0.5 % of 2000.
     """
     parameters = Parameters(
         SHAPE, coating_thickness=2e-5, oil=Oil(pressure_viscosity_law="roelands_1966")

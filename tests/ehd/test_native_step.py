@@ -1,5 +1,6 @@
-"""The step of the native FMU beside the model's, both interpreted: what they say is compared, not
-what a compiler makes of it (that, with each choice of physics: tests/fmu/test_native_fmu.py).
+"""The step of the native FMU equals the model's, both interpreted.
+
+Compiled steps, with each choice of physics, are compared in tests/fmu/test_native_fmu.py.
 """
 
 import json
@@ -98,7 +99,7 @@ RING = dict(
 
 
 def compared(changes, mask, surface, folder):
-    """What the script prints."""
+    """Return the output of the script."""
     given = [folder, json.dumps(changes), json.dumps(mask), surface]
     return json.loads(script(SCRIPT, *given, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}))
 

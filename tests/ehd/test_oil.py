@@ -37,7 +37,7 @@ LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 
 @pytest.fixture(params=["barus_1893", "roelands_1966"])
 def law(request):
-    """A pressure law, alpha = 20 1/GPa."""
+    """Return a pressure law with alpha = 20 1/GPa."""
     kind = getattr(PRESSURE_VISCOSITY_LAWS, request.param)
     return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), np.zeros(TABLE))
 
@@ -100,8 +100,10 @@ def test_library_faults_are_reported_together():
     [(0.74, 1.0, 0.005), (0.5, 1.0, 0.01), (0.3, 1.0, 0.015), (0.3, 10.0, 0.001)],
 )
 def test_a_pad_carries_the_load_of_the_generalised_newtonian_flow(ratio, speed, error):
-    """Measured -0.25, -0.65, -1.34 and -0.04 %, of second order in the pressure gradient. One
-    viscosity for both directions carries 3.3, 9.2, 21 and 2.9 % too much.
+    """A pad carries the load of the generalised Newtonian flow.
+
+    Measured -0.25, -0.65, -1.34 and -0.04 %, of second order in the pressure gradient.
+    With one viscosity for both directions the load is 3.3, 9.2, 21 and 2.9 % too large.
     """
     oil = Oil(shear_thinning_law="cross_1965", high_shear_ratio=ratio)
     load = generalised_newtonian_load(oil, speed)

@@ -32,7 +32,7 @@ def total(outputs):
 
 
 def turns(parameters, count, degrees=1, **conditions):
-    """Outputs of the motored skirt in steps of so many degrees."""
+    """Return the outputs of the motored skirt in steps of `degrees`."""
     model = LubricationModel(parameters)
     state, first = model.start(*motored_film(parameters.shape, 0.0))
     history = [first]
@@ -49,7 +49,7 @@ def slide(parameters, film, velocity, step, count):
 
 
 def pad(cells, layer):
-    """A skirt 20 mm long and 1 m wide on a bore with `layer` [m]."""
+    """Return a skirt 20 mm long and 1 m wide on a bore with `layer` [m]."""
     return Parameters(
         (4, cells),
         oil_supply="bore",
@@ -63,10 +63,11 @@ def pad(cells, layer):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_slider_that_lives_on_a_given_layer(sign):
-    """A wedge from h_1 to h_o that meets lambda: lambda V flows all along, and p = 0 where the film
-    gets full and at the outlet. p' = 6 mu V (h - 2 lambda) / h^3 between, so it gets full at
-    h_a = lambda h_o / (h_o - lambda), and with a = (h_1 - h_o) / L the load is 6 mu V / a^2 times
-    ln(h_a/h_o) - 1 + h_o/h_a - lambda (1/h_o - 1/h_a - (h_a - h_o)/h_a^2).
+    """A wedge from h_1 to h_o that meets a layer lambda carries lambda V and has an exact load.
+
+    p = 0 at the outlet and where the film gets full; between, p' = 6 mu V (h - 2 lambda) / h^3.
+    So it gets full at h_a = lambda h_o / (h_o - lambda). With a = (h_1 - h_o) / L the load is
+    6 mu V / a^2 [ln(h_a/h_o) - 1 + h_o/h_a - lambda (1/h_o - 1/h_a - (h_a - h_o)/h_a^2)].
     """
     cells, layer, inlet, outlet, speed = 150, 6e-6, 20e-6, 10e-6, 5.0
     p = pad(cells, layer)
@@ -85,8 +86,9 @@ def test_a_slider_that_lives_on_a_given_layer(sign):
 
 
 def nearest_behind(state, sign):
-    """Layer of the last ten cells that the skirt has uncovered, without the one it stands over
-    [m].
+    """Return the layer [m] of the last ten cells that the skirt has uncovered.
+
+    The cell that it still partly covers is left out.
     """
     under = np.flatnonzero(state.layer.bore[0] == 0.0)
     if sign > 0.0:  # down: behind is above
@@ -105,8 +107,10 @@ def test_a_layer_that_fills_no_gap_passes_as_it_is():
 
 
 def outlines(shape):
-    """Skirts with cut-outs: pin holes; and one with a slipper's sides, windows of a cell and parts
-    of a cell between them, and a row without a skirt.
+    """Return skirts with cut-outs: pin holes, and a ragged outline.
+
+    The ragged one has a slipper's sides, windows of one cell, parts of one cell between them, and
+    a row without a skirt.
     """
     ragged = opening(shape)
     n_c, _ = shape
@@ -250,7 +254,7 @@ def begun(bore, velocity):
 
 
 def moved(bore, *given):
-    """The layer after the skirt has moved on."""
+    """Return the layer after the skirt has moved on."""
     noted = none_yet()
     covered = oil_layer.covered(bore, *given, noted)
     raise_noted(noted)
@@ -275,8 +279,10 @@ def test_the_layer_that_is_covered_goes_to_the_edge():
 
 
 def test_what_flows_out_stays_on_the_bore():
-    """3 mm3 out over the upper edge onto 1.5 mm x 0.25 m: 8 um, and at most the gap of 5 um where
-    there is less; 1 mm3 in over the lower one.
+    """Oil that flows out stays on the bore.
+
+    3 mm3 flow out over the upper edge onto 1.5 mm x 0.25 m, which gives 8 um.
+    Where the gap is 5 um, at most these 5 um stay. 1 mm3 flows in over the lower edge.
     """
     bore = bore_by_hand()
     layer = begun(bore, -1.5)
@@ -302,9 +308,11 @@ def test_what_an_edge_cannot_push_along_falls_off():
 
 
 def test_a_window_is_an_edge_of_its_own():
-    """Row 0 has a window over the third of its four cells, row 1 ends one cell lower. Down 0.5 mm:
-    the skirt above the window takes up half a cell of 10 um x 1 mm x 0.25 m there, and that below
-    it leaves its 0.5 mm3 on the other half; 2 mm3 from the sides lie half and half.
+    """A window is a separate edge when the skirt moves down by 0.5 mm.
+
+    Row 0 has a window over the third of its four cells, row 1 ends one cell lower.
+    Above the window the skirt takes up half a cell of 10 um x 1 mm x 0.25 m.
+    Below it the skirt leaves its 0.5 mm3 on the other half; 2 mm3 from the sides are half and half.
     """
     cut = np.zeros((4, 4), dtype=bool)
     cut[0, 2] = True
@@ -338,8 +346,10 @@ def test_a_window_is_an_edge_of_its_own():
 
 
 def test_ring_and_splash():
-    """Above the skirt the ring leaves 2 of 10 um on 2 mm x 1 m; below it 1 ms of 1 mm/s adds
-    1 um.
+    """Ring and splash change the layer as computed by hand.
+
+    Above the skirt the ring leaves 2 of 10 um on 2 mm x 1 m.
+    Below the skirt, 1 ms of 1 mm/s adds 1 um.
     """
     bore = bore_by_hand(oil_supply="bore_and_ring")
     layer = begun(bore, 0.0)
@@ -349,8 +359,10 @@ def test_ring_and_splash():
 
 
 def test_splash_runs_off_a_layer_as_thick_as_the_wall_holds():
-    """10 um hold 12.5 um: of 3 steps with 1 um each two and a half stay, and none of it on 12.5 um;
-    the wall keeps what was there before.
+    """Splash runs off a layer as thick as the wall can hold.
+
+    On 10 um with a limit of 12.5 um, two and a half of 3 steps with 1 um each stay.
+    On 12.5 um nothing stays; the wall keeps a layer that was thicker before.
     """
     bore = bore_by_hand(oil_supply="bore_and_ring", largest_oil_layer=12.5e-6)
     layer = begun(bore, 0.0)
@@ -368,16 +380,19 @@ def test_splash_runs_off_a_layer_as_thick_as_the_wall_holds():
 
 
 def test_wall_film_of_nusselt():
-    """What a wall holds: (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm; the
-    default is that to 2 %.
+    """A wall holds (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm.
+
+    The default is this thickness to 2 %.
     """
     thickness = (3.0 * 5.6e-3 * 1e-4 * 0.14 / (850.0 * 9.81)) ** (1.0 / 3.0)
     assert Parameters().largest_oil_layer == pytest.approx(thickness, rel=0.02)
 
 
 def test_oil_put_on_the_bore_between_steps_counts_as_supplied():
-    """As a run does that extrapolates the layer: 1 um on all that is bare, then a step; Eq. (T27)
-    holds to round-off.
+    """Oil put on the bore between steps counts as supplied.
+
+    As a run does that extrapolates the layer, 1 um is put on all uncovered cells before a step.
+    Eq. (T27) holds to round-off.
     """
     p = Parameters(SHAPE, oil_supply="bore", initial_oil_layer=5e-6, initial_film_fraction=0.3)
     model = LubricationModel(p)

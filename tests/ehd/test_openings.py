@@ -22,8 +22,9 @@ def test_the_nearest_film_is_that_of_an_exact_distance_transform():
 
 
 def test_of_two_films_at_one_distance_the_lower_and_the_one_before_are_taken():
-    """By hand: an opening in the middle of four, one beside a wide cell, one across the first
-    row.
+    """Of two films at one distance the lower one and the one before are taken.
+
+    By hand: an opening in the middle of four, next to a wide cell, and across the first row.
     """
     open_cells = np.zeros((4, 3), dtype=bool)
     open_cells[1, 1] = True

@@ -13,7 +13,7 @@ from .fuzz import made_slave
 
 @pytest.fixture
 def slave(tmp_path):
-    """The slave as the FMU's host sees it, on a small grid."""
+    """Return the slave on a small grid, as the FMU's host uses it."""
     return made_slave(tmp_path, grid=[8, 6])
 
 
@@ -71,8 +71,10 @@ def test_a_land_of_one_cell_is_warned_of(slave, cells, warns):
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
 @pytest.mark.parametrize("closed, warns", [(8e-6, True), (1e-8, False)])
 def test_pressure_beyond_the_law_is_warned_of_once(slave, law, closed, warns):
-    """A film of 10 um that closes to 2 um in 1 us has GPa, where both laws end; by 10 nm it has
-    MPa.
+    """A pressure beyond the range of the law gives one warning.
+
+    A film of 10 um that closes to 2 um in 1 us has GPa, beyond the range of both laws.
+    If it closes by 10 nm, it has MPa.
     """
     choose(slave, "pressure_viscosity_law", law)
     slave.exit_initialization_mode()

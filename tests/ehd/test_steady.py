@@ -14,7 +14,7 @@ BEARING = (160, 40)
 
 
 def bearing(shape, length):
-    """A bearing like that of the table, grooved at the thickest film."""
+    """Return a bearing like that of the table, grooved at the thickest film."""
     return pc.Film(
         shape,
         surface="bearing",
@@ -27,7 +27,7 @@ def bearing(shape, length):
 
 
 def journal(eccentricity):
-    """The film of a bearing of L/D = 1 and its thickness."""
+    """Return the film of a bearing of L/D = 1 and its thickness."""
     return bearing(BEARING, 2.0 * bearings.RADIUS), bearings.eccentric(BEARING, eccentricity)
 
 
@@ -98,7 +98,7 @@ def test_a_journal_under_load_is_where_the_table_says(ratio, eccentricity):
 
 
 def mixed_film():
-    """A rough bearing, and the inputs of a load that asperities carry for the most part."""
+    """Return a rough bearing, and the inputs of a load that mostly asperities carry."""
     film = pc.Film(
         (60, 8),
         surface="bearing",
@@ -181,7 +181,10 @@ def deflection(shell, outputs):
 
 
 def oval_shell(grid, stiffness):
-    """A shell that yields in two lobes and more; onward from a thin ring, du_t/da = -u_e."""
+    """Return a shell that deforms in 2, 3 and 4 lobes.
+
+    Its circumferential shapes follow from a thin ring, du_t/da = -u_e.
+    """
     angle = 2 * np.pi * np.arange(grid[0]) / grid[0]
     number = np.repeat([2, 3, 4], 2)
     phase = np.tile([0.0, np.pi / 2], 3)
@@ -248,7 +251,7 @@ def test_a_journal_that_does_not_move_has_shells_that_yield():
 
 
 def flap_shell(grid, stiffness):
-    """A shell whose edge behind a slot at angle 0 yields, as a flap."""
+    """Return a shell whose edge behind a slot at angle 0 deforms like a flap."""
     angle = 2 * np.pi * np.arange(grid[0]) / grid[0]
     shape = np.exp(-angle / 0.3)[:, None, None] * np.ones((*grid, 1))
     return Modes(np.full(1, np.sqrt(stiffness)), shape, 0.0 * shape)

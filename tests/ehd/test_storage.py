@@ -103,9 +103,11 @@ def test_a_film_squeezed_in_one_step_and_held_stays_full(thinner):
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 0.99])
 @pytest.mark.parametrize("step", [5e-5, 5e-6])
 def test_load_of_plates_that_close_on_a_cavity(share, step):
-    """Parallel plates that approach at V and close a `share` of a step before its end: from then on
-    the mean pressure between both edges is mu V L^2/h^3 (as p'' = -12 mu V/h^3), and on n cells
-    along 1 + 2/n^2 of it: the edges are half a cell away. 1e-9: round-off.
+    """Plates that close on a cavity have the exact load, to round-off (1e-9).
+
+    They approach at V and close a `share` of a step before its end. From then on the mean pressure
+    between both edges is mu V L^2/h^3, as p'' = -12 mu V/h^3. On n cells along, it is 1 + 2/n^2
+    times as large, because the edges are half a cell away.
     """
     full, speed = 10e-6, 2e-3
     parameters = Parameters((4, 10))
@@ -126,7 +128,7 @@ def test_load_of_plates_that_close_on_a_cavity(share, step):
 
 
 def random_ends(seed, last):
-    """Ends of steps [s] over `last` degrees, each 0.01 to 3 degrees long."""
+    """Return the ends of steps [s] over `last` degrees, each 0.01 to 3 degrees long."""
     lengths = 10.0 ** np.random.default_rng(seed).uniform(-2.0, 0.5, 20 * last)
     ends = np.cumsum(lengths)
     return ends[ends < last] * DEGREE

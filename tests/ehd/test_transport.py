@@ -29,8 +29,10 @@ EMPTY, FULLER = 0.2, 0.8  # film fraction before and behind the front
 
 
 class Transport(NamedTuple):
-    """Film fraction along the skirt, how far oil got since t = 0 [skirt lengths], largest mass
-    imbalance, highest and lowest film fraction of all steps since.
+    """Transport of oil along the skirt; `distance` is in skirt lengths since t = 0.
+
+    `fraction` is the film fraction along the skirt. The largest mass imbalance, the highest and the
+    lowest film fraction are those of all steps since.
     """
 
     fraction: np.ndarray
@@ -41,7 +43,7 @@ class Transport(NamedTuple):
 
 
 def carry(cells, courant, supply, distance=0.5, sign=1.0):
-    """A parallel film between starved edges, supply(skirt lengths since t = 0) at its inlet."""
+    """Run a parallel film between starved edges with supply(skirt lengths since t = 0) at inlet."""
     p = Parameters((4, cells), film_fraction_lower_edge=EMPTY, film_fraction_upper_edge=EMPTY)
     model = LubricationModel(p)
     film = np.full(p.shape, FILM)
@@ -64,7 +66,7 @@ def carry(cells, courant, supply, distance=0.5, sign=1.0):
 
 
 def front(since):
-    """A front that enters at t = 0."""
+    """Return the film fraction of a front that enters at t = 0."""
     return EMPTY if since <= 0.0 else FULLER
 
 

@@ -37,8 +37,7 @@ def along(cells):
 
 @pytest.mark.parametrize("velocity", [7.0, -7.0])
 def test_inclined_pad(velocity):
-    """[Hamrock2004], the inclined pad, for the film h_o (1 + K s), s from 0 at the
-    outlet to 1, K = 1:
+    """Inclined pad of [Hamrock2004]: film h_o (1 + K s), s from 0 at the outlet to 1, K = 1.
 
     load      W mu U L^2 B / h_o^2,  W = (6/K^2) [ln(1+K) - 2 K/(2+K)]       = 0.158883
     runner    F mu U L B / h_o,      F = 4 ln(1+K)/K - 6/(2+K)               = 0.772589
@@ -46,7 +45,7 @@ def test_inclined_pad(velocity):
     flow      U B h_m / 2,           h_m = 2 h_1 h_o/(h_1 + h_o)             = 4/3 h_o
 
     The bore is the straight runner, the skirt the sloping pad. Shear on the pad is F - K W, the
-    pressure on its slope K W: in all the opposite of the runner's force. Power is that times speed.
+    pressure on its slope K W. Their sum is minus the runner's force. Power is force times speed.
     A skirt that moves up meets its oil at the upper edge. 2e-4: second order on 96 cells.
     """
     outlet, speed = 6e-6, abs(velocity)
@@ -115,10 +114,11 @@ def test_a_groove_around_the_skirt_with_a_supply_of_its_own():
 
 
 def test_a_window_that_is_starved_starves_the_film_behind_it():
-    """Oil moves up past a window that covers the whole width with a share f = 0.4: the land above
-    carries f h U/2 over the upper edge, and the window takes the rest of what comes from below.
+    """A starved window starves the film behind it.
 
-    1e-6 as for `test_starved_edges`.
+    Oil moves up past a window that covers the whole width with a share f = 0.4.
+    The land above carries f h U/2 over the upper edge.
+    The window takes the rest of the oil from below. 1e-6 as for `test_starved_edges`.
     """
     mask = np.broadcast_to(np.arange(9) == 4, (4, 9))
     o = stepped(
@@ -138,8 +138,9 @@ def test_a_window_that_is_starved_starves_the_film_behind_it():
 
 
 def test_what_a_window_takes_closes_the_balance_of_a_steady_film():
-    """A window of 2 x 3 cells: what comes over both edges leaves through it. 1e-8: storage in a
-    step of 1e6 s.
+    """The oil that comes over both edges of a steady film leaves through a window of 2 x 3 cells.
+
+    1e-8: storage in a step of 1e6 s.
     """
     mask = np.zeros((8, 12), dtype=bool)
     mask[2:4, 5:8] = True
@@ -244,13 +245,14 @@ def squeezed(depth, cells):
 
 
 def test_squeeze_of_a_short_sleeve():
-    """A sleeve that moves by e towards the thrust side in a step H, h = c - e sin(theta). With
-    k_a p_yy + k_c/R^2 p_tt = hdot and p = p_e at both edges
+    """Squeeze of a short sleeve that moves by e towards the thrust side in a step H.
+
+    The film is h = c - e sin(theta). By separation of variables, with
+    k_a p_yy + k_c/R^2 p_tt = hdot and p = p_e at both edges:
 
     p = p_e + 12 mu edot R^2/c^3 [1 - cosh(y/R)/cosh(L/2R)] sin(theta)
 
-    by separation of variables. e is 1e-5 of c; 1e-3, 2e-3 in sums: second
-    order on 48 cells around.
+    e is 1e-5 of c. 1e-3, and 2e-3 in sums: second order on 48 cells around.
     """
     shape, film, edge, step = (48, 40), 1e-5, 2e6, 1e-4
     theta = np.arange(48) * 2.0 * np.pi / 48
@@ -274,8 +276,10 @@ def test_squeeze_of_a_short_sleeve():
 
 
 def test_halves_meet_on_the_pin_axis():
-    """Five cells around, the second on the thrust line: the first reaches from -18 to 54 deg, the
-    third from 126 to 198 deg, and three quarters of each count on the thrust side.
+    """The halves meet on the pin axis.
+
+    Of five cells around, the second is on the thrust line. The first reaches from -18 to 54 deg,
+    the third from 126 to 198 deg. Three quarters of each count on the thrust side.
     """
     film = np.array([4e-6, 5e-6, 6e-6, 7e-6, 9e-6])[:, None]
     o = stepped((5, 4), film, 2.0)
@@ -307,7 +311,7 @@ POCKET = np.where((along(400) > 0.1) & (along(400) < 0.25), 10e-6, 1e-6)  # 2 to
 
 
 def pocket(velocity, film, **changes):
-    """The pocket slider: 20 mm, 1 um, 1 m/s, 0.01 Pa s, 100 kPa around, rupture at 50 kPa."""
+    """Step the pocket slider: 20 mm, 1 um, 1 m/s, 0.01 Pa s, 100 kPa around, rupture at 50 kPa."""
     given = dict(pressure_lower_edge=1e5, pressure_upper_edge=1e5, cavitation_pressure=5e4)
     oil = Oil(viscosity=0.01)
     return stepped(
@@ -403,10 +407,11 @@ def slider_pressure(flow, s):
 @pytest.mark.parametrize("name", ["reynolds", "gumbel", "full_film"])
 @pytest.mark.parametrize("velocity", [-5.0, 5.0])
 def test_parabolic_slider(name, velocity):
-    """h = h_o [1 + (2 y/L - 1)^2/2]: Reynolds' exit p = dp/dy = 0 at 0.7065 L, with p* = 0.13425
-    and W* = 0.05284; full film: p(L) = 0; Gumbel: its positive half.
+    """Slider with the parabolic film h = h_o [1 + (2 y/L - 1)^2/2].
 
-    5e-4: second order on 200 cells; the exit of the film lies within a cell.
+    Reynolds: exit p = dp/dy = 0 at 0.7065 L, with p* = 0.13425 and W* = 0.05284; full film:
+    p(L) = 0; Gumbel: its positive half.
+    5e-4: second order on 200 cells; the exit of the film is within a cell.
     """
     thin, speed = 5e-6, abs(velocity)
     cells = 200
@@ -471,7 +476,9 @@ def test_squeeze_that_speeds_up_over_steps_of_any_length():
 
 
 def test_a_step_that_grows_more_than_twice_counts_as_twice():
-    """c_e = c_n + beta (c_n - c_(n-1)), beta = w^2/(1 + 2 w) with w = 2: beta = 0.8, and
+    """A step that grows more than twice counts as twice.
+
+    c_e = c_n + beta (c_n - c_(n-1)), beta = w^2/(1 + 2 w) with w = 2: beta = 0.8, and
     H_e = H - 0.8 H_n, for w = 3: rate = (c - c_e)/(H - 0.8 H/3).
     """
     shape, edge = (4, 6), 5e6

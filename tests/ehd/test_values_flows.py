@@ -85,8 +85,10 @@ def test_one_cell_between_four_edges():
 
 @pytest.mark.parametrize("velocity, fraction", [(4.0, 0.3), (-4.0, 0.8)])
 def test_two_starved_cells_in_a_stream(velocity, fraction):
-    """A stream U across, fed with 0.3 of a film at the first edge and 0.8 at the last: both cells
-    hold what comes from upstream, and U h dy times that flows over both edges. u = f - 1.
+    """Two starved cells in a stream U across hold the film fraction from upstream, u = f - 1.
+
+    The stream has 0.3 of a film at the first edge and 0.8 at the last.
+    U h dy times the fraction from upstream flows over both edges.
     """
     shape = (2, 1)
     edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]), in_plenty(shape))
@@ -109,8 +111,10 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
 
 @pytest.mark.parametrize("velocity, upstream", [(4.0, 0.3), (-4.0, 0.8)])
 def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upstream):
-    """q = w U h f with f upstream: to the other cell's film, half of w U f; to its velocity, half
-    of w h f. Cells hold 0.3 and 0.8 of a film, one behind the other along the skirt.
+    """The flow between two starved cells is q = w U h f with f upstream.
+
+    Its derivative is half of w U f by the other cell's film, half of w h f by its velocity.
+    The cells hold 0.3 and 0.8 of a film, one behind the other along the skirt.
     """
     shape = (1, 2)
     film, by_film = parallel(shape)
@@ -125,8 +129,10 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
 
 
 def test_below_the_floor_nothing_follows_the_film():
-    """Above: s' = t' = 1, g' = h^2/(4 mu), c' = -mu/h^2, b' = 1/2; below all are 0 and the
-    quantities are those of the floor, c = mu/h_min.
+    """Below the smallest film all derivatives by the film are 0.
+
+    Above: s' = t' = 1, g' = h^2/(4 mu), c' = -mu/h^2, b' = 1/2.
+    Below, the quantities are those of the smallest film, c = mu/h_min.
     """
     film = np.array([[2e-7, FILM]])
     quantities, slopes = smooth_film(film, np.full((1, 2), VISCOSITY), 5e-7)
@@ -138,12 +144,15 @@ def test_below_the_floor_nothing_follows_the_film():
 
 
 def test_thinned_film_follows_film_and_velocity():
-    """Cross, n = 1, m = 1/5, at three times the critical shear rate g_c = 1/h per second: mu/mu_0 =
-    1/5 + 4/5 / 4 = 2/5, its derivative -1/(20 g_c) = -h/20 s at V = -3 m/s; to the film 3/(20 h)
-    1/m, to the velocity 1/20 s/m;  c = mu/h. Flow along the sliding direction meets mu_t/mu_0 =
-    1/5 + 4/5 / 4^2 = 1/4, its derivative -2 x 4/5 / 4^3 / g_c = -h/40 s, and flow across meets mu:
-    g_a = h^3/(12 mu_t),  g_c = h^3/(12 mu). Below the floor it follows the velocity alone; W shears
-    it as V does; at rest it is thick.
+    """A shear-thinned film follows film and velocity: Cross, n = 1, m = 1/5.
+
+    At three times the critical shear rate g_c = 1/h per second, mu/mu_0 = 1/5 + 4/5 / 4 = 2/5.
+    The derivative is -1/(20 g_c) = -h/20 s at V = -3 m/s. It is 3/(20 h) 1/m by the film and
+    1/20 s/m by the velocity; c = mu/h.
+    Flow along the sliding direction meets mu_t/mu_0 = 1/5 + 4/5 / 4^2 = 1/4, with the derivative
+    -2 x 4/5 / 4^3 / g_c = -h/40 s. Flow across meets mu: g_a = h^3/(12 mu_t), g_c = h^3/(12 mu).
+    Below the smallest film it follows the velocity alone. W shears the oil as V does.
+    At rest the oil is not thinned.
     """
     law = Thinning(SHEAR_THINNING_LAWS.cross_1965, 0.2, 1.0, -np.log10(FILM), 0.0)
     laws = FilmLaws(FILM, 0.0, np.zeros((0, 0)), law)
@@ -189,9 +198,11 @@ def test_contact_at_no_distance_follows_the_film():
 
 
 def test_layer_and_asperities_are_springs_in_series():
-    """Layer of stiffness 1/c = 4e13 Pa/m, asperities of 8e13 Pa/m: of a change of the distance the
-    asperities keep k = 4/(4 + 8), wherever in the cell they are, and pressure of the oil moves the
-    layer by k c of it.
+    """The layer and the asperities are springs in series.
+
+    The stiffness is 1/c = 4e13 Pa/m of the layer and 8e13 Pa/m of the asperities. The asperities
+    take the share k = 4/(4 + 8) of a change of the distance, wherever in the cell they are.
+    Pressure of the oil moves the layer by k c times the pressure.
 
     offset = k (c p_a - w_0) with the oil at p = 0, here 1e-7 (1/3)(5 - 2) m.
     """

@@ -1,10 +1,9 @@
-"""Numbers of the oil by hand: viscosity over temperature, pressure and shear rate, as shear and
-flow of a film show it.
+"""Viscosity over temperature, pressure and shear rate by hand, as shear and flow of a film.
 
 References
 ----------
 [Vogel1921], [Walther1931] (ASTM D341), [Barus1893], [Roelands1966], [Cross1965], [Carreau1972]: the
-formulas stand in the tests. ISO 3448: viscosity grades.
+formulas are in the tests. ISO 3448: viscosity grades.
 """
 
 from functools import partial
@@ -26,7 +25,7 @@ near = partial(sleeve.near, rel=1e-10)
 
 
 def stepped(oil, velocity, **changes):
-    """Outputs of one step of a parallel film that stays as it is."""
+    """Return the outputs of one step of a constant parallel film."""
     return sleeve.stepped(SHAPE, FILM, velocity, oil=oil, **changes)
 
 
@@ -58,17 +57,20 @@ def test_vogel(celsius, viscosity):
 
 
 def test_walther():
-    """lg lg(nu + 0.7) = A - M lg T, nu in mm2/s, T in K. A = 8.93, M = 3.47 at 330 K by hand:
-    lg 330 = 2.5185139, A - M lg T = 0.1907566, 10^. = 1.5515173, 10^. = 35.605545 mm2/s + 0.7.
+    """Walther's law is lg lg(nu + 0.7) = A - M lg T, nu in mm2/s, T in K.
+
+    By hand with A = 8.93, M = 3.47 at 330 K: lg 330 = 2.5185139, A - M lg T = 0.1907566,
+    10^. = 1.5515173, 10^. = 35.605545 mm2/s + 0.7.
     """
     oil = Oil(viscosity_law="walther_1931", walther_a=8.93, walther_m=3.47, density=871.0)
     assert sheared(oil, 330.0 - 273.15) == near(871.0 * 34.905545e-6, rel=1e-6)
 
 
 def test_two_points():
-    """ISO VG 46 with 46 mm2/s at 40 C and 6.8 at 100 C, 870 kg/m3: both points, and between them
-    lg lg(nu + 0.7) is linear in lg T (ASTM D341). At 70 C by hand: lg lg 46.7 = 0.2225, lg lg 7.5 =
-    -0.0579.
+    """The viscosity passes through two points: ISO VG 46 has 46 mm2/s at 40 C and 6.8 at 100 C.
+
+    The density is 870 kg/m3. Between the points lg lg(nu + 0.7) is linear in lg T (ASTM D341).
+    At 70 C by hand: lg lg 46.7 = 0.2225, lg lg 7.5 = -0.0579.
     """
     oil = Oil(
         viscosity_law="two_point",
@@ -87,8 +89,10 @@ def test_two_points():
 
 @pytest.mark.parametrize("velocity", [2.0, -2.0])
 def test_oil_is_hotter_where_the_hot_edge_is(velocity):
-    """Vogel's oil between 350 K below and 420 K above, linear: shear of each cell, and the pressure
-    flow through the cells in series, 1/sum (12 mu_j dy/h^3).
+    """Vogel's oil is hotter near the hot edge; its temperature is linear, 350 K below, 420 K above.
+
+    Compared are the shear of each cell, and the pressure flow through the cells in series,
+    1/sum (12 mu_j dy/h^3).
     """
     given = dict(oil_temperature_lower_edge=350.0, oil_temperature_upper_edge=420.0)
     oil = Oil(viscosity_law="vogel_1921")
@@ -116,8 +120,10 @@ def test_a_field_of_temperature_takes_the_place_of_the_edges():
 
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
 def test_pressure_makes_oil_thick(law):
-    """Between 200 and 20 MPa: with mu = mu_0 r(p), q = h^3/(12 mu_0 L) int dp/r, p where the
-    integral up to it is linear in y, and shear mu_0 r(p) V/h.
+    """Pressure makes oil thick, mu = mu_0 r(p), here between 200 and 20 MPa.
+
+    The flow is q = h^3/(12 mu_0 L) int dp/r. The integral up to p is linear in y.
+    The shear stress is mu_0 r(p) V/h.
 
     Barus: r = exp(alpha p). Roelands: r = exp{(ln mu_0 + 9.67)[(1 + p/1.96e8)^Z - 1]}, Z = alpha
     1.96e8/(ln mu_0 + 9.67). 1e-8: tables and quadrature.
@@ -160,9 +166,11 @@ def test_pressure_makes_oil_thick(law):
 @pytest.mark.parametrize("velocity", [4.0, -4.0])
 @pytest.mark.parametrize("law, n", [("cross_1965", 0.8), ("carreau_1972", 0.4)])
 def test_shear_makes_oil_thin(law, n, velocity):
-    """At g = |V|/h, with lg g_c = a + b t, t in C: Cross mu/mu_0 = m + (1 - m)/[1 + (g/g_c)^n],
-    Carreau m + (1 - m)[1 + (g/g_c)^2]^((n - 1)/2). 4.1 + 0.012 x 80 = 5.06. Pressure flow along
-    the sliding direction meets d(mu g)/dg.
+    """Shear at g = |V|/h makes oil thin, with lg g_c = a + b t, t in C: 4.1 + 0.012 x 80 = 5.06.
+
+    Cross: mu/mu_0 = m + (1 - m)/[1 + (g/g_c)^n].
+    Carreau: mu/mu_0 = m + (1 - m)[1 + (g/g_c)^2]^((n - 1)/2).
+    Pressure flow along the sliding direction meets d(mu g)/dg.
     """
     oil = Oil(
         viscosity=0.02,

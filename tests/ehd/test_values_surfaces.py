@@ -1,9 +1,8 @@
-"""Numbers of rough surfaces, asperity contact and coating, against tables typed here from their
-sources and formulas written out here.
+"""Rough surfaces, asperity contact and coating against published tables and formulas.
 
-Every published coefficient of Patir and Cheng stands here a second time, and the model has to give
-flow and force with it: pressure flow and sliding flow, axial force and power, with the roughness on
-the skirt, on the bore, and on both.
+Every published coefficient of Patir and Cheng is typed here a second time. The model must give
+flow and force with it: pressure flow and sliding flow, axial force and power. The roughness is on
+the skirt, on the bore, or on both.
 
 References
 ----------
@@ -67,8 +66,10 @@ def phi_fp(h, g):
 
 
 def phi_f(h):
-    """[Patir1979]: h E(1/h_T) over heights of density d(t) = (35/96) [1 - (t/3)^2]^3 in t = height/
-    sigma, films below sigma/100 left out of 1/h_T to first order; by quadrature, the pole apart:
+    """Return phi_f of [Patir1979], h E(1/h_T), by quadrature with the pole apart.
+
+    The density of heights is d(t) = (35/96) [1 - (t/3)^2]^3 in t = height/sigma.
+    Films below sigma/100 are left out of 1/h_T to first order:
 
     int (d(t) - d(-h))/(h + t) dt + d(-h) ln[(h + 3)/0.01]
     """
@@ -87,12 +88,12 @@ def gap(h):
 
 
 def stepped(film, velocity=0.0, shape=SHAPE, **changes):
-    """Outputs of one step of a film that stays as it is, or of a list of films in turn."""
+    """Return the outputs of one step of a constant film, or of a list of films in turn."""
     return sleeve.stepped(shape, film, velocity, **changes)
 
 
 def rough(separation, velocity, gamma_, share, **changes):
-    """The same for a parallel rough film without contact pressure to speak of."""
+    """Return the same for a parallel rough film with negligible contact pressure."""
     return stepped(
         separation * SIGMA,
         velocity,
@@ -132,14 +133,15 @@ def test_pressure_flow_and_its_force(g, h, share):
 @pytest.mark.parametrize("h", [0.8, 1.5, 3.0, 6.0, 8.0])
 @pytest.mark.parametrize("share, velocity", [(1.0, 3.0), (0.3, 3.0), (0.3, -3.0), (0.0, -3.0)])
 def test_sliding_flow_force_and_power(g, h, share, velocity):
-    """With w = 2 Y - 1 = (sigma_skirt^2 - sigma_bore^2)/sigma^2, [Patir1979] in the frame of the
-    skirt:
+    """Sliding flow, force and power follow [Patir1979] in the frame of the skirt.
+
+    With w = 2 Y - 1 = (sigma_skirt^2 - sigma_bore^2)/sigma^2:
 
     flow      U/2 (h_T - w sigma Phi_s),   a rough skirt keeps oil with it
     force     mu V/h (phi_f + Phi_fs),         whichever surface is rough
 
-    [Patir1979] gives the stress of the smooth moving surface under a rough one at rest phi_f +
-    Phi_fs, and that of the rough one phi_f - Phi_fs: the rest of its force is pressure on its
+    [Patir1979] gives two stresses: phi_f + Phi_fs of the smooth moving surface under a rough one at
+    rest, and phi_f - Phi_fs of the rough one. The rest of the rough one's force is pressure on its
     slopes. 2e-5: the tables between their points.
     """
     o = rough(h, velocity, g, share)
@@ -156,10 +158,11 @@ def test_sliding_flow_force_and_power(g, h, share, velocity):
 @pytest.mark.parametrize("g", PUBLISHED)
 @pytest.mark.parametrize("h", [1.0, 1.5, 2.0, 3.0, 4.0, 5.0])
 def test_force_of_a_gradient_and_flow_of_sliding_are_one_number(g, h):
-    """Reciprocity of a slow viscous flow: what a pressure gradient does to the sliding bore, b
-    dp/dy, and what sliding carries through the film, V t/2, have one coefficient, b = t/2. So
-    phi_fp H = H_T - Phi_s, fits of one paper to two different averages. 0.03: twice the width of
-    the points in the paper's figures.
+    """Reciprocity of a slow viscous flow: pressure force and sliding flow have one coefficient.
+
+    A pressure gradient exerts b dp/dy on the sliding bore; sliding carries V t/2 through the film.
+    Because b = t/2, phi_fp H = H_T - Phi_s. Both are fits of one paper to two different averages.
+    0.03: twice the width of the points in the paper's figures.
     """
     assert phi_fp(h, g) == pytest.approx((gap(h) - phi_s(h, g)) / h, abs=0.03)
 
@@ -223,9 +226,11 @@ def test_squeeze_flows_by_both_factors(around):
 @pytest.mark.parametrize("share", [0.7, 0.2])
 @pytest.mark.parametrize("skirt, bore", [(6.0, 1 / 3), (1 / 9, 3.0)])
 def test_skirt_and_bore_have_grooves_of_their_own(skirt, bore, share):
-    """Flow of a gradient and of sliding, and the force of both, with the deviations of skirt and
-    bore weighed by their variances; what sliding carries, h_T - sigma (Y Phi_s - (1 - Y) Phi_b),
-    is [Patir1979] for different gammas. 2e-5: the tables between their points.
+    """Skirt and bore have separate grooves, weighted by the variances of both.
+
+    This holds for the flow of a gradient and of sliding, and for the force of both.
+    Sliding carries h_T - sigma (Y Phi_s - (1 - Y) Phi_b), as in [Patir1979] for different gammas.
+    2e-5: the tables between their points.
     """
     h, velocity, rest = 2.0, 3.0, 1.0 - share
     given = dict(peklenik_number_bore=bore, pressure_lower_edge=4e7, pressure_upper_edge=1e7)
@@ -246,7 +251,9 @@ def test_skirt_and_bore_have_grooves_of_their_own(skirt, bore, share):
 
 
 def test_between_published_numbers_factors_are_linear_in_the_logarithm():
-    """gamma = 2 lies ln 2/ln 3 = 0.63093 of the way from 1 to 3, at H = 2 by hand:
+    """Between published numbers the factors are linear in ln(gamma).
+
+    gamma = 2 is ln 2/ln 3 = 0.63093 of the way from 1 to 3, at H = 2 by hand:
     phi_x = 0.36907 (1 - 0.9 exp(-1.12)) + 0.63093 (1 + 0.225 x 2^-1.5).
     """
     expected = 0.3690702 * (1.0 - 0.9 * 0.3262798) + 0.6309298 * (1.0 + 0.225 * 0.3535534)
@@ -282,9 +289,11 @@ def touching(h, velocity=0.0, **changes):
 
 @pytest.mark.parametrize("h", INTEGRALS)
 def test_contact_pressure_area_and_friction(h):
-    """[Greenwood1970]: p = (16 sqrt 2 pi/15)(eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2, 1/E* =
-    sum (1 - nu^2)/E;  A_c/A = pi^2 (eta beta sigma)^2 F_2;  friction (mu_b p + tau_0 A_c/A) V/
-    sqrt(V^2 + v_0^2) against sliding, here at V = -3/4 v_0: 3/5. 1e-5: digits of the integrals.
+    """Contact pressure, area and friction follow [Greenwood1970].
+
+    p = (16 sqrt 2 pi/15)(eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2, 1/E* = sum (1 - nu^2)/E;
+    A_c/A = pi^2 (eta beta sigma)^2 F_2; friction (mu_b p + tau_0 A_c/A) V/sqrt(V^2 + v_0^2) against
+    sliding, here at V = -3/4 v_0: 3/5. 1e-5: digits of the integrals.
     """
     force, area = INTEGRALS[h]
     o = touching(
@@ -324,8 +333,9 @@ def cell_mean(function, before, own, after):
 
 
 def test_contact_of_a_cell_is_the_mean_over_its_parabola():
-    """H = 1 to 3.2 around, without a step: each cell against the parabola through itself and its
-    neighbours. The highest is not the cell with the smallest gap at its centre alone.
+    """The contact of a cell is the mean over the parabola through itself and its neighbours.
+
+    H is 1 to 3.2 around, without a step.
     """
     around = np.array([1.0, 1.5, 2.2, 2.9, 3.2, 2.6, 2.1, 1.4])
     film = around[:, None] * SIGMA
@@ -352,8 +362,10 @@ def test_contact_of_a_cell_is_the_mean_over_its_parabola():
 
 
 def test_contact_at_an_edge_and_beside_a_cut_out_goes_on_straight():
-    """H = 1, 1.5, 2.2 along: straight from 0.75 to 1.25 in the first cell, from 1.85 to 2.55 in the
-    last; with the middle one cut out, both know no neighbour.
+    """Contact at an edge and next to a cut-out continues straight.
+
+    H is 1, 1.5, 2.2 along: straight from 0.75 to 1.25 in the first cell, 1.85 to 2.55 in the last.
+    If the middle one is cut out, both use no neighbour.
     """
     film = np.tile(np.array([1.0, 1.5, 2.2]) * SIGMA, (4, 1))
     middle = np.tile([False, True, False], (4, 1))
@@ -383,9 +395,11 @@ def stepped_gap(y, tilt, barrel):
 @pytest.mark.parametrize("cells", [40, 80, 160])
 @pytest.mark.parametrize("tilt, barrel", [(0.0, 0.0), (40.0, 0.0), (8.0, 20.0)])
 def test_contact_on_lands_does_not_see_the_grooves(cells, tilt, barrel):
-    """Lands between grooves of 10 sigma, flat, tilted by up to one sigma in a cell, or barrelled
-    too: the sum over the exact profile with 64 points in the smallest cell. 0.4 %: at its two ends
-    a land is straight within the cell, which leaves out the barrel's curvature there.
+    """Contact on lands is independent of the grooves of 10 sigma between them.
+
+    The lands are flat, tilted by up to one sigma in a cell, or also barrelled. The reference is the
+    sum over the exact profile with 64 points in the smallest cell.
+    0.4 %: at its two ends a land is straight within the cell, without the barrel's curvature.
     """
     y, fine = ((np.arange(n) + 0.5) / n for n in (cells, 64 * 160))
     film = np.tile(stepped_gap(y, tilt, barrel) * SIGMA, (4, 1))
@@ -399,8 +413,10 @@ def test_contact_on_lands_does_not_see_the_grooves(cells, tilt, barrel):
 
 
 def test_a_step_is_steeper_than_twice_the_gap_beside_it():
-    """Eq. (A12): jumps of 0.9, 2, 0.9 sigma are a step, so the cell before it is straight; with 1.1
-    before it they are not, and nor are jumps of a tenth.
+    """Eq. (A12): a step is steeper than twice the gaps next to it.
+
+    Jumps of 0.9, 2, 0.9 sigma are a step, so that the cell before it is straight.
+    With 1.1 before or after it they are none, nor are jumps of a tenth.
     """
 
     def force(gap):
@@ -422,9 +438,11 @@ def test_a_step_is_steeper_than_twice_the_gap_beside_it():
 
 
 def test_a_gap_that_bends_makes_no_step():
-    """Bodies press a gap flat from the fourth cell on. There the jump of the gap passes a quarter
-    of the roughness, which would be a step of a profile; contact may follow the gap alone, to
-    dp/p of some 3 H dH for dH = 2e-4. Steps that are there at the start stay.
+    """A gap that bends makes no step; steps of the profile at the start stay.
+
+    Bodies press a gap flat from the fourth cell on. There the jump of the gap passes a quarter of
+    the roughness, which would be a step of a profile. Contact follows only the gap, to dp/p of
+    some 3 H dH for dH = 2e-4.
     """
 
     def pressure(start, then, around):
@@ -450,9 +468,11 @@ def test_a_gap_that_bends_makes_no_step():
 @pytest.mark.parametrize("cells, distance", [(40, 0.04), (42, 0.03), (82, 0.005)])
 @pytest.mark.parametrize("least", [0.5e-6, 1.5e-6])
 def test_contact_does_not_depend_on_the_grid(cells, distance, least):
-    """A skirt of 180 um ovality and 20 um barrel, 0.5 um rough, rocked and shifted until its
-    thrust line comes to `least`: asperity friction against 320 cells around. Left is the fourth
-    derivative of the ovality in a cell; contact at centres alone was wrong by a factor.
+    """Asperity friction does not depend on the grid; the reference has 320 cells around.
+
+    A skirt of 180 um ovality and 20 um barrel, 0.5 um rough, is rocked and shifted until its thrust
+    line comes to `least`. The error left is the fourth derivative of the ovality in a cell.
+    Contact at centres alone was wrong by a factor.
     """
 
     def rubbing(n):
@@ -467,8 +487,9 @@ def test_contact_does_not_depend_on_the_grid(cells, distance, least):
 
 
 def test_overlap_goes_on_along_the_tangent():
-    """F_n(0) = 2^((n-1)/2) Gamma((n+1)/2)/sqrt(2 pi), F' = -n F_(n-1): p(-2)/p(0) = 1 + 5 F_3/2(0)/
-    F_5/2(0).
+    """Overlap continues along the tangent: p(-2)/p(0) = 1 + 5 F_3/2(0)/F_5/2(0).
+
+    F_n(0) = 2^((n-1)/2) Gamma((n+1)/2)/sqrt(2 pi), F' = -n F_(n-1).
     """
     at_zero = {n: 2 ** ((n - 1) / 2) * gamma((n + 1) / 2) / sqrt(2 * pi) for n in (1.5, 2.5)}
     pressure = [
@@ -493,8 +514,10 @@ def test_power_fit():
 
 
 def test_coating_opens_the_film_by_its_compliance():
-    """[Johnson1985]: a bonded layer yields by d (1 + nu)(1 - 2 nu)/[E (1 - nu)] p. Under an even
-    pressure 40 MPa: d = 60 um, E = 0.8 GPa, nu = 0.4: 1.4 um. Shear and flow see h + w.
+    """A coating opens the film by its compliance: shear and flow see h + w.
+
+    [Johnson1985]: a bonded layer yields by d (1 + nu)(1 - 2 nu)/[E (1 - nu)] p. Under an even
+    pressure of 40 MPa with d = 60 um, E = 0.8 GPa and nu = 0.4 this is 1.4 um.
     """
     pressure, film = 40e6, 5e-6
     given = dict(
