@@ -103,12 +103,11 @@ def test_what_makes_it_worse_is_taken_back(affine, tmp_path):
     summary = go(tank(affine, spilling), tmp_path / "fast.h5", log=said.append)
     plain = go(tank(affine, spilling, slow=()), tmp_path / "plain.h5")
     assert (summary["extrapolated_periods"], summary["taken_back_periods"]) == (2, 2)
-    assert summary["periods"] == plain["periods"] == 20
+    assert summary["periods"] - 2 == plain["periods"] == 20
     assert sum("rejected the extrapolation" in line for line in said) == 2
     assert "relative change 1 instead of 0.5" in " ".join(said)
     low, high = ends(tmp_path / "fast.h5"), ends(tmp_path / "plain.h5")
-    # two of twenty cycles were lost
-    assert low[-1] == pytest.approx(high[-1] - 0.02, abs=1e-12)
+    assert low[-1] == pytest.approx(high[-1], abs=1e-12)
 
 
 @pytest.mark.parametrize("instant", [6.0, 9.0, 13.0])
