@@ -1,6 +1,4 @@
-"""Small bodies for the unit tests: a tube with a crown that stands for a piston, and a tube that
-stands for a block.
-"""
+"""Small bodies for the unit tests: a tube with a crown as piston, and a tube as block."""
 
 import meshio
 import numpy as np
@@ -38,8 +36,9 @@ def quiet(text):
 
 
 def tube(cells, low, high, inner, outer):
-    """Tube of 10-node tetrahedra about y, cells (around, across, along); edge nodes on the
-    cylinders.
+    """Return a tube of 10-node tetrahedra about y with cells (around, across, along).
+
+    Edge nodes are on the cylinders.
     """
     mesh = ring_mesh(Ring(inner, outer, high - low, 2 * np.pi, cells))
     x, y, z = mesh.points.T
@@ -55,7 +54,7 @@ def clamped_box(cells, size):
 
 
 def mean_held(body, surface):
-    """A body whose mean motion over a surface is held, which loads in balance do not feel."""
+    """Return a body whose mean motion over a surface is held; balanced loads do not feel this."""
     points = body.mesh.points
     area = np.asarray(surface_matrix(points, body.mesh.faces[surface]).sum(axis=1)).ravel()
     return MeanElastic(body.K, body.M, mean_conditions(points, area), rigid_motions(points))
@@ -82,8 +81,9 @@ def write(path, points, tets, surfaces):
 
 
 def write_bodies(folder, around, across, along):
-    """A small piston (tube, held at two inner patches along z) and a small block (tube, held at its
-    lower end), with their build table.
+    """Write a small piston and a small block with their build table.
+
+    The piston is a tube held at two inner patches along z, the block a tube held at its lower end.
     """
     points, tets = tube((around, across, along[0]), -16e-3, 20e-3, INNER, OUTER)
     x, y, z = points.T
@@ -122,7 +122,7 @@ def bodies(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def coarse(tmp_path_factory):
-    """The same with a quarter of the nodes, for what does not ask for accuracy."""
+    """Return the small bodies with a quarter of the nodes, for tests that need no accuracy."""
     return write_bodies(tmp_path_factory.mktemp("coarse"), 16, 1, (6, 4))
 
 
@@ -134,7 +134,7 @@ def kept_bodies(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def kept(kept_bodies):
-    """Sets that cache for a module."""
+    """Set that cache for a module."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PISTON_COSIM_CACHE", str(kept_bodies))
         yield
@@ -156,8 +156,9 @@ def reduced(coarse, kept_bodies):
 
 @pytest.fixture
 def model(reduced):
-    """The small bodies as a running model with the parameters' start values, but a skewed
-    mechanism.
+    """Return a running model of the small bodies.
+
+    Parameters have their start values, except for a skewed mechanism.
     """
     from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
     from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters

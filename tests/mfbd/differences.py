@@ -9,7 +9,7 @@ CHANGED = ("pressure_force", "friction_force", "rings", "pins", "carrier", "bore
 
 
 def plus(value, change, share):
-    """A value and a share of its change: numbers, arrays or tuples of them."""
+    """Return a value plus a share of its change: numbers, arrays or tuples of them."""
     if isinstance(value, tuple):
         parts = [plus(*pair, share) for pair in zip(value, change, strict=True)]
         return value._make(parts) if hasattr(value, "_make") else tuple(parts)
@@ -46,7 +46,7 @@ def products_by_differences(model, state, base, change, step, within, size=1.0):
 
 
 def rough_change(model, base, seed=1):
-    """A direction with changes of 1 N on all cells, and of the rings."""
+    """Return a direction with changes of 1 N on all cells, and of the rings."""
     rng = np.random.default_rng(seed)
     push, drag = rng.standard_normal((2, *base.pressure_force.shape))
     pins = tuple(
@@ -65,8 +65,9 @@ def rough_change(model, base, seed=1):
 
 
 def lagrange(energy, position, velocity, acceleration, scale):
-    """d/dt dT/dvelocity - dT/dposition of a kinetic energy, quadratic in the velocities, by
-    differences of fourth order; `scale`, the change of each coordinate that they take.
+    """Return d/dt dT/dvelocity - dT/dposition of a kinetic energy quadratic in the velocities.
+
+    Differences are of fourth order; `scale` is their change of each coordinate.
     """
     position, velocity, acceleration = (
         np.asarray(one, dtype=np.longdouble) for one in (position, velocity, acceleration)

@@ -1,5 +1,7 @@
-"""Models for the tests of a floating pin: rigid or yielding bodies, a pin that bends, films of the
-crank; rough inputs, central differences of a step, springs in place of films.
+"""Models for the tests of a floating pin.
+
+There are rigid and elastic bodies, a pin that bends and films of the crank. Helpers apply rough
+inputs, take central differences of a step and replace films by springs.
 """
 
 import dataclasses
@@ -65,7 +67,7 @@ CRITICAL = dataclasses.replace(PARAMETERS, damping_ratio=1.0, high_frequency_dam
 
 
 def bodies():
-    """The rigid piston of data_sheet in its bore, its centre of mass off its axis."""
+    """Return the rigid piston of data_sheet in its bore, with its centre of mass off its axis."""
     piston = ReducedPiston(
         mass=1.39,
         S=1.39 * CENTRE,
@@ -105,8 +107,9 @@ MODES = 3
 
 
 def yielding_bodies(young=1.0):
-    """The same with three modes, no two classes of their matrices alike, and their values in the
-    bosses; `young` times as stiff.
+    """Return the bodies with three modes, `young` times as stiff.
+
+    No two classes of their matrices are alike. The modes also have values in the bosses.
     """
     rng = np.random.default_rng(7)
     piston, block, *_ = bodies()
@@ -160,7 +163,7 @@ def bending_model(shapes=4, parameters=PARAMETERS, **axis):
 
 
 def bending_in_bosses(parameters=PARAMETERS, **shells):
-    """A pin that bends in bosses that yield."""
+    """Return a model of a bending pin in elastic bosses."""
     own = OwnParameters(PinParameters(), AXIS)
     yielding = yielding_bodies()._replace(shells=shells)
     return assemble_floating(yielding, bending_options(3), parameters, own)
@@ -183,13 +186,13 @@ def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
 
 
 def eye_model(young=1.0, parameters=PARAMETERS):
-    """A rigid piston and pin, an eye that yields."""
+    """Return a model of a rigid piston and pin with an elastic eye."""
     yielding = bodies()._replace(shells={"small_end": small_end(young)})
     return assemble_floating(yielding, options(True), parameters, OwnParameters(PinParameters()))
 
 
 def all_that_yields(parameters=PARAMETERS):
-    """A pin that bends in bosses and an eye that yield."""
+    """Return a model of a bending pin in elastic bosses and an elastic eye."""
     return bending_in_bosses(parameters, small_end=small_end())
 
 
@@ -315,7 +318,7 @@ class Springs:
             self.seeds.append(seed)
 
     def inputs(self, forces, gas=0.0, speed=0.0):
-        """The model's inputs with forces on all cells, those of the skirt first."""
+        """Return the model's inputs with forces on all cells, those of the skirt first."""
         push, *pins = (
             part.reshape(one.shape)
             for part, one in zip(np.split(forces, self.ends), self.grids, strict=True)
@@ -328,7 +331,7 @@ class Springs:
         return np.concatenate([out[f"{one.prefix}film_thickness"].ravel() for one in self.grids])
 
     def lacks(self):
-        """What springs lack by each direction, as columns."""
+        """Return the imbalance of the springs for each direction, as columns."""
         columns = []
         for seed in self.seeds:
             given = self.inputs(seed)
@@ -338,7 +341,7 @@ class Springs:
         return np.array(columns).T
 
     def run(self, steps, gas=6e5, speed=SPEED, start=(0.3, 2e-6, 1e-4), step=STEP):
-        """Outputs of every step; `forces` are those at its end."""
+        """Return the outputs of every step; `forces` are those at its end."""
         state, _ = self.model.start(*start, self.inputs(self.forces, gas, speed))
         way = []
         for _ in range(steps):

@@ -51,9 +51,10 @@ def test_a_ring_has_its_volume_and_its_surfaces():
 
 
 def test_even_pressure_on_a_bonded_ring_by_closed_form():
-    """u = p (R^2/r - r)/(2 (lambda + mu) + 2 mu R^2/r^2), u(R) = 0; without Poisson's ratio its
-    free ends stay plane. 40 modes and 24 blocks around miss 0.1 % of the mean and 2 % in places,
-    forces on points instead of cells 19 %.
+    """Displacement follows u = p (R^2/r - r)/(2 (lambda + mu) + 2 mu R^2/r^2) with u(R) = 0.
+
+    With Poisson's ratio 0 the free ends stay plane. 40 modes and 24 blocks around miss 0.1 % of the
+    mean and 2 % locally. Forces on points instead of cells miss 19 %.
     """
     shell = elastic_shell(table(poisson=0.0, modes=40), progress=quiet)
     pressure = 4e6
@@ -67,8 +68,10 @@ def test_even_pressure_on_a_bonded_ring_by_closed_form():
 
 
 def test_modes_answer_a_film_as_the_whole_mesh_does(liner):
-    """Pressure and friction of a short bearing, e = 0.8, sharper than an elastic film has it: 60
-    modes miss 5 % of the deflection (rms), most of it under the peak, and 0.7 % of the work.
+    """60 modes miss 5 % of the deflection (rms), most of it under the peak, and 0.7 % of the work.
+
+    The load is pressure and friction of a short bearing with e = 0.8. It is sharper than that of an
+    elastic film.
     """
     a = WHOLE * np.arange(GRID[0]) / GRID[0]
     y = (np.arange(GRID[1]) + 0.5) / GRID[1]

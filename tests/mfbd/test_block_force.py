@@ -1,5 +1,7 @@
-"""Forces on the block of a floating pin and of a motion in space: changes of momentum and of
-angular momentum of all bodies, from their positions and velocities alone.
+"""Forces on the block of a floating pin and of a motion in space.
+
+They are compared with the changes of momentum and angular momentum of all bodies. These use
+positions and velocities only.
 """
 
 import dataclasses
@@ -35,9 +37,10 @@ def cross(a, b):
 
 
 def all_momentum(model, position, velocity, crank):
-    """Momentum (2,) of everything that moves, and angular momentum about the crank axis but that
-    of the crank's own rotation; velocities by differences of places. Modes of eye, big end and
-    main bearing have no momentum (Eq. (D40)).
+    """Return the momentum (2,) of everything that moves, and its angular momentum.
+
+    The angular momentum is about the crank axis, without the crank's own rotation. Velocities are
+    differences of positions. Modes of eye, big end and main bearing have no momentum (Eq. (D40)).
     """
     p, piston, first = PARAMETERS, model.bodies.piston, model.layout
     own_crank = first.main_bearing >= 0
@@ -83,7 +86,10 @@ def all_momentum(model, position, velocity, crank):
 
 
 def yields():
-    """A pin that bends, in bosses and an eye that yield. Dampers of its shapes stand in space."""
+    """Return a model of a bending pin in elastic bosses and eye, without damping.
+
+    Dampers of its shapes would act against space.
+    """
     undamped = dataclasses.replace(PARAMETERS, damping_ratio=0.0, high_frequency_damping_ratio=0.0)
     return all_that_yields(undamped)
 
@@ -104,8 +110,10 @@ def made(name):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_block_and_drive_change_the_momentum_of_all_bodies(name):
-    """Rough forces in all films, an unbalanced crank that speeds up. Differences of sixth order
-    leave 1e-9 of the largest term, as of the equations of motion.
+    """Force and moment on the block and the drive change the momentum of all bodies.
+
+    All films have rough forces. The crank is unbalanced and speeds up.
+    Differences of sixth order leave 1e-9 of the largest term, as for the equations of motion.
     """
     model = made(name)
     _, out = rough_way(model, 6)
@@ -129,9 +137,10 @@ def test_block_and_drive_change_the_momentum_of_all_bodies(name):
 
 
 def missed_in_space(size, direction):
-    """What forces and moments on the block miss of the points' change of momentum and of angular
-    momentum about the crank axis, both (6,), and these; with the accelerations of the model. The
-    cylinder is 3 mm off the crank axis.
+    """Return the error of forces and moments on the block, and the reference, both (6,).
+
+    The reference is the points' change of momentum and of angular momentum about the crank axis.
+    Accelerations are those of the model. The cylinder is 3 mm off the crank axis.
     """
     of = Points(size)
     crank = CrankMotion(0.3, SPEED, 0.0)

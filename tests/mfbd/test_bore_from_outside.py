@@ -1,5 +1,7 @@
-"""A bore whose deflection comes from outside: reading and its transpose, against the bore's own
-modes, sensitivity of a step, what is refused.
+"""A bore whose deflection is an input.
+
+Reading and its transpose are compared with the bore's own modes. Other tests cover the
+sensitivity of a step and rejected inputs.
 """
 
 import dataclasses
@@ -36,7 +38,7 @@ MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
 
 
 def outside_of(reduced, around=16, axial=24, **values):
-    """The small piston in a block that deflects from outside."""
+    """Return the small piston in a block whose deflection is an input."""
     options, piston, block = reduced
     heights = np.linspace(block.heights[0], block.heights[-1], axial)
     none = no_modes(len(block.radial), axial)
@@ -47,7 +49,7 @@ def outside_of(reduced, around=16, axial=24, **values):
 
 
 def own_of(reduced, **values):
-    """The same in its own flexible block, whose modes move outwards alone."""
+    """Return the small piston in its own flexible block, whose modes move only outwards."""
     options, piston, block = reduced
     block = dataclasses.replace(block, axial=0.0 * block.axial)
     return assemble(piston, block, options, Parameters(**SKEW | values)), block
@@ -55,8 +57,9 @@ def own_of(reduced, **values):
 
 @pytest.mark.parametrize("given", [12, 24, 40])
 def test_periodic_rule_by_order(given):
-    """Sums of rows 1, the grid's own values as they are, cos 3 theta to the fourth order of a cubic
-    spline, which errs by 5/384 (k cell)^4 at most [Hall and Meyer 1976].
+    """Row sums are 1, the grid's own values are exact, and cos 3 theta is read to fourth order.
+
+    The error of a cubic spline is at most 5/384 (k cell)^4 [Hall and Meyer 1976].
     """
     rule = periodic_rule(given, 33)
     np.testing.assert_allclose(rule.sum(axis=1), 1.0, atol=1e-13)
@@ -86,8 +89,9 @@ def test_forces_on_the_bore_are_the_transpose_of_its_reading(reduced, shape):
 
 
 def test_gas_on_the_wall_by_hand(reduced):
-    """Pressure times 2 pi R times what is above each ring, and its moment about the bore's foot;
-    even around.
+    """Gas force is pressure times 2 pi R times the height above each ring, even around.
+
+    Its moment is about the bore's foot.
     """
     model = outside_of(reduced)
     _, _, block = reduced
@@ -105,8 +109,10 @@ def test_gas_on_the_wall_by_hand(reduced):
 
 
 def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
-    """Step after step with the field that the bore's own modes take: the same film and piston, and
-    the modes' forces; 6e-8 of a deflection is single precision of their tables.
+    """The field of the bore's own modes as an input gives the same film, piston and modal forces.
+
+    It is updated step after step. The tolerance of 6e-8 of a deflection is the single
+    precision of the modes' tables.
     """
     own, block = own_of(reduced)
     other = outside_of(reduced)
@@ -147,8 +153,10 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
 
 
 def test_derivatives_with_a_bore_from_outside_are_differences(reduced):
-    """Every output by every input at once; what the tangent leaves out is 2 w c1 = 1e-4 here, see
-    test_mounted; fields of the bore itself are linear and exact.
+    """Every output by every input at once agrees with differences.
+
+    The tangent leaves out 2 w c1 = 1e-4 here, see test_mounted. Fields of the bore itself are
+    linear and exact.
     """
     model = outside_of(reduced, 10, 15)
     rng = np.random.default_rng(8)

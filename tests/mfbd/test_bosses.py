@@ -1,5 +1,6 @@
-"""Pin bosses of a mesh as film surfaces: what is read of them, Lame's tube, modes beside the whole
-mesh, what is refused.
+"""Pin bosses of a mesh as film surfaces.
+
+Tests cover reading, Lame's tube, modes compared with the whole mesh and rejected meshes.
 """
 
 import numpy as np
@@ -21,7 +22,7 @@ GRID = (48, 8)
 
 @pytest.fixture(scope="module")
 def pipe():
-    """A thick pipe about z with a groove's worth of bore left out amid it: two bosses."""
+    """Return a thick pipe about z with a wide gap in the middle of its bore: two bosses."""
     mesh = ring_mesh(Ring(INNER, OUTER, 2 * HALF, np.pi, (32, 1, 10)))
     bore = mesh.faces["bore"]
     own = np.abs(mesh.points[bore[:, :3], 2].mean(axis=1)) > 4e-3
@@ -29,8 +30,10 @@ def pipe():
 
 
 def test_displacements_that_are_known_are_read(pipe):
-    """A shift, a turn about the pin and a widening, by hand: linear fields are exact on ten-node
-    faces, but for the faces' bend between a cell and the mesh, (pi/64)^4/8 and less.
+    """A shift, a rotation about the pin and a widening are read as computed by hand.
+
+    Linear fields are exact on ten-node faces, except for the curvature of a face between a cell and
+    the mesh. This error is at most (pi/64)^4/8.
     """
     films = ShellFilm(GRID, 16e-3, 0)
     found = boss_readings(pipe, pipe.points, films)
@@ -61,8 +64,9 @@ def test_displacements_that_are_known_are_read(pipe):
 
 
 def test_modes_for_bosses_answer_smooth_pressure(pipe):
-    """A half-sine of pressure in both bosses, along them as well; what 10, 20 and 40 shapes miss
-    falls with each doubling.
+    """The error of 10, 20 and 40 shapes falls with each doubling.
+
+    The pressure is a half-sine in both bosses, around and along them.
     """
     films = ShellFilm(GRID, 16e-3, 0)
     found = boss_readings(pipe, pipe.points, films)

@@ -112,8 +112,9 @@ def test_folding_by_symmetry_changes_nothing():
 
 
 def test_modes_of_a_symmetric_body_are_even_or_odd():
-    """A tube whose elements mirror: classes found, orthonormality kept; the small piston, whose
-    elements do not, has none.
+    """A tube whose elements mirror has symmetry classes and orthonormal modes.
+
+    The small piston, whose elements do not mirror, has no classes.
     """
     from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
     from piston_cosim.fmu_mfbd.reduction.bases import (

@@ -26,7 +26,7 @@ COUNTS = ("residual_evaluations", "jacobian_evaluations")
 
 @pytest.fixture
 def built(reduced):
-    """Makes the small bodies with some parameters."""
+    """Make the small bodies with some parameters."""
     options, piston, block = reduced
 
     def make(**values):
@@ -51,8 +51,9 @@ def same(one, other, but=()):
 
 
 def test_growth_by_hand():
-    """A piston of 90 mm and 23e-6/K grows by 103.5 um in radius with 100 K, a bore of 90.1 mm and
-    11e-6/K by 24.7775 um with 50 K.
+    """A piston grows by 103.5 um and a bore by 24.7775 um in radius.
+
+    The piston has 90 mm, 23e-6/K and 100 K. The bore has 90.1 mm, 11e-6/K and 50 K.
     """
     p = settings_of(Parameters(piston_expansion=23e-6, bore_expansion=11e-6))
     radii = Radii(45e-3, 45.05e-3)
@@ -94,7 +95,7 @@ def test_growth_closes_the_film_and_does_work_on_it(built):
 
 
 def damped(values, of=USUAL):
-    """The damping of parameters with some changed."""
+    """Return the damping of parameters with some changed."""
     return Damping(*(values.get(name, getattr(of, name)) for name in TUNABLE))
 
 

@@ -1,5 +1,7 @@
-"""Films of the crank in the rod's big end and in the main bearing: equations against Newton's on
-points that move, films and closed forms by hand, the rod without play as the stiff limit.
+"""Films of the crank in the rod's big end and in the main bearing.
+
+Equations are compared with Newton's law of moving points. Films and closed forms are computed by
+hand. The rod without play is the stiff limit.
 """
 
 import dataclasses
@@ -39,8 +41,10 @@ with_none = pytest.mark.parametrize(
 
 
 def joints(q, angle, b, m):
-    """A, pin, centre of the rod, journal of the crank, and the direction from it to its pin; angle
-    of the rod. Crank pin and journal are at b and m from their shells' axes.
+    """Return A, pin, rod centre, crank journal, crank direction and rod angle.
+
+    The direction is from the journal to the crank pin. Crank pin and journal are at b and m from
+    the axes of their shells.
     """
     p = PARAMETERS
     u = np.array([-np.sin(angle), np.cos(angle)])
@@ -53,17 +57,20 @@ def joints(q, angle, b, m):
 
 
 class Points:
-    """The mechanism as points of mass and rods that turn, in space, by all coordinates and the
-    angle of the crank: x_A, rocking angle, pin from bosses, pin from eye, angle of the pin, then
-    crank pin from big end, journal from main bearing.
+    """The mechanism in space as mass points and rotating rods.
+
+    Its coordinates are x_A, rocking angle, pin from bosses, pin from eye and angle of the pin. Then
+    follow crank pin from big end and journal from main bearing. The angle of the crank is separate.
     """
 
     def __init__(self, names):
         self.names = names
 
     def places(self, q, angle):
-        """Of piston (centre), pin, rod (centre) and crank (centre of 4 kg), of all journals from
-        their shells' axes; angles of piston, pin, rod.
+        """Return positions of centres and of journals from their shells' axes, and angles.
+
+        The centres are those of piston, pin, rod and crank (4 kg). The angles are those of piston,
+        pin and rod.
         """
         play = dict(zip(self.names, q[7:].reshape(-1, 2)))
         b, m = (play.get(name, np.zeros(2)) for name in ("big_end", "main_bearing"))
@@ -103,10 +110,12 @@ def some_motion(names, seed=4):
 
 @with_none
 def test_equations_of_motion_against_newtons_law_of_every_body(names):
-    """Accelerations of all centres of mass by differences in time, of a motion with given
-    derivatives; their inertia forces on every coordinate by virtual work, its directions by
-    differences too. Forces of films and gas likewise: where they act, and which way that goes.
-    Differences of sixth order leave 1e-9 of the largest term.
+    """Residual and torque follow from inertia forces and loads of a motion with given derivatives.
+
+    Accelerations of all centres of mass are differences in time. Virtual work gives their inertia
+    forces on every coordinate, and its directions are differences too. Forces of films and gas act
+    likewise at their positions in their directions. Differences of sixth order leave 1e-9 of the
+    largest term.
     """
     model = crank_model(names)
     points = Points(names)
@@ -176,9 +185,11 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
 
 
 def test_gaps_and_velocities_by_hand():
-    """The crank pin 3 um right of and 4 um above the rod's big end, the journal 5 um left of and
-    2 um below the main bearing's middle, the rod askew; the rod's shell turns with it, so what lies
-    opposite of +x in it does so at the rod's angle.
+    """Gaps and velocities of both crank films agree with hand calculations.
+
+    The crank pin is 3 um right of the big end's middle and 4 um above it. The journal is 5 um left
+    of the main bearing's middle and 2 um below it. The rod is inclined and its shell turns with it,
+    so +x of the shell is at the rod's angle.
     """
     model = crank_model()
     state, _ = model.start(0.9, 0.0, 0.0, rough_inputs(model, 0, 0.0))
@@ -209,8 +220,9 @@ def test_gaps_and_velocities_by_hand():
 
 
 def test_a_crank_without_play_is_the_limit_of_stiff_films():
-    """Springs K in the crank's films as in the pin's, against the same without play at the crank:
-    apart by what the springs give, which halves with every doubling.
+    """The difference to a crank without play halves with every doubling of the stiffness.
+
+    Both models have springs K in the films of the pin, one has them in the films of the crank too.
     """
     compared = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
     apart = [
@@ -239,9 +251,10 @@ def test_a_picometre_of_play_keeps_its_digits():
 
 
 def test_friction_of_the_crank_by_hand():
-    """Half a newton a cell against the turning of crank pin and journal: it drives the shells. One
-    newton on the first cell, along the axes of rod and block, two on the one a quarter turn on:
-    they push the shells outwards.
+    """Friction of the crank films drives the shells, and cell forces push them outwards.
+
+    Half a newton a cell acts against the rotation of crank pin and journal. One newton acts on the
+    first cell, along the axes of rod and block. Two newtons act on the cell a quarter turn on.
     """
     model = crank_model()
     inputs = rough_inputs(model, 0, 0.0)

@@ -1,8 +1,8 @@
-"""Decks of other programs, written here as these programs write them: Nastran, Abaqus with parts,
-instances and included files, ANSYS, gmsh.
+"""Input decks of other programs, written here in the form that these programs write.
 
-Each comes back as the mesh it was made of: the same elements in the same order, each of its ten
-nodes at its place, so that the elastic energy of a field that bends the elements is the same. Node
+The programs are Nastran, Abaqus (parts, instances and included files), ANSYS and gmsh. Each deck
+is read back as its original mesh: the same elements in the same order, with ten nodes each at
+their positions. The elastic energy of a field that bends the elements is therefore the same. Node
 numbers have gaps and run against the order of the nodes.
 """
 
@@ -20,12 +20,12 @@ SURFACES = ("skirt", "crown", "pin_bore")
 
 @pytest.fixture(scope="module")
 def source(coarse):
-    """A piston with curved edges."""
+    """Return a piston with curved edges."""
     return read_mesh(coarse[0] / "piston.msh", dict.fromkeys(SURFACES))
 
 
 def number(row):
-    """Number of a node in the decks, falling with its row."""
+    """Return the number of a node in the decks, falling with its row."""
     return 90001 - 3 * np.asarray(row)
 
 
@@ -37,7 +37,7 @@ def bending_energy(mesh):
 
 
 def assert_same(mesh, source, digits=1e-12):
-    """Same elements at the same places [m], same energy, same surfaces."""
+    """Check that elements, positions [m], energy and surfaces are the same."""
     np.testing.assert_allclose(
         mesh.points[mesh.tets], source.points[source.tets], rtol=0, atol=digits
     )
@@ -66,7 +66,7 @@ def small(*fields):
 
 
 def tetra_cards(nodes, label, style):
-    """A CTETRA: its continuation begins with blanks, with a mark, or stands between commas."""
+    """Return a CTETRA whose continuation begins with blanks or a mark, or is between commas."""
     if style == "free":
         yield f"CTETRA,{label},7," + ",".join(map(str, nodes[:6]))
         yield "," + ",".join(map(str, nodes[6:]))
@@ -172,8 +172,9 @@ def abaqus_part(source, points, sets=True, shell="STRI65"):
 
 
 def placed_part(source, shift, centre, turn):
-    """The part's own coordinates of a mesh that an instance moves by `shift`, then turns about
-    `centre`.
+    """Return a mesh in the coordinates of its part.
+
+    The instance moves the part by `shift`, then turns it about `centre`.
     """
     return (source.points - centre) @ turn + centre - shift
 
@@ -187,8 +188,10 @@ SHIFT, CENTRE, AXIS, ANGLE = (
 
 
 def assembly(source, tmp_path, solids=("Piston-1",)):
-    """An assembly as CAE writes it: a part never used, one whose mesh is included, its instance
-    moved and turned, a rigid plate, a reference point.
+    """Return an assembly in the form that CAE writes.
+
+    One part is never used, and the mesh of another is included. Its instance is moved and turned.
+    The assembly also has a rigid plate and a reference point.
     """
     turn = rotation(AXIS, np.radians(ANGLE))
     points = placed_part(source, SHIFT, CENTRE, turn)
@@ -261,7 +264,7 @@ def test_two_instances_are_two_pieces(source, tmp_path):
 
 
 def ansys(source, form="19i9"):
-    """An archive as CDWRITE writes it, two types of elements, components of nodes with ranges."""
+    """Return an archive in CDWRITE's form: two element types, node components with ranges."""
     width = int(form.split("i")[1])
     count = len(source.points)
     lines = ["/COM,ANSYS RELEASE 2024", "/PREP7", "ET,        1,187", "ET,        4,174"]

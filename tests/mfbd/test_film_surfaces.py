@@ -41,7 +41,7 @@ def loads(seed):
 
 
 def stacked(field, surfaces):
-    """The rows of a field that surfaces have, one surface after another."""
+    """Return the rows of a field of several surfaces, one surface after another."""
     return np.concatenate([field[:, one.first : one.last].ravel() for one in surfaces])
 
 

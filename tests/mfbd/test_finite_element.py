@@ -1,5 +1,7 @@
-"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test, quadrature (FElupe:
-tests/verification/test_mfbd.py)."""
+"""Ten-node tetrahedron: rigid-body motions, mass properties, patch test and quadrature.
+
+The comparison with FElupe is in tests/verification/test_mfbd.py.
+"""
 
 import math
 
@@ -24,7 +26,7 @@ from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 @pytest.fixture(scope="module")
 def warped():
-    """A block of elements with edges that are not straight."""
+    """Return a block of elements with curved edges."""
     points, tets = box_mesh((2, 2, 3), (0.1, 0.2, 0.3))
     return points + 4e-3 * np.sin(25 * points[:, [1, 2, 0]]), tets
 
@@ -96,15 +98,16 @@ def test_inverted_elements_are_named(warped):
 
 
 def two_boxes():
-    """Two boxes of 12 tetrahedra each, with a common side of 4 triangles at x = 0.1 m and nodes of
-    their own there.
+    """Return two boxes of 12 tetrahedra each with a common side of 4 triangles at x = 0.1 m.
+
+    Each box has its own nodes there.
     """
     points, tets = box_mesh((1, 2, 1), np.full(3, 0.1))
     return np.vstack([points, points + [0.1, 0.0, 0.0]]), np.vstack([tets, tets + len(points)])
 
 
 def merged(points, tets, chosen):
-    """The boxes with common nodes where `chosen(points)` holds."""
+    """Return the boxes with common nodes where `chosen(points)` holds."""
     half = len(points) // 2
     apart = np.linalg.norm(points[half:, None] - points[:half], axis=2)
     number = np.arange(len(points))
