@@ -9,8 +9,9 @@ END, TAU = 0.3, 1e-9  # where the way is compared; of the mass on its damper [s]
 
 
 def way(steps, calm):
-    """Way of a unit mass under the load cos(2 pi t) on a damper 1/TAU until END, from rest in equal
-    steps; `calm` is the number of those of backward Euler.
+    """Return the displacement at END of a unit mass on a damper 1/TAU, in equal steps from rest.
+
+    The load is cos(2 pi t). The first `calm` steps use backward Euler.
     """
     step = END / steps
     now = Motion(np.zeros(1), np.zeros(1), np.ones(1))
@@ -36,8 +37,10 @@ def errors(calm):
 
 
 def test_a_load_at_the_start_does_not_ring():
-    """Order 2 by halved steps, from above (5.3, 4.8, 4.4); one calm step keeps order 1 alone, and
-    without any what the start remembers errs by more than the way itself.
+    """Halved steps show order 2, approached from above (5.3, 4.8, 4.4).
+
+    One backward Euler step only gives order 1. Without any, the memory of the start causes errors
+    larger than the displacement itself.
     """
     calm = errors(FIRST_STEPS)
     assert np.all(calm[:-1] / calm[1:] > 4.0)

@@ -37,8 +37,9 @@ from .differences import lagrange
 
 @pytest.fixture(scope="module")
 def lump():
-    """A compact body with all coupling terms alive: nodes, M, modes (n, 3, k) and its
-    FlexibleBody.
+    """Return a compact body with all coupling terms nonzero.
+
+    The result is (nodes, M, modes (n, 3, k), FlexibleBody).
     """
     points, tets = box_mesh((2, 2, 2), (0.04, 0.05, 0.03))
     points = points - [0.011, 0.017, 0.006]
@@ -67,8 +68,9 @@ def test_integrals_about_a_moved_pin(lump):
 
 
 def kinetic_energy(points, M, modes, coordinates, rates):
-    """From nodal velocities of the rotated, deformed body and the full mass matrix: no
-    floating-frame term in sight.
+    """Return the kinetic energy from nodal velocities of the rotated, deformed body and the full M.
+
+    It contains no floating-frame terms.
     """
     angle, q = coordinates[2], coordinates[3:]
     c, s = np.cos(angle), np.sin(angle)
@@ -170,9 +172,10 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
 
 @pytest.mark.parametrize("step", [0.0, 5e-5])
 def test_forces_that_cancel_exactly_give_a_piston_without_acceleration(step):
-    """Film forces that hold the piston to the last digit, at a start and in a step: what is left
-    are round-off's accelerations, 1e-9 m/s2 and rad/s2 of 1e5 that the single forces are worth; in
-    a step 1e-8, what the last digits of a position are worth.
+    """Film forces that balance the piston to the last digit leave only round-off of accelerations.
+
+    At a start this is 1e-9 m/s2 and rad/s2, where each force alone gives 1e5. In a step it is 1e-8,
+    the effect of the last digits of a position.
     """
     rng = np.random.default_rng(0)
     none = np.zeros(0)

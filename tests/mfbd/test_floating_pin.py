@@ -1,5 +1,7 @@
-"""A piston on a floating pin: an instant by hand, the tied pin as the stiff limit, derivatives,
-moments, powers.
+"""A piston on a floating pin.
+
+Tests cover an instant by hand, the tied pin as the stiff limit, derivatives, moments and
+powers.
 """
 
 import dataclasses
@@ -60,8 +62,10 @@ from .pin_models import (
 
 
 def test_film_thickness_and_forces_by_hand():
-    """Four cells around, shell turned by 90 deg: its own +x is +y in space. The pin stands 3 um
-    above and 1 um left of the shell's axis: 3 um along its +x, 1 um along its +y.
+    """Four cells around in a shell turned by 90 deg give the gaps and forces computed by hand.
+
+    The shell's own +x is +y in space. The pin is 3 um above the shell's axis and 1 um left of it.
+    These are 3 um along the shell's +x and 1 um along its +y.
     """
     surface = pin_surface(0.02, 10e-6, (4, 1))
     axes = turned(np.pi / 2)
@@ -82,9 +86,11 @@ def test_film_thickness_and_forces_by_hand():
 
 
 def test_a_shell_that_yields_by_hand():
-    """One mode, u_e = 2 cos 2a q on eight cells around: at a = 0 it opens by 2 q, at 90 deg it
-    closes by as much; pressure at 45 deg, where the shell falls with slope -4 sin 90 deg q, turns
-    the pin. Central differences of cos 2a on eight cells: sin(2 step)/step in place of 2.
+    """One mode u_e = 2 cos 2a q on eight cells around opens, closes and turns as computed by hand.
+
+    The shell opens by 2 q at a = 0 and closes by 2 q at 90 deg. Its slope at 45 deg is -4 sin 90
+    deg q, so pressure there turns the pin. Central differences of cos 2a on eight cells have the
+    factor sin(2 step)/step instead of 2.
     """
     a = np.pi / 4 * np.arange(8)
     modes = shell_modes(2 * np.cos(2 * a)[:, None, None], np.sin(a)[:, None, None])
@@ -108,8 +114,10 @@ def test_a_shell_that_yields_by_hand():
 
 
 def test_rows_of_shapes_and_shells_by_hand():
-    """Eq. (D40), and a shape of 3 kg, 7 N/m, 2 N s/m: the other rows are those of a rigid pin in
-    rigid shells, with pressure on slopes in place of as much friction.
+    """Rows of modes follow Eq. (D40), and other rows are those of a rigid pin in rigid shells.
+
+    The shape has 3 kg, 7 N/m and 2 N s/m. The rigid model has friction moments instead of pressure
+    on slopes.
     """
     plain = floating_model().bodies
     shape = AxisShapes(*np.array([[3.0], [7.0], [2.0], [0.0], [0.0]]))
@@ -143,10 +151,12 @@ def test_rows_of_shapes_and_shells_by_hand():
 
 
 def test_modes_of_a_standing_engine_yield_by_their_springs():
-    """Crank at rest, forces that stay, critical damping: each mode of piston, eye and shells of the
-    crank ends where its spring holds the modal force of gas and of its films, less what the frame's
-    acceleration asks of the piston; every film opens by the shape of its shell. 400 us damp the
-    start to 1 %, what falls meanwhile turns by a per cent.
+    """Each mode of piston, eye and crank shells ends where its spring balances its modal force.
+
+    The crank is at rest, forces are constant and damping is critical. The modal force is that of
+    gas and films, for the piston minus the effect of the frame's acceleration. Every film opens by
+    the shape of its shell. In 400 us the start decays to 1 %, and the falling parts turn by one per
+    cent.
     """
     damping = ("damping_ratio", "high_frequency_damping_ratio")
     model = crank_model(yielding=True, **dict.fromkeys(damping, 1.0))
@@ -200,8 +210,10 @@ def test_a_stiff_piston_is_the_rigid_one():
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("steps", [1, 6])
 def test_derivative_of_all_films_against_differences(steps, name):
-    """A step once of backward Euler and once not. With unit changes it is affine but for what
-    millimetres of play and turning shells bend: 1e-6.
+    """The derivatives of a step agree with differences, with and without backward Euler.
+
+    With unit changes the step is affine up to 1e-6, the effect of millimetres of play and of
+    turning shells.
     """
     model = MODELS[name]()
     state, _ = rough_way(model, steps)
@@ -224,8 +236,9 @@ def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(name)
 
 
 def test_the_tied_pin_is_the_limit_of_stiff_films():
-    """A pin on springs K in all three shells, without friction, goes to the pin that is tied, at
-    the rate 1/K: play under the same force halves with every doubling.
+    """A pin on springs K in all three shells approaches the tied pin at the rate 1/K.
+
+    There is no friction. Play under the same force halves with every doubling of K.
     """
     names = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
     apart = [

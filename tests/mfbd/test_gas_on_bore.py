@@ -19,10 +19,12 @@ LOW, HIGH = 60e-3, 166e-3
 
 
 def test_pressure_times_projected_area():
-    """Fields by hand. phi = 1: p times the wall's area, 2 pi 36.5 mm x 26 mm = 5.9627e-3 m2 of
-    4 MPa above the top ring and 9 mm, 2.0640e-3 m2, of 0.5 MPa between the rings; phi = y - 60 mm:
-    with the middles of both bands 93 and 75.5 mm above the table's foot; phi = cos(theta): nothing.
-    Between the table's heights too: a cubic holds the quadratic W.
+    """Forces of three fields agree with hand calculations, also between the table's heights.
+
+    The wall's area above the top ring is 2 pi 36.5 mm x 26 mm = 5.9627e-3 m2 under 4 MPa. That of
+    the 9 mm between the rings is 2.0640e-3 m2 under 0.5 MPa. The field phi = 1 gives pressure times
+    area. The field phi = y - 60 mm uses the middles of both bands, 93 and 75.5 mm above the table's
+    foot. The field phi = cos(theta) gives zero. A cubic represents the quadratic W exactly.
     """
     theta = 2 * np.pi * np.arange(16)[:, None, None] / 16
     heights = np.linspace(LOW, HIGH, 12)
@@ -48,9 +50,10 @@ def test_no_wall_above_the_rings_and_none_below_the_bore():
 
 
 def test_virtual_work_is_that_of_the_mesh(bodies):
-    """Modal forces from the table of the bore against nodal forces of the pressure on the faces of
-    the mesh above a ring that stands at an edge of faces. 2 %: modes are peaked at the thrust line,
-    which 16 angles would miss by 5 %, and fast modes bend within a ring of faces.
+    """Modal forces from the table of the bore agree with nodal forces on the faces of the mesh.
+
+    The pressure acts above a ring at an edge of faces. The tolerance is 2 %: modes have a peak at
+    the thrust line, where 16 angles would miss 5 %, and fast modes bend within a ring of faces.
     """
     folder, build = bodies
     block = read_options(build, folder).block
@@ -85,8 +88,9 @@ def test_a_share_of_the_gas_between_the_rings(reduced):
 
 
 def test_an_even_land_pressure_leaves_a_rigid_piston_alone(reduced):
-    """It pushes both rings along the bore's axis with equal and opposite forces: the same motion,
-    to the last bit, where the block does not yield.
+    """With a rigid block the motion is the same to the last bit.
+
+    The land pressure loads both rings along the bore's axis with equal and opposite forces.
     """
     options, piston, block = reduced
     last = ("radial", "axial", "omega", "kind")

@@ -32,8 +32,10 @@ INERTIA = Inertia(MASS, 0.0, 1e-3)
 
 
 def drop(film, thickness, speed, step, steps, push=0.0, limited=True, rho=0.6):
-    """Film thickness and velocity of a mass on a film, force -film dh/dt / h^3 while it closes, dh
-    by differences as the co-simulation has it; `push` [m/s2]. Arrays of shape (steps + 1,).
+    """Return film thickness and velocity of a mass on a film, each of shape (steps + 1,).
+
+    The force is -film dh/dt / h^3 while the film closes. As in the co-simulation, dh is a
+    difference. The unit of `push` is [m/s2].
     """
     c = coefficients(step, rho)
     now = Motion(np.array([thickness, 0.0]), np.array([-speed, 0.0]), np.array([push, 0.0]))
@@ -71,8 +73,9 @@ def closing(k, before, free):
 
 
 def random_impacts(count, limited):
-    """Largest velocity away from the wall over that of the approach, half of the impacts being
-    those of a mass that is pushed onto the film.
+    """Return the largest rebound velocity divided by the approach velocity, one per impact.
+
+    In half of the impacts the mass is pushed onto the film.
     """
     rng = np.random.default_rng(0)
     out = []
@@ -86,9 +89,10 @@ def random_impacts(count, limited):
 
 
 def test_a_stop_is_not_returned_as_a_rebound():
-    """A film takes all of the approach; 1 is an elastic wall. One stop in a thousand builds up
-    over two steps and sends 7 % of the speed back. Without the limit generalised-alpha sends the
-    mass back faster than it came.
+    """A film absorbs the whole approach velocity, whereas an elastic wall returns a ratio of 1.
+
+    One stop in a thousand builds up over two steps and returns 7 % of the speed. Without the limit
+    generalised-alpha returns the mass faster than it came.
     """
     limited = random_impacts(1000, limited=True)
     assert limited.max() <= 0.1
@@ -101,8 +105,10 @@ STILL = np.zeros((1, 8))
 
 
 class OnWedge(NamedTuple):
-    """A mass on a film: motion and auxiliary acceleration, memory and force of the film [N], and
-    the other forces that act at the start of the next step (Eq. (D15)) [N].
+    """State of a mass on a film.
+
+    It has motion, auxiliary acceleration, memory and force of the film [N]. The other forces [N]
+    act at the start of the next step (Eq. (D15)).
     """
 
     motion: Motion
@@ -140,7 +146,7 @@ class Wedge:
         return max(self.velocities) / -min(self.velocities)
 
     def advance(self, now, step, halvings):
-        """A step, halved as often as it creates energy."""
+        """Advance by a step, which is halved as often as it creates energy."""
         end, participants, exchange = self.solve(now, step)
         try:
             if self.checked:
@@ -155,7 +161,7 @@ class Wedge:
         return end
 
     def solve(self, now, step):
-        """A step with what the ledger asks of it."""
+        """Solve a step and return the data that the ledger needs."""
         c = coefficients(step, 0.6)
         predicted = predict(c, now.motion, now.auxiliary)
         free = predicted.position[0] + c.to_position * self.push
@@ -198,8 +204,9 @@ class Wedge:
 
 
 def on_wedges(count, limited, checked):
-    """Largest velocities away from the wedge over that of the approach in random impacts, every
-    other one of a mass that is pushed.
+    """Return the largest rebound velocities from the wedge divided by that of the approach.
+
+    The impacts are random. In every other impact the mass is pushed.
     """
     rng = np.random.default_rng(1)
     returned = []
@@ -213,8 +220,9 @@ def on_wedges(count, limited, checked):
 
 @pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.slow)])
 def test_no_impact_on_a_flooded_wedge_creates_energy(count, monkeypatch):
-    """None returns more than 2 % faster, neither with the limit at impacts nor by a ledger of 2 %
-    alone. Nine halvings always suffice. With neither, about half of the impacts do.
+    """No mass rebounds more than 2 % faster, with the limit at impacts or only a ledger of 2 %.
+
+    Nine halvings always suffice. With neither of them, about half of the impacts rebound faster.
     """
     assert on_wedges(count, limited=True, checked=True).max() <= 0.1
     assert np.mean(on_wedges(count, limited=False, checked=False) > 1.02) > 0.3
@@ -224,9 +232,11 @@ def test_no_impact_on_a_flooded_wedge_creates_energy(count, monkeypatch):
 
 @pytest.mark.parametrize("step", [1e-4, 2e-5, 2e-7])
 def test_a_pad_dropped_on_a_film_follows_its_closed_form(step):
-    """m v' = -K h'/h^3:  v(h) = v_0 - (K/2m)(1/h^2 - 1/h_0^2), at rest where it is zero, in any
-    step: within 25 % of the height where it stops while steps are longer than the stop, which
-    takes 6 us; within 2 % where 30 steps resolve it (dh by differences is of first order).
+    """The height of rest follows v(h) = v_0 - (K/2m)(1/h^2 - 1/h_0^2) = 0 for any step.
+
+    This is the integral of m v' = -K h'/h^3. The error is below 25 % of the height while steps are
+    longer than the stop of 6 us. It is below 2 % if 30 steps resolve the stop, as dh by differences
+    is of first order.
     """
     film, thickness, speed = 2e-14, 20e-6, 0.1
     stop = 1 / np.sqrt(1 / thickness**2 + 2 * MASS * speed / film)
@@ -246,8 +256,10 @@ def test_a_pad_dropped_on_a_film_follows_its_closed_form(step):
     ],
 )
 def test_what_is_an_impact(velocity, acceleration, is_impact):
-    """Velocity and acceleration before and after a step of 10 us, by the trapezoidal way: 0.5 um
-    and -1 um. The jump is worth 0.3, 0.6, 0.05, 0.09 and 0.11 m/s.
+    """Impacts are distinguished by velocity and acceleration before and after a step of 10 us.
+
+    The trapezoidal displacements are 0.5 um and -1 um. The jumps of velocity are 0.3, 0.6, 0.05,
+    0.09 and 0.11 m/s.
     """
     step = 1e-5
     way = step * sum(velocity) / 2
@@ -260,8 +272,9 @@ def test_what_is_an_impact(velocity, acceleration, is_impact):
 
 
 def test_smooth_motion_is_left_alone():
-    """An oscillation in 60 steps, and a steady push that turns the motion round: nothing is
-    limited, the bytes stay.
+    """The limit leaves every byte of a smooth motion unchanged.
+
+    The motions are an oscillation in 60 steps and a reversal under a steady push.
     """
     c = coefficients(1e-5, 0.6)
     omega = 2 * np.pi / 60e-5
@@ -281,8 +294,10 @@ def test_smooth_motion_is_left_alone():
 
 
 def test_energy_error_has_size_and_sign():
-    """0.3 kg goes 2 mm in a step at 100 m/s2 throughout: work 0.06 J. From 1 to 1.2 m/s it gains
-    0.066 J, 0.006 J too many; from 1 to 1.1 m/s 0.0315 J, 0.0285 J too few.
+    """The energy error is 0.006 J at an end speed of 1.2 m/s and -0.0285 J at 1.1 m/s.
+
+    A mass of 0.3 kg moves 2 mm in a step with 100 m/s2 throughout, so the work is 0.06 J. From 1 to
+    1.2 m/s it gains 0.066 J, from 1 to 1.1 m/s 0.0315 J.
     """
     moving = MovingBodies(rigid_body(MASS, (0.0, 0.0), 1e-3), INERTIA, 2, np.zeros(0))
     pushed = np.array([100.0, 0.0])

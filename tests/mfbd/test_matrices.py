@@ -1,5 +1,7 @@
-"""Matrices of other programs: our own mesh's stiffness and mass, written in each format, reduce to
-the same body as the mesh.
+"""Matrices of other programs.
+
+The stiffness and mass of our own mesh, written in each format, reduce to the same body as the
+mesh.
 """
 
 import meshio
@@ -52,7 +54,7 @@ def write_pair(folder, *matrices):
 
 
 def write_nodes(folder, mesh, names=(), scale=1.0, order=None, **sets):
-    """A CSV of nodes in some order, with sets: surfaces of the mesh by name, or given nodes."""
+    """Write a CSV of nodes in some order, with sets: mesh surfaces by name, or given nodes."""
     sets |= {name: mesh.nodes(name) for name in names}
     lines = ["node,x,y,z" + ",sets" * bool(sets)]
     for k in range(len(mesh.points)) if order is None else order:
@@ -117,7 +119,7 @@ BY_GEOMETRY = {
 
 
 def turned_to_file(matrix):
-    """The matrix with vectors in the axes of `in_file`."""
+    """Return the matrix with vectors in the axes of `in_file`."""
     turn = np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]])  # file = turn @ body
     whole = sp.kron(sp.identity(matrix.shape[0] // 3), turn)
     return whole @ matrix @ whole.T
@@ -145,8 +147,10 @@ def assert_same_body(imported, reference, tolerance):
     "kind", ["matrix market", "abaqus coordinate", "abaqus labels", "dmig large", "dmig commas"]
 )
 def test_round_trip(kind, original, from_mesh, coarse, tmp_path, monkeypatch):
-    """DMIG's fields of sixteen characters hold ten digits, which the ratio of largest to lowest
-    eigenvalue, 1e8, makes 1e-6 of the lowest frequencies; the other formats hold seventeen.
+    """Every format gives the same body to its own number of digits.
+
+    Fields of 16 characters in DMIG hold ten digits. The ratio of largest to lowest eigenvalue, 1e8,
+    turns these into 1e-6 of the lowest frequencies. The other formats hold 17 digits.
     """
     mesh, K, M = original
     names = {
@@ -179,8 +183,9 @@ def test_round_trip(kind, original, from_mesh, coarse, tmp_path, monkeypatch):
 
 
 def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
-    """A CSV of nodes with sets: the same fixed-interface frequencies, surfaces triangulated to the
-    mesh's own accuracy.
+    """A CSV of nodes with sets gives the same fixed-interface frequencies.
+
+    The triangulated surfaces have the accuracy of the mesh.
     """
     mesh, K, M = original
     order = np.random.default_rng(0).permutation(len(mesh.points))
@@ -210,8 +215,9 @@ def test_nodes_alone(original, coarse, from_mesh, tmp_path, monkeypatch):
 
 
 def test_piston_of_nodes_alone_has_its_gas_force(coarse, tmp_path, monkeypatch):
-    """Crown of three-node triangles: the modal gas force of the mesh's six-node faces, within the
-    faces' own error.
+    """The modal gas force on a crown of three-node triangles is that of the mesh's six-node faces.
+
+    The difference is within the error of the faces.
     """
     folder, options = coarse
     surfaces = ("skirt", "crown", "pin_bore")

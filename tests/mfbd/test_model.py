@@ -21,7 +21,7 @@ STEP = np.pi / 180 / SPEED
 
 
 def forces(model, seed=0, size=2.0):
-    """A rough, one-sided pressure force and a friction force."""
+    """Return a rough, one-sided pressure force and a friction force."""
     rng = np.random.default_rng(seed)
     bump = np.maximum(np.sin(model.film_surfaces[0].skirt.angle)[:, None] + 0.3, 0.0) * rng.random(
         model.film_surfaces[0].skirt.gap.shape
@@ -70,7 +70,7 @@ def rubbing(reduced):
 
 
 def assembled(reduced, **values):
-    """The small bodies with some parameters changed."""
+    """Return the small bodies with some parameters changed."""
     options, piston, block = reduced
     return assemble(piston, block, options, Parameters(**values))
 
@@ -83,8 +83,9 @@ def followers(reduced):
 
 @pytest.mark.parametrize("which", ["model", "rubbing", "followers"])
 def test_directional_derivative_against_differences(which, request):
-    """Central differences of the step; the step is smooth and nearly affine, so 1e-7 holds with
-    unit changes.
+    """The derivative agrees with central differences of the step.
+
+    The step is smooth and nearly affine, so 1e-7 holds with unit changes.
     """
     model = request.getfixturevalue(which)
     state, _ = run(model)
@@ -101,8 +102,9 @@ def test_work_is_the_same_on_the_grid_and_in_the_coordinates(which, request):
 
 
 def test_work_check_sees_a_wrong_transfer(model, monkeypatch):
-    """The check is alive: one percent on the moment shows (the kernel run as plain Python, with a
-    wrong transfer inside).
+    """The work check detects an error of one percent in the moment.
+
+    The kernel runs as plain Python with a wrong transfer inside.
     """
     from piston_cosim.fmu_mfbd.dynamics import instant, skirt_films
 
@@ -150,8 +152,10 @@ def film_forces(model, state, at):
 @pytest.mark.parametrize("which", ["model", "followers"])
 @pytest.mark.parametrize("stop", [0.0, 10.0])
 def test_energy_taken_is_work_and_what_integration_made(which, stop, request):
-    """Eq. (D14): the film's work by the trapezoidal rule, across and along, and what the time
-    integrator made or lost, also in an impact (Eq. (N7)) and after it.
+    """Eq. (D14): the energy gain is the film's work plus the energy error of the time integrator.
+
+    The work follows the trapezoidal rule, across and along the film. The balance also holds in an
+    impact (Eq. (N7)) and after it.
 
     stop : force in the seventh step over the earlier ones, against the motion.
     """
@@ -186,8 +190,9 @@ def test_what_nothing_moves_stays_at_rest(model):
 
 @pytest.mark.parametrize("coefficient", [0.0, 0.05])
 def test_free_crank_keeps_the_energy(reduced, coefficient):
-    """Rigid piston, no gas, no load, no film: kinetic energy of all and the heat of friction at the
-    pin are constant, the error falls with the step (order 2).
+    """The kinetic energy of all parts plus the heat of pin friction is constant.
+
+    The piston is rigid, without gas, load and film. The error falls with the step (order 2).
     """
     options, piston, block = reduced
     rigid = without_modes(piston)
@@ -227,8 +232,10 @@ def test_free_crank_keeps_the_energy(reduced, coefficient):
 
 @pytest.mark.parametrize("step", [1e-5, 2e-6, 1e-7])
 def test_short_steps_at_rest_converge_within_the_round_off_of_positions(model, step):
-    """Skirt squeezed evenly on a crank that hardly turns: once at rest, accelerations are smaller
-    than what the last digits of the positions are worth in a short step.
+    """Short steps at rest converge although accelerations are below the round-off of positions.
+
+    The skirt is squeezed evenly on a crank that hardly turns. At rest its accelerations are smaller
+    than the effect of the last digits of positions in a short step.
     """
     squeezed = Inputs(
         1e-6 * SPEED,

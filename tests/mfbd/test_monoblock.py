@@ -1,5 +1,7 @@
-"""A flexible block of two cylinders: its reduction against independent assemblies and direct
-solutions of the whole mesh, its step against the rigid block's.
+"""A flexible block of two cylinders.
+
+Its reduction is compared with independent assemblies and direct solutions of the whole mesh,
+its step with that of the rigid block.
 """
 
 import dataclasses
@@ -61,9 +63,10 @@ def test_mass_of_a_block_with_head_and_crank(whole):
 
 @pytest.mark.slow
 def test_free_frequencies_against_an_independent_assembly(whole):
-    """Elements of vectors of scikit-fem with its own elasticity and its own quadrature, nodes in
-    its own order, mass of head and crank by its own facet forms; six rigid motions, then ours.
-    Quadratures differ on curved elements: 1e-4.
+    """Free frequencies agree with those of scikit-fem, after six rigid motions.
+
+    Vector elements, elasticity, quadrature and the order of nodes are those of scikit-fem. Its
+    facet forms give the mass of head and crank. Quadratures differ on curved elements by 1e-4.
     """
     mesh = whole.body.mesh
     tet = MeshTet2(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.tets.T))
@@ -93,8 +96,10 @@ def test_shares_of_bearings_by_the_lever():
 
 
 def directly(body, load):
-    """Answer of the whole free mesh to nodal forces by a direct solution: what accelerates it taken
-    off, three nodes held (which then bear nothing), the rigid motion that is left taken off.
+    """Return the direct solution of the whole free mesh for nodal forces.
+
+    The forces that accelerate the mesh are subtracted. Three nodes are held, which then have no
+    reactions. The remaining rigid motion is subtracted.
     """
     rigid = rigid_motions(body.mesh.points)
     heavy = body.M @ rigid
@@ -114,8 +119,9 @@ def directly(body, load):
 
 
 def test_cross_talk_is_the_meshs(whole):
-    """A patch of pressure on the thrust side of one bore, gas on the deck and at the bearings: what
-    both bores do, against a direct solution of the whole mesh.
+    """The deflections of both bores agree with a direct solution of the whole mesh.
+
+    A patch of pressure acts on the thrust side of one bore, gas on the deck and at the bearings.
     """
     reduced, body = whole.reduced, whole.body
     read = readings(body.mesh, PLAN)
@@ -139,9 +145,10 @@ def test_cross_talk_is_the_meshs(whole):
 
 
 def test_what_bends_a_bore(whole):
-    """Static answers to what happens when cylinder 1 fires; gas between deck and bearings of the
-    other cylinder does the mirror image, z to -z: theta to pi - theta, i to 12 - i; points on edges
-    of faces may be read in either of two, 2e-5.
+    """Static answers to the firing of cylinder 1 and of cylinder 2 are mirror images.
+
+    Gas between deck and bearings of the other cylinder mirrors z to -z: theta to pi - theta, i to
+    12 - i. The reading of points on edges of faces can use either of two faces, which gives 2e-5.
     """
     body = whole.reduced
     gas = 6.78e6 * np.pi * body.radius**2
@@ -187,7 +194,7 @@ def mounted(reduced, **values):
 
 
 def pushes(n, size=1.0):
-    """What two cylinders do in step n: a rough one each."""
+    """Return the loads of two cylinders in step n: a rough one each."""
     rng = np.random.default_rng(n)
     out = []
     for k in range(2):
@@ -206,8 +213,9 @@ def run(model, steps, step=STEP):
 
 
 def test_power_of_forces_at_their_places(whole):
-    """What the cylinders do along what they see: F along q' (Eqs. (U31), (U32)); deck and bearings
-    by themselves.
+    """Modal forces have the power of the cylinders' forces along the motions they receive.
+
+    It is F along q' (Eqs. (U31), (U32)). Deck and bearings are added separately.
     """
     model = mounted(whole.reduced)
     rng = np.random.default_rng(5)
@@ -228,8 +236,10 @@ def test_power_of_forces_at_their_places(whole):
 
 
 def test_a_stiff_block_is_the_rigid_one(whole):
-    """Modulus times 1e4 and 1e6, which changes no shape: the twin's rigid block with the
-    same mass and mounts, to a rest that goes with 1/modulus.
+    """A stiff block approaches the twin's rigid block with the same mass and mounts.
+
+    The modulus is multiplied by 1e4 and 1e6, which changes no shape. The difference is proportional
+    to 1/modulus.
     """
     twin = twins_block()
     body = whole.reduced
@@ -286,8 +296,10 @@ def test_change_with_forces_is_the_difference(whole, steps, static):
 
 
 def test_energy_of_a_step(whole):
-    """Trapezoidal rule: work is what is stored and lost, modes without inertia and the loss of all
-    others included; the first two steps lose some of it, as does a smaller spectral radius.
+    """With the trapezoidal rule, work is the stored energy plus the losses.
+
+    This includes modes without inertia and the losses of all other modes. The first two steps lose
+    some energy, as does a smaller spectral radius.
     """
     model = mounted(whole.reduced, spectral_radius=1.0, quasi_static_frequency=6e3)
     assert 5 < model.static.sum() < len(whole.reduced.omega) - 5

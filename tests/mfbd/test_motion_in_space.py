@@ -1,6 +1,8 @@
-"""A piston that moves in space: gap, forces and inertia by hand, the piston in its plane as the
-symmetric case, closed forms, derivatives, a free body and a whole stroke against Newton and Euler
-with large rotations.
+"""A piston that moves in space.
+
+Gap, forces and inertia are computed by hand. The piston in its plane is the symmetric case.
+Other tests cover closed forms, derivatives, and a free body and a whole stroke against Newton
+and Euler with large rotations.
 """
 
 import dataclasses
@@ -99,8 +101,9 @@ def seen(model, coordinates, angle=0.7):
 
 
 def test_film_thickness_by_hand():
-    """16 cells around: cell 0 on +z, cell 4 on +x; rows 4 and 7 from below at their own heights.
-    Shift and roll close the gap at +z, not at the thrust side; yaw moves A's offset of 1 mm.
+    """Shift and roll close the gap at +z, not at the thrust side; yaw moves A's offset of 1 mm.
+
+    There are 16 cells around: cell 0 on +z, cell 4 on +x. Rows have their own heights from below.
     """
     model = space_model()
     at_rest = seen(model, [0, 0, 0])
@@ -114,8 +117,10 @@ def test_film_thickness_by_hand():
 
 
 def test_a_distorted_bore_makes_yaw_matter_by_hand():
-    """Two lobes of 20 um, the first at 0.4 rad: dw/dtheta = -2 20 um sin(2 (theta - 0.4)) at every
-    height, and the same as the bore read at theta + yaw but for second order.
+    """Yaw in a bore with two lobes of 20 um, the first at 0.4 rad, changes the gap by dw/dtheta.
+
+    At every height dw/dtheta = -2 20 um sin(2 (theta - 0.4)). The result is the bore read at theta
+    + yaw, up to second order.
     """
     lobes = (BoreOrder(2, 20e-6, 0.4),)
     model = space_model(orders=lobes)
@@ -190,10 +195,13 @@ def test_inertia_matrix_is_the_kinetic_energy():
 
 
 def test_an_instant_by_hand():
-    """Crank at rest at the top, no motion, the piston shifted by 10 um, rolled by 1 mrad, yawed by
-    2; gas of 20 kN, 3 kN upwards of the film. The rod carries 17 kN, square to a pin that leans:
-    17 N along z, where gas takes 20 with its crown; 4 kN from the side are 8 N along z by yaw.
-    About A the rod has 10 um of lever, and so has the gas on the bore's axis, 1 mm in x besides.
+    """Forces of an instant agree with hand calculations.
+
+    The crank is at rest at the top. The piston is shifted by 10 um, rolled by 1 mrad and yawed by 2
+    mrad, without motion. Gas gives 20 kN, the film 3 kN upwards. The rod carries 17 kN, square to a
+    pin that leans. This gives 17 N along z, where gas gives 20 N with its crown. The lateral 4 kN
+    give 8 N along z by yaw. About A the rod has a lever of 10 um. Gas on the bore's axis has the
+    same lever, and 1 mm in x.
     """
     model = space_model(SYMMETRIC, pin_axial_play=8e-6, pin_axial_stiffness=1e6, pin_tilt_play=1.0)
     position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
@@ -223,9 +231,11 @@ COUNTS = {"residual_evaluations", "jacobian_evaluations", "interface_work_error"
 
 
 def test_symmetric_loads_give_the_piston_in_its_plane():
-    """40 steps under rough even forces: every output to the round-off of both solvers, 1e-9 of its
-    size (accelerations are solved to 1e-11, and steps add up); nothing moves across the plane but
-    by the round-off of sums over the grid, 1e-14 of the forces.
+    """In 40 steps under rough even forces every output is that of the plane piston.
+
+    The difference is round-off of both solvers, 1e-9 of its size: accelerations are solved to
+    1e-11, and steps add up. Motion across the plane is only the round-off of sums over the grid,
+    1e-14 of the forces.
     """
     lobes = (BoreOrder(2, 20e-6, 0.0),)
     flat, space = flat_model(lobes), space_model(SYMMETRIC, lobes)
@@ -247,8 +257,10 @@ def test_symmetric_loads_give_the_piston_in_its_plane():
 
 @pytest.mark.parametrize("steps", [1, 6])
 def test_derivative_against_differences(steps):
-    """Central differences of a step, once of backward Euler and once not, in a bore with lobes;
-    1e-6, as the step is not quite affine.
+    """The derivative of a step agrees with central differences in a bore with lobes.
+
+    The step is tested with and without backward Euler. The tolerance is 1e-6, as the step is not
+    quite affine.
     """
     model = space_model(orders=(BoreOrder(2, 20e-6, 0.4),), pin_tilt_play=0.0)
     state, _ = rough_way(model, steps)
@@ -268,14 +280,16 @@ def test_power_on_the_grid_is_that_in_the_coordinates():
 
 
 def standing(parameters=PARAMETERS, space=SYMMETRIC, **own):
-    """A model whose crank stands at the top, without friction of the pin."""
+    """Return a model whose crank is at rest at the top, without friction of the pin."""
     return space_model(space, parameters=parameters, **own)
 
 
 def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
-    """A piston that is alike across x and z, on a rod without mass, crank at the top: hit at +z it
-    shifts and rolls as it moves and rocks when hit at +x; the hit is an impact, whose end velocity
-    is the mean one. The rod's slant of x/L, 1e-4, takes a share of its square of the way.
+    """A hit at +z shifts and rolls the piston as a hit at +x moves and rocks it.
+
+    The piston is the same across x and z, the rod has no mass, and the crank is at the top. The hit
+    is an impact, whose end velocity is the mean velocity. The slant x/L = 1e-4 of the rod changes
+    the displacement by a share of its square.
     """
     alike = dataclasses.replace(PARAMETERS, rod_mass=0.0, rod_inertia=0.0, crank_offset=0.0)
     piston, *rest = flat_bodies()
@@ -312,10 +326,12 @@ def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
 
 
 class Points:
-    """Piston, pin and rod as points of mass on a crank at constant speed, by d'Alembert's principle
-    with large rotations: q = (x of the eye, rocking angle, way along the pin, roll, yaw), turned
-    about z, then x, then y; the pin's axis passes through the eye. Positions are differentiated by
-    complex steps, velocities by central differences. Nothing of the package is used.
+    """Piston, pin and rod as mass points on a crank at constant speed, with large rotations.
+
+    The equations follow d'Alembert's principle. The coordinates are q = (x of the eye, rocking
+    angle, displacement along the pin, roll, yaw). Rotations are about z, then x, then y. The pin's
+    axis passes through the eye. Derivatives of positions use complex steps, those of velocities
+    central differences. This class uses nothing of the package.
     """
 
     def __init__(self, size):
@@ -335,7 +351,7 @@ class Points:
         self.drag = 1e3 * size * np.array([0.3, -0.5, 0.8, 0.6])
 
     def frame(self, q, t):
-        """A and the body's axes, columns in space."""
+        """Return A and the body's axes, as columns in space."""
         r, L, phi = PARAMETERS.crank_radius, PARAMETERS.rod_length, SPEED * t
         xi = q[0] + r * np.sin(phi)
         eye = np.array([q[0], r * np.cos(phi) + np.sqrt(L**2 - xi**2), 0 * q[0]])
@@ -410,7 +426,7 @@ def start_of(size):
 
 
 def space_bodies(of):
-    """The model's for the same points, crank and rod without offset."""
+    """Return the model's bodies for the same points, with crank and rod without offset."""
     points, masses = of.points, of.masses
     tensor = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, points))
     mechanism = Mechanism(72e-3, 223e-3, 0.0, 1.7, 0.017, 72 / 223, 0.5, PinFriction(0.0, 1.0, 0.0))
@@ -439,7 +455,7 @@ def points_motion(of, size):
 
 
 def own_motion(of, size):
-    """The equations of motion of the package, integrated as precisely."""
+    """Integrate the package's equations of motion with the same precision."""
     bodies = space_bodies(of)
     load = load_on(of)
 
@@ -455,9 +471,10 @@ def own_motion(of, size):
 
 
 def test_motion_against_points_in_space():
-    """A skewed piston, off its axis, under gas and forces at four places of its skirt, for 10 deg
-    at a crank that turns: where all that it skews, leans and shifts by is halved, what equations of
-    first order miss falls to a quarter. Rolled by 0.5 mrad they miss 0.3 urad of it.
+    """The error of first-order equations falls to a quarter if skewness, tilt and shift are halved.
+
+    A skewed piston, off its axis, moves for 10 deg of a turning crank. Gas and forces at four
+    points of its skirt act on it. At a roll of 0.5 mrad the error is 0.3 urad.
     """
     apart = []
     sizes = (4e-2, 2e-2)
@@ -510,8 +527,9 @@ def test_a_data_sheet_by_hand(cached, tmp_path):
 
 
 def test_a_mesh_says_its_inertia_itself(coarse, cached):
-    """The same tensor about z as in the plane; a tube that is its own mirror image has no products
-    but by its offset pin.
+    """The tensor from a mesh has the same moment about z as in the plane.
+
+    A tube that is its own mirror image has no products of inertia, except from its offset pin.
     """
     folder, table = coarse
     rigid = {name: table[name] | {"modes": 0} for name in ("piston", "block")}
@@ -612,8 +630,10 @@ def test_inertia_forces_against_large_rotations():
 
 
 def test_energy_of_the_body_closes():
-    """Held forces of film, crank at rest, eye a spring, no dampers, a trapezoidal rule: what the
-    body has more of, with the spring, is the work done, to what first order leaves of it, 1e-4.
+    """The gain of kinetic and spring energy of the body is the work of constant film forces.
+
+    The crank is at rest, the eye is a spring and there are no dampers. The trapezoidal rule is
+    used. Equations of first order leave 1e-4.
     """
     keeping = dataclasses.replace(PARAMETERS, spectral_radius=1.0)
     model = standing(keeping, **NO_DAMPER, pin_tilt_play=0.0)

@@ -1,5 +1,7 @@
-"""A cylinder in a block that moves: inertia forces against Lagrange's equations in space, forces on
-the block, sensitivity of a step; a block at rest changes nothing.
+"""A cylinder in a block that moves.
+
+Inertia forces are compared with Lagrange's equations in space. Other tests cover forces on the
+block and the sensitivity of a step. A block at rest changes nothing.
 """
 
 import dataclasses
@@ -31,9 +33,10 @@ MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
 
 
 def energy_in_space(body, unbalance, position, velocity):
-    """Kinetic energy of rod, pin, rigid piston and the crank's unbalance at [x_A, rocking angle,
-    crank angle, x and y of the crank axis, angle of the block], from positions alone (velocities by
-    complex steps, extended precision).
+    """Return the kinetic energy of rod, pin, rigid piston and the crank's unbalance.
+
+    It depends on [x_A, rocking angle, crank angle, x and y of the crank axis, angle of the block].
+    Only positions are used: velocities follow from complex steps in extended precision.
     """
     step = np.longdouble(1e-30)
     t = np.clongdouble(1j) * step
@@ -70,8 +73,9 @@ def energy_in_space(body, unbalance, position, velocity):
 
 @pytest.mark.parametrize("degrees", [0, 30, 60, 90, 200, 333])
 def test_forces_in_a_moving_block_are_lagranges(degrees):
-    """Residual and torque, and what the block has to bear: all in one, offsets, rod inertia and
-    unbalance included.
+    """Residual, torque and loads on the block are those of Lagrange's equations.
+
+    The case includes offsets, rod inertia and unbalance at once.
     """
     body = rigid_body(0.315, (0.002, 0.009), 3e-4)
     z, r, phi, w, dw = (
@@ -112,7 +116,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
 
 
 def skewed(reduced, mounted):
-    """The small bodies, flexible, with a skewed mechanism and an unbalance."""
+    """Return the small flexible bodies with a skewed mechanism and an unbalance."""
     options, piston, block = reduced
     parameters = Parameters(crank_offset=1e-3, crank_unbalance=UNBALANCE)
     return assemble(piston, block, dataclasses.replace(options, mounted=mounted), parameters)
@@ -146,8 +150,9 @@ def test_a_block_at_rest_changes_nothing(reduced, mounted):
 
 
 def test_gas_below_the_piston_pushes_back(reduced):
-    """The net gas force is that of the difference, to the bit. The side force of a change is its
-    force by the slope of the rod.
+    """The net gas force is that of the pressure difference, to the bit.
+
+    The side force of a change is its force times the slope of the rod.
     """
     model = skewed(reduced, False)
     outputs = []

@@ -1,5 +1,6 @@
-"""The step of native bodies beside that of their slave in Python, both interpreted: what they say
-is compared, not what a compiler makes of it (that: tests/fmu/test_native_bodies.py).
+"""The step of native bodies compared with that of their Python implementation, both interpreted.
+
+Compiled code is compared in tests/fmu/test_native_bodies.py.
 """
 
 import json
@@ -162,7 +163,7 @@ LOADED = dict(
 
 @pytest.fixture(scope="module")
 def told(coarse, kept, tmp_path_factory):
-    """Runs the script on the small bodies with parameters and build options changed."""
+    """Return a runner of the script on the small bodies with changed parameters and options."""
 
     def run(changes, **options):
         folder, build = coarse
@@ -178,7 +179,7 @@ def told(coarse, kept, tmp_path_factory):
 
 
 def side_by_side(resources, changes):
-    """What the script prints last of the slave in a folder, parameters changed."""
+    """Return the script's last line for the FMU in a folder, with changed parameters."""
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     told = script(SCRIPT, resources, json.dumps(changes), env=environment)
     return json.loads(told.splitlines()[-1])

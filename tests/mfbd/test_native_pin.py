@@ -1,5 +1,6 @@
-"""The step of native bodies with a floating pin beside that of their slave in Python, both
-interpreted, as `test_native_bodies` has it of a tied one.
+"""The step of native bodies with a floating pin compared with that of their Python implementation.
+
+Both are interpreted. The test of a tied pin is `test_native_bodies`.
 """
 
 import dataclasses

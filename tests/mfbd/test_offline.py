@@ -1,5 +1,6 @@
-"""`piston-cosim reduce` and its library: one body or both, files, what is printed, going on after a
-stop.
+"""The command `piston-cosim reduce` and its library.
+
+Tests cover one body or both, files, printed lines and continuing after a stop.
 """
 
 import csv
@@ -70,8 +71,9 @@ class Stopped(Exception):
 
 
 def test_a_stopped_reduction_goes_on(coarse, cache, tmp_path, monkeypatch):
-    """Stopped at its twentieth solution, it replays these and comes to the same bytes; nothing is
-    left behind.
+    """A reduction that stops at its twentieth solution replays these and gives the same bytes.
+
+    It leaves no files behind.
     """
     from piston_cosim.fmu_mfbd.finite_elements import solver
 
@@ -123,8 +125,9 @@ def test_solutions_are_told_apart_by_matrix_and_load(tmp_path):
 
 
 def test_recovery_at_an_instant(coarse, cache, tmp_path):
-    """From a results file with the modal coordinates of one mode of the block: its shape, and
-    stresses that go with it.
+    """Recovery from a results file gives the shape of one mode of the block and its stresses.
+
+    The file contains the modal coordinates.
     """
     import json
 
