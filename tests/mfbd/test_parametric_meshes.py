@@ -1,5 +1,6 @@
-"""The parametric piston and block: sound, symmetric, of the mass that their sizes say. Needs the
-extra `mesh`.
+"""The parametric piston and block: valid, symmetric and of the mass given by their sizes.
+
+These tests need the extra `mesh`.
 """
 
 from dataclasses import replace
@@ -22,8 +23,9 @@ def made(shape, path, size, surfaces):
 
 
 def test_box_walls_add_what_they_weigh(tmp_path):
-    """Walls between the thrust sides, outside of bosses and pillars: their volume within the mesh's
-    chords.
+    """Walls between the thrust sides, outside of bosses and pillars, add the mass of their volume.
+
+    The tolerance is that of the chords of the mesh.
     """
     from piston_cosim.models.numerical_example.make_meshes import PISTON
 
@@ -64,8 +66,10 @@ def test_fins_of_a_block(tmp_path):
 
 @pytest.mark.parametrize("kind", ["slipper", "full"])
 def test_own_piston_has_its_sizes_and_its_skirt(tmp_path, kind):
-    """A slipper's skirt is two panels of half width 0.36 bores; symmetric to the last bit. 1e-7 m:
-    how near a node must be to belong to a surface.
+    """The piston has its given sizes and is symmetric to the last bit.
+
+    The skirt of a slipper is two panels of half width 0.36 bores. A node within 1e-7 m of a surface
+    belongs to it.
     """
     from piston_cosim.master.engine.new import engine
     from piston_cosim.master.engine.piston_mesh import mesh_of_sizes

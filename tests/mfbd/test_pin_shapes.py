@@ -1,5 +1,7 @@
-"""A floating pin that tilts and bends: frequencies and deflection of a free beam, rows by hand,
-springs, derivatives, works, limits.
+"""A floating pin that tilts and bends.
+
+Tests cover frequencies and deflection of a free beam, rows by hand, springs, derivatives, works
+and limits.
 """
 
 import dataclasses
@@ -42,8 +44,10 @@ BOSS, EYE = 25e-3, 36e-3
 
 @pytest.mark.parametrize(("bore", "share"), [(0.0, 7.8 / 8.8), (0.9999, 2.6 / 4.9)])
 def test_stiffness_of_a_section_by_hand(bore, share):
-    """Cowper's share of a solid circle, 6 (1 + nu)/(7 + 6 nu), and of a thin tube, 2 (1 + nu)/(4 +
-    3 nu), which a wall of 1e-4 of the radius misses by as much squared.
+    """Shear stiffness has Cowper's factors of a solid circle and of a thin tube.
+
+    They are 6 (1 + nu)/(7 + 6 nu) and 2 (1 + nu)/(4 + 3 nu). A wall of 1e-4 of the radius misses
+    the latter by the square of 1e-4.
     """
     pin = PIN._replace(bore_radius=bore * PIN.radius)
     of = section(pin)
@@ -56,8 +60,10 @@ def test_stiffness_of_a_section_by_hand(bore, share):
 
 
 def test_a_slender_pin_has_the_frequencies_of_a_free_beam():
-    """omega = (beta L)^2 (E I/m L^3)^1/2 with cos cosh = 1. What shears and turns in a beam of 1000
-    diameters takes (beta r/2)^2 (1 + E/(kappa G))/2 or so of it, 5e-5 for the fourth.
+    """A slender pin has omega = (beta L)^2 (E I/m L^3)^1/2 with cos cosh = 1.
+
+    Shear and rotation in a beam of 1000 diameters reduce it by about (beta r/2)^2 (1 + E/(kappa
+    G))/2. This is 5e-5 for the fourth frequency.
     """
     pin = HollowPin(mass=1.0, length=1.0, radius=5e-4, bore_radius=0.0, **STEEL)
     beam = free_beam(pin, 5)
@@ -67,9 +73,11 @@ def test_a_slender_pin_has_the_frequencies_of_a_free_beam():
 
 
 def test_a_thick_pin_has_the_frequencies_of_timoshenkos_equation():
-    """Independent of polynomials: the state (w, b, shear force, moment) goes along the pin by the
-    matrix exponential; with free ends that is possible where a determinant of two by two is 0. It
-    changes sign within 1e-8 of every frequency, ten bending ones of three kinds.
+    """The determinant of Timoshenko's equation changes sign within 1e-8 of every frequency.
+
+    The test does not use polynomials. The matrix exponential carries the state (w, b, shear force,
+    moment) along the pin. Free ends require a 2 x 2 determinant of 0. The test covers ten bending
+    frequencies of three kinds.
     """
     of = section(PIN)
 
@@ -89,8 +97,10 @@ def test_a_thick_pin_has_the_frequencies_of_timoshenkos_equation():
 
 
 def test_shapes_have_no_part_in_the_shift_nor_in_each_other():
-    """Masses of w and of turning sections by a rule of their own; tilt with m (L^2/12 + (R^2 +
-    r^2)/4) about a diameter.
+    """Shapes are free of the shift and of each other, with masses by a separate quadrature.
+
+    The masses include displacement w and rotation of sections. Tilt has m (L^2/12 + (R^2 + r^2)/4)
+    about a diameter.
     """
     beam = free_beam(PIN, 7)
     points, weights = np.polynomial.legendre.leggauss(80)
@@ -108,9 +118,10 @@ def test_shapes_have_no_part_in_the_shift_nor_in_each_other():
 
 
 def sag_of_even_loads(pin):
-    """Middle of the pin above its ends by 1 N, even along the eye upwards and along both bosses
-    downwards: half of it as a cantilever from the middle on,
-    int q (z^2 (3 a - z)/(6 E I) + z/(kappa G A)) dz.
+    """Return the height of the pin's middle above its ends under 1 N, by the cantilever formula.
+
+    The load is even, upwards along the eye and downwards along both bosses. Half of the pin is a
+    cantilever from the middle, with int q (z^2 (3 a - z)/(6 E I) + z/(kappa G A)) dz.
     """
     of = section(pin)
     a = pin.length / 2
@@ -142,8 +153,10 @@ def test_deflection_under_eye_and_bosses_by_number_of_shapes(shapes, error):
 
 
 def test_gap_and_forces_of_a_leaning_pin_by_hand():
-    """Four cells around, two rows, shell turned by 90 deg. One shape, -2 at the first row and 1 at
-    the second, by 3 um upwards in space: along the shell's +x.
+    """Four cells around and two rows, in a shell turned by 90 deg, give gap and forces by hand.
+
+    One shape, -2 at the first row and 1 at the second, moves by 3 um upwards in space. This is
+    along the shell's +x.
     """
     axis = np.array([[-2.0], [1.0]])
     surface = pin_surface(0.02, 10e-6, (4, 2), axis=axis)
@@ -212,10 +225,12 @@ def rows_of(springs):
 
 
 def test_a_lopsided_pin_tilts_by_the_angle_of_its_springs():
-    """Left boss twice as stiff as the right one: the pin tilts until the moments of bosses and eye
-    cancel. By hand, B the force of the bosses, S_n = sum K_row z^n over the bosses, S_e = sum K_row
-    z^2 over the eye: tilt = B S_1/(S_0 (S_2 + S_e) - S_1^2), the sum of K_row in a row of four its
-    quarter. What the piston still swings turns the pin by 2e-5 of it.
+    """With a left boss twice as stiff as the right one, the pin tilts until the moments cancel.
+
+    By hand, tilt = B S_1/(S_0 (S_2 + S_e) - S_1^2). B is the force of the bosses, S_n = sum K_row
+    z^n over the bosses and S_e = sum K_row z^2 over the eye. Each of four rows has a quarter
+    of the stiffness of its boss or eye. The residual oscillation of the piston turns the pin by
+    2e-5 of the tilt.
     """
     stiff = 4e8, 2e8, 5e8
     springs, out = standing(bending_model(1, CRITICAL), stiff)
@@ -233,9 +248,10 @@ def test_a_lopsided_pin_tilts_by_the_angle_of_its_springs():
 
 
 def test_a_pin_on_soft_springs_bends_as_under_even_loads():
-    """Springs so soft that bending hardly shifts their load: the cantilever's formula under the
-    loads of the rows, which stand amid them: a share 1/n^2 of each film's own part, 1 % on four.
-    Six shapes miss 1 % more.
+    """On springs so soft that bending hardly shifts their load, the cantilever formula holds.
+
+    Loads act at the middles of rows. This misses a share 1/n^2 of each film's own part, 1 % for
+    four rows. Six shapes miss 1 % more.
     """
     model = bending_model(8, CRITICAL)
     springs, out = standing(model, (2e6, 2e6, 4e6), steps=10, gas=2e5, step=5e-3)

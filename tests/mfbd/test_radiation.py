@@ -1,5 +1,7 @@
-"""What a block radiates: normal motion over its sides against closed forms, power by Parseval, a
-run's file through the command's functions.
+"""Sound radiation of a block.
+
+Tests cover normal motion over its sides against closed forms, power by Parseval's theorem and a
+run's file through the functions of the command.
 """
 
 from types import SimpleNamespace

@@ -44,8 +44,9 @@ def test_table_of_modes(report):
 
 
 def test_mass_properties_of_a_tube(report):
-    """Against the closed form; twelve sides of the mesh's circle, curved: (pi/24)^4/6 of the
-    volume.
+    """Mass, centre and inertia follow the closed form.
+
+    The mesh's circle has twelve curved sides, which miss (pi/24)^4/6 of the volume.
     """
     mass, centre, inertia = mass_properties(report["block"].properties)
     low, high, inner, outer, density = 50e-3, 155e-3, 28.025e-3, 36e-3, 2700.0
@@ -59,9 +60,10 @@ def test_mass_properties_of_a_tube(report):
 
 
 def test_stress_is_the_mean_at_corners_and_its_largest_value_is_found(report):
-    """Each element on its own: at a corner the mean of all that meet there, in the middle of an
-    edge the mean of its ends; the largest equivalent stress is at a corner, with the range of the
-    elements there.
+    """Nodal stress is the mean of the adjacent elements, and the peak is the largest value.
+
+    A corner has the mean of all elements that meet there, the middle of an edge the mean of its
+    ends. The largest equivalent stress is at a corner. Its jump is the range of the elements there.
     """
     anatomy = report["block"].anatomy
     q = np.zeros(anatomy.shapes.shape[2])

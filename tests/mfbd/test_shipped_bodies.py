@@ -1,5 +1,7 @@
-"""Reduced bodies in `models/bodies`: used for unchanged meshes and options only, and what the
-present code makes of them.
+"""Reduced bodies in `models/bodies`.
+
+They are used for unchanged meshes and options only, and must agree with the result of the
+present code.
 """
 
 from dataclasses import fields
@@ -29,7 +31,7 @@ def table(label="flexible", **changes):
 
 @pytest.fixture
 def no_reduction(monkeypatch, tmp_path):
-    """An empty cache, and an exception for each reduction."""
+    """Set an empty cache and make each reduction raise an exception."""
 
     def reduced_now(*given):
         raise ValueError("reduced now")
@@ -71,8 +73,10 @@ def test_changed_options_and_mode_shapes_need_a_reduction(no_reduction, tmp_path
 
 @pytest.mark.parametrize("label", CASE.variants)
 def test_shipped_bodies_are_those_of_the_present_code(label):
-    """Round-off of another solver or processor changes modes by 1e-12 of the largest value. Shapes
-    that the modes leave out are in single precision, and their sign is open: the product counts.
+    """The arrays of every shipped body agree with those of a new reduction.
+
+    Round-off of another solver or processor changes modes by 1e-12 of the largest value. Shapes
+    left out by the modes have single precision and no unique sign, so their product is compared.
     """
     with_modes = table(label)
     shipped = reduced_bodies(with_modes, FOLDER, quiet)

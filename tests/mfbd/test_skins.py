@@ -16,13 +16,14 @@ from .conftest import sheets
 
 
 def body_of(kind, **given):
-    """A reduced body of which only what is given matters."""
+    """Return a reduced body whose fields are None unless given."""
     return kind(**({one.name: None for one in fields(kind)} | given))
 
 
 def test_displacement_and_stress_on_the_skin_are_the_recovered_ones():
-    """A row of cells, the skin on two elements: its corners take the mean of all around them;
-    elements that are left out have no say there.
+    """Displacement and stress on the skin of two elements in a row of cells are the recovered ones.
+
+    Corners take the mean of all elements around them. Elements that are left out have no effect.
     """
     points, tets = box_mesh((6, 1, 1), (6.0, 1.0, 1.0))
     assert not np.isin(tets, tets[:2]).any(axis=1).all()

@@ -1,5 +1,7 @@
-"""A rod's eye that yields: thick and thin rings by closed forms, modes beside the whole mesh, rows
-by hand, derivatives, works, energies, the stiff limit, what is refused.
+"""The eye of an elastic rod.
+
+Thick and thin rings follow closed forms, and modes are compared with the whole mesh. Other
+tests cover rows by hand, derivatives, works, energies, the stiff limit and rejected inputs.
 """
 
 import dataclasses
@@ -44,7 +46,7 @@ HALF = 10e-3
 
 
 def ring(inner, outer, cells, half=HALF):
-    """A ring about z; its cut is a patch of 50 deg below, on its outside."""
+    """Return a ring about z, whose cut is a patch of 50 deg at the bottom of its outside."""
     mesh = ring_mesh(Ring(inner, outer, 2 * half, np.radians(50.2), cells))
     faces = {"eye": mesh.faces["bore"], "cut": mesh.faces["held"]}
     return dataclasses.replace(mesh, points=mesh.points * [-1.0, -1.0, 1.0], faces=faces)
@@ -58,10 +60,12 @@ def answer(reduced, force):
 
 
 def test_two_opposite_loads_flatten_a_thin_ring_as_timoshenko_says():
-    """W apart along the diameter at 50 deg, Roark's table 9.2, 1: with a = I/(A R^2), b = 1.2 E
-    I/(G A R^2), k = 1 - a the diameter grows by W R^3/(E I) ((k + b) pi/4 - 2 k^2/pi) along the
-    load and shrinks by W R^3/(E I) (2 k^2/pi - k/2) across it. Six Fourier orders of a load on one
-    cell miss 0.3 %, faces beside cells as much, curvature of a section (t/R = 0.1) below 1 %.
+    """Two forces W apart along the diameter at 50 deg follow Roark's table 9.2, case 1.
+
+    With a = I/(A R^2), b = 1.2 E I/(G A R^2) and k = 1 - a, the diameter changes in two directions.
+    It grows by W R^3/(E I) ((k + b) pi/4 - 2 k^2/pi) along the load. It shrinks by W R^3/(E I) (2
+    k^2/pi - k/2) across it. Six Fourier orders of a load on one cell miss 0.3 %, faces next to
+    cells as much. Curvature of a section (t/R = 0.1) misses less than 1 %.
     """
     mean, thick, load = 20e-3, 2e-3, 500.0
     body = assembled(ring(mean - thick / 2, mean + thick / 2, (72, 1, 2), 2e-3), *STEEL)
@@ -83,13 +87,15 @@ def test_two_opposite_loads_flatten_a_thin_ring_as_timoshenko_says():
 
 @pytest.fixture(scope="module")
 def eye():
-    """A thick ring held below."""
+    """Return a thick ring held at the bottom."""
     return assembled(ring(8e-3, 12e-3, (24, 2, 6)), *STEEL)
 
 
 def test_friction_on_an_eye_turns_it_against_its_shank(eye):
-    """1 N around on every cell: by Eq. (G6) the modes move the bore against the pin's sense, by as
-    much as the whole mesh, -f pushing along t; 60 modes chosen for pressure miss 5 %.
+    """By Eq. (G6) friction of 1 N on every cell moves the bore against the pin's direction.
+
+    The force is -f along t. The displacement is that of the whole mesh. 60 modes chosen for
+    pressure miss 5 %.
     """
     film = ShellFilm((36, 6), 18e-3, 60)
     reduced = reduce_shell(eye, film, lambda text: None)
@@ -130,9 +136,11 @@ def test_widening_of_an_eye_by_hand():
 
 
 def test_the_account_holds_the_modes_of_an_eye():
-    """An eye at rest under a steady pressure, without damping, three steps of 1 us: modal velocity
-    is push times time, less (omega t)^2/2 and so 4 % at most; its kinetic energy is 3/4 of the
-    film's work, with t/2 + h/2 as the way of backward Euler in place of t/2.
+    """The energy balance includes the modes of an eye at rest under a steady pressure.
+
+    There is no damping and there are three steps of 1 us. Modal velocity is force times time, minus
+    (omega t)^2/2, which is at most 4 %. Kinetic energy is 3/4 of the film's work, as backward Euler
+    has the displacement t/2 + h/2 instead of t/2.
     """
     free_of = dataclasses.replace(PARAMETERS, damping_ratio=0.0, high_frequency_damping_ratio=0.0)
     model = eye_model(parameters=free_of)

@@ -29,8 +29,10 @@ EVERYWHERE = np.ones(60, dtype=bool)
 
 
 def test_the_root_has_the_covariance_of_the_equation():
-    """Every entry of Eq. (J31) by hand, over the cut at 0 deg too, but for the patterns that are
-    dropped: 60 of them hold less than 60 `NEGLIGIBLE` of the largest variance.
+    """Every entry of Eq. (J31) is computed by hand, also over the cut at 0 deg.
+
+    The tolerance is that of the dropped patterns: 60 of them hold less than 60 `NEGLIGIBLE` of the
+    largest variance.
     """
     there = np.arange(60) != 7
     root = pressure_root(ANGLE, HEIGHT, 0.2, there)
@@ -54,8 +56,9 @@ def test_the_root_has_the_covariance_of_the_equation():
 
 
 def test_a_symmetric_film_has_the_symmetric_part_of_the_prior():
-    """Eq. (J36): mirrored about the thrust plane the patterns are themselves, and their covariance
-    is that of (p + M p) / 2, here of all patterns without the condition.
+    """Eq. (J36): patterns are their own mirror images about the thrust plane.
+
+    Their covariance is that of (p + M p) / 2, here for all patterns without the condition.
     """
     image = (6 - np.arange(12)) % 12  # 180 deg - theta
     mirror = np.kron(np.eye(12)[image], np.eye(5))
@@ -69,15 +72,16 @@ def test_a_symmetric_film_has_the_symmetric_part_of_the_prior():
 
 
 def springs(points, stiffness):
-    """A body of one spring a point."""
+    """Return a body of one spring per point."""
     diagonal = sp.identity(points, format="csr")
     body = Elastic(stiffness * diagonal, diagonal, np.empty(0, dtype=int))
     return body, SurfaceReading(diagonal, 0.0 * diagonal)
 
 
 def test_equal_springs_yield_to_the_patterns_of_the_prior():
-    """G = 1/k, so that the patterns are the singular vectors of S, and a patch S S^T e_j misses
-    what the others of them hold of it.
+    """With G = 1/k the patterns are the singular vectors of S.
+
+    A patch S S^T e_j misses its part in the other patterns.
     """
     body, reading = springs(60, 3.0)
     root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
@@ -96,7 +100,7 @@ def test_equal_springs_yield_to_the_patterns_of_the_prior():
 
 @pytest.fixture(scope="module")
 def plate():
-    """A clamped plate whose degrees of freedom stand for the points of a surface."""
+    """Return a clamped plate whose degrees of freedom represent the points of a surface."""
     _, body = clamped_box((3, 5, 2), (0.03, 0.05, 0.02))
     size = len(body.free)
     chosen = np.random.default_rng(3).permutation(size)[:60]

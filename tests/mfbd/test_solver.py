@@ -1,5 +1,6 @@
-"""Sparse direct solvers: SuperLU of scipy, and PARDISO where the extra `large` is installed, give
-the same and refuse the same.
+"""Sparse direct solvers give the same results and reject the same matrices.
+
+They are SuperLU of scipy and, if the extra `large` is installed, PARDISO.
 """
 
 import os

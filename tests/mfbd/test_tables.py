@@ -117,8 +117,9 @@ def test_bad_speed_tables_name_the_row(over, points, message):
     ],
 )
 def test_crank_follows_its_table_however_the_steps_fall(over, points):
-    """One step, many steps and an ordinary differential equation's solver agree: the first two to
-    round-off.
+    """One step, many steps and the solver of an ordinary differential equation agree.
+
+    The first two agree to round-off.
     """
     table = speed_table(inline_numbers("speed", points), over, 2 * np.pi, 1.0, 1.0)
     at, speed = np.array(points, dtype=float).T
@@ -146,8 +147,9 @@ def test_crank_follows_its_table_however_the_steps_fall(over, points):
 
 @pytest.fixture(scope="module")
 def shaped(coarse, kept):
-    """The small bodies with a measured skirt, a bore that widens downwards and a gas table, as a
-    running model.
+    """Return a running model of the small bodies with tables.
+
+    They have a measured skirt, a bore that widens downwards and a gas table.
     """
     folder = coarse[0]
     (folder / "skirt.csv").write_text("h,0,90,180,270\n-16,10,0,10,0\n10,10,0,10,0\n")
@@ -234,8 +236,10 @@ def test_gas_repeats_every_cycle(gas_file):
 
 @pytest.mark.parametrize("first", [0.0, 7.0])
 def test_a_coarse_table_is_as_good_as_a_dense_one(first):
-    """180 um of ovality by 24 angles, 20 um of barrel by 9 heights: 0.01 um, the fourth derivative
-    of 720 um / 384 x (15 deg)^4; straight lines between the angles missed by 1.5 um.
+    """180 um of ovality by 24 angles and 20 um of barrel by 9 heights give an error of 0.01 um.
+
+    This is the fourth derivative of 720 um / 384 x (15 deg)^4. Straight lines between the angles
+    had an error of 1.5 um.
     """
     angle = np.radians(first + np.arange(0.0, 360.0, 15.0))
     height = np.linspace(-14e-3, 13e-3, 9)

@@ -25,7 +25,7 @@ AROUND, ALONG = 8, 3
 
 @pytest.fixture(scope="module")
 def plate():
-    """A clamped plate and forces at 24 of its degrees of freedom, pressure and friction."""
+    """Return a clamped plate and forces at 24 of its degrees of freedom, pressure and friction."""
     _, body = clamped_box((3, 4, 2), (0.03, 0.05, 0.02))
     points = AROUND * ALONG
     chosen = np.random.default_rng(3).permutation(len(body.free))[: 2 * points]
@@ -36,7 +36,7 @@ def plate():
 
 
 def random_film(patterns, instants=30, seed=0):
-    """Forces at many instants, all in the span of a few patterns of falling strength."""
+    """Return forces at many instants, in the span of a few patterns of falling strength."""
     random = np.random.default_rng(seed)
     weight = random.normal(size=(2, instants, patterns)) * 10.0 ** -np.arange(patterns)
     shape = random.normal(size=(2, patterns, AROUND * ALONG))
@@ -44,7 +44,7 @@ def random_film(patterns, instants=30, seed=0):
 
 
 def answers(body, spread, film):
-    """Loads and deflections at all instants, (free, m) each."""
+    """Return loads and deflections at all instants, (free, m) each."""
     both = np.hstack([force.reshape(len(force), -1) for force in film])
     loads = spread @ both.T
     return loads, body.solve(loads)
@@ -55,8 +55,9 @@ def none(body):
 
 
 def test_all_loads_of_the_training_are_answered_to_round_off(plate, monkeypatch):
-    """Four mirror images of two patterns of each of two fields span 16 shapes; with all of them no
-    load of the training leaves anything, but the 1e-12 of solving.
+    """With all 16 shapes the error of every training load is the 1e-12 of solving.
+
+    Four mirror images of two patterns of each of two fields span these shapes.
     """
     body, spread = plate
     film = random_film(2)
@@ -69,8 +70,10 @@ def test_all_loads_of_the_training_are_answered_to_round_off(plate, monkeypatch)
 
 
 def test_shapes_come_in_the_order_of_what_they_take(plate):
-    """Each shape leaves less energy than any other direction would: what remains falls, each step
-    takes at most what the one before took, and it stops where `ENOUGH` of all is left.
+    """Each shape leaves less energy than any other direction would.
+
+    The remainder falls, and each shape takes at most as much as the previous one. The series stops
+    if `ENOUGH` of the total is left.
     """
     body, spread = plate
     film = random_film(6)
@@ -89,7 +92,7 @@ def test_shapes_come_in_the_order_of_what_they_take(plate):
 
 
 def mirrored(film):
-    """The four mirror images of film forces, by their angles pi/2 + (i - 2) pi/4."""
+    """Yield the four mirror images of film forces, by their angles pi/2 + (i - 2) pi/4."""
     index = np.arange(AROUND)
     across_z = (4 - index) % AROUND
     across_x = (-index) % AROUND
@@ -127,10 +130,10 @@ def run(kept, tmp_path):
 
 
 def test_a_run_adds_its_shapes_to_those_of_the_prior(coarse, run):
-    """Four instants and their mirror images are at most 16 patterns. They leave what training
-    leaves on purpose, `ENOUGH` by energy, which may be three times as much by deflection. With
-    shapes of the prior alone, and other loads than those of the training, no more is missed than
-    before.
+    """Training on four instants and their mirror images adds at most 16 shapes.
+
+    It leaves `ENOUGH` by energy on purpose, which can be three times as much by deflection. Under
+    other loads than those of the training, the error is at most that of the prior's shapes alone.
     """
     folder, options = coarse
     before = truncations(options, folder, run).bodies

@@ -51,7 +51,7 @@ ROWS = np.linspace(-10e-3, 10e-3, 5)
 
 
 def film_forces(shape, seed=0, instants=4):
-    """A patch on the thrust side that wanders and grows, with friction."""
+    """Return a patch on the thrust side that moves and grows, with friction."""
     angle, _ = cell_centres(*shape, 0.0, 1.0)
     height = np.linspace(0, 1, shape[1])
     middle = np.linspace(0.2, 0.8, instants)[:, None, None]
@@ -63,7 +63,7 @@ def film_forces(shape, seed=0, instants=4):
 
 @pytest.fixture(scope="module")
 def skirt(coarse):
-    """The small piston whole: its elastic body, how its skirt is read, and S of Eq. (J31)."""
+    """Return the small piston's elastic body, the reading of its skirt and S of Eq. (J31)."""
     folder, options = coarse
     piston = read_options(options, folder).piston
     mesh, K, M = full_model(piston, ("skirt", "crown", "pin_bore"), quiet)
@@ -99,8 +99,10 @@ def rms(values):
 
 
 def test_pressure_of_the_prior_is_missed_exactly(skirt, files):
-    """Any sum of the patterns of Eq. (J31): to the single precision of what the file holds, 6e-8 of
-    the deflection, of which per cents are missing; a hundred summed terms allow 1e-5.
+    """The missing deflection under any sum of the patterns of Eq. (J31) is exact.
+
+    The tolerance is the single precision of the file, 6e-8 of the deflection, of which some per
+    cent are missing. A hundred summed terms allow 1e-5.
     """
     modes = static_modes(load(ReducedPiston, files["piston"]))
     left = load(MissingShapes, files["piston"])
@@ -117,8 +119,10 @@ def test_pressure_of_the_prior_is_missed_exactly(skirt, files):
 
 
 def test_missing_deflection_under_a_film_at_each_point(skirt, files):
-    """A film's pressure and friction have edges that the prior lacks; they reach the surface's
-    deflection little: its error at any point is known to a tenth of the largest one.
+    """The error of the surface's deflection at any point is known to a tenth of the largest one.
+
+    Pressure and friction of a film have edges that the prior lacks, but they change the deflection
+    little.
     """
     modes = static_modes(load(ReducedPiston, files["piston"]))
     film = film_forces(GRID)
@@ -180,7 +184,7 @@ def test_forces_reach_the_stations_with_their_resultant_and_moment():
 
 
 def results(path, tree, film, without=()):
-    """A results file of a run that has recorded its nodal forces, A midway on the bore."""
+    """Write a results file of a run with recorded nodal forces and A midway on the bore."""
     with h5py.File(path, "w", libver="latest") as file:
         file.attrs.update(case=json.dumps(tree), title="", summary=json.dumps({"steps": 3}))
         file["time"] = np.linspace(0.0, 3e-3, 7)
@@ -221,7 +225,7 @@ def test_what_is_not_recorded_is_said(tmp_path):
 
 
 def case_text(wires, surfaces=()):
-    """A run's case: wires, and film surfaces of its bodies."""
+    """Return a run's case with wires and with film surfaces of its bodies."""
     return json.dumps(
         {
             "wires": [{"from": source, "to": target} for source, target in wires],
@@ -235,8 +239,9 @@ def case_text(wires, surfaces=()):
     [("bodies", f"other.{FORCES[1]}s"), ("bodies.skirt", f"bodies.boss_left.{FORCES[0]}")],
 )
 def test_wires_tell_which_film_acts_on_the_skirt(tmp_path, skirt, other):
-    """A second film that records forces on a grid of the same size, of rings or of a floating pin,
-    has no part in it.
+    """A second film with recorded forces on a grid of the same size has no effect.
+
+    It is the film of rings or of a floating pin.
     """
     film = film_forces(GRID)
     path = results(tmp_path / "run.h5", {}, film)

@@ -49,11 +49,11 @@ def near(value, rel=1e-9):
 
 @pytest.fixture
 def bodies(tmp_path, monkeypatch):
-    """A function that writes both bodies and gives the running slave."""
+    """Return a function that writes both bodies and starts the FMU."""
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "cache"))
 
     def begin(table=None, piston=None, block=None, **values):
-        """The slave after initialisation, for build table, modes of both bodies and variables."""
+        """Return the initialised FMU for a build table, modes of both bodies and variables."""
         k = len((piston or {}).get("omega", ()))
         m = len((block or {}).get("omega", ()))
         held = dict(
@@ -226,8 +226,10 @@ AS_SHIPPED = dict(pin_friction_coefficient=0.01)  # and the arm by default
 )
 @pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
 def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
-    """At the start, and at the end of a step in which the crank speeds up. 1e-9: Newton's method
-    stops at 1e-11 of the accelerations, forces are differences of larger ones.
+    """Newton and Euler hold at the start, and at the end of a step in which the crank speeds up.
+
+    The tolerance is 1e-9: Newton's method stops at 1e-11 of the accelerations, and forces are
+    differences of larger ones.
     """
     push, drag = forces()
     slave = bodies(
@@ -351,9 +353,11 @@ def spline(place, value, second):
 
 
 def test_film_thickness_is_the_sum_of_its_shapes(bodies, tmp_path):
-    """h = clearance + barrel + ovality - growth of the skirt + growth of the bore + orders +
-    measured shapes - tilt y' cos theta - (x_A - angle y') sin theta, to the round-off of the bore's
-    splines.
+    """The film thickness is the sum of clearance, shapes, growth, orders and motion.
+
+    h = clearance + barrel + ovality - growth of the skirt + growth of the bore + orders + measured
+    shapes - tilt y' cos theta - (x_A - angle y') sin theta. The tolerance is the round-off of the
+    bore's splines.
     """
     (tmp_path / "skirt.csv").write_text(
         "mm/deg, 0, 90, 180, 270\n-20, 1, 2, 3, 4\n20, 5, 6, 7, 8\n"
@@ -432,8 +436,10 @@ def test_start_in_motion_and_sliding_velocity(bodies, tmp_path):
 
 
 def test_pressure_on_a_tapered_bore_lifts(bodies):
-    """The bore opens upwards by 40 um over its 130 mm: pressure force F lifts the skirt by F x
-    slope; the pin holds it, and the crank, through dY/dphi.
+    """In a bore that opens upwards, a pressure force F lifts the skirt by F x slope.
+
+    The bore opens by 40 um over its 130 mm. The pin carries the lift, and the crank carries it
+    through dY/dphi.
     """
     push, _ = forces()
     given = dict(start_crank_angle=1.9, nodal_pressure_force=push)
@@ -472,9 +478,10 @@ def flexible():
 
 
 def test_modes_move_the_film_and_forces_the_modes(bodies, tmp_path):
-    """h gains - u_r q (skirt) + w_r q (bore), v gains u_y q' - w_y q'; the modal forces do the same
-    work: - sum F u_r + sum f u_y + G gas_force, and sum F w_r - sum f w_y. 1e-6: fields are kept in
-    single precision.
+    """h gains - u_r q (skirt) + w_r q (bore), v gains u_y q' - w_y q'.
+
+    The modal forces do the same work: - sum F u_r + sum f u_y + G gas_force, and sum F w_r - sum f
+    w_y. The tolerance is 1e-6, as fields have single precision.
     """
     piston, block, at, slope = flexible()
     push, drag = forces()
@@ -527,9 +534,10 @@ def test_modes_move_the_film_and_forces_the_modes(bodies, tmp_path):
 
 
 def test_gas_widens_the_bore(bodies, tmp_path):
-    """As before, at rest: f = int p phi R dtheta dy over the wall, 0.2 MPa of the table and input
-    above the top ring, 0.05 MPa between the rings; phi linear in height, so each band counts with
-    its middle.
+    """At rest, gas adds the modal force f = int p phi R dtheta dy over the wall.
+
+    Table and input give 0.2 MPa above the top ring and 0.05 MPa between the rings. As phi is linear
+    in height, each band counts with its middle.
     """
     piston, block, at, slope = flexible()
     moving(tmp_path, modal_coordinate=[0.0] * 4, modal_velocity=[0.0] * 4)
@@ -548,8 +556,10 @@ def test_gas_widens_the_bore(bodies, tmp_path):
 
 
 def test_fast_modes_follow_their_load(bodies, tmp_path):
-    """Above quasi_static_frequency: Omega^2 q = f - T^T a - al g + w^2 b with the acceleration of A
-    and the turn of the frame, 40 rad/s at the start; slower modes are at rest there.
+    """Modes above quasi_static_frequency follow Omega^2 q = f - T^T a - al g + w^2 b.
+
+    These are the acceleration of A and the rotation of the frame, 40 rad/s at the start. Slower
+    modes are at rest at the start.
     """
     piston, block, *_ = flexible()
     coupling = dict(
@@ -610,10 +620,10 @@ def test_a_start_that_bends_the_gap_says_by_how_much(bodies):
 
 @pytest.mark.parametrize("rho", [0.0, 0.6, 1.0])
 def test_spectral_radius(bodies, tmp_path, rho):
-    """Three steps of a mode without load, two of backward Euler, the third of the
-    generalised-alpha method: their equations solved as they stand in J. Chung, G. M. Hulbert, J.
-    Appl. Mech. 60 (1993) 371-375, in the form in which the equation of motion holds at the end of
-    the step.
+    """Two steps of backward Euler and one of generalised alpha move a mode without load.
+
+    Their equations are solved in the form of J. Chung, G. M. Hulbert, J. Appl. Mech. 60 (1993)
+    371-375. In this form the equation of motion holds at the end of the step.
     """
     piston, block, *_ = flexible()
     moving(tmp_path, modal_coordinate=[0.0, 0.0, 2e-6, 0.0], modal_velocity=[0.0, 0.0, 0.03, 0.0])

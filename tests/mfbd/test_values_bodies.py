@@ -1,8 +1,8 @@
-"""Numbers of bodies from a mesh: mass and moments of a tube, torsion of a clamped tube, a block on
-springs.
+"""Numbers of bodies from a mesh.
 
-The meshes are those of conftest: a piston that is a tube from -16 to 20 mm, 24 to 28 mm in radius,
-and a block that is a tube from 50 to 155 mm, 28.025 to 36 mm in radius, held at its lower end.
+They are mass and moments of a tube, torsion of a clamped tube, and a block on springs. The
+meshes are those of conftest. The piston is a tube from -16 to 20 mm, 24 to 28 mm in radius. The
+block is a tube from 50 to 155 mm, 28.025 to 36 mm in radius, held at its lower end.
 """
 
 from dataclasses import fields
@@ -23,7 +23,7 @@ BLOCK = dict(inner=28.025e-3, outer=36e-3, length=105e-3)
 
 @pytest.fixture
 def reduce(coarse, tmp_path, monkeypatch):
-    """A function that reduces one of the coarse bodies with a changed table."""
+    """Return a function that reduces one of the coarse bodies with a changed table."""
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
     folder, options = coarse
 
@@ -39,8 +39,10 @@ def tube_volume(inner, outer, length):
 
 
 def test_mass_moments_and_pin_offset(reduce):
-    """A tube about an axis at x = -d from A: m, S = m (-d, 2 mm), I0 = m [(R^2 + r^2)/4 + L^2/12 +
-    (2 mm)^2 + d^2]. 1e-3: sixteen parabolas around a circle, 5e-4 of its area.
+    """A tube about an axis at x = -d from A has the mass and moments of the closed form.
+
+    They are m, S = m (-d, 2 mm) and I0 = m [(R^2 + r^2)/4 + L^2/12 + (2 mm)^2 + d^2]. The tolerance
+    is 1e-3: sixteen parabolas around a circle miss 5e-4 of its area.
     """
     body = reduce("piston", modes=0, skirt_lower="-15 mm", skirt_upper="7 mm", pin_offset="0.9 mm")
     parts = {part.name: body[part.name] for part in fields(ReducedPiston)}
@@ -55,9 +57,11 @@ def test_mass_moments_and_pin_offset(reduce):
 
 
 def test_a_mesh_in_other_axes_and_units(reduce, coarse):
-    """In the file thrust is +y, head -x and pin +z, lengths are mm, and the origin lies at (3, 5,
-    -7) mm: point (X, Y, Z) stands at (3 - Y, 5 + X, -7 + Z), and all moments come out as before.
-    The tube's centre of mass lies above A and beside it, so that a mirrored axis shows.
+    """All moments are independent of the axes, origin and units of the file.
+
+    In the file thrust is +y, head -x and pin +z. Lengths are in mm and the origin is at (3, 5, -7)
+    mm. Point (X, Y, Z) is at (3 - Y, 5 + X, -7 + Z). The tube's centre of mass is above A and to
+    its side, so that a mirrored axis shows.
     """
     folder, _ = coarse
     mesh = meshio.read(folder / "piston.msh")
@@ -86,8 +90,10 @@ def frequencies_of_torsion(body):
 
 @pytest.mark.parametrize("young, poisson, density", [(75e9, 0.33, 2700.0), (120e9, 0.1, 4100.0)])
 def test_torsion_of_a_clamped_tube(reduce, young, poisson, density):
-    """f = sqrt(G/rho)/(4 L), G = E/[2 (1 + nu)], exact for a circular tube clamped at one end.
-    5e-3: four quadratic elements along a quarter wave, sixteen around.
+    """The frequency f = sqrt(G/rho)/(4 L), G = E/[2 (1 + nu)], is exact for a circular tube.
+
+    The tube is clamped at one end. The tolerance is 5e-3 for four quadratic elements along a
+    quarter wave and sixteen around.
     """
     body = reduce(
         "block",
@@ -116,8 +122,9 @@ def sheet(tmp_path, monkeypatch, **piston):
 
 
 def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
-    """m = 1.39 kg, centre at (1.5, 26.5) mm from the axis, A at 0.5 mm: S = 1.39 (1, 26.5) mm kg,
-    I0 = 0.003 + 1.39 (1^2 + 26.5^2) mm2.
+    """A data sheet gives S = 1.39 (1, 26.5) mm kg and I0 = 0.003 + 1.39 (1^2 + 26.5^2) mm2.
+
+    The mass is m = 1.39 kg, the centre is at (1.5, 26.5) mm from the axis, and A is at 0.5 mm.
     """
     body = sheet(tmp_path, monkeypatch, pin_offset="0.5 mm")
     assert body["S"] == pytest.approx([1.39e-3, 36.835e-3])

@@ -44,9 +44,11 @@ STANDING = Mechanism(
 
 @pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
 def test_side_force_that_gas_rings_and_inertia_ask_for(phi):
-    """Newton and Euler on the rod, about the crank pin C, accelerations by second differences of
-    positions: P on the piston is P_y = p A - F_ry + m Y'', and (A - C) x (-P) is what the rod's
-    inertia takes; the bore holds P_x + F_rx. 1e-6: differences over 1e-3 rad are of second order.
+    """The side force follows from Newton and Euler for the rod, about the crank pin C.
+
+    Accelerations are second differences of positions. The force P on the piston has P_y = p A -
+    F_ry + m Y''. The moment (A - C) x (-P) balances the rod's inertia. The bore holds P_x + F_rx.
+    The tolerance is 1e-6: differences over 1e-3 rad are of second order.
     """
     radius, length, offset, mass, inertia, share = 0.04, 0.13, 8e-4, 0.6, 2e-3, 0.3
     rod = Mechanism(radius, length, offset, mass, inertia, share, pin_mass=0.2)
@@ -89,8 +91,10 @@ def test_turn_of_the_rod_and_its_slopes():
 
 
 def test_spline_through_a_peak():
-    """Natural cubic spline through 0, 0, 1, 0, 0 at unit distance: second derivatives M at the
-    inner points from 4 M1 + M2 = 6, 2 M1 + 4 M2 = -12: 18/7, -30/7. At 1, 3/2 and 2:
+    """Natural cubic spline through 0, 0, 1, 0, 0 at unit distance.
+
+    The second derivatives M at the inner points follow from 4 M1 + M2 = 6, 2 M1 + 4 M2 = -12: 18/7,
+    -30/7. At 1, 3/2 and 2:
 
     0, 1/2 - (M1 + M2)/16 = 17/28, 1;  slope at 3/2: 1 - (M2 - M1)/24 = 9/7
     """
@@ -109,8 +113,9 @@ def test_spline_through_a_peak():
 
 @pytest.mark.parametrize("degrees", [240.0, -120.0, 600.0])
 def test_gas_between_the_last_point_and_the_first(degrees):
-    """A two-stroke's table from -100 deg, 10 bar, to 220 deg, 30 bar: it closes at 260 deg with 10
-    bar, half way at 240 deg: 20 bar.
+    """A two-stroke table from -100 deg, 10 bar, to 220 deg, 30 bar, gives 20 bar at 240 deg.
+
+    It closes at 260 deg with 10 bar, and 240 deg is half way.
     """
     rows = inline_numbers("gas.points", [(-100, 10), (0, 70), (110, 50), (220, 30)])
     table = gas_table(rows, 2.0 * np.pi, np.pi / 180.0, 1e5)
@@ -121,8 +126,10 @@ def test_gas_between_the_last_point_and_the_first(degrees):
 
 
 def test_stress_of_an_even_strain():
-    """E = 2.5, nu = 1/4: lambda = mu = 1. Stretched by 1e-3 along x and sheared by 4e-3 (u_y goes
-    with x): xx = 3e-3, yy = zz = 1e-3, xy = 4e-3. Equivalent: sqrt(4 + 3 16) 1e-3.
+    """An even strain gives xx = 3e-3, yy = zz = 1e-3, xy = 4e-3.
+
+    E = 2.5 and nu = 1/4 give lambda = mu = 1. The body is stretched by 1e-3 along x and sheared by
+    4e-3 (u_y is proportional to x). The equivalent stress is sqrt(4 + 3 16) 1e-3.
     """
     assert lame_constants(2.5, 0.25) == near((1.0, 1.0))
     points, tets = box_mesh((1, 2, 1), (0.3, 0.4, 0.2))
