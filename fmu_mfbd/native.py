@@ -43,8 +43,9 @@ from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.model import MOTION
 from .dynamics.parameters import Parameters, Settings, settings_of
-from .dynamics.pin_coordinates import COORDINATES, EYE, layout, of_eye
+from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
 from .dynamics.pin_instant import PinScalars
+from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
@@ -138,24 +139,9 @@ class FieldPlaces(NamedTuple):
     cells: Annotated[np.ndarray, "films", "within(x, 1.0, reals)"]
 
 
-class InterfacePlaces(NamedTuple):
-    """Positions of what crosses the interface, or of its seeds and products.
-
-    rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
-    mounted block.
-    """
-
-    rings: Annotated[np.ndarray, f"{len(RingForce._fields)}", EACH]
-    carrier: Annotated[np.ndarray, f"{len(FIXED)}", EACH]
-    on_block: Annotated[np.ndarray, f"{len(BlockForce._fields)}", EACH]
-    skirt: FieldPlaces
-    pins: FieldPlaces
-
-
-SAME_CELLS = (
-    "np.array_equal(x.skirt.cells, values.skirt.cells) "
-    "and np.array_equal(x.pins.cells, values.pins.cells)"
-)
+OfRings = Annotated[np.ndarray, f"{len(RingForce._fields)}", EACH]
+OfCarrier = Annotated[np.ndarray, f"{len(FIXED)}", EACH]
+OfBlock = Annotated[np.ndarray, f"{len(BlockForce._fields)}", EACH]
 
 
 class VariablePlaces(NamedTuple):
@@ -163,7 +149,8 @@ class VariablePlaces(NamedTuple):
 
     settings, scalars, pin_scalars : of `Settings`, `Scalars` and `PinScalars`, in their order;
     inputs : of the numbers of `StepInputs`;
-    motion_product : of the derivatives `model.MOTION`; values, tangent : of the interface.
+    rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
+    mounted block; motion : of the derivatives `model.MOTION`.
     """
 
     settings: Annotated[np.ndarray, f"{len(Settings._fields)}", EACH]
@@ -173,10 +160,18 @@ class VariablePlaces(NamedTuple):
     crank_free: Count
     crank_speed: Place
     inputs: Annotated[np.ndarray, f"{len(StepInputs._fields) - len(FIELDS)}", EACH]
+    rings: OfRings
+    rings_seed: OfRings
+    carrier: OfCarrier
+    carrier_seed: OfCarrier
+    on_block: OfBlock
+    on_block_product: OfBlock
     motion_product: Annotated[np.ndarray, "3", EACH]
     outputs: OutputPlaces
-    values: InterfacePlaces
-    tangent: Annotated[InterfacePlaces, SAME_CELLS]
+    skirt: FieldPlaces
+    skirt_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, skirt.cells)"]
+    pins: FieldPlaces
+    pins_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, pins.cells)"]
 
 
 class NativeSetup(NamedTuple):
@@ -281,7 +276,7 @@ def _places(slave) -> VariablePlaces:
     def each(names, kind=""):
         return positions_of(slave, names, kind)
 
-    def fields(films, names, kinds):
+    def fields(films, names, kinds=("",) * 4):
         columns = zip((*names, "interface_work_error"), (*kinds, ""))
         return FieldPlaces(
             *(each([f"{film.prefix}{name}" for film in films], kind) for name, kind in columns),
@@ -289,27 +284,26 @@ def _places(slave) -> VariablePlaces:
         )
 
     integers = "gas_source", "crank_free"
-
-    def interface(seed="", product=""):
-        kinds = seed, seed, product, product
-        return InterfacePlaces(
-            each(RINGS, seed),
-            each(BLOCK, seed),
-            each(BlockForce._fields, product),
-            fields(slave.built.film_grids(), (*FORCES, *FILM), kinds),
-            fields(slave.built.pin_grids(), (*PIN_FORCES, *PIN_FILM), kinds),
-        )
-
+    skirt, pins = slave.built.film_grids(), slave.built.pin_grids()
+    of_tangent = SEED, SEED, PRODUCT, PRODUCT
     return VariablePlaces(
         settings=each("" if name in integers else name for name in Settings._fields),
         scalars=each(Scalars._fields),
         pin_scalars=each(PinScalars._fields),
         **{name: slave.references[name] for name in (*integers, "crank_speed")},
         inputs=each(name for name in StepInputs._fields if name not in FIELDS),
+        rings=each(RINGS),
+        rings_seed=each(RINGS, SEED),
+        carrier=each(BLOCK),
+        carrier_seed=each(BLOCK, SEED),
+        on_block=each(BlockForce._fields),
+        on_block_product=each(BlockForce._fields, PRODUCT),
         motion_product=each(MOTION, PRODUCT),
         outputs=OutputPlaces(*each(OutputPlaces._fields)),
-        values=interface(),
-        tangent=interface(SEED, PRODUCT),
+        skirt=fields(skirt, (*FORCES, *FILM)),
+        skirt_tangent=fields(skirt, (*FORCES, *FILM), of_tangent),
+        pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
+        pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
     )
 
 
@@ -326,7 +320,7 @@ _check = checker(NativeSetup, "reals, integers", are_fields=are_fields)
 
 
 @compilable
-def are_bodies(bodies: BodySetup, places: InterfacePlaces, coordinates: int):
+def are_bodies(bodies: BodySetup, places: VariablePlaces, coordinates: int):
     """Return whether all films and coordinates of bodies from a file fit each other."""
     fit = bodies.fit
     films = 1.0 * fit.has_big_end + fit.has_main_bearing
@@ -362,7 +356,7 @@ def is_sound(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
     model = int(memory[FIRST_STATE]) - len(memory)
     return (
         model >= 0
-        and are_bodies(setup.bodies, setup.places.values, len(setup.start_position))
+        and are_bodies(setup.bodies, setup.places, len(setup.start_position))
         and is_head(memory, lengths_of(setup, model), 1.0, 0)
     )
 
@@ -417,14 +411,26 @@ def put_films(real, places, thickness, sliding):
 
 
 @compiled
-def inputs_of(real, places, numbers):
-    """Return `StepInputs` of the interface, or their seeds, and of other numbers."""
+def inputs_of(real, places):
+    """Return `StepInputs`."""
     return step_inputs_from(
-        numbers,
+        get_each(real, places.inputs),
         NodalForces(*forces_at(real, places.skirt)),
         PinForces(*forces_at(real, places.pins)),
         rings_from(get_each(real, places.rings)),
         carrier_from(get_each(real, places.carrier)),
+    )
+
+
+@compiled
+def seeds_of(real, places):
+    """Return the seeds as `StepInputs`; the block's motion is not among them."""
+    return step_inputs_from(
+        np.zeros(len(places.inputs)),
+        NodalForces(*forces_at(real, places.skirt_tangent)),
+        PinForces(*forces_at(real, places.pins_tangent)),
+        rings_from(get_each(real, places.rings_seed)),
+        FIXED,
     )
 
 
@@ -437,12 +443,11 @@ def publish(real, integer, given, model, result):
     now = instant.now
     put_each(real, places.scalars, result.scalars)
     put_each(real, places.pin_scalars, instant.scalars)
-    values = places.values
-    put_each(real, values.on_block, result.on_block)
-    put_films(real, values.skirt, now.films.film_thickness, now.films.sliding_velocity)
-    put_films(real, values.pins, instant.film_thickness, instant.circumferential_velocity)
-    put_each(real, values.skirt.work_error, now.films.work_error)
-    put_each(real, values.pins.work_error, instant.work_error)
+    put_each(real, places.on_block, result.on_block)
+    put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
+    put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)
+    put_each(real, places.skirt.work_error, now.films.work_error)
+    put_each(real, places.pins.work_error, instant.work_error)
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
@@ -471,8 +476,7 @@ def solve(real, integer, memory, c, before, crank, time):
         return
     given = setup_from(parts.given)
     model = model_from(parts.model)
-    places = given.places
-    inputs = inputs_of(real, places.values, get_each(real, places.inputs))
+    inputs = inputs_of(real, given.places)
     if is_gas_twice(model, inputs):
         remark(faults, FAULT.gas_twice)
     others = others_at(model, inputs, crank)
@@ -574,18 +578,17 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         put_common(parts.common, linearised(model, last))
         given.has_common[0] = 1.0
         given.tangents[0] += 1.0
-    products = places.tangent
-    seeds = inputs_of(real, products, np.zeros(len(places.inputs)))
-    found = response_to(model, last, common_from(parts.common), seeds)
+    carried = get_each(real, places.carrier_seed)
+    found = response_to(model, last, common_from(parts.common), seeds_of(real, places), carried)
     change = found.change
-    put_films(real, products.skirt, change.film_thickness, change.sliding_velocity)
-    put_films(real, products.pins, found.film_thickness, found.circumferential_velocity)
+    put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
+    put_films(real, places.pins_tangent, found.film_thickness, found.circumferential_velocity)
     motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
     put_each(real, places.motion_product, motion)
     if model.mounted:
         unbalance = model.settings.crank_unbalance
-        force = force_change(model.parts.system, unbalance, last, change)
-        put_each(real, products.on_block, force)
+        force = force_change(model.parts.system, unbalance, last, change, carried)
+        put_each(real, places.on_block_product, force)
 
 
 PART = NativePart(

@@ -15,6 +15,7 @@ from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
     MOTION,
+    NOT_CARRIED,
     ON_BLOCK,
     ON_FLEXIBLE_BLOCK,
     Inputs,
@@ -176,8 +177,11 @@ class Mfbd(FieldSlave):
         """Return the product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)
         rings = _rings(seeds)
+        carried = NOT_CARRIED
+        if self.built.mounted:
+            carried = np.array([float(seeds[name]) for name in BLOCK])
         change = self.model.directional_derivative(
-            pressure, friction, rings, self._carrier(seeds), pins=self._pins(seeds)
+            pressure, friction, rings, carried, pins=self._pins(seeds)
         )
         if self.built.block.bore_from_outside:
             widened = self.model.widened(seeds[BORE])
@@ -194,17 +198,13 @@ class Mfbd(FieldSlave):
             _rings(values),
             float(values["land_pressure"]),
             self._pins(values),
-            self._carrier(values),
+            Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
             np.asarray(values.get(BORE, np.zeros((0, 0)))),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),
             float(values["piston_temperature"]),
             float(values["bore_temperature"]),
         )
-
-    def _carrier(self, values: dict[str, Any]) -> Carrier:
-        """Return the motion of a mounted block."""
-        return Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
         """Return the forces of the films of a floating pin."""

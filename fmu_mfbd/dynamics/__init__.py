@@ -21,6 +21,7 @@ model              one step after the other
 pin_coordinates    those of a pin on films of its own
 floating_pin       their equations of motion (K, D)
 pin_tangent        their derivative
+pin_inertia        inertia and energy of their motion
 pin_shells         where the pin is in its shells
 pin_films          all films of pin and crank
 elimination        small systems of linear equations (N)

@@ -41,9 +41,10 @@ from .parameters import (
     SpaceParameters,
     settings_of,
 )
-from .pin_coordinates import EYE, Crankshaft, PinBodies
+from .pin_coordinates import Crankshaft, PinBodies
 from .pin_films import PinSystem
 from .pin_friction import PinFriction
+from .pin_shells import EYE
 from .pin_tangent import inertia
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism

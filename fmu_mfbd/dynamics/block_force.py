@@ -142,7 +142,7 @@ def force_at(system: BodySystem, crank_unbalance: float, last: StepEnd) -> Block
 
 @compiled
 def force_change(
-    system: BodySystem, crank_unbalance: float, last: StepEnd, change: Response
+    system: BodySystem, crank_unbalance: float, last: StepEnd, change: Response, carried: np.ndarray
 ) -> BlockForce:
     """Return the change of the forces on the block.
 
@@ -157,11 +157,13 @@ def force_change(
         [kg m]
     last : StepEnd
     change : Response
+    carried : ndarray, shape (4,)
+        Change of the block's motion, as `Carrier` has it.
     """
     size = 1e-300
     for one in change.acceleration:
         size = max(size, abs(one))
-    for one in change.load.carrier:
+    for one in carried:
         size = max(size, abs(one))
     ahead = _moved_along(last, change, 1.0 / size)
     behind = _moved_along(last, change, -1.0 / size)

@@ -18,18 +18,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import across, in_axes, in_space, pair, turned
-from .floating_frame import FrameForce, FrameMotion, frame_force
+from ..geometry.pin import PinResultants, across, in_axes, in_space, pair, turned
+from .floating_frame import (
+    FrameForce,
+    FrameMotion,
+    frame_force,
+)
 from .generalised_alpha import Motion
 from .pin_coordinates import (
-    COORDINATES,
-    EYE,
-    ON_PISTON,
-    ON_ROD,
+    NO_MODES,
     PIN,
     Layout,
     PinBodies,
-    coordinates_of_film,
     eye_motion,
     layout,
     of_modes,
@@ -37,110 +37,60 @@ from .pin_coordinates import (
     shift_of,
 )
 from .piston_motion import LATERAL, ROCKING, Load
-from .slider_crank import CrankMotion, Link, motion
+from .slider_crank import (
+    CrankMotion,
+    Link,
+    motion,
+)
+
+NO_FILM = PinResultants(np.zeros(2), 0.0, 0.0)
 
 
 class PinFilms(NamedTuple):
-    """Resultants of f films of pin and crank.
+    """Resultants of the pin's films: all bosses together, and the eye.
+
+    `force` acts on the pin. The force of the crank's films acts on the crank.
 
     Parameters
     ----------
-    force : ndarray, shape (f, 2)
-        On pin or crank [N].
-    on_pin, on_shell : ndarray, shape (f,)
-        Moments on pin or crank, and on the shell, each about its own axis [N m].
-    on_shapes : ndarray, shape (f, n, 2)
-        Forces on the shapes of the pin [N].
-    push : ndarray, shape (7 + k + 2 n,)
-        Forces on the modes of all shells, by coordinate (Eq. (G6)) [kg^-1/2 N].
-    slope_push : ndarray, shape (f, 7 + k + 2 n)
-        Moment of pressure on pin or crank, its opposite on the shell, by the slopes that each mode
-        gives the shell (Eq. (G5)), by coordinate [kg^-1/2 N].
+    bosses, eye, big_end, main_bearing : PinResultants
+    slope_push : ndarray, shape (k,)
+        Moment of pressure on the pin, its opposite on the shell, by the slopes that each mode gives
+        the bosses (Eq. (G5)) [kg^-1/2 N].
+    shell_slope_push : ndarray, shape (m,)
+        Likewise of the modes of eye, big end and main bearing.
+    on_shells : ndarray, shape (m,)
+        Forces on these modes (Eq. (G6)) [kg^-1/2 N].
     """
 
-    force: np.ndarray
-    on_pin: np.ndarray
-    on_shell: np.ndarray
-    on_shapes: np.ndarray
-    push: np.ndarray
-    slope_push: np.ndarray
+    bosses: PinResultants
+    eye: PinResultants
+    slope_push: np.ndarray = NO_MODES
+    shell_slope_push: np.ndarray = NO_MODES
+    on_shells: np.ndarray = NO_MODES
+    big_end: PinResultants = NO_FILM
+    main_bearing: PinResultants = NO_FILM
 
 
 @compilable
-def no_films(first: Layout, films: int) -> PinFilms:
-    """Return so many films without forces."""
-    shapes = (first.eye - first.shapes) // 2
-    return PinFilms(
-        np.zeros((films, 2)),
-        np.zeros(films),
-        np.zeros(films),
-        np.zeros((films, shapes, 2)),
-        np.zeros(first.size),
-        np.zeros((films, first.size)),
-    )
-
-
-class Moments(NamedTuple):
-    """Sums of the films' moments on piston and rod about their shells, on pin and crank [N m]."""
-
-    on_piston: float
-    on_rod: float
-    on_pin: float
-    on_crank: float
+def no_film(shapes: int) -> PinResultants:
+    """Return no forces, on so many shapes of the pin."""
+    return PinResultants(np.zeros(2), 0.0, 0.0, np.zeros((shapes, 2)))
 
 
 @compilable
-def moments_of(first: Layout, films: PinFilms) -> Moments:
-    """Return the moments of all films by body."""
-    on_shells = np.zeros(3)
-    turning = np.zeros(2)
-    for k in range(len(films.on_shell)):
-        on_shells[coordinates_of_film(first, k).holder] += films.on_shell[k]
-        turning[int(k > EYE)] += films.on_pin[k]
-    return Moments(on_shells[ON_PISTON], on_shells[ON_ROD], turning[0], turning[1])
-
-
-class Springs(NamedTuple):
-    """Mass, damping and stiffness that each coordinate has by itself, but for the piston's modes.
-
-    Shape (7 + k + 2 n,), 0 of coordinates without.
-    """
-
-    mass: np.ndarray
-    damping: np.ndarray
-    stiffness: np.ndarray
+def no_films(first: Layout) -> PinFilms:
+    """Return films without forces."""
+    pin = no_film((first.eye - first.shapes) // 2)
+    on_shells = np.zeros(first.crank - first.eye)
+    on_modes = np.zeros(first.shapes - first.modes)
+    return PinFilms(pin, pin, on_modes, on_shells, on_shells, no_film(0), no_film(0))
 
 
 @compilable
-def springs_of(bodies: PinBodies) -> Springs:
-    """Return the inertia of the pin's rotation, its shapes, and the modes of shells (Eq. (D40))."""
-    first = layout(bodies)
-    out = Springs(np.zeros(first.size), np.zeros(first.size), np.zeros(first.size))
-    out.mass[PIN.spin] = bodies.spin_inertia
-    shapes, shells = bodies.shapes, bodies.shells
-    n = len(shapes.mass)
-    for k in range(n):
-        for m in (first.shapes + k, first.shapes + n + k):
-            out.mass[m] = shapes.mass[k]
-            out.damping[m] = shapes.damping[k]
-            out.stiffness[m] = shapes.stiffness[k]
-    for k in range(len(shells.stiffness)):
-        out.mass[first.eye + k] = 1.0
-        out.damping[first.eye + k] = shells.damping[k]
-        out.stiffness[first.eye + k] = shells.stiffness[k]
-    return out
-
-
-@compilable
-def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
-    """Return the energy of the modes of piston and shells and of the pin's shapes [J]."""
-    stiffness = springs_of(bodies).stiffness
-    for k in range(len(bodies.piston.stiffness)):
-        stiffness[COORDINATES + k] = bodies.piston.stiffness[k]
-    total = 0.0
-    for k in range(len(position)):
-        total += stiffness[k] * position[k] ** 2 / 2
-    return total
+def on_rod(films: PinFilms) -> float:
+    """Return the moments of the films on the rod about the axes of its shells [N m]."""
+    return films.eye.on_shell + films.big_end.on_shell
 
 
 class PinKinematics(NamedTuple):
@@ -305,7 +255,7 @@ def imbalance(
     ----------
     bodies : PinBodies
     load : Load
-        On the piston, all but the films of pin and crank.
+        On the piston, all but the pin's; `modal` with that of the bosses' films.
     now : Motion
         (7 + k + 2 n,)
     crank : CrankMotion
@@ -319,13 +269,15 @@ def imbalance(
     # Eq. (D21)
     needed = in_space(at.axes, pair(force.x, force.y))
     on_piston = pair(needed[0] - load.lateral, needed[1] - load.axial)
+    rocking = force.moment - (load.moment + load.guided * now.position[LATERAL])
     pin_x = mechanism.pin_mass * at.pin[0]
     pin_y = mechanism.pin_mass * at.pin[1]
     above_eye = on_piston[1] + pin_y
-    moments = moments_of(first, films)
     carried = mechanism.rod_centre * mechanism.rod_mass
-    sideways = link.slope * above_eye + link.rod_force - link.rod.slope * moments.on_rod
+    sideways = link.slope * above_eye + link.rod_force - link.rod.slope * on_rod(films)
     sideways += carried * (at.shift[0] + link.slope * at.shift[1])
+    boss = films.bosses.force
+    in_eye = films.eye.force
     at_big_end = pair(
         sideways - mechanism.rod_mass * at.rod_centre[0],
         -above_eye - mechanism.rod_mass * at.rod_centre[1],
@@ -337,35 +289,46 @@ def imbalance(
         bodies.crank.mass * at.crank[1] + bodies.crank.unbalance * flung[1],
     )
     on_bearings = pair(at_big_end[0] - thrown[0], at_big_end[1] - thrown[1])
-    turned_by = load.moment + load.guided * now.position[LATERAL]
-    acting = Load(load.lateral, load.axial, turned_by, 0.0, load.modal, load.carrier)
-    residual = generalised_forces(first, films, acting)
-    springs = springs_of(bodies)
-    for k in range(first.size):
-        own = springs.damping[k] * now.velocity[k] + springs.stiffness[k] * now.position[k]
-        residual[k] = springs.mass[k] * now.acceleration[k] + own - residual[k]  # Eq. (D40)
-    residual[LATERAL] += needed[0] + pin_x + sideways
-    residual[ROCKING] += force.moment
-    residual[PIN.boss_x] += pin_x + sideways
-    residual[PIN.boss_y] -= on_piston[1]
-    residual[PIN.eye_x] -= sideways
-    residual[PIN.eye_y] += above_eye
-    for k in range(len(force.modal)):
-        residual[first.modes + k] += force.modal[k]
+    on_pin = films.bosses.on_pin + films.eye.on_pin
+    residual = np.empty(first.size)
+    residual[LATERAL] = on_piston[0] + pin_x + sideways
+    residual[ROCKING] = rocking - films.bosses.on_shell
+    residual[PIN.boss_x] = pin_x + sideways - boss[0]
+    residual[PIN.boss_y] = -on_piston[1] - boss[1]
+    residual[PIN.eye_x] = -sideways - in_eye[0]
+    residual[PIN.eye_y] = above_eye - in_eye[1]
+    residual[PIN.spin] = bodies.spin_inertia * now.acceleration[PIN.spin] - on_pin
+    for k in range(len(bodies.piston.stiffness)):
+        residual[first.modes + k] = force.modal[k] - load.modal[k]
+    shapes = bodies.shapes
+    n = len(shapes.mass)
+    for k in range(n):
+        for way in range(2):
+            m = first.shapes + way * n + k
+            held = shapes.damping[k] * now.velocity[m] + shapes.stiffness[k] * now.position[m]
+            push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
+            residual[m] = shapes.mass[k] * now.acceleration[m] + held - push
+    springs = bodies.shells
+    for k in range(len(springs.stiffness)):
+        # Eq. (D40)
+        m = first.eye + k
+        held = springs.damping[k] * now.velocity[m] + springs.stiffness[k] * now.position[m]
+        residual[m] = now.acceleration[m] + held - films.on_shells[k]
     for way in range(2):
         if first.big_end >= 0:
-            residual[first.big_end + way] += at_big_end[way]
+            residual[first.big_end + way] = at_big_end[way] - films.big_end.force[way]
         if first.main_bearing >= 0:
-            residual[first.main_bearing + way] -= on_bearings[way]
+            journal = -on_bearings[way] - films.main_bearing.force[way]
+            residual[first.main_bearing + way] = journal
     lever = link.slope * mechanism.crank_radius * np.cos(crank.angle)
     lever -= mechanism.crank_radius * np.sin(crank.angle)
-    torque = above_eye * lever + link.rod_moment - moments.on_rod * link.rod.lever
+    torque = above_eye * lever + link.rod_moment - on_rod(films) * link.rod.lever
     onward = across(towards)
     behind = (1 - mechanism.rod_centre) * mechanism.crank_radius
     by_centre = pair(behind * onward[0], behind * onward[1] + mechanism.rod_centre * lever)
     torque += mechanism.rod_mass * (by_centre[0] * at.shift[0] + by_centre[1] * at.shift[1])
     torque += bodies.crank.unbalance * (onward[0] * at.crank[0] + onward[1] * at.crank[1])
-    torque -= moments.on_crank
+    torque -= films.big_end.on_pin + films.main_bearing.on_pin
     return PinImbalance(residual, on_piston, above_eye, torque, on_bearings, at, force)
 
 
@@ -384,20 +347,28 @@ def generalised_forces(first: Layout, films: PinFilms, on_piston: Load) -> np.nd
     -------
     ndarray, shape (7 + k + 2 n,)
     """
-    out = films.push.copy()
-    moments = moments_of(first, films)
+    out = np.empty(first.size)
     out[LATERAL] = on_piston.lateral
-    out[ROCKING] = on_piston.moment + moments.on_piston
-    out[PIN.spin] = moments.on_pin
-    for k in range(len(on_piston.modal)):
-        out[first.modes + k] += on_piston.modal[k]
+    out[ROCKING] = on_piston.moment + films.bosses.on_shell
+    out[PIN.boss_x] = films.bosses.force[0]
+    out[PIN.boss_y] = films.bosses.force[1]
+    out[PIN.eye_x] = films.eye.force[0]
+    out[PIN.eye_y] = films.eye.force[1]
+    out[PIN.spin] = films.bosses.on_pin + films.eye.on_pin
+    for k in range(first.shapes - first.modes):
+        out[first.modes + k] = on_piston.modal[k]
     n = (first.eye - first.shapes) // 2
-    for film in range(len(films.force)):
-        place = coordinates_of_film(first, film).place
+    for k in range(n):
         for way in range(2):
-            out[place + way] += films.force[film, way]
-            for k in range(n):
-                out[first.shapes + way * n + k] += films.on_shapes[film, k, way]
+            push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
+            out[first.shapes + way * n + k] = push
+    for k in range(first.crank - first.eye):
+        out[first.eye + k] = films.on_shells[k]
+    for way in range(2):
+        if first.big_end >= 0:
+            out[first.big_end + way] = films.big_end.force[way]
+        if first.main_bearing >= 0:
+            out[first.main_bearing + way] = films.main_bearing.force[way]
     return out
 
 
@@ -412,10 +383,11 @@ def pushed(first: Layout, link: Link, films: PinFilms, on_piston: Load) -> np.nd
     films : PinFilms
         Changes.
     on_piston : Load
-        Changes, of others than the pin.
+        Of others than the pin.
+        Changes.
     """
     along = on_piston.axial
-    sideways = -link.slope * along - link.rod.slope * moments_of(first, films).on_rod
+    sideways = -link.slope * along - link.rod.slope * on_rod(films)
     out = generalised_forces(first, films, on_piston)
     for k in range(len(out)):
         out[k] = -out[k]

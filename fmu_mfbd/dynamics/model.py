@@ -60,6 +60,9 @@ ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
 REFERENCE = Parameters().reference_temperature
 """Temperature of piston and bore without growth [K]."""
 
+NOT_CARRIED = np.zeros(len(Carrier._fields))
+"""No change of the block's motion."""
+
 
 class MotionNotSolved(RuntimeError):
     """The step's equations could not be solved; the message says where and how far it got."""
@@ -341,7 +344,7 @@ class PistonInBore:
         pressure_force: np.ndarray,
         friction_force: np.ndarray,
         rings: RingForce = NO_RINGS,
-        carrier: Carrier = FIXED,
+        carried: np.ndarray = NOT_CARRIED,
         *,
         pins: tuple[PinForces, ...] = (),
     ) -> dict[str, np.ndarray | float]:
@@ -355,8 +358,8 @@ class PistonInBore:
             Direction, as in `Inputs` [N].
         rings : RingForce
             Direction.
-        carrier : Carrier
-            Direction of a mounted block's motion.
+        carried : ndarray, shape (4,)
+            Direction of a mounted block's motion, as `Carrier` has it.
         pins : tuple of PinForces
             Directions, of all films of the pin [N].
 
@@ -366,8 +369,8 @@ class PistonInBore:
             By output.
         """
         model, last = self.model, self._last
-        seeds = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins, carrier=carrier)
-        found = self._response(_stacked(seeds))
+        seeds = _stacked(Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins))
+        found = self._response(seeds, carried)
         change = found.change
         products = {
             **by_film(self.films, "film_thickness", change.film_thickness),
@@ -379,20 +382,20 @@ class PistonInBore:
         if model.mounted:
             names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
             unbalance = model.settings.crank_unbalance
-            on_block = force_change(self.system, unbalance, last, change)
+            on_block = force_change(self.system, unbalance, last, change, carried)
             products |= dict(zip(names, on_block))
         if self.outside:
             products["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
             products["force_on_deck"] = 0.0
         return products
 
-    def _response(self, seeds: StepInputs) -> PinResponse:
-        """Return the change of films and motion with forces and the block's motion."""
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
+        """Return the change of films and motion with forces and the block's motion (4,)."""
         if self._common is None and not self.pins:
             self._common = linearised(self.model, self._last)
             self.jacobian_evaluations += 1
         common = cast(Linearisation, self._common)  # pins need none
-        return response_to(self.model, self._last, common, seeds)
+        return response_to(self.model, self._last, common, seeds, carried)
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
         """Return the change of film thickness with a bore's deflection from outside, by output.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import PIN_SURFACES, pair
+from ..geometry.pin import pair
 from ..geometry.pin_shapes import STRAIGHT, AxisShapes
 from .floating_frame import FlexibleBody
 from .generalised_alpha import Motion
@@ -45,14 +45,6 @@ NO_MODES = np.zeros(0)
 
 NOWHERE = -1
 """Where a block of coordinates begins that there is none of."""
-
-
-EYE = PIN_SURFACES.index("small_end")
-"""Number of the eye's film; those of the bosses come before it, those of the crank after."""
-
-
-ON_PISTON, ON_ROD, ON_BLOCK = range(3)
-"""Bodies that hold the shells of films."""
 
 
 RIGID_SHELLS = ModalSprings(np.zeros(0), np.zeros(0))
@@ -154,49 +146,6 @@ def layout(bodies: PinBodies) -> Layout:
         main_bearing,
         end,
     )
-
-
-class FilmCoordinates(NamedTuple):
-    """Coordinates of a film of pin or crank.
-
-    Parameters
-    ----------
-    place : int
-        First of the two that give the position of the pin, or a journal of the crank, in its shell.
-    mode, end : int
-        Those of the shell's modes are from `mode` to below `end`.
-    holder : int
-        Body of the shell: `ON_PISTON`, `ON_ROD` or `ON_BLOCK`.
-    """
-
-    place: int
-    mode: int
-    end: int
-    holder: int
-
-
-@compilable
-def coordinates_of_film(first: Layout, k: int) -> FilmCoordinates:
-    """Return the coordinates of the k-th film of `PIN_SURFACES` and `CRANK_SURFACES`."""
-    if k < EYE:
-        return FilmCoordinates(PIN.boss_x, first.modes, first.shapes, ON_PISTON)
-    if k == EYE:
-        return FilmCoordinates(PIN.eye_x, first.eye, first.big_end_shell, ON_ROD)
-    if k == big_end_film(first):
-        return FilmCoordinates(first.big_end, first.big_end_shell, first.main_bearing_shell, ON_ROD)
-    return FilmCoordinates(first.main_bearing, first.main_bearing_shell, first.crank, ON_BLOCK)
-
-
-@compilable
-def big_end_film(first: Layout) -> int:
-    """Return the number of the big end's film, `NOWHERE` without it."""
-    return EYE + 1 if first.big_end >= 0 else NOWHERE
-
-
-@compilable
-def main_bearing_film(first: Layout) -> int:
-    """Return the number of the main bearing's film, `NOWHERE` without it."""
-    return max(EYE, big_end_film(first)) + 1 if first.main_bearing >= 0 else NOWHERE
 
 
 @compilable

@@ -15,27 +15,31 @@ from ..geometry.pin import (
     PinForces,
     PinResultants,
     PinSurface,
+    across,
     in_axes,
     modal_push,
     opening_of,
+    pair,
     power_on_grid,
-    resultants_at,
     resultants_on,
     slope_push,
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
-from .floating_pin import PinFilms, no_films
+from .floating_pin import PinFilms, no_film
 from .generalised_alpha import Motion
-from .pin_coordinates import EYE, Layout, PinBodies, coordinates_of_film, layout, of_shapes
+from .pin_coordinates import Layout, PinBodies, layout, of_shapes
 from .pin_shells import (
+    EYE,
     Shell,
-    in_turning_axes,
+    _big_end,
+    _shell_change,
+    first_mode,
     own_bent,
     own_velocity,
-    shell_change,
     shell_modes_of,
     shell_of,
+    turned_back,
 )
 from .skirt_films import FilmChange, stack
 from .slider_crank import CrankMotion, Mechanism
@@ -71,61 +75,125 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 
 
 @compilable
-def own_films(surfaces: np.ndarray, first: Layout, forces: PinForces) -> PinFilms:
-    """Return the resultants of nodal forces in the axes of the shells, for pins amid rigid shells.
+def resultants_of(
+    surface: PinSurface, forces: PinForces, shell: Shell, modal: np.ndarray
+) -> PinResultants:
+    """Return the resultants of a film whose shell deflects by modal coordinates."""
+    bent = shell.bent.position
+    found = resultants_on(surface, forces, shell.place, shell.axes, bent)
+    push = slope_push(surface, forces.pressure)
+    moment = 0.0
+    for m in range(len(push)):
+        moment += push[m] * modal[m]
+    on_pin = found.on_pin + moment
+    return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
 
-    A step's motion does not change them; `surfaces` as in `PinSystem`.
+
+@compilable
+def added(one: PinResultants, other: PinResultants) -> PinResultants:
+    """Return the sum of the resultants of two films of a pin."""
+    shapes = np.empty(one.on_shapes.shape)
+    for k in range(len(shapes)):
+        for way in range(2):
+            shapes[k, way] = one.on_shapes[k, way] + other.on_shapes[k, way]
+    return PinResultants(
+        pair(one.force[0] + other.force[0], one.force[1] + other.force[1]),
+        one.on_pin + other.on_pin,
+        one.on_shell + other.on_shell,
+        shapes,
+    )
+
+
+class OnModes(NamedTuple):
+    """Loads of the films of pin and crank by the modes of their shells.
+
+    Moments on pin and crank come from the slopes of bosses and other shells (Eq. (G5)), by modal
+    coordinate. Forces act on the piston's modes and on those of the shells (Eq. (G6)).
     """
-    out = no_films(first, pins_of(surfaces))
+
+    slope_push: np.ndarray
+    shell_slope_push: np.ndarray
+    on_piston: np.ndarray
+    on_shells: np.ndarray
+
+
+@compilable
+def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnModes:
+    """Return the loads of the films by the modes of their shells; `surfaces` as in `PinSystem`."""
+    k = first.shapes - first.modes
+    m = first.crank - first.eye
+    out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
     cell = 0
-    for k in range(pins_of(surfaces)):
-        surface = pin_surface_at(surfaces, k)
+    for film in range(pins_of(surfaces)):
+        surface = pin_surface_at(surfaces, film)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
-        _put(out, k, resultants_on(surface, own))
         slopes = slope_push(surface, own.pressure)
         pushes = modal_push(surface, own)
-        mode = coordinates_of_film(first, k).mode
-        for m in range(len(pushes)):
-            out.slope_push[k, mode + m] = slopes[m]
-            out.push[mode + m] += pushes[m]
+        begins = first_mode(first, film) - first.eye
+        for n in range(len(slopes)):
+            if film < EYE:
+                out.slope_push[n] += slopes[n]
+                out.on_piston[n] += pushes[n]
+            else:
+                out.shell_slope_push[begins + n] += slopes[n]
+                out.on_shells[begins + n] += pushes[n]
     return out
 
 
 @compilable
-def _put(films, k, found):
-    """Put the resultants of film k among those of all."""
-    films.on_pin[k] = found.on_pin
-    films.on_shell[k] = found.on_shell
-    for way in range(2):
-        films.force[k, way] = found.force[way]
-        for m in range(len(found.on_shapes)):
-            films.on_shapes[k, m, way] = found.on_shapes[m, way]
+def total(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the sum of two arrays of one axis, in a loop."""
+    out = np.empty(len(a))
+    for k in range(len(a)):
+        out[k] = a[k] + b[k]
+    return out
 
 
 @compilable
 def films_at(
-    mechanism: Mechanism, first: Layout, own: PinFilms, now: Motion, crank: CrankMotion
+    surfaces: np.ndarray,
+    mechanism: Mechanism,
+    first: Layout,
+    forces: PinForces,
+    now: Motion,
+    crank: CrankMotion,
+    by: OnModes,
 ) -> PinFilms:
-    """Return the resultants of all films in space in a motion, from `own_films`."""
-    none = no_films(first, len(own.force))
-    out = PinFilms(none.force, none.on_pin, none.on_shell, none.on_shapes, own.push, own.slope_push)
-    for k in range(len(own.force)):
+    """Return the resultants of all films of the pin in a motion, both bosses as one.
+
+    `surfaces` are those of `PinSystem`.
+    """
+    shapes = (first.eye - first.shapes) // 2
+    both = no_film(shapes)
+    eye = no_film(shapes)
+    big_end = no_film(0)
+    main_bearing = no_film(0)
+    cell = 0
+    for k in range(pins_of(surfaces)):
+        surface = pin_surface_at(surfaces, k)
         shell = shell_of(mechanism, first, now, crank, k)
-        bent = shell.bent.position
-        on_shell = own.on_shell[k]
-        for c in range(first.size):
-            on_shell -= own.slope_push[k, c] * now.position[c]
-        held = PinResultants(own.force[k], 0.0, on_shell, own.on_shapes[k, : len(bent)])
-        _put(out, k, resultants_at(held, shell.place, shell.axes, bent))
-    return out
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
+        found = resultants_of(surface, own, shell, shell_modes_of(first, now.position, k))
+        if k < EYE:
+            both = added(both, found)
+        elif k == EYE:
+            eye = found
+        elif k == _big_end(first):
+            big_end = found
+        else:
+            main_bearing = found
+    slopes, pushes = by.shell_slope_push, by.on_shells
+    return PinFilms(both, eye, by.slope_push, slopes, pushes, big_end, main_bearing)
 
 
 @compilable
-def _work_error(first, surface, forces, films, shell, end, k):
+def _work_error(first, surface, forces, shell, end, k):
     """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-]."""
     modal = shell_modes_of(first, end.position, k)
     modal_velocity = shell_modes_of(first, end.velocity, k)
+    found = resultants_of(surface, forces, shell, modal)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
         surface,
@@ -136,17 +204,17 @@ def _work_error(first, surface, forces, films, shell, end, k):
         ModeMotion(modal, modal_velocity),
         own_bent(shell),
     )
-    moving = films.force[k, 0] * shell.velocity[0] + films.force[k, 1] * shell.velocity[1]
-    shell_turns = films.on_shell[k] * shell.own_turning
-    pin_turns = films.on_pin[k] * (shell.own_turning + shell.turning)
+    moving = found.force[0] * shell.velocity[0] + found.force[1] * shell.velocity[1]
+    shell_turns = found.on_shell * shell.own_turning
+    pin_turns = found.on_pin * (shell.own_turning + shell.turning)
     yields = 0.0
     push = modal_push(surface, forces)
     for m in range(len(push)):
         yields += push[m] * modal_velocity[m]
     bends = 0.0
-    for m in range(len(shell.bent.velocity)):
+    for m in range(len(found.on_shapes)):
         for way in range(2):
-            bends += films.on_shapes[k, m, way] * shell.bent.velocity[m, way]
+            bends += found.on_shapes[m, way] * shell.bent.velocity[m, way]
     in_coordinates = moving + shell_turns + yields + bends + pin_turns
     size = on_grid.size + abs(moving) + abs(shell_turns) + abs(yields) + abs(bends) + abs(pin_turns)
     return abs(on_grid.power - in_coordinates) / size if size > 0.0 else 0.0
@@ -187,10 +255,8 @@ class PinFilmState(NamedTuple):
 
 
 @compilable
-def pin_films(
-    of: PinSystem, forces: PinForces, films: PinFilms, end: Motion, crank: CrankMotion
-) -> PinFilmState:
-    """Return all films of pin and crank at an instant; `films` are their resultants."""
+def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmState:
+    """Return all films of pin and crank at an instant."""
     at = layout(of.bodies)
     cells = len(forces.pressure)
     gaps = np.empty(cells)
@@ -207,9 +273,10 @@ def pin_films(
         stack(gaps, first, gap_of(at, surface, shell, end.position, k))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        errors[k] = _work_error(at, surface, own, films, shell, end, k)
+        errors[k] = _work_error(at, surface, own, shell, end, k)
         if k <= EYE:
-            friction_power -= shell.turning * films.on_pin[k]
+            yields = shell_modes_of(at, end.position, k)
+            friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
         if k == EYE:
             rod_turning = shell.own_turning
         first = last
@@ -230,16 +297,15 @@ def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -
     for k in range(pins_of(of.surfaces)):
         surface = pin_surface_at(of.surfaces, k)
         shell = shell_of(of.bodies.mechanism, at, end, crank, k)
-        by_motion = shell_change(of.bodies.mechanism, at, end, moved, crank, k)
-        way = in_turning_axes(shell.axes, shell.place, by_motion.place, by_motion.turn)
+        by_motion = _shell_change(of.bodies.mechanism, at, end, moved, crank, k)
+        aside = across(shell.place)
+        turn = by_motion.turn
+        way = in_axes(
+            shell.axes,
+            pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
+        )
         more = of_shapes(at, moved.position)
-        bent = shell.bent.position
-        bends = np.empty(bent.shape)
-        for n in range(len(bent)):
-            bend = in_turning_axes(shell.axes, bent[n], more[n], by_motion.turn)
-            bends[n, 0] = bend[0]
-            bends[n, 1] = bend[1]
-        gap = opening_of(surface, way, bends)
+        gap = opening_of(surface, way, turned_back(shell, shell.bent.position, more, turn))
         opened = yielded(surface, shell_modes_of(at, moved.position, k))
         around, along = gap.shape
         for i in range(around):

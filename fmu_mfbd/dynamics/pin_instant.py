@@ -7,11 +7,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled, numbered, packed
+from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import NodalForces
-from ..geometry.pin import CRANK_SURFACES, PinForces, diameters, yielded
+from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
-from ..geometry.surfaces import pin_surface_at
+from ..geometry.surfaces import pin_surface_at, pins_of
 from .block_force import BlockForce, all_on_block
 from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
@@ -19,31 +19,27 @@ from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_pin import (
     PinFilms,
     PinImbalance,
-    elastic_energy,
     generalised_forces,
     imbalance,
-    moments_of,
+    on_rod,
 )
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_coordinates import (
-    EYE,
     PIN,
     Layout,
     _of_skirt,
-    big_end_film,
-    coordinates_of_film,
     eye_motion,
     is_held,
     layout,
     lifted,
-    main_bearing_film,
     of_shapes,
     play_at,
 )
-from .pin_films import PinSystem, films_at, own_films, pin_films
-from .pin_shells import shell_modes_of
+from .pin_films import OnModes, PinSystem, films_at, on_modes_of, pin_films, total
+from .pin_inertia import elastic_energy
+from .pin_shells import EYE, _big_end, shell_modes_of
 from .pin_tangent import tangent
 from .piston_motion import LATERAL, Load
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
@@ -127,22 +123,6 @@ PIN_OUTPUTS = (
 DECLARED = [(name, Annotated[float, *row]) for name, *row in PIN_OUTPUTS]
 PinScalars = NamedTuple("PinScalars", DECLARED)
 """Their values, as `drive.Scalars`; 0 if their part is absent."""
-
-
-_, pin_scalars_from = packed(PinScalars)
-OUTPUTS = len(PIN_OUTPUTS)
-ROW = numbered(*PinScalars._fields)
-"""Position of each output."""
-
-
-def _rows_of(film):
-    """Return the positions of a film's place, force, moment and widening."""
-    kinds = "_displacement_", "_force_", "_friction_moment", "_widening_"
-    begins = tuple(f"{film}{kind}" for kind in kinds)
-    return [k for k, name in enumerate(PinScalars._fields) if name.startswith(begins)]
-
-
-ROWS_OF_FILMS = np.array([_rows_of(film) for film in ("small_end", *CRANK_SURFACES)])
 
 
 class PinInstant(NamedTuple):
@@ -232,7 +212,8 @@ def solved(
     reach: Reach,
     load: Load,
     crank: CrankMotion,
-    own: PinFilms,
+    forces: PinForces,
+    by: OnModes,
 ) -> PinSolution:
     """Solve Eq. (D21) for the accelerations at the end of a step, by Newton's method.
 
@@ -240,6 +221,7 @@ def solved(
     """
     bodies = of.bodies
     first = layout(bodies)
+    mechanism = bodies.mechanism
     n = len(begun)
     end = Motion(np.empty(n), np.empty(n), begun.copy())
     change = np.inf
@@ -248,9 +230,9 @@ def solved(
         for k in range(n):
             end.position[k] = predicted.position[k] + reach.position[k] * end.acceleration[k]
             end.velocity[k] = predicted.velocity[k] + reach.velocity[k] * end.acceleration[k]
-        films = films_at(bodies.mechanism, first, own, end, crank)
+        films = films_at(of.surfaces, mechanism, first, forces, end, crank, by)
         lack = imbalance(bodies, load, end, crank, films)
-        slope = tangent(bodies, load, end, crank, own, lack, reach.velocity, reach.position)
+        slope = tangent(bodies, load, end, films, lack, reach.velocity, reach.position)
         factors = factorise(slope)
         step = substitute(factors, lack.residual)
         size = largest(end.acceleration)
@@ -278,6 +260,14 @@ def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 @compilable
+def _widened(surfaces, first, position, k):
+    """Return the changes of diameter of the shell of film k, 0 without this film."""
+    if k < 0:
+        return 0.0, 0.0
+    return diameters(yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k)))
+
+
+@compilable
 def pin_scalars(
     shapes: AxisShapes, surfaces: np.ndarray, first: Layout, now: Motion, films: PinFilms
 ) -> PinScalars:
@@ -290,28 +280,43 @@ def pin_scalars(
         for way in range(2):
             tilt[way] += shapes.slope[k] * bent[k, way]
             sag[way] += shapes.sag[k] * bent[k, way]
-    x = np.zeros(OUTPUTS)
-    x[ROW.pin_displacement_x] = position[PIN.boss_x]
-    x[ROW.pin_displacement_y] = position[PIN.boss_y]
-    x[ROW.pin_angle] = position[PIN.spin]
-    x[ROW.pin_rotation_speed] = now.velocity[PIN.spin]
-    x[ROW.pin_tilt_x] = tilt[0]
-    x[ROW.pin_tilt_y] = tilt[1]
-    x[ROW.pin_bending_x] = sag[0]
-    x[ROW.pin_bending_y] = sag[1]
-    numbers = (EYE, big_end_film(first), main_bearing_film(first))
-    for n in range(len(numbers)):
-        k = numbers[n]
-        if k < 0:
-            continue
-        place = play_at(coordinates_of_film(first, k).place, position)
-        opened = yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k))
-        across, along = diameters(opened)
-        force_x, force_y = -films.force[k, 0], -films.force[k, 1]
-        values = (place[0], place[1], force_x, force_y, films.on_shell[k], across, along)
-        for m in range(len(values)):
-            x[ROWS_OF_FILMS[n, m]] = values[m]
-    return pin_scalars_from(x)
+    wider = _widened(surfaces, first, position, EYE)
+    big_end = _widened(surfaces, first, position, _big_end(first))
+    last = pins_of(surfaces) - 1
+    main = _widened(surfaces, first, position, last if first.main_bearing >= 0 else -1)
+    crank_pin = play_at(first.big_end, position)
+    journal = play_at(first.main_bearing, position)
+    return PinScalars(
+        pin_displacement_x=position[PIN.boss_x],
+        pin_displacement_y=position[PIN.boss_y],
+        small_end_displacement_x=position[PIN.eye_x],
+        small_end_displacement_y=position[PIN.eye_y],
+        pin_angle=position[PIN.spin],
+        pin_rotation_speed=now.velocity[PIN.spin],
+        small_end_force_x=-films.eye.force[0],
+        small_end_force_y=-films.eye.force[1],
+        small_end_friction_moment=films.eye.on_shell,
+        pin_tilt_x=tilt[0],
+        pin_tilt_y=tilt[1],
+        pin_bending_x=sag[0],
+        pin_bending_y=sag[1],
+        small_end_widening_across=wider[0],
+        small_end_widening_along=wider[1],
+        big_end_displacement_x=crank_pin[0],
+        big_end_displacement_y=crank_pin[1],
+        big_end_force_x=-films.big_end.force[0],
+        big_end_force_y=-films.big_end.force[1],
+        big_end_friction_moment=films.big_end.on_shell,
+        big_end_widening_across=big_end[0],
+        big_end_widening_along=big_end[1],
+        main_bearing_displacement_x=journal[0],
+        main_bearing_displacement_y=journal[1],
+        main_bearing_force_x=-films.main_bearing.force[0],
+        main_bearing_force_y=-films.main_bearing.force[1],
+        main_bearing_friction_moment=films.main_bearing.on_shell,
+        main_bearing_widening_x=main[0],
+        main_bearing_widening_y=main[1],
+    )
 
 
 @compilable
@@ -343,15 +348,13 @@ def _block_force(mechanism, first, load, end, axial, films, lack):
                 M of Eq. (D25) + its moment on the main bearing
     """
     x, y = lack.on_bearings
-    turning = 0.0
-    k = main_bearing_film(first)
-    if k >= 0:
-        x, y = -films.force[k, 0], -films.force[k, 1]
-        turning = films.on_shell[k]
+    if first.main_bearing >= 0:
+        x, y = -films.main_bearing.force[0], -films.main_bearing.force[1]
     lateral = end.position[LATERAL]
     on = all_on_block(load, lateral, mechanism.offset + lateral, axial.height, x, y)
+    moment = on.moment_on_block + films.main_bearing.on_shell
     # Eq. (D54)
-    return BlockForce(on.force_on_block_x, on.force_on_block_y, on.moment_on_block + turning, x, y)
+    return BlockForce(on.force_on_block_x, on.force_on_block_y, moment, x, y)
 
 
 @compiled
@@ -383,11 +386,13 @@ def end_of_pin_step(
     parts = forces_by_film(system, guided.height, skirt_forces)
     skirt = together(parts)
     at = layout(bodies)
-    load = load_of(system, skirt, others, with_gas(system, skirt.piston, others.gas))
+    by = on_modes_of(of.surfaces, at, forces)
+    on_modes = total(skirt.piston, by.on_piston)
+    modal = with_gas(system, on_modes, others.gas)
+    load = load_of(system, skirt, others, modal)
     predicted = predicted_of(c, before, auxiliary)
     reach = reach_of(c, len(before.position))
-    own = own_films(of.surfaces, at, forces)
-    found = solved(of, predicted, before.acceleration, reach, load, crank, own)
+    found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
     end = found.end
     carried = _auxiliary_after(c, predicted, end)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
@@ -403,13 +408,12 @@ def end_of_pin_step(
         _of_skirt(at, end.position),
         _of_skirt(at, end.velocity),
     )
+    on_pins = pin_films(of, forces, end, crank)
     films = found.films
-    on_pins = pin_films(of, forces, films, end, crank)
-    moments = moments_of(at, films)
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
-    driven += moments.on_rod * on_pins.rod_turning  # and on what the crank drives
-    driven += moments.on_crank * crank.speed
-    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, skirt.piston, FIXED)
+    driven += on_rod(films) * on_pins.rod_turning  # and on what the crank drives
+    driven += (films.big_end.on_pin + films.main_bearing.on_pin) * crank.speed
+    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, on_modes, FIXED)
     all_forces = generalised_forces(at, films, pushes)
     momenta = Momenta(
         product(of.with_rod, before.velocity),
@@ -433,7 +437,7 @@ def end_of_pin_step(
             axial=axial,
             pin_x=found.lack.on_piston[0],
             pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
-            pin_moment=moments.on_piston,
+            pin_moment=films.bosses.on_shell,
             torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
             pin_friction_power=on_pins.friction_power,
             evaluations=found.evaluations,

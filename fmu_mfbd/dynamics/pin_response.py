@@ -12,7 +12,7 @@ from .elimination import substitute
 from .floating_pin import pushed
 from .generalised_alpha import Motion
 from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
-from .pin_films import PinSystem, films_at, own_films, pin_changes
+from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
 from .pin_instant import reach_of
 from .piston_motion import LATERAL, ROCKING, Load
 from .response import Response, StepEnd, load_change
@@ -69,8 +69,9 @@ def respond_pin(
     skirt = together(forces_by_film(system, guided, skirt_forces))
     at = layout(bodies)
     mechanism = bodies.mechanism
-    films = films_at(mechanism, at, own_films(of.surfaces, at, forces), end, crank)
-    change = load_change(system, skirt, rings, skirt.piston, FIXED)
+    by = on_modes_of(of.surfaces, at, forces)
+    films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
+    change = load_change(system, skirt, rings, total(skirt.piston, by.on_piston), FIXED)
     moment = change.moment + change.guided * end.position[LATERAL]
     changes = Load(change.lateral, change.axial, moment, 0.0, change.modal, FIXED)
     link = motion(mechanism, eye_motion(at, end), crank)

@@ -5,21 +5,22 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair, turned
+from ..geometry.pin import PIN_SURFACES, ModeMotion, across, axes_of, in_axes, pair, turned
 from .generalised_alpha import Motion
 from .pin_coordinates import (
-    EYE,
-    ON_PISTON,
-    ON_ROD,
     PIN,
     Layout,
-    coordinates_of_film,
     eye_motion,
+    of_eye,
+    of_modes,
     of_shapes,
     play_at,
 )
 from .piston_motion import ROCKING
 from .slider_crank import CrankMotion, Mechanism, motion
+
+EYE = PIN_SURFACES.index("small_end")
+"""Number of the eye's film; those of the bosses come before it, those of the crank after."""
 
 
 class Shell(NamedTuple):
@@ -52,67 +53,103 @@ class Shell(NamedTuple):
 @compilable
 def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotion, k: int) -> Shell:
     """Return the shell of the k-th film of pin and crank."""
-    position, velocity = now.position, now.velocity
-    film = coordinates_of_film(first, k)
-    axes = axes_of(1.0, 0.0)
-    own = 0.0
-    if film.holder == ON_PISTON:
-        axes = turned(position[ROCKING])
-        own = velocity[ROCKING]
-    elif film.holder == ON_ROD:
-        eye = eye_motion(first, now)
-        aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
-        sine = -aside / mechanism.rod_length  # Eq. (K3)
-        axes = axes_of(np.sqrt(1.0 - sine**2), sine)
-        own = motion(mechanism, eye, crank).rod.velocity
-    parallel = np.zeros((0, 2))
-    bent = ModeMotion(parallel, parallel)
-    if k <= EYE:
-        bent = ModeMotion(of_shapes(first, position), of_shapes(first, velocity))
-    return Shell(
-        axes,
-        play_at(film.place, position),
-        play_at(film.place, velocity),
-        own,
-        (velocity[PIN.spin] if k <= EYE else crank.speed) - own,
-        bent,
-    )
+    position = now.position
+    velocity = now.velocity
+    if k < EYE:
+        return Shell(
+            turned(position[ROCKING]),
+            pair(position[PIN.boss_x], position[PIN.boss_y]),
+            pair(velocity[PIN.boss_x], velocity[PIN.boss_y]),
+            velocity[ROCKING],
+            velocity[PIN.spin] - velocity[ROCKING],
+            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
+        )
+    eye = eye_motion(first, now)
+    rod = motion(mechanism, eye, crank).rod
+    aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
+    sine = -aside / mechanism.rod_length  # Eq. (K3)
+    axes = axes_of(np.sqrt(1.0 - sine**2), sine)
+    if k == EYE:
+        return Shell(
+            axes,
+            pair(position[PIN.eye_x], position[PIN.eye_y]),
+            pair(velocity[PIN.eye_x], velocity[PIN.eye_y]),
+            rod.velocity,
+            velocity[PIN.spin] - rod.velocity,
+            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
+        )
+    parallel = ModeMotion(np.zeros((0, 2)), np.zeros((0, 2)))
+    if k == _big_end(first):
+        at = first.big_end
+        place = play_at(at, position)
+        moved = play_at(at, velocity)
+        turning = crank.speed - rod.velocity
+        return Shell(axes, place, moved, rod.velocity, turning, parallel)
+    at = first.main_bearing
+    upright = axes_of(1.0, 0.0)
+    place = play_at(at, position)
+    return Shell(upright, place, play_at(at, velocity), 0.0, crank.speed, parallel)
 
 
 @compilable
-def in_turning_axes(
-    axes: np.ndarray, place: np.ndarray, change: np.ndarray, turn: float
-) -> np.ndarray:
-    """Return the change of a vector in space in axes that turn, (2,)."""
-    aside = across(place)
-    return in_axes(axes, pair(change[0] - turn * aside[0], change[1] - turn * aside[1]))
+def _big_end(first):
+    """Return the number of the big end's film, -1 if it has none."""
+    return EYE + 1 if first.big_end >= 0 else -1
+
+
+@compilable
+def turned_back(shell: Shell, place: np.ndarray, change: np.ndarray, turn: float) -> np.ndarray:
+    """Return the change of vectors in space, (n, 2), in the axes of a turning shell."""
+    out = np.empty(place.shape)
+    for k in range(len(place)):
+        aside = across(place[k])
+        moved = pair(change[k, 0] - turn * aside[0], change[k, 1] - turn * aside[1])
+        own = in_axes(shell.axes, moved)
+        out[k, 0] = own[0]
+        out[k, 1] = own[1]
+    return out
 
 
 @compilable
 def own_velocity(shell: Shell) -> np.ndarray:
     """Return d' in the axes of the shell [m/s]."""
-    return in_turning_axes(shell.axes, shell.place, shell.velocity, shell.own_turning)
+    aside = across(shell.place)
+    turn = shell.own_turning
+    moved = pair(shell.velocity[0] - turn * aside[0], shell.velocity[1] - turn * aside[1])
+    return in_axes(shell.axes, moved)
 
 
 @compilable
 def own_bent(shell: Shell) -> ModeMotion:
     """Return tilt and bending of the pin in the axes of the shell."""
-    bent, turn = shell.bent, shell.own_turning
-    out = ModeMotion(np.empty(bent.position.shape), np.empty(bent.position.shape))
-    for k in range(len(bent.position)):
-        place = in_axes(shell.axes, bent.position[k])
-        velocity = in_turning_axes(shell.axes, bent.position[k], bent.velocity[k], turn)
-        for way in range(2):
-            out.position[k, way] = place[way]
-            out.velocity[k, way] = velocity[way]
-    return out
+    bent = shell.bent
+    still = np.zeros(bent.position.shape)
+    return ModeMotion(
+        turned_back(shell, still, bent.position, 0.0),
+        turned_back(shell, bent.position, bent.velocity, shell.own_turning),
+    )
 
 
 @compilable
 def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray:
     """Return the modal coordinates of the shell of film k."""
-    film = coordinates_of_film(first, k)
-    return coordinates[film.mode : film.end]
+    if k < EYE:
+        return of_modes(first, coordinates)
+    if k == EYE:
+        return of_eye(first, coordinates)
+    if k == _big_end(first):
+        return coordinates[first.big_end_shell : first.main_bearing_shell]
+    return coordinates[first.main_bearing_shell : first.crank]
+
+
+@compilable
+def first_mode(first: Layout, k: int) -> int:
+    """Return the coordinate of the first mode of the shell of film k."""
+    if k < EYE:
+        return first.modes
+    if k == EYE:
+        return first.eye
+    return first.big_end_shell if k == _big_end(first) else first.main_bearing_shell
 
 
 class ShellChange(NamedTuple):
@@ -127,20 +164,21 @@ class ShellChange(NamedTuple):
 
 
 @compilable
-def shell_change(
-    mechanism: Mechanism, first: Layout, end: Motion, moved: Motion, crank: CrankMotion, k: int
-) -> ShellChange:
+def _shell_change(mechanism, first, end, moved, crank, k):
     """Return the change of the shell of film k with a change of the motion."""
-    film = coordinates_of_film(first, k)
-    turn = 0.0
-    own = 0.0
-    if film.holder == ON_PISTON:
-        turn = moved.position[ROCKING]
-        own = moved.velocity[ROCKING]
-    elif film.holder == ON_ROD:
-        rod = motion(mechanism, eye_motion(first, end), crank).rod
-        eye = eye_motion(first, moved)
-        turn = rod.slope * eye.position
-        own = rod.slope * eye.velocity + rod.velocity_slope * eye.position
-    spin = moved.velocity[PIN.spin] if k <= EYE else 0.0
-    return ShellChange(play_at(film.place, moved.position), turn, spin - own)
+    place = moved.position
+    speed = moved.velocity
+    if k < EYE:
+        boss = pair(place[PIN.boss_x], place[PIN.boss_y])
+        return ShellChange(boss, place[ROCKING], speed[PIN.spin] - speed[ROCKING])
+    rod = motion(mechanism, eye_motion(first, end), crank).rod
+    eye = eye_motion(first, moved)
+    turn = rod.slope * eye.position
+    turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position
+    if k == EYE:
+        return ShellChange(
+            pair(place[PIN.eye_x], place[PIN.eye_y]), turn, speed[PIN.spin] - turning
+        )
+    if k == _big_end(first):
+        return ShellChange(play_at(first.big_end, place), turn, -turning)
+    return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)

@@ -321,7 +321,7 @@ class PistonInSpace(PistonInBore):
         scalars = SpaceScalars._make([*motion, *held, *across])
         return super()._outputs(result) | on_block._asdict() | scalars._asdict()
 
-    def _response(self, seeds: StepInputs) -> PinResponse:
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
         """Return the change of the skirt's films and of the motion with forces.
 
         Eq. (D29):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D27)

@@ -11,7 +11,7 @@ from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
 from .account import EnergyAccount, account
 from .block_force import BlockForce, force_at
-from .carrier import Carrier
+from .carrier import Carrier, carrier_from
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
 from .elimination import no_factors
 from .gas_on_bore import WallPressures
@@ -359,8 +359,9 @@ def response_to(
     last: StepEnd,
     common: Linearisation,
     seeds: StepInputs,
+    carried: np.ndarray,
 ) -> PinResponse:
-    """Return the change of films and motion with forces and the block's motion.
+    """Return the change of films and motion with forces and the block's motion (4,).
 
     See Eqs. (D7) and (D23). A floating pin needs nothing of `common`.
     """
@@ -368,5 +369,6 @@ def response_to(
     if has_pins(model):
         return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins)
     none = np.zeros(0)
-    found = response(system, last, common, seeds.skirt, seeds.rings, seeds.carrier)
+    carrier = carrier_from(carried)
+    found = response(system, last, common, seeds.skirt, seeds.rings, carrier)
     return PinResponse(found, none, none)

@@ -340,8 +340,14 @@ def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def resultants_on(surface: PinSurface, forces: PinForces) -> PinResultants:
-    """Return the resultants of a film in the axes of its shell, on a pin along the shell's axis.
+def resultants_on(
+    surface: PinSurface,
+    forces: PinForces,
+    place: np.ndarray,
+    axes: np.ndarray,
+    shapes: np.ndarray = PARALLEL,
+) -> PinResultants:
+    """Return the resultants of a film on pin and shell.
 
     Eq. (G3):  F = R(chi) sum (-p e + f t),   M_shell = -R sum f,   M_pin = R sum f - d x F
                t = (-sin a, cos a)
@@ -355,6 +361,12 @@ def resultants_on(surface: PinSurface, forces: PinForces) -> PinResultants:
     surface : PinSurface
     forces : PinForces
         p and f of each cell.
+    place : ndarray, shape (2,)
+        P - C in space [m].
+    axes : ndarray, shape (2, 2)
+        R(chi), of `turned`.
+    shapes : ndarray, shape (n, 2)
+        s_k in space [m].
     """
     around = surface.outward.shape[1]
     along = len(surface.clearance)
@@ -365,46 +377,23 @@ def resultants_on(surface: PinSurface, forces: PinForces) -> PinResultants:
     on_shapes = np.zeros((n, 2))
     around_all = 0.0
     for j in range(along):
-        row = np.zeros(2)
+        x = 0.0
+        y = 0.0
         for i in range(around):
-            for way in range(2):
-                push = surface.outward[way, i] * pushes[i, j]
-                row[way] += surface.onward[way, i] * drags[i, j] - push
+            x += surface.onward[0, i] * drags[i, j] - surface.outward[0, i] * pushes[i, j]
+            y += surface.onward[1, i] * drags[i, j] - surface.outward[1, i] * pushes[i, j]
             around_all += drags[i, j]
+        row = in_space(axes, pair(x, y))
         for way in range(2):
             force[way] += row[way]  # Eq. (G3)
             for k in range(n):
                 on_shapes[k, way] += surface.axis[j, k] * row[way]  # Eq. (G8)
     on_shell = -surface.radius * around_all
-    return PinResultants(force, -on_shell, on_shell, on_shapes)
-
-
-@compilable
-def resultants_at(
-    own: PinResultants, place: np.ndarray, axes: np.ndarray, shapes: np.ndarray = PARALLEL
-) -> PinResultants:
-    """Return the resultants of a film in space, by Eqs. (G3) and (G8).
-
-    Parameters
-    ----------
-    own : PinResultants
-        Of `resultants_on`.
-    place : ndarray, shape (2,)
-        P - C in space [m].
-    axes : ndarray, shape (2, 2)
-        R(chi), of `turned`.
-    shapes : ndarray, shape (n, 2)
-        s_k in space [m].
-    """
-    force = in_space(axes, own.force)
-    on_shapes = np.empty(own.on_shapes.shape)
-    lever = cross(place, force)
-    for k in range(len(on_shapes)):
-        push = in_space(axes, own.on_shapes[k])
-        on_shapes[k, 0] = push[0]
-        on_shapes[k, 1] = push[1]
-        lever += cross(shapes[k], push)
-    return PinResultants(force, -own.on_shell - lever, own.on_shell, on_shapes)
+    on_pin = -on_shell - cross(place, force)
+    lever = 0.0
+    for k in range(n):
+        lever += cross(shapes[k], on_shapes[k])
+    return PinResultants(force, on_pin - lever, on_shell, on_shapes)
 
 
 @compilable

@@ -12,7 +12,6 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     opening_of,
     pin_surface,
-    resultants_at,
     resultants_on,
     turned,
 )
@@ -48,9 +47,9 @@ def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
     model = bearing(shape, length, cavitation_model="gumbel", cavity_shear="full_film")
     out = steady(model, np.ascontiguousarray(gap))
     forces = PinForces(out["nodal_pressure_force"], out["nodal_circumferential_force"])
-    found = resultants_at(resultants_on(surface, forces), place, axes)
+    found = resultants_on(surface, forces, place, axes)
     alone = forces._replace(circumferential=np.zeros(shape))
-    pressed = resultants_at(resultants_on(surface, alone), place, axes).force
+    pressed = resultants_on(surface, alone, place, axes).force
     s = np.sqrt(1 - eccentricity**2)
     angle = np.arctan2(np.pi * s, 4 * eccentricity)
     load = short_load(length, eccentricity)

@@ -32,7 +32,7 @@ def products_by_differences(model, state, base, change, step, within, size=1.0):
         change.pressure_force,
         change.friction_force,
         change.rings,
-        change.carrier,
+        np.array(change.carrier),
         pins=change.pins,
     )
     if change.bore_deflection.size:

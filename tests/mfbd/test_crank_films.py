@@ -127,17 +127,8 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         for name in ("bosses", "eye", *names)
     }
     load = Load(lateral=110.0, axial=-9e3, moment=1.5, guided=800.0, modal=np.zeros(0))
-    force, on_pin, on_shell, _ = map(np.array, zip(*films.values()))
-    each = [0, *range(len(films))]  # both bosses are one in `films`: half of it each
-    half = np.where(np.array(each) == 0, 0.5, 1.0)
-    acting = PinFilms(
-        half[:, None] * force[each],
-        half * on_pin[each],
-        half * on_shell[each],
-        np.zeros((len(each), 0, 2)),
-        np.zeros(model.coordinates),
-        np.zeros((len(each), model.coordinates)),
-    )
+    of_crank = {name: films[name] for name in names}
+    acting = PinFilms(films["bosses"], films["eye"])._replace(**of_crank)
     found = imbalance(model.bodies, load, now, crank, acting)
 
     def at(t):

@@ -22,12 +22,12 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     PIN_SURFACES,
     ModeMotion,
     PinForces,
+    PinResultants,
     diameters,
     modal_push,
     opening_of,
     pin_surface,
     power_on_grid,
-    resultants_at,
     resultants_on,
     shell_modes,
     slope_push,
@@ -78,7 +78,7 @@ def test_film_thickness_and_forces_by_hand():
     push[0] = 5.0
     drag = np.full((4, 1), 0.5)
     drag[0] += 2.0
-    found = resultants_at(resultants_on(surface, PinForces(push, drag)), place, axes)
+    found = resultants_on(surface, PinForces(push, drag), place, axes)
     np.testing.assert_allclose(found.force, [-2.0, -5.0], atol=1e-15)
     assert found.on_shell == pytest.approx(-0.02 * 4.0, rel=1e-14)
     # lever: d x F = (-1e-6)(-5) - (3e-6)(-2) = 11e-6
@@ -129,15 +129,12 @@ def test_rows_of_shapes_and_shells_by_hand():
     rigid = Motion(*(one[:COORDINATES] for one in now))
     crank = CrankMotion(0.7, 100.0, 0.0)
     load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
-    three = rng.standard_normal((2, 2))[[0, 0, 1]] * [[0.5], [0.5], [1.0]]
-    moments = np.array([0.1, 0.1, 0.2]), np.array([-0.15, -0.15, -0.3])
-    no_slopes = np.zeros((3, COORDINATES + 4))
-    films = PinFilms(three, *moments, np.zeros((3, 0, 2)), np.zeros(COORDINATES), no_slopes)
+    films = PinFilms(*(PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)))
     push = np.array([5.0, -4.0])
-    on_shapes = np.array([[2.0, 1.0], [0.0, 0.0], push - [2.0, 1.0]])[:, None]
-    modal = np.zeros(COORDINATES + 4)
-    modal[-2:] = push
-    acting = films._replace(on_shapes=on_shapes, push=modal)
+    acting = PinFilms(
+        films.bosses._replace(on_shapes=np.array([[2.0, 1.0]])),
+        films.eye._replace(on_shapes=push - [[2.0, 1.0]]),
+    )._replace(on_shells=push)
     found = imbalance(own, load, now, crank, acting)
     without = imbalance(plain, load, rigid, crank, films)
     assert np.array_equal(found.residual[:COORDINATES], without.residual)

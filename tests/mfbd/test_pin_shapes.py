@@ -17,7 +17,6 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     opening_of,
     pin_surface,
     power_on_grid,
-    resultants_at,
     resultants_on,
     turned,
 )
@@ -170,7 +169,7 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     push, drag = np.zeros((4, 2)), np.zeros((4, 2))
     push[0, 0], drag[0, 1] = 5.0, 2.0
     forces = PinForces(push, drag)
-    found = resultants_at(resultants_on(surface, forces), np.zeros(2), axes, up)
+    found = resultants_on(surface, forces, np.zeros(2), axes, up)
     np.testing.assert_allclose(found.force, [-2.0, -5.0], atol=1e-15)
     np.testing.assert_allclose(found.on_shapes, [[-2.0, 10.0]], atol=1e-14)
     assert found.on_shell == pytest.approx(-0.04, rel=1e-14)
