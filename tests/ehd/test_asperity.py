@@ -3,17 +3,19 @@ import pytest
 from scipy.integrate import quad
 
 from piston_cosim.fmu_ehd.laws import asperity
+from piston_cosim.fmu_ehd.laws.contact import contact as contact_of_cells
 from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import film_after
 
 
+UNIT = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table())
+
+
 def contact(film, roughness_rms=1.0, **changes):
     """Contact at points with all scales 1 and a friction coefficient of 0.1, but for `changes`."""
-    unit = asperity.ContactConstants(
-        roughness_rms, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table()
-    )
-    points = [asperity.point_contact(gap, unit._replace(**changes)) for gap in film]
+    constants = UNIT._replace(roughness_rms=roughness_rms, **changes)
+    points = [asperity.point_contact(gap, constants) for gap in film]
     return asperity.PointContact(*np.array(points).T)
 
 
@@ -59,6 +61,23 @@ def test_higher_summits_touch_as_a_thinner_film_does():
     for name in ("asperity_pressure", "contact_area_fraction", "stored_energy"):
         # round-off of the film thickness, times the slope of the contact over its value
         np.testing.assert_allclose(high[name], low[name], rtol=1e-12)
+
+
+def test_a_sloped_cell_touches_with_its_corner():
+    """On the plane H = 17.5 + 20 x + 20 y a corner of the cell touches.
+
+    Of the four Gauss points each way, which are 0.43 and 0.17 from the centre, only the outermost
+    three combinations are below H = 8.
+    """
+    x = np.array([-1.0, 0.0, 1.0])
+    film = 17.5 + 20.0 * np.add.outer(x, x)
+    no_step, closed = np.zeros((2, 3, 3), bool), np.zeros((3, 3), bool)
+    found = contact_of_cells(film, np.zeros((3, 3)), no_step, closed, UNIT, False)
+    outer, inner = np.sqrt(3.0 / 7.0 + np.array([2.0, -2.0]) / 7.0 * np.sqrt(1.2)) / 2.0
+    least, most = np.array([18.0 - np.sqrt(30.0), 18.0 + np.sqrt(30.0)]) / 72.0
+    corner, beside = contact(17.5 - 20.0 * np.array([2.0 * outer, outer + inner])).pressure
+    expected = least * least * corner + 2.0 * least * most * beside
+    assert found.pressure[1, 1] == pytest.approx(expected, rel=1e-12)
 
 
 def test_smooth_surfaces_do_not_touch():

@@ -379,6 +379,20 @@ def test_splash_runs_off_a_layer_as_thick_as_the_wall_holds():
     assert moved(thick, begun(thick, 0.0), 1e-3, 0.0, 10e-6, 1e-3).bore[0, 0] == 10e-6
 
 
+def test_splash_fills_only_the_bare_part_of_a_cell():
+    """Up 0.4 mm from a dry bore, 0.4 of the first cell of the skirt are bare.
+
+    Splash fills up to 12.5 um there: 2.4 mm x 1 m in all.
+    """
+    bore = bore_by_hand(
+        oil_supply="bore_and_ring", initial_oil_layer=0.0, largest_oil_layer=12.5e-6
+    )
+    layer = begun(bore, 0.0)._replace(reached=0.4e-3, height=0.4e-3)
+    layer = moved(bore, layer, 1e-3, 0.0, 0.0, 1.0)
+    assert layer.bore[0, :4] == pytest.approx(np.array([12.5e-6, 12.5e-6, 5e-6, 0.0]), rel=1e-12)
+    assert layer.supplied == pytest.approx(2.4e-3 * 12.5e-6, rel=1e-12)
+
+
 def test_wall_film_of_nusselt():
     """A wall holds (3 x 5.6e-3 x 1e-4 x 0.14 / (850 x 9.81))^(1/3) = 0.304 mm.
 

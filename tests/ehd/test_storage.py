@@ -81,6 +81,7 @@ def test_no_cell_ever_owes_oil():
         ([1.0, 0.0], [0.2, 0.0], 0.8),
         ([1.0, 3.0], [4.0, -1.0], 4.0 * 1.0 / 17.0),
         ([1e-11, 0.0], [1e-11, 0.0], 0.0),  # round-off of a content of 1
+        ([1e-5, 0.0], [1e-5, 0.0], 1.0),  # a plate that closes at 1 mm/s on 100 um in 1 us
     ],
 )
 def test_memory_by_hand(growth, before, expected):

@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.dynamics.energy import MovingBodies, momentum
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     FrameMotion,
     frame_arrow,
@@ -13,6 +14,7 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     whole,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
+from piston_cosim.fmu_mfbd.dynamics.impact import Inertia
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
     Load,
@@ -103,6 +105,21 @@ def test_frame_force_is_the_differentiated_lagrangian(lump):
     force = np.array([c * own.x - s * own.y, s * own.x + c * own.y, own.moment, *modal])
     # round-off of the energy over changes of 1e-6: about 1e-9 of the largest term
     np.testing.assert_allclose(force, reference, atol=1e-7 * np.abs(reference).max())
+
+
+def test_momentum_is_the_derivative_of_the_kinetic_energy(lump):
+    """The energy is quadratic in the rates: e . M v = T(v + e) - T(v) - T(e) for each unit e."""
+    points, M, modes, body = lump
+    k = modes.shape[2]
+    v = np.random.default_rng(6).standard_normal(2 + k)
+
+    def energy(rates):
+        return kinetic_energy(points, M, modes, np.zeros(3 + k), np.insert(rates, 1, 0.0))
+
+    expected = [energy(v + e) - energy(v) - energy(e) for e in np.eye(2 + k)]
+    moving = MovingBodies(body, Inertia(body.mass, body.S[1], body.I0), 2 + k, np.zeros(0))
+    # round-off of the differences
+    np.testing.assert_allclose(momentum(moving, v), expected, atol=1e-12 * energy(v))
 
 
 def test_frame_tangent_is_the_derivative(lump):
