@@ -8,7 +8,6 @@ from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import film_after
 
-
 UNIT = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table())
 
 
