@@ -78,7 +78,9 @@ class Mutant:
         return self.file.split("/")[0]
 
     def stale(self, root):
-        """Why it cannot be put into the tree, or an empty text."""
+        """Why it cannot be put into the tree and tried there, or an empty text."""
+        if self.part not in FAST:
+            return f"{self.file}: no tests are fast for {self.part}"
         path = root / self.file
         count = path.read_text().count(self.old) if path.is_file() else 0
         return "" if count == 1 else f"{self.file}: {self.old!r} stands there {count} times"
