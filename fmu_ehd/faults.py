@@ -20,6 +20,8 @@ SENTENCES = {
     "first [{i},{j}] with u = {c}",
     "forces_not_finite": "forces are not finite at [{i},{j}], film_thickness {a} m, "
     "sliding_velocity {b} m/s",
+    "overflow": "numbers overflow after a step of {a} s with a friction work of {b} J: film "
+    "thickness or step out of all proportion",
     "viscosities_reversed": "viscosity_40: expected more than viscosity_100 = {b} Pa.s, got "
     "{a} Pa.s",
     **{

@@ -292,6 +292,7 @@ def start(
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, ring):
         remark(faults, FAULT.narrow_steps)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
+    parts.check_kept(before, totals, faults)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer, steps), fields_of(acting, fraction), scalars
 
@@ -444,6 +445,7 @@ def end(
         went.travel,
         length,
     )
+    parts.check_kept(after, account.totals, faults)
     last = LastStep(
         flow.quantities,
         flow.slopes,

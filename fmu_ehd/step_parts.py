@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..master.fmi.block import is_finite
 from ..master.fmi.compiled import compiled
 from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
@@ -463,3 +464,11 @@ def account(
     gain -= cavitation_pressure * (acted.volume - totals.volume)
     after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
     return Account(after, share, sum_of_products(found.content, area), gain, heat)
+
+
+@compiled
+def check_kept(film: PreviousFilm, totals: Totals, faults: Array):
+    """Note a fault where the next step would start from a number that is not finite."""
+    works = totals.friction_work + totals.boundary_work
+    if not (np.isfinite(works) and is_finite(film.film) and is_finite(film.growth)):
+        refuse(faults, FAULT.overflow, 0, 0, film.step, works, 0.0)

@@ -1,8 +1,8 @@
 """Random calls with random values, most of them senseless, on the lubrication slave.
 
 Every call must return; a step that is refused must leave the state as it was, to the bit; a step
-that is taken must give finite forces, and a film fraction between 0 and 1 unless film, velocity or
-pressure are beyond all sense.
+that is taken must give finite forces, a state whose bytes are accepted, and a film fraction between
+0 and 1 unless film, velocity or pressure are beyond all sense.
 """
 
 import json
@@ -103,6 +103,8 @@ class Fuzz:
         size = 10.0 ** self.rng.uniform(-7.0, -3.0) if self.rng.random() < 0.8 else self.value()
         if self.slave.do_step(0.0, size):
             self.taken += 1
+            slave = self.slave
+            slave._fmu_state_from_bytes(slave._fmu_state_to_bytes(slave._get_fmu_state()))
             views = self.slave.views
             assert (
                 np.isfinite(views["nodal_pressure_force"]).all()

@@ -107,6 +107,7 @@ def test_bad_build_options_are_reported_together():
         ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
         ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
         ("sliding_velocity", np.inf, (1, 2), "expected a finite value, got inf m/s"),
+        ("sliding_velocity", 1e160, ..., "numbers overflow after a step of 0.0001 s"),
     ],
 )
 def test_senseless_input_is_refused_by_name_and_changes_nothing(slave, name, value, element, words):
