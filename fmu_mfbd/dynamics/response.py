@@ -167,7 +167,7 @@ def load_change(
 
 @compiled
 def loaded(load: Load, change: Load, s: float) -> Load:
-    """Return a load a share s along a change."""
+    """Return a load plus `s` times a change of it."""
     own, more = load.carrier, change.carrier
     modal = np.empty(len(load.modal))
     for k in range(len(modal)):

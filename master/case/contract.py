@@ -212,18 +212,17 @@ def replaced_participant(tree: dict, role: str, text: str) -> tuple[str, str]:
     )
 
 
-def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list[str]]:
+def check_fmu(path: Path) -> tuple[str, list[str], list[str]]:
     """Return the differences between an FMU and the contract.
 
     Parameters
     ----------
     path : Path
-    role : str, optional
-        Default: the role whose outputs the FMU has.
 
     Returns
     -------
     role : str
+        Whose outputs the FMU has.
     breaches : list of str
         Reasons why it cannot take part.
     remarks : list of str
@@ -235,7 +234,7 @@ def check_fmu(path: Path, role: str | None = None) -> tuple[str, list[str], list
         If the file is not an FMU, or has no role.
     """
     participant = open_fmu("fmu", path)
-    role = role or role_of(participant)
+    role = role_of(participant)
     if role is None:
         wanted = names_of(contract())
         raise BadInput(f"{path}: expected the outputs of {wanted}, got others")
