@@ -41,7 +41,8 @@ HIDDEN = (".ci", ".github")
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
 QUICK = {
-    "fmu_ehd": "values_flows values values_oil values_surfaces films film_step asperity",
+    "fmu_ehd": "values_flows values values_contact values_oil asperity film_step films "
+    "values_surfaces",
     "fmu_mfbd": "values_kernels values floating_frame values_bodies bases finite_element",
     "master": "values_stepping values_methods values_run values_results",
 }
