@@ -41,8 +41,7 @@ HIDDEN = (".ci", ".github")
 FAST = {"fmu_ehd": "tests/ehd", "fmu_mfbd": "tests/mfbd", "master": "tests/master"}
 """The fast tier: the tests of each part."""
 QUICK = {
-    "fmu_ehd": "values_flows values values_contact values_oil asperity film_step films "
-    "values_surfaces",
+    "fmu_ehd": "values_flows values values_contact values_oil asperity film_step films",
     "fmu_mfbd": "values_kernels values floating_frame values_bodies bases finite_element",
     "master": "values_stepping values_methods values_run values_results",
 }
