@@ -149,6 +149,8 @@ def pytest(tree, cache, tests, interpreted=False):
         )
     except subprocess.TimeoutExpired:
         return TESTS_FAILED, f"FAILED no end within {TIMEOUT:.0f} s"
+    if run.returncode < 0:
+        return TESTS_FAILED, f"{run.stdout}\nFAILED the process died of signal {-run.returncode}"
     return run.returncode, run.stdout
 
 
