@@ -64,7 +64,7 @@ class Mutant:
 
     file : in the tree; old, new : text that stands there once, and what takes its place; breaks :
     what is wrong then, in a sentence; first : the quick test file that is likeliest to
-    notice.
+    notice; test : the one that notices in place of all quick ones, with compiled kernels.
     """
 
     file: str
@@ -72,6 +72,7 @@ class Mutant:
     new: str
     breaks: str
     first: str = ""
+    test: str = ""
 
     @property
     def part(self):
@@ -161,7 +162,7 @@ def quick_tests(part):
 
 def is_interpreted(mutant):
     """Whether the quick tests of a mutant run with interpreted kernels."""
-    return mutant.part in INTERPRETED and mutant.file not in COMPILED
+    return mutant.part in INTERPRETED and mutant.file not in COMPILED and not mutant.test
 
 
 def stages(mutant, quick):
@@ -172,6 +173,8 @@ def stages(mutant, quick):
     if not quick:
         own = FAST[mutant.part]
         return [[own, *(other for other in FAST.values() if other != own)]]
+    if mutant.test:
+        return [[mutant.test]]
     files = quick_tests(mutant.part)
     first = mutant.first or files[0]
     rest = [file for file in files if file != first]
@@ -280,7 +283,8 @@ def main():
         places = {"base": base, "base_cache": cache, "folder": folder}
         copy_tree(ROOT, base)
         before = [(quick_tests(part), part in INTERPRETED) for part in parts]
-        own = sorted({mutant.first for mutant in wanted if mutant.file in COMPILED})
+        own = {mutant.first for mutant in wanted if mutant.file in COMPILED}
+        own = sorted(own | {mutant.test for mutant in wanted if mutant.test})
         before += [(own, False)] if own else []
         if unsound(before, base, cache):
             return 2
