@@ -119,7 +119,8 @@ def copy_tree(source, target, copy=shutil.copy2):
     """Copy a tree with the compiled files."""
     target.mkdir(parents=True)
     for part in source.iterdir():
-        if part.name in LEFT_OUT or (part.name.startswith(".") and part.name not in HIDDEN):
+        hidden = part.is_dir() and part.name.startswith(".") and part.name not in HIDDEN
+        if hidden or part.name in LEFT_OUT:
             continue
         if part.is_dir():
             shutil.copytree(part, target / part.name, copy_function=copy)
