@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, Union
 
 from ..fmi.errors import BadInput, unknown
-from ..participants.derivatives import Differenced
 from ..participants.participant import Participant
 from .cases import Case
 
@@ -158,7 +157,7 @@ def in_process(name: str, slave: "type[FieldSlave]", options: Mapping[str, Any])
         (Path(folder) / "build.json").write_text(json.dumps(dict(options)))
         participant = LocalParticipant(name, slave(instance_name=name, resources=folder))
     participant.can_serialise = False  # a checkpoint may be read by a process without this class
-    return participant if participant.has_derivatives else Differenced(participant)
+    return participant
 
 
 def _file(origin: str) -> dict[str, str]:

@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from piston_cosim.fmu_ehd.balance.openings import nearest
+from piston_cosim.fmu_ehd.balance.openings import nearest, starve
+from piston_cosim.fmu_ehd.balance.reynolds import Faces
 
 
 def test_the_nearest_film_is_that_of_an_exact_distance_transform():
@@ -37,3 +38,15 @@ def test_of_two_films_at_one_distance_the_lower_and_the_one_before_are_taken():
 
 def test_where_there_is_no_film_at_all_each_cell_is_its_own():
     assert np.array_equal(nearest(np.ones((4, 5), dtype=bool), 1.0, 1.0).ravel(), range(20))
+
+
+def test_what_sliding_drags_in_from_an_opening_is_bounded_both_ways():
+    """Of 3 and 5 m3/s out of the middle cell, 2 and 4 are there; what flows into it is free."""
+    middle = np.array([[False, True, False]])
+    limit = np.array([[0.0, 2.0, 4.0, 0.0]])
+    nothing = np.zeros((2, 3))
+    for dragged, passed in ([-3.0, 5.0], [-2.0, 4.0]), ([9.0, -9.0], [9.0, -9.0]):
+        faces = Faces(nothing, nothing, np.zeros((1, 4)), np.array([[7.0, *dragged, 7.0]]))
+        bounded = starve(middle, faces, limit)
+        assert faces.transport_a.tolist() == [[7.0, *passed, 7.0]]
+        assert bounded.tolist() == [[False, *(dragged != passed,) * 2, False]]

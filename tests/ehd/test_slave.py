@@ -45,6 +45,20 @@ def test_restored_state_repeats_the_bytes(slave, supply):
         assert slave._fmu_state_to_bytes(slave._get_fmu_state()) == first
 
 
+def test_a_state_of_another_grid_is_refused(slave, tmp_path):
+    """A grid of 6 x 8 cells has as many numbers as one of 8 x 6."""
+    (tmp_path / "other").mkdir()
+    other = made_slave(tmp_path / "other", grid=[6, 8])
+    log = []
+    slave.log = lambda text, *_: log.append(text)
+    for one in (slave, other):
+        one.exit_initialization_mode()
+    state = slave._fmu_state_from_bytes(other._fmu_state_to_bytes(other._get_fmu_state()))
+    slave._set_fmu_state(state)
+    assert "expected a state of this FMU, got one of another grid" in log[0]
+    assert not slave.do_step(0.0, 1e-4)
+
+
 @pytest.mark.parametrize("count", [300, pytest.param(5000, marks=pytest.mark.slow)])
 def test_forged_states_give_a_sentence(slave, count):
     choose(slave, "oil_supply", "bore_and_ring")

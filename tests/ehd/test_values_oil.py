@@ -14,6 +14,13 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from piston_cosim.fmu_ehd.laws.piezoviscosity import (
+    PRESSURE_VISCOSITY_LAWS,
+    TABLE_CELLS,
+    pressure_law,
+    reduced_pressure,
+    viscosity_ratio,
+)
 from piston_cosim.fmu_ehd.oil import Oil
 
 from . import sleeve
@@ -158,6 +165,18 @@ def test_pressure_makes_oil_thick(law):
             gap = sliding["nodal_friction_force"] - o["nodal_friction_force"]
             # the pressure flow is the same: Couette shear alone is left
             assert gap[0, j] == near(-thick * AREA / 24.0, rel=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["barus_1893", "roelands_1966"])
+def test_beyond_its_limit_an_oil_is_a_thousand_times_as_thick(kind):
+    """mu = 1000 mu_0 and dmu/dp = 0; dq/dp is 1/1000."""
+    number = getattr(PRESSURE_VISCOSITY_LAWS, kind)
+    law = pressure_law(number, 2e-8, np.full((2, 2), 0.02), np.zeros((3, TABLE_CELLS + 1)))
+    ratio, slope = viscosity_ratio(law, 0.999 * law.limit)
+    assert 900.0 < ratio < 1000.0 and slope > 0.0
+    assert viscosity_ratio(law, 1.5 * law.limit) == pytest.approx((1000.0, 0.0), rel=1e-9)
+    more = reduced_pressure(law, 1.5 * law.limit) - reduced_pressure(law, law.limit)
+    assert more == near(0.5e-3 * law.limit, rel=1e-7)
 
 
 # ---- shear rate

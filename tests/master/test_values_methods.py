@@ -22,6 +22,7 @@ from piston_cosim.master.coupling.methods import (
     krylov,
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
+from piston_cosim.master.coupling.methods.iteration import FAILURES, NONE, failure_of
 from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.vector import macro_step_end, step_length
@@ -288,6 +289,19 @@ def test_gmres_looks_at_every_element_of_the_residual():
         assert found.products == products, elements
 
 
+@pytest.mark.parametrize(
+    "history, expected",
+    [
+        ([1.0, 0.5, 0.4, 401.0], FAILURES.grows),  # a thousand times the smallest
+        ([1.0, 0.5, 0.4, 399.0], NONE),
+        ([0.4, 1.0, 401.0], NONE),  # too early to tell
+        ([1.0, 0.5, 0.4, 0.4, 0.4], FAILURES.too_many),
+    ],
+)
+def test_an_iteration_ends_where_its_residual_grows(history, expected):
+    assert failure_of(np.zeros(1), np.array(history), 5) == expected
+
+
 def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
     # loose coupling of x = -x/2 + 3 is the plain iteration, an evaluation a step: 0, 3, 3/2, 9/4
     system = affine([[-0.5]], lambda t: 3.0, 1e-6)
@@ -370,6 +384,7 @@ def test_a_failure_names_the_worst_element_and_every_measure(affine):
         ({"tolerance": 0.0, "relative_tolerance": 0.11}, 6),
         # one criterion that is met is enough
         ({"tolerance": 0.6, "relative_tolerance": 0.11}, 4),
+        ({"tolerance": 0.45, "relative_tolerance": 0.11}, 5),
         ({"tolerance": 0.45, "relative_tolerance": 0.25}, 4),
     ],
 )

@@ -369,6 +369,19 @@ def test_a_step_begins_with_the_ends_of_the_last_one(kind, first, second):
     assert told.state == 2
 
 
+def test_a_step_from_an_older_state_begins_with_its_ends():
+    told = Told()
+    participant = InterpolatedParticipant(told, {"u": "linear"})
+    participant.start({}, 0.0, 9.0)
+    older = participant.save()
+    tried(participant, 0.0, 3.0)
+    participant.save()
+    participant.restore(older)
+    participant.set("u", [2.0])
+    participant.step(0.0, 2.0)
+    assert told.courses[-1] == [1.0, 0.5]
+
+
 def test_a_mean_input_is_held_at_the_mean_and_ends_at_its_end():
     """Eq. (P10): from 1 to 3 the step sees 2 and the outputs 3; from 3 to 2 2.5 and 2."""
     told, seen = Told(), []

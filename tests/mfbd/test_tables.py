@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from piston_cosim.fmu_mfbd.build import prepare
+from piston_cosim.fmu_mfbd.build import prepare, read_tables
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
@@ -26,6 +26,7 @@ from piston_cosim.fmu_mfbd.geometry.profile import (
     ovality,
     table_shape,
 )
+from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -232,6 +233,15 @@ def test_gas_repeats_every_cycle(gas_file):
     for angle in (0.1, 5.0, 12.5, 12.5 + 4 * np.pi, 0.1 - 4 * np.pi):
         # linear between points 2 deg apart: (1 deg)^2/2 * 5e5/4
         assert gas_pressure(table, angle) == pytest.approx(curve(angle), abs=20)
+
+
+def test_gas_of_a_two_stroke_repeats_every_revolution(coarse):
+    folder, options = coarse
+    points = [(0, 1.0), (120, 5.0), (240, 3.0)]
+    gas = {"points": points, "angle_unit": "deg", "pressure_unit": "bar", "strokes": 2}
+    table = read_tables(read_options(options | {"gas": gas}, folder)).gas
+    for angle, pressure in points:
+        assert gas_pressure(table, (360 + angle) * DEG) == pytest.approx(1e5 * pressure)
 
 
 @pytest.mark.parametrize("first", [0.0, 7.0])
