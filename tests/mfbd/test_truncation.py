@@ -133,6 +133,24 @@ def test_missing_deflection_under_a_film_at_each_point(skirt, files):
     assert found.error == pytest.approx(rms(lost) / rms(whole), rel=0.05)
 
 
+def test_the_shape_left_out_is_the_mode_left_out():
+    """Of two modes of two points one is kept: the other one over omega is left out, Eq. (J16).
+
+    The patterns of the prior excite both.
+    """
+    omega = np.array([3.0, 5.0])
+    radial, axial = np.eye(2), np.array([[0.3, 0.1], [0.2, -0.4]])
+    root = np.array([[1.0, 1.0], [0.0, 1.0]])
+    displacement = radial.T @ root / omega[:, None] ** 2
+    answers = SurfaceAnswers(root, radial @ displacement, axial @ displacement, displacement)
+    kept = StaticModes(omega[:1], radial[:, :1], axial[:, :1])
+    left = left_out(answers, kept, np.ones(2, dtype=bool))
+    sign = np.sign(left.left_radial[1, 0])
+    # float32
+    np.testing.assert_allclose(sign * left.left_radial[:, 0], [0.0, 1 / 5.0], atol=1e-7)
+    np.testing.assert_allclose(sign * left.left_axial[:, 0], [0.1 / 5.0, -0.4 / 5.0], atol=1e-7)
+
+
 def test_all_answers_in_the_modes_leave_nothing():
     """One spring a point, n of them: modes that are its whole compliance, or half of it."""
     points, stiffness = 6, 2.0
