@@ -147,7 +147,7 @@ CALLS = [
     ([*READY, ("step", 0.0, 1.0), ("step", 99.0, 1.0)], AT_STEP.format(1, 99)),
     ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 2e-6, 1.0)], AT_STEP.format(1, "1.000002")),
     ([*READY, ("step", 0.0, 1.0), ("step", 1.0 + 5e-7, 1.0)], ""),
-    ([*READY, ("step", 0.0, 1.0), ("step", 1.0, 1e-9), ("step", 1.0 + 1e-9, 1e-9)], ""),
+    ([*READY, ("step", 0.0, 1.0), ("step", 1.0, 1e-10), ("step", 1.0 + 1.000005e-10, 1e-10)], ""),
     ([*READY, ("step", 0.0, 1.0), ("step", 1.0, 1.005)], ""),
     ([*READY, ("step", 0.0, 2.1)], "expected a step to at most 2 s, the stop time, got one to 2.1"),
     ([*READY, ("step", np.nan, 1.0)], NO_TIMES.format(1, "nan")),

@@ -284,3 +284,14 @@ def test_definitions_of_units_are_kept_and_damage_heals(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path / "file"))
     assert rpm() == first
+
+
+def test_angles_of_the_last_period_go_on_from_the_angle_of_the_start(tmp_path):
+    """The last of three periods of 2 s is shown as the first one, from 0.3 rad on."""
+    time = np.arange(0.0, 6.5, 0.5)
+    series = {"a.angle": (0.3 + np.pi * time, "rad"), "a.x": (time, "m")}
+    period = {"length": 2.0, "shown": 1, "turning": ["a.angle"]}
+    with write_results(tmp_path / "run.h5", time, series, case=TREE, period=period) as results:
+        assert results.time == pytest.approx(time[:5])
+        assert results.series("a.angle").values == pytest.approx(0.3 + np.pi * time[:5])
+        assert results.series("a.x").values == pytest.approx(time[8:])
