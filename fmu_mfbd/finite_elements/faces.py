@@ -35,7 +35,7 @@ class FaceRule(NamedTuple):
     normal: np.ndarray
 
 
-def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = -1.0) -> np.ndarray:
+def face_load(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return consistent nodal forces of a unit pressure on faces.
 
     Eq. (M6):  f_i = -int N_i n dA        faces ordered so that (X1-X0) x (X2-X0) points outwards
@@ -46,8 +46,6 @@ def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = 
         [m]
     triangles : ndarray of int, shape (t, 3 or 6)
         Corners, then perhaps the middles of edges 01, 12, 20.
-    pressure_sign : float
-        -1 for a force into the body, +1 along the outward normal.
 
     Returns
     -------
@@ -58,7 +56,7 @@ def face_load(points: np.ndarray, triangles: np.ndarray, pressure_sign: float = 
     # Eq. (M6)
     parts = np.einsum("q,qi,tqa->tia", rule.weight, rule.value, rule.normal, optimize=True)
     load = np.zeros_like(points)
-    np.add.at(load, triangles, pressure_sign * parts)
+    np.subtract.at(load, triangles, parts)
     return load
 
 

@@ -15,7 +15,6 @@ from ..finite_elements.element import Sparse, each_direction, rigid_motions
 from ..finite_elements.faces import surface_matrix
 from ..finite_elements.matrices import FullModel, assembled
 from ..finite_elements.mesh import Mesh, MeshFault
-from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
 from .bases import (
     MeanElastic,
@@ -115,13 +114,13 @@ def free_block(
     return FullModel(mesh, K, M)
 
 
-def inertia_relief(body: FullModel, factors: Factorise = factorise) -> MeanElastic:
+def inertia_relief(body: FullModel) -> MeanElastic:
     """Return the body free in space, whose deflections have no momentum.
 
     Eq. (J41):  K u + M R lambda = f,   R^T M u = 0       R its rigid motions: Eq. (J5), C = R^T M
     """
     rigid = rigid_motions(body.mesh.points)
-    return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid, factors)  # Eq. (J41)
+    return MeanElastic(body.K, body.M, (body.M @ rigid).T, rigid)  # Eq. (J41)
 
 
 def readings(mesh: Mesh, plan: Plan) -> Readings:
@@ -217,9 +216,7 @@ def _directed(weights: np.ndarray) -> np.ndarray:
     return np.einsum("sn,ab->sanb", weights, np.eye(3)).reshape(len(weights), 3, -1)
 
 
-def reduce_monoblock(
-    body: FullModel, plan: Plan, progress: Say = print, factors: Factorise = factorise
-) -> ReducedMonoblock:
+def reduce_monoblock(body: FullModel, plan: Plan, progress: Say = print) -> ReducedMonoblock:
     """Reduce a block.
 
     Its shapes are the lowest free modes, deflections with inertia relief by forces on deck,
@@ -231,8 +228,6 @@ def reduce_monoblock(
     plan : Plan
     progress : callable
         Prints a sentence.
-    factors : callable
-        Factorises a matrix (`solver`).
 
     Raises
     ------
@@ -245,7 +240,7 @@ def reduce_monoblock(
     pushed = [one.reshape(-1, size) for one in (read.deck, read.bearing, read.mount)]
     rows = np.concatenate(pushed)
     progress(f"{plan.modes} modes of {size} degrees of freedom, free in space")
-    elastic = inertia_relief(body, factors)
+    elastic = inertia_relief(body)
     first = np.hstack([craig_bampton(elastic, plan.free_modes), elastic.solve(rows.T)])
     psi = of_unit_energy(elastic, first)
     radial: Sparse = sp.vstack([one.radial for one in read.bores], format="csr")

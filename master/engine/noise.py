@@ -68,7 +68,7 @@ def level(power: Any) -> Any:
     return 10.0 * np.log10(np.maximum(power, REFERENCE * 1e-30) / REFERENCE)
 
 
-def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) -> Noise:
+def noise(results: Results, owner: str, radiation: Any) -> Noise:
     """Return the radiated power of a run that has recorded the modal velocities.
 
     The velocities are interpolated by a cubic spline at equidistant instants, with the largest
@@ -83,8 +83,6 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     owner : str
         Participant with the block.
     radiation : fmu_mfbd.offline.Radiation
-    impedance : float
-        rho c [kg/(m2 s)], > 0.
 
     Raises
     ------
@@ -124,9 +122,9 @@ def noise(results: Results, owner: str, radiation: Any, impedance: float = AIR) 
     spectrum = {}
     for side, products in radiation.products.items():
         # Eq. (J25) of the bodies
-        power[side] = impedance * np.einsum("tk,kl,tl->t", velocity, products, velocity)
+        power[side] = AIR * np.einsum("tk,kl,tl->t", velocity, products, velocity)
         square = np.einsum("mk,kl,ml->m", transformed.conj(), products, transformed).real
-        spectrum[side] = impedance * twice * square / n**2  # Eq. (W3)
+        spectrum[side] = AIR * twice * square / n**2  # Eq. (W3)
     frequency = np.arange(len(transformed)) / length
     return Noise(np.interp(time, *crank), time, power, frequency, spectrum)
 

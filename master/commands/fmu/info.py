@@ -13,6 +13,8 @@ from ..common import tell, wide_console
 
 ORDER = ("input", "output", "parameter", "structuralParameter", "calculatedParameter", "local")
 """Causalities in the order of the table."""
+WIDTH = 100
+"""Characters in a line of names."""
 
 
 def command(
@@ -72,14 +74,14 @@ def summary(participant, fmu):
     yield "details    --all prints all variables"
 
 
-def _listed(fields, causality, width=100):
-    """Return the number of variables and as many names with units as fit in `width` characters."""
+def _listed(fields, causality):
+    """Return the number of variables and as many names with units as fit in a line."""
     text = f"{len(fields)} {causality}{'' if len(fields) == 1 else 's'}"
     for k, field in enumerate(fields):
         unit = "" if field.unit in ("", "1") else f" [{field.unit}]"
         shape = f" ({'x'.join(map(str, field.shape))})" if field.shape else ""
         part = f"{', ' if k else ': '}{field.name}{shape}{unit}"
-        if len(text) + len(part) > width:
+        if len(text) + len(part) > WIDTH:
             return f"{text}, {len(fields) - k} more"
         text += part
     return text
