@@ -9,8 +9,8 @@ Eq. (O3):  M = [lg lg(nu_1 + 0.7) - lg lg(nu_2 + 0.7)] / lg(T_2 / T_1)
 
 By pressure: `piezoviscosity`.
 
-By shear rate g = |V|/h, with the high-shear ratio m and the critical shear rate g_c [1/s]:
-cross_1965 and carreau_1972.
+By shear rate g = |V|/h, or Eq. (R9) with flow factors, with the high-shear ratio m and the critical
+shear rate g_c [1/s]: cross_1965 and carreau_1972.
 
 Eq. (O7):  mu/mu_0 = m + (1 - m) / [1 + (g/g_c)^n]
 Eq. (O8):  mu/mu_0 = m + (1 - m) [1 + (g/g_c)^2]^((n-1)/2)
@@ -23,8 +23,8 @@ Eq. (O10):  mu_t = max(d(mu g)/dg, m mu_0)
 
 The bound acts for exponents above 1 only, where the stress may fall with the shear rate.
 
-The shear rate is that of sliding: the film of a skirt is sheared by |V|/h, pressure flow adds
-little, and so the thinned viscosity is a function of film and velocity in the same cell, with an
+The shear rate is that of sliding: the film of a skirt is sheared by V, pressure flow adds little,
+and so the thinned viscosity is a function of film and velocity in the same cell, with an
 exact derivative.
 
 References

@@ -1,8 +1,10 @@
 """A film as flow and shear see it: between smooth or rough surfaces, thinned by shear.
 
-Shear thinning lowers the viscosity of a cell to that at its shear rate g = S/h. A bearing slides
-both ways, V along and W around, with S^2 = V^2 + W^2. Couette stress falls by mu/mu_0. Pressure
-flow along the sliding direction meets the slope mu_t of the stress, Eq. (O10), and across it mu:
+Shear thinning lowers the viscosity of a cell to that at its shear rate g = S/h, with h not below
+the floor h_min. With flow factors h is h_s of Eq. (R9), the mean over the local films, which needs
+no floor. A bearing slides both ways, V along and W around, with S^2 = V^2 + W^2. Couette stress
+falls by mu/mu_0. Pressure flow along the sliding direction meets the slope mu_t of the stress, Eq.
+(O10), and across it mu:
 
 Eq. (E13):  g_a = g_a0 mu_0 (c^2/mu_t + s^2/mu),   g_c = g_c0 mu_0 (s^2/mu_t + c^2/mu)
 
@@ -16,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
+from ..laws.roughness import sheared_gap
 from ..oil import SHEAR_THINNING_LAWS, Thinning, tangent_thinning, thinning
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes, rough_film, smooth_film
 from .grid import Array
@@ -89,6 +92,17 @@ def flow_film(film_thickness: Array, sheared: ShearedOil, laws: FilmLaws) -> Flo
     return _thinned(quantities, by_film, film_thickness, sheared, laws)
 
 
+@compiled(inline="always")
+def _sheared_film(film_thickness, laws):
+    """Return the film of the shear rate [m] and its slope to the film thickness [-]."""
+    if laws.factors.size > 0:
+        local = sheared_gap(film_thickness / laws.roughness_rms)
+        return laws.roughness_rms * local.value, local.slope
+    if film_thickness > laws.minimum_flow_film:
+        return film_thickness, 1.0
+    return laws.minimum_flow_film, 0.0
+
+
 @compiled
 def _thinned(quantities, by_film, film_thickness, sheared, laws):
     """`FlowFilm` of thinned oil, Eq. (E13); `quantities` and `by_film` in place."""
@@ -100,13 +114,12 @@ def _thinned(quantities, by_film, film_thickness, sheared, laws):
             v = sheared.velocity[i, j]
             w = sheared.turning[i, j]
             speed = np.hypot(v, w)
-            h = max(film_thickness[i, j], laws.minimum_flow_film)
+            h, dh = _sheared_film(film_thickness[i, j], laws)
             rate = speed / h
             kelvin = sheared.temperature[i, j]
             factor, slope = thinning(laws.thinning, rate, kelvin)
             tangent, tangent_slope = tangent_thinning(laws.thinning, rate, kelvin)
-            above = film_thickness[i, j] > laws.minimum_flow_film
-            to_film = -rate / h if above else 0.0
+            to_film = -rate / h * dh
             cosine = v / speed if speed > 0.0 else 0.0
             sine = w / speed if speed > 0.0 else 0.0
             along = 1.0 / tangent

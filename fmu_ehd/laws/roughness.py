@@ -19,6 +19,11 @@ local films that are left:
 
 Eq. (R4):  phi_f/H = sigma E(1/h_T)
 
+Shear rate of the oil, the mean over the local films that are left; V sliding velocity, h_s the
+harmonic mean of these films, P their share of the area:
+
+Eq. (R9):  g = V/h_s,   h_s/sigma = P(h_T > 0) / [sigma E(1/h_T)]
+
 Roughness-induced stress, for H below 7 and from 7 on:
 
 Eq. (R5):  Phi_fs = A3 H^a4 exp(-a5 H + a6 H^2);   Phi_fs = 0
@@ -42,7 +47,7 @@ the factors (not their coefficients, whose formula changes at gamma = 1) are int
 in ln gamma. Below the published range of H, which starts between 0.5 and 1, phi_x and phi_fp keep
 their value; the others go on by their formula, Phi_s and Phi_fs to 0 at H = 0. In overlap, H < 0,
 (R1) and (R4) hold: the gap that is left of two surfaces pressed together, and the drag in it, which
-ends at H = -3.
+ends at H = -3. Below H = -2.7, where the drag is 2e-3 of that at H = 0, (R9) keeps its value.
 
 A bearing slides around its axis: its gamma is the inverse of its parameters, which refer to the
 axis, and the journal takes the part of the skirt. The grid rests on the shell, so that Phi_s of
@@ -129,6 +134,7 @@ TABLE_END = 32.0
 TABLE_CELLS = 2304  # H = 0 is a point
 TABLE = (TABLE_CELLS + 1, 2 * FACTORS)
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
+LEAST_SHARED = -2.7  # start of (R9)
 
 
 class Factor(NamedTuple):
@@ -263,6 +269,21 @@ def shear_stress_factor(separation: float):
     """Factor phi_f of the mean Couette stress, Eq. (R4), for H >= 0."""
     inverse = mean_inverse_gap(separation)
     return Factor(separation * inverse.value, inverse.value + separation * inverse.slope)
+
+
+@compiled
+def sheared_gap(separation: float):
+    """Harmonic mean of the local films that are left, over sigma, Eq. (R9)."""
+    h = max(separation, LEAST_SHARED)
+    z = min(h / 3.0, 1.0)
+    square = z * z
+    cube = 1.0 - square
+    left = 0.5 + z / 32.0 * (35.0 + square * (-35.0 + square * (21.0 - 5.0 * square)))
+    dleft = 35.0 / 96.0 * cube * cube * cube
+    inverse = mean_inverse_gap(h)
+    value = left / inverse.value  # Eq. (R9)
+    slope = (dleft - value * inverse.slope) / inverse.value
+    return Factor(value, slope if separation > LEAST_SHARED else 0.0)
 
 
 @compiled

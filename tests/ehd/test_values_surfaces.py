@@ -16,7 +16,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from piston_cosim.fmu_ehd.balance.films import COUETTE
+from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.laws import roughness
+from piston_cosim.fmu_ehd.oil import Oil
 
 from . import sleeve
 from .sleeve import AREA, LENGTH, RADIUS, VISCOSITY, WIDTH, near
@@ -62,18 +65,18 @@ def phi_fp(h, g):
     return 1.0 - d * exp(-s * h)
 
 
+def density(t):
+    """Density of heights of [Patir1979], t = height/sigma."""
+    return 35.0 / 96.0 * max(1.0 - (t / 3.0) ** 2, 0.0) ** 3
+
+
 def phi_f(h):
     """Return phi_f of [Patir1979], h E(1/h_T), by quadrature with the pole apart.
 
-    The density of heights is d(t) = (35/96) [1 - (t/3)^2]^3 in t = height/sigma.
     Films below sigma/100 are left out of 1/h_T to first order:
 
     int (d(t) - d(-h))/(h + t) dt + d(-h) ln[(h + 3)/0.01]
     """
-
-    def density(t):
-        return 35.0 / 96.0 * max(1.0 - (t / 3.0) ** 2, 0.0) ** 3
-
     pole = density(-h)
     regular = quad(lambda t: (density(t) - pole) / (h + t), max(-3.0, -h), 3.0, limit=200)[0]
     return h * (regular + pole * np.log((h + 3.0) / 0.01))
@@ -170,6 +173,36 @@ def test_published_shear_stress_factor():
     for h, value in known.items():
         assert phi_f(h) == pytest.approx(value, abs=1e-4)  # cut, not rounded
         assert roughness.shear_stress_factor(h).value == pytest.approx(value, abs=1e-4)
+
+
+@pytest.mark.parametrize("h", [-2.0, -0.5, 0.5, 2.0, 4.0])
+def test_oil_is_thinned_at_the_mean_shear_rate_of_the_films_that_are_left(h):
+    """The mean of V/h_T over the area where h_T > 0, by quadrature, thins the oil; Cross, m = 0.3.
+
+    The critical shear rate is V/sigma. The smallest film for flow has no effect.
+    """
+    law = Oil(
+        shear_thinning_law="cross_1965",
+        high_shear_ratio=0.3,
+        critical_shear_rate_a=-np.log10(SIGMA),
+        critical_shear_rate_b=0.0,
+    ).thinning
+    table = roughness.factor_table(1.0, 1.0, 1.0)
+    one = np.ones((1, 1))
+    oil = ShearedOil(one, 0.0 * one, VISCOSITY * one, 350.0 * one)
+
+    def drag(separation, floor, kind):
+        laws = FilmLaws(floor, SIGMA, table, law._replace(kind=kind))
+        film = flow_film(separation * SIGMA * one, oil, laws)
+        return film.quantities[COUETTE, 0, 0], film.slopes.by_film[COUETTE, 0, 0]
+
+    rate = phi_f(h) / h / quad(density, max(-3.0, -h), 3.0)[0]
+    thinned = 0.3 + 0.7 / (1.0 + rate)
+    for floor in (1e-9, 200e-9):
+        drags = [drag(h + step, floor, law.kind) for step in (-1e-4, 0.0, 1e-4)]
+        assert drags[1][0] / drag(h, floor, 0)[0] == near(thinned, rel=1e-6)
+        difference = (drags[2][0] - drags[0][0]) / (2e-4 * SIGMA)
+        assert drags[1][1] == pytest.approx(difference, rel=1e-5)  # the step squared
 
 
 @pytest.mark.parametrize("g", PUBLISHED)
