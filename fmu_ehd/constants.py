@@ -137,6 +137,7 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
         contact_constants(x, tables.contact[int(chosen.contact_law) - 1]),
         tables.halves,
         coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
+        x.coating_thickness,
         x.cavitation_pressure,
         x.friction_rounding_velocity,
         chosen.cavity_shear == BY_FILM_FRACTION,

@@ -12,8 +12,10 @@ from .laws.cavitation import NotConverged
 FROM_BORE = "oil_supply = bore or bore_and_ring"
 EDGES = {"lower": "lower_edge", "upper": "upper_edge", "openings": "openings"}
 AXIAL = {edge: EDGES[edge] for edge in ("lower", "upper")}
+TOO_LOW = "expected more than {b} m, got {a} m; the contact law ends at -1.5 roughness_rms"
 SENTENCES = {
-    "no_film": "film_thickness[{i},{j}] = {a} m, and nowhere above 0 m: there is no film",
+    "overlap": f"film_thickness[{{i}},{{j}}]: {TOO_LOW}",
+    "overlap_of_coating": f"film_thickness[{{i}},{{j}}] and deflection of the coating: {TOO_LOW}",
     "not_finite": "the film solution is not finite, first at [{i},{j}]: film thickness or "
     "viscosity out of all proportion",
     "still_switching": "cavitation did not converge in {a} iterations: {b} cells still switch, "

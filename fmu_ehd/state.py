@@ -155,12 +155,12 @@ class Scalars(NamedTuple):
         float, "m3/s", "Oil flow into the film through the upper edge at the end of the step", 1e-6
     ]
     stored_energy: Annotated[float, "J", "Elastic energy of asperities and coating", 1e-3]
-    energy_gain: Annotated[
+    received_power: Annotated[
         float,
-        "J",
-        "Energy stored and dissipated over the step, minus the work of the pressure around "
-        "the film",
-        1e-3,
+        "W",
+        "Power received from the bodies, mean over the step: stored and dissipated, minus that of "
+        "the pressure around the film",
+        100.0,
     ]
     flow_openings: Annotated[
         float, "m3/s", "Oil flow into the film from cut-outs at the end of the step", 1e-6

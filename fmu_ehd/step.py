@@ -208,7 +208,7 @@ def scalars_of(
         flow_lower_edge=lower,
         flow_upper_edge=upper,
         stored_energy=acting.along.stored,
-        energy_gain=ledger.energy_gain,
+        received_power=ledger.received_power,
         flow_openings=openings,
         # the three terms of Eq. (T27)
         oil_in_film=ledger.oil_in_film,
@@ -244,8 +244,9 @@ def start(
     filled : float
         Film fraction [-].
     faults : ndarray
-        `faults.refuse`: forces that are not finite; `faults.remark`: steps of one cell.
+        `faults.refuse`: overlap, forces that are not finite; `faults.remark`: steps of one cell.
     """
+    parts.check_film(inputs.hard_film, fixed.surfaces, faults)
     shape = inputs.hard_film.shape
     n_c, n_a = shape
     lower = inputs.around.edges.pressure[LOWER]
@@ -304,9 +305,9 @@ def start(
 def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -> StepStart:
     """Return the data from which a step starts.
 
-    A fault is noted if there is no film, or if the skirt has gone too far.
+    A fault is noted if surfaces overlap too far, or if the skirt has gone too far.
     """
-    parts.check_film(inputs.hard_film, faults)
+    parts.check_film(inputs.hard_film, fixed.surfaces, faults)
     before = memory.film
     layer = memory.layer
     around = inputs.around
@@ -397,7 +398,7 @@ def end(
 ) -> StepResult:
     """Return the forces of a step and the memory for the next one.
 
-    A fault is noted if they are not finite.
+    A fault is noted if they are not finite, or if surfaces overlap too far under a coating.
     """
     before = memory.film
     found = solved.solution
@@ -406,6 +407,9 @@ def end(
     length = inputs.length
     under = true_pressure(inputs.around.pressure_law, found.pressure)
     seen = ForceInputs(solved.deflection, memory.steps, flow, under, found.film_fraction)
+    if fixed.surfaces.compliance > 0.0:
+        gap = inputs.hard_film + solved.deflection
+        parts.check_overlap(gap, fixed.surfaces, 0.0, FAULT.overlap_of_coating, faults)
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
     law = inputs.around.pressure_law
@@ -426,10 +430,15 @@ def end(
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
-    share, gain = account.boundary_share, account.energy_gain
     outflow = parts.leaving_above(found.axial_flow)
     ledger = parts.BalanceScalars(
-        share, gain, flows, outflow, found.mass_imbalance, account.oil, account.heat
+        account.boundary_share,
+        account.received_power,
+        flows,
+        outflow,
+        found.mass_imbalance,
+        account.oil,
+        account.heat,
     )
     after = parts.PreviousFilm(
         found.unknown,

@@ -17,7 +17,7 @@ from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import CellStates, StepRatios
 from .faults import FAULT, refuse
 from .laws import friction
-from .laws.asperity import ContactConstants
+from .laws.asperity import MOST_OVERLAP, ContactConstants
 from .laws.contact import Contact, contact
 from .laws.friction import ShearConstants, ShearForces, ShearInputs
 from .summary import Halves, Summary, summarise
@@ -98,25 +98,7 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
     return transport.lift(before, states, pace, edges, step, domain.cells)
 
 
-@compiled
-def check_film(film_thickness: Array, faults: Array):
-    """Note a fault where surfaces are apart nowhere, or the first film that is no number."""
-    best_i = 0
-    best_j = 0
-    for i in range(film_thickness.shape[0]):
-        for j in range(film_thickness.shape[1]):
-            if not np.isfinite(film_thickness[i, j]):
-                refuse(faults, FAULT.film_not_finite, i, j, film_thickness[i, j], 0.0, 0.0)
-                return
-            if film_thickness[i, j] > film_thickness[best_i, best_j]:
-                best_i = i
-                best_j = j
-    widest = film_thickness[best_i, best_j]
-    if not widest > 0.0:
-        refuse(faults, FAULT.no_film, best_i, best_j, widest, 0.0, 0.0)
-
-
-# ---- forces
+# ---- surfaces
 
 
 class Surfaces(NamedTuple):
@@ -124,7 +106,7 @@ class Surfaces(NamedTuple):
 
     area : ndarray, shape (n_c, n_a), lubricated area of each cell, 0 in cut-outs [m2];
     contact : asperity.ContactConstants; halves : summary.Halves;
-    compliance : of a coating [m/Pa], 0 without;
+    compliance, coating_thickness : of a coating [m/Pa], [m], 0 without;
     cavitation_pressure [Pa]; rounding_velocity : v0 of `friction` [m/s];
     by_oil : whether the oil alone shears in cavities.
     """
@@ -133,9 +115,48 @@ class Surfaces(NamedTuple):
     contact: ContactConstants
     halves: Halves
     compliance: float
+    coating_thickness: float
     cavitation_pressure: float
     rounding_velocity: float
     by_oil: bool
+
+
+@compiled
+def check_film(film_thickness: Array, surfaces: Surfaces, faults: Array):
+    """Note a fault at the first film that is no number, or where surfaces overlap farthest.
+
+    The film thickness is without the deflection of a coating.
+    """
+    for i in range(film_thickness.shape[0]):
+        for j in range(film_thickness.shape[1]):
+            if not np.isfinite(film_thickness[i, j]):
+                refuse(faults, FAULT.film_not_finite, i, j, film_thickness[i, j], 0.0, 0.0)
+                return
+    check_overlap(film_thickness, surfaces, surfaces.coating_thickness, FAULT.overlap, faults)
+
+
+@compiled
+def check_overlap(film_thickness: Array, surfaces: Surfaces, layer: float, fault: int, faults):
+    """Note a fault where surfaces overlap farthest, beyond Eq. (A14).
+
+    layer : thickness of a coating whose deflection is not part of the film thickness [m].
+    """
+    low_i = -1
+    low_j = -1
+    least = 0.0 - layer - MOST_OVERLAP * surfaces.contact.roughness_rms  # Eq. (A14)
+    lowest = least
+    for i in range(film_thickness.shape[0]):
+        for j in range(film_thickness.shape[1]):
+            h = film_thickness[i, j]
+            if surfaces.area[i, j] > 0.0 and h <= least and (low_i < 0 or h < lowest):
+                low_i = i
+                low_j = j
+                lowest = h
+    if low_i >= 0:
+        refuse(faults, fault, low_i, low_j, lowest, least, 0.0)
+
+
+# ---- forces
 
 
 class SolvedFilm(NamedTuple):
@@ -377,14 +398,14 @@ class Account(NamedTuple):
     """Sums at the end of a step.
 
     totals : Totals; boundary_share : of the friction work, the asperities' [-]; oil : in the film
-    [m3]; energy_gain : of the film over the step, beyond what came in [J]; heat :
-    what sliding and squeezing dissipate, mean over the step [W], the bracket of Eq. (A11).
+    [m3]; received_power : Eq. (A11) [W]; heat : what sliding and squeezing dissipate, the bracket
+    of Eq. (A11) [W]; both are means over the step.
     """
 
     totals: Totals
     boundary_share: float
     oil: float
-    energy_gain: float
+    received_power: float
     heat: float
 
 
@@ -395,7 +416,7 @@ class BalanceScalars(NamedTuple):
     """
 
     boundary_share: float
-    energy_gain: float
+    received_power: float
     flows: tuple[float, float, float]
     outflow: float
     imbalance: float
@@ -414,9 +435,10 @@ def account(
     cavitation_pressure: float,
     step: float,
 ):
-    """Return the sums at the end of a step, with the energy that the film took.
+    """Return the sums at the end of a step, with the mean power that the film took.
 
-    Eq. (A11):  E = U_1 - U_0 + H P - sum over cells of  A ((p_0 + p_1)/2 (c_1 - c_0) + p_c dh)
+    Eq. (A11):  E/H = [P - sum over cells of  A (p_0 + p_1)/2 (c_1 - c_0)/H] + (U_1 - U_0)/H
+                      - p_c (sum over cells of  A dh)/H
 
     The sum is the heat of pressure flow less the work of the pressure around the film: by Eq. (E1)
     it is that of flow times pressure drop over all faces, less inflow times pressure over edges and
@@ -460,10 +482,10 @@ def account(
             pressed += area[i, j] * mean * growth[i, j]
     # Eq. (A11)
     heat = powers.friction - pressed
-    gain = acted.stored - totals.stored + step * heat
-    gain -= cavitation_pressure * (acted.volume - totals.volume)
+    kept = acted.stored - totals.stored - cavitation_pressure * (acted.volume - totals.volume)
+    received = heat + kept / step
     after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
-    return Account(after, share, sum_of_products(found.content, area), gain, heat)
+    return Account(after, share, sum_of_products(found.content, area), received, heat)
 
 
 @compiled

@@ -27,7 +27,12 @@ Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
 D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances;
 with E' = 2/sum the factor of Eq. (A3) is half as large. For H < 0 the integrals go on along their
 tangent at H = 0: the height distribution says nothing about overlap, and a straight line keeps the
-contact stiffness finite there.
+contact stiffness finite there. At H = -1.5 it is below half of the integral, and the law ends:
+
+Eq. (A14):  h > -1.5 sigma
+
+Smooth surfaces, sigma = 0, have no contact law and must be apart. A coating yields by less than its
+thickness d, so that h without its deflection is above -1.5 sigma - d.
 
 References
 ----------
@@ -54,6 +59,8 @@ TABLE_CELLS = 512  # Hermite error 1e-10 of F_5/2(0)
 PRESSURE_COLUMN = 0
 AREA_COLUMN = 2
 ENERGY_COLUMN = 4
+
+MOST_OVERLAP = 1.5  # of Eq. (A14), -h/sigma
 
 FIT_FACTOR = 4.4086e-5  # of Eq. (A5)
 FIT_POWER = 6.804

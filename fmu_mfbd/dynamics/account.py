@@ -10,11 +10,12 @@ from ...master.fmi.compiled import compilable
 class EnergyAccount(NamedTuple):
     """Energies of a step [J].
 
-    gain : Eq. (D14); size : of its terms, Eq. (D16).
+    gain : Eq. (D14); kinetic, exchanged : the two sizes of its terms, Eq. (D16).
     """
 
     gain: float
-    size: float
+    kinetic: float
+    exchanged: float
 
 
 @compilable
@@ -56,4 +57,4 @@ def account(
     begun, ended = others
     gain = after - before - float(way @ (begun + ended)) / 2 + axial_work  # Eq. (D14)
     turned = float(np.abs(way) @ (np.abs(begun) + np.abs(ended))) / 2
-    return EnergyAccount(gain, max(before, after) + turned)  # Eq. (D16)
+    return EnergyAccount(gain, max(before, after), turned)  # Eq. (D16)

@@ -80,25 +80,33 @@ class Scalars(NamedTuple):
         1e-2,
     ]
     elastic_energy: Annotated[float, "J", "Elastic energy of all modes", 1e-3]
-    film_work: Annotated[float, "J", "Work of the film on the bodies over the step", 1e-3]
-    energy_error: Annotated[
+    film_power: Annotated[float, "W", "Power of the film on the bodies, mean over the step", 100.0]
+    power_error: Annotated[
         float,
-        "J",
-        "Energy that time integration creates in the motion across the bore; negative: lost",
-        1e-3,
+        "W",
+        "Power that time integration creates in the motion across the bore, mean over the step; "
+        "negative: lost",
+        1.0,
     ]
-    energy_gain: Annotated[
+    received_power: Annotated[
         float,
-        "J",
-        "Energy that the bodies received from the film over the step, computed from their motion",
-        1e-3,
+        "W",
+        "Power that the bodies received from the film, mean over the step, computed from their "
+        "motion",
+        100.0,
     ]
     energy_size: Annotated[
         float,
         "J",
-        "Kinetic energy across the bore, including the rod, plus the energy exchanged with "
-        "forces other than the film over the step",
+        "Kinetic energy across the bore, including the rod; larger value of both ends of the step",
         1e-3,
+    ]
+    power_size: Annotated[
+        float,
+        "W",
+        "Sum of the sizes of the powers exchanged with forces other than the film, mean over the "
+        "step",
+        100.0,
     ]
     thermal_opening: Annotated[
         float,
@@ -172,12 +180,14 @@ def scalars_of(
     energy: EnergyAccount,
     system: BodySystem,
     warm: tuple[float, float],
+    step: float,
 ) -> Scalars:
-    """Return the scalar outputs at an instant.
+    """Return the scalar outputs at an instant, the end of a step [s], or a start with step 0.
 
     `drive` contains torque [N m] and effective inertia [kg m2], `warm` the change of the film
     thickness with temperatures [m] and the work of the films on it [J].
     """
+    per_second = 1.0 / step if step > 0.0 else 0.0
     torque, inertia = drive
     opening, warm_work = warm
     lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
@@ -203,9 +213,10 @@ def scalars_of(
         lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
         upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,
-        film_work=now.ledger.film_work + warm_work,
-        energy_error=now.ledger.error,
-        energy_gain=energy.gain + warm_work,
-        energy_size=energy.size,
+        film_power=per_second * (now.ledger.film_work + warm_work),
+        power_error=per_second * now.ledger.error,
+        received_power=per_second * (energy.gain + warm_work),
+        energy_size=energy.kinetic,
+        power_size=per_second * energy.exchanged,
         thermal_opening=opening,
     )

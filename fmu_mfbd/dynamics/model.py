@@ -249,9 +249,9 @@ class PistonInBore:
         c = step_coefficients(state, step, self.model.settings.spectral_radius)
         end, outputs = self._solve(c, state, crank, state.time + step, inputs)
         if self.outside:
-            taken = self._taken_by_bore(self.outside, state, inputs)
-            outputs["energy_gain"] += taken
-            outputs["film_work"] += taken
+            taken = self._taken_by_bore(self.outside, state, inputs) / step
+            outputs["received_power"] += taken
+            outputs["film_power"] += taken
             end = end._replace(bore_deflection=inputs.bore_deflection)
         return end, outputs
 

@@ -303,7 +303,7 @@ def result_of(
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
     state = state_at(now, crank, jerk, time, steps, opening)
-    energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted)
+    energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:
         warm_work = growth_work(inputs.skirt.pressure, opening - before.thermal_opening)
@@ -319,7 +319,15 @@ def result_of(
         on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(
         instant,
-        scalars_of(now, step.crank, (torque, inertia), energy, system, (opening, warm_work)),
+        scalars_of(
+            now,
+            step.crank,
+            (torque, inertia),
+            energy,
+            system,
+            (opening, warm_work),
+            step.coefficients.step,
+        ),
         step.others,
         demand_of(system, step.others, step.crank),
         on_block,

@@ -59,7 +59,7 @@ class Monoblock(FieldSlave):
             )
         cylinders = self._cylinders(values)
         state = self.model.start(cylinders)
-        return state, self._shown(state, state) | _six(
+        return state, self._shown(state, state, 0.0) | _six(
             ("shaking_force", "shaking_moment"), self.model.total(cylinders)
         )
 
@@ -68,7 +68,7 @@ class Monoblock(FieldSlave):
     ) -> tuple[BlockState, dict[str, Any]]:
         """Take a step; returns (state, outputs)."""
         end = self.model.advance(state, self._cylinders(values), step)
-        return end, self._shown(state, end)
+        return end, self._shown(state, end, step)
 
     def directional_derivative(self, seeds: dict[str, Any]) -> dict[str, Any]:
         """Return the product of the step map's derivative with the seed fields."""
@@ -81,7 +81,7 @@ class Monoblock(FieldSlave):
         each = range(1, self.options["cylinders"] + 1)
         return [Cylinder(*(values[f"cylinder_{k}.{name}"] for name in names)) for k in each]
 
-    def _shown(self, before: BlockState, now: BlockState) -> dict[str, Any]:
+    def _shown(self, before: BlockState, now: BlockState, step: float) -> dict[str, Any]:
         """Return the outputs at the end of a step."""
         model = self.model
         seen = model.seen(now.position, now.velocity, now.acceleration)
@@ -99,7 +99,7 @@ class Monoblock(FieldSlave):
             "mount_power": float(rate @ model.mount_damping @ rate),
             "modal_power": float(rate @ (model.modal_damping * rate)),
             "largest_bore_deflection": max(np.abs(one.bore_deflection).max() for one in seen),
-            "energy_error": model.energy_error(before, now),
+            "power_error": model.energy_error(before, now) / step if step > 0.0 else 0.0,
         }
 
 

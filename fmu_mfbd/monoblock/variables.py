@@ -57,7 +57,12 @@ SCALARS = (
     ("mount_power", "W", "Power dissipated by the mounts", 1.0),
     ("modal_power", "W", "Power dissipated by the modes", 1.0),
     ("largest_bore_deflection", "m", "Largest deflection on the grids of all bores", 1e-5),
-    ("energy_error", "J", "Work of all forces over the step minus stored and lost energy", 1e-3),
+    (
+        "power_error",
+        "W",
+        "Power of all forces minus that stored and lost, mean over the step",
+        1.0,
+    ),
 )
 """Outputs, as `output_variable` takes them."""
 WHOLE = (

@@ -41,8 +41,9 @@ class Role:
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
-    energy: str | None = None
+    power: str | None = None
     energy_size: str | None = None
+    power_size: str | None = None
     agree: dict[str, str] = field(default_factory=dict)
     of_each_film: tuple[str, ...] = ()
     starts_from: tuple[str, ...] = ()

@@ -1,14 +1,15 @@
 """Spurious energy: sum of the energies that participants receive from each other in a step.
 
-A participant may have an output, named in the contract, for the energy that it received over its
-wires in the last step. It is the sum of the stored and the dissipated energy.
+A participant may have an output, named in the contract, for the power that it received over its
+wires, mean over the last step. Times the length of the step, it is the sum E_i of the stored and
+the dissipated energy.
 
 Eq. (W2):  c = sum over participants of E_i - L,   accepted if  c <= LIMIT (X + sum Z_i) + Y,
            X = sum |F_in| . |dq_out|,   Y = sum |F_in| . (tolerance of q)
 
 F and q are those of Eq. (W1) in the step. X is the energy exchanged, by the trapezoidal rule. Y is
 the energy of the wires' tolerances. Z_i is the size of the other terms of a participant's balance,
-if it has an output for it. X + sum Z_i is at least half of that of the previous step, because an
+if it has outputs for it. X + sum Z_i is at least half of that of the previous step, because an
 integrator carries the errors of a step into the next. For the same reason a step can return L, half
 of the energy that was lost in the previous one. An impact is too short for the trapezoidal rule: it
 loses energy in one step and returns a part in the next. c is 0 if every balance is complete, and
@@ -41,9 +42,9 @@ class Ledger:
     Parameters
     ----------
     ports : sequence of (participant, variable)
-        Outputs E_i [J].
-    sizes : sequence of (participant, variable)
-        Outputs Z_i [J].
+        Outputs E_i over the step [W].
+    sizes : sequence of (participant, variable, unit)
+        Outputs with parts of Z_i [J], or of Z_i over the step [W].
 
     Attributes
     ----------
@@ -57,7 +58,7 @@ class Ledger:
         L of the next step [J], not below 0.
     """
 
-    def __init__(self, ports: list[Port], sizes: list[Port]):
+    def __init__(self, ports: list[Port], sizes: list[tuple[str, str, str]]):
         self.ports = ports
         self.sizes = sizes
         self.taken = {name: 0.0 for name, _ in ports}
@@ -67,7 +68,7 @@ class Ledger:
 
     def check(self, participants: Participants, exchange: Exchange) -> None:
         """Raise EnergyCreated if the spurious energy of the last step exceeds its limit."""
-        amounts = self._read(participants)
+        amounts = self._read(participants, exchange.step)
         created = sum(amounts.values()) - self.lost
         whole = self._whole(participants, exchange)
         allowed = LIMIT * whole + exchange.worth
@@ -80,7 +81,7 @@ class Ledger:
 
     def add(self, participants: Participants, exchange: Exchange) -> None:
         """Count the last step of the participants."""
-        amounts = self._read(participants)
+        amounts = self._read(participants, exchange.step)
         for name, amount in amounts.items():
             self.taken[name] += amount
         self.size = self._whole(participants, exchange)
@@ -96,27 +97,38 @@ class Ledger:
         return taken | {"energy_created_share_max": self.largest}
 
     def _whole(self, participants: Participants, exchange: Exchange) -> float:
-        held = (float(participants[name].get(port)) for name, port in self.sizes)
+        held = (
+            float(participants[name].get(port)) * (exchange.step if unit == "W" else 1.0)
+            for name, port, unit in self.sizes
+        )
         return max(exchange.passed + sum(held), REMEMBERED * self.size)
 
-    def _read(self, participants: Participants) -> dict[str, float]:
-        return {name: float(participants[name].get(port)) for name, port in self.ports}
+    def _read(self, participants: Participants, step: float) -> dict[str, float]:
+        return {name: step * float(participants[name].get(port)) for name, port in self.ports}
 
 
 def ledger(
     ports: list[Port], sizes: list[Port], conjugates: int, participants: Participants
 ) -> Ledger | None:
-    """Return the ledger of a case, None if fewer than two participants report their energy.
+    """Return the ledger of a case, None if fewer than two participants report their power.
 
-    Return None also if no wire has a conjugate. The arguments are those of `Ledger`.
+    Return None also if no wire has a conjugate. The arguments are those of `Ledger`, without units.
 
     Raises
     ------
     BadInput
-        If an output is in another unit than J.
+        If an output is in another unit than W, or J of a size.
     """
-    for name, port in (*ports, *sizes):
-        unit = participants[name].fields[port].unit
-        if unit != "J":
-            raise BadInput(f"{name}.{port}: expected unit J, got {unit}")
-    return Ledger(ports, sizes) if len(ports) > 1 and conjugates else None
+    units = {port: participants[port[0]].fields[port[1]].unit for port in (*ports, *sizes)}
+    faults = [
+        f"{a}.{b}: expected unit W, got {units[a, b]}" for a, b in ports if units[a, b] != "W"
+    ]
+    faults += [
+        f"{a}.{b}: expected unit J or W, got {units[a, b]}"
+        for a, b in sizes
+        if units[a, b] not in ("J", "W")
+    ]
+    if faults:
+        raise BadInput(faults)
+    known = [(*port, units[port]) for port in sizes]
+    return Ledger(ports, known) if len(ports) > 1 and conjugates else None

@@ -40,13 +40,14 @@ class Exchange(NamedTuple):
 
     work : ndarray, shape (2,), W_1 and W_2; exchanged : sum |F_in| . |dq_out|; passed : the same by
     the trapezoidal rule, with what F_in and a velocity were at the beginning; worth : sum |F_in| .
-    (tolerance of q), what the iteration leaves open.
+    (tolerance of q), what the iteration leaves open; step : length of the macro step [s].
     """
 
     work: np.ndarray
     exchanged: float
     passed: float
     worth: float
+    step: float
 
 
 class InterfaceWork:
@@ -107,7 +108,7 @@ class InterfaceWork:
             passed += across / 2
             passed += float(np.abs(used_before[f]) @ began) / 2
             worth += span * pair.tolerance * float(force.sum())
-        return Exchange(work, exchanged, passed, worth)
+        return Exchange(work, exchanged, passed, worth, step)
 
     def add(
         self, time: float, used: np.ndarray, y: np.ndarray, exchange: Exchange | None = None

@@ -215,16 +215,17 @@ class ActiveRun(Observer):
             self.log = CouplingLog(output, system.wires, self.account.counters)
 
     def _ledger(self):
-        """Return the ledger of the participants whose role in the contract has an energy output."""
+        """Return the ledger of the participants whose role in the contract has a power output."""
         known = self.system.participants
         ports: list[tuple[str, str]] = []
         sizes: list[tuple[str, str]] = []
         for role, terms in contract().items():
             for name in players(self.tree, role):
-                if terms.energy in known[name].fields:
-                    ports.append((name, str(terms.energy)))
-                if terms.energy_size in known[name].fields:
-                    sizes.append((name, str(terms.energy_size)))
+                if terms.power in known[name].fields:
+                    ports.append((name, str(terms.power)))
+                for size in (terms.energy_size, terms.power_size):
+                    if size in known[name].fields:
+                        sizes.append((name, str(size)))
         return ledger(ports, sizes, len(self.account.work.pairs), known)
 
     def _recorder(self):

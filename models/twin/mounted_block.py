@@ -136,7 +136,10 @@ class MountedBlock(FieldSlave):
             output_variable("kinetic_energy", "J", "Kinetic energy of the block", 1e-3),
             output_variable("mount_power", "W", "Power dissipated by the mounts", 1.0),
             output_variable(
-                "energy_error", "J", "Work of all forces minus stored and lost energy", 1e-3
+                "power_error",
+                "W",
+                "Power of all forces minus that stored and lost, mean over the step",
+                1.0,
             ),
             constant("cylinders", cylinders, "Cylinders"),
             constant("mounts", mounts, "Mounts"),
@@ -154,7 +157,7 @@ class MountedBlock(FieldSlave):
             )
         still = np.zeros(6)
         state = MountedBlockState(still, still, still, still, 0.0)
-        return state, self._shown(state, state) | shaking(self._force(values))
+        return state, self._shown(state, state, 0.0) | shaking(self._force(values))
 
     def advance(self, state, values, time, step):
         engine = self.engine
@@ -171,7 +174,7 @@ class MountedBlock(FieldSlave):
             force,
             step,
         )
-        return end, self._shown(state, end)
+        return end, self._shown(state, end, step)
 
     def directional_derivative(self, seeds):
         change = self._force(seeds)
@@ -188,7 +191,7 @@ class MountedBlock(FieldSlave):
             )
         )
 
-    def _shown(self, before, now):
+    def _shown(self, before, now, step):
         engine = self.engine
         on_mounts = engine.stiffness @ now.position + engine.damping @ now.velocity
         way, mean = now.position - before.position, (before.velocity + now.velocity) / 2
@@ -201,6 +204,7 @@ class MountedBlock(FieldSlave):
         ]
         (kinetic_0, elastic_0), (kinetic_1, elastic_1) = energies
         lost = way @ engine.damping @ mean
+        per_second = 1.0 / step if step > 0.0 else 0.0
         stored = (kinetic_1 - kinetic_0 + elastic_1 - elastic_0) / 2
         six = {
             ("displacement", "rotation"): now.position,
@@ -213,7 +217,7 @@ class MountedBlock(FieldSlave):
             **{one: value for names, q in six.items() for one, value in by_axis(names, q).items()},
             "kinetic_energy": kinetic_1 / 2,
             "mount_power": now.velocity @ engine.damping @ now.velocity,
-            "energy_error": way @ (before.force + now.force) / 2 - stored - lost,
+            "power_error": per_second * (way @ (before.force + now.force) / 2 - stored - lost),
         }
 
 

@@ -80,7 +80,7 @@ def test_a_sloped_cell_touches_with_its_corner():
 
 
 def test_smooth_surfaces_do_not_touch():
-    o = film_after(Parameters((4, 3), boundary_shear_strength=1e6), [-1e-6], 1.0).outputs
+    o = film_after(Parameters((4, 3), boundary_shear_strength=1e6), [1e-9], 1.0).outputs
     assert o["contact_area_fraction"] == o["friction_force_asperity"] == 0.0
 
 

@@ -132,10 +132,45 @@ def test_cells_without_a_film_count_in_no_scalar(gap, coating):
     assert o["contact_area_fraction"] == 0.0
 
 
-def test_a_film_in_cut_outs_alone_is_none():
-    film = np.where(opening(SHAPE), 1e-5, -1e-6)
-    with pytest.raises(NotConverged, match="there is no film"):
-        film_after(Parameters(SHAPE, open_cells=opening(SHAPE)), [1e-5, film])
+def pressed(gap, step=1e-4, from_start=False, **changes):
+    """Press one cell among cells of 20 um, in a step from an even film or at the start."""
+    film = np.where(np.arange(120).reshape(SHAPE) == 34, gap, 2e-5)
+    return film_after(
+        Parameters(SHAPE, **changes), [film] if from_start else [2e-5, film], 1.0, step
+    )
+
+
+COATED = dict(coating_thickness=1e-6, coating_modulus=1e12)
+
+
+@pytest.mark.parametrize("from_start", [False, True])
+@pytest.mark.parametrize(
+    "least, changes",
+    [(0.0, {}), (-6e-7, dict(roughness_rms=4e-7)), (-1.6e-6, COATED | dict(roughness_rms=4e-7))],
+)
+def test_surfaces_overlap_as_far_as_contact_means_something(least, changes, from_start):
+    """Eq. (A14): one cell that overlaps farther is named, at the start and in a step.
+
+    The least film thickness is -1.5 roughnesses, less the thickness of a coating.
+    """
+    for gap in (least, -1e-5, -0.073):
+        with pytest.raises(
+            NotConverged, match=rf"film_thickness.4,5.: .* than {least:g} m, got {gap:g} m"
+        ):
+            pressed(gap, from_start=from_start, **changes)
+    if not changes or "coating_modulus" not in changes:
+        pressed(least + 1e-9, from_start=from_start, **changes)
+
+
+def test_a_stiff_coating_does_not_hide_an_overlap():
+    """The layer of 1 um yields by 1 nm, so that the surfaces overlap by more than 0.6 um.
+
+    The step is so long that the oil leaves.
+    """
+    with pytest.raises(
+        NotConverged, match=r"4,5.* deflection of the coating: .* -6e-07 m, got -7.9"
+    ):
+        pressed(-8e-7, 1e9, roughness_rms=4e-7, **COATED)
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])

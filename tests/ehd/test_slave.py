@@ -118,7 +118,7 @@ def test_bad_build_options_are_reported_together():
     "name, value, element, words",
     [
         ("film_thickness", np.nan, (0, 0), "expected a finite value, got nan m"),
-        ("film_thickness", -1e-6, ..., "film_thickness[1,1] = -1e-06 m"),
+        ("film_thickness", -1e-6, ..., "film_thickness[1,1]: expected more than 0 m"),
         ("film_thickness", 1e300, (2, 3), "not finite, first at [1,1]"),
         ("sliding_velocity", np.inf, (1, 2), "expected a finite value, got inf m/s"),
         ("sliding_velocity", 1e160, ..., "numbers overflow after a step of 0.0001 s"),

@@ -42,10 +42,10 @@ ROUND_OFF = 1e-12
 does, and both paths stop in the same iteration, so that round-off passes on without growing.
 """
 SUMS = 1e-10  # sums in another order, by a linear solve that multiplies their difference
-OF_EQUALS = ("evaluations", "work_error", "imbalance", "energy_error", "force_hydrodynamic")
+OF_EQUALS = ("evaluations", "work_error", "imbalance", "power_error", "force_hydrodynamic")
 """Of the floating pin: counts, and shares and forces that are differences of what is equal."""
-OF_WORKS = {"energy_error": "film_work"}
-"""It is a difference of works."""
+OF_WORKS = {"power_error": "film_power"}
+"""It is a difference of powers."""
 FOUR_MODES = dict(modes=4)
 TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 

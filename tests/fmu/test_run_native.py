@@ -26,7 +26,7 @@ from .films import several_films
 from .runs import EXAMPLE, needs_compiler, run_tree, small_tree
 
 COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
-ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.energy_error")
+ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.power_error")
 """The last one of the rigid block of the twin, 1e-17 J."""
 AGREES = 1e-6
 """Of each curve's range. Where in the wires' tolerance an iteration ends follows the last digits of

@@ -1,7 +1,7 @@
 """Spurious energy: steps that are refused, and what is said of the others, on toys.
 
 The force between the toys is 10 + t [N] and moves them by as many metres, so that its mean times H
-passes in a step of H [s]. What the toy `plant` takes is `made` H^2 [J], and the other one nothing.
+passes in a step of H [s]. What the toy `plant` takes is `made` H [W], and the other one nothing.
 """
 
 from types import SimpleNamespace
@@ -34,9 +34,9 @@ def toys(affine, made):
     for name, amount in (("plant", made), ("echo", 0.0)):
         one = system.participants[name]
         given = vars(next(iter(one.fields.values())))
-        gain = given | {"name": "energy_gain", "unit": "J", "causality": "output"}
-        one.fields["energy_gain"] = SimpleNamespace(**gain)
-        one.values["energy_gain"] = np.zeros(())
+        gain = given | {"name": "received_power", "unit": "W", "causality": "output"}
+        one.fields["received_power"] = SimpleNamespace(**gain)
+        one.values["received_power"] = np.zeros(())
         one.step = telling(one, type(one).step, amount)
     return system
 
@@ -44,7 +44,7 @@ def toys(affine, made):
 def telling(one, advance, amount):
     def step(time, size):
         advance(one, time, size)
-        one.values["energy_gain"] = np.array(amount * size**2)
+        one.values["received_power"] = np.array(amount * size)
 
     return step
 
@@ -90,18 +90,19 @@ def test_energy_that_no_halving_cures_stops_the_run(affine, tmp_path):
 
 
 def test_the_rule_by_hand():
-    """Eq. (W2): 3.4 - 2 J = 1.4 J are created.
+    """Eq. (W2): 2 s of 1.7 and -1 W create 3.4 - 2 J = 1.4 J.
 
-    2 % of 20 J, of which 10 J are stored, are allowed, and 1 J for the tolerance.
+    2 % of 20 J are allowed, and 1 J for the tolerance. Of the 20 J, 4 J are stored and 6 J
+    exchanged with others.
     """
-    one = Ledger([("a", "e"), ("b", "e")], [("a", "z")])
-    told = {"e": 3.4, "z": 10.0}
-    gains = {"a": SimpleNamespace(get=told.get), "b": SimpleNamespace(get=lambda _: -2.0)}
-    one.check(gains, Exchange(np.zeros(2), 0.0, 10.1, 1.0))
+    one = Ledger([("a", "e"), ("b", "e")], [("a", "z", "J"), ("a", "x", "W")])
+    told = {"e": 1.7, "z": 4.0, "x": 3.0}
+    gains = {"a": SimpleNamespace(get=told.get), "b": SimpleNamespace(get=lambda _: -1.0)}
+    one.check(gains, Exchange(np.zeros(2), 0.0, 10.1, 1.0, 2.0))
     with pytest.raises(EnergyCreated, match="1.4 J .a 3.4 J, b -2 J. of 19.9 J"):
-        one.check(gains, Exchange(np.zeros(2), 0.0, 9.9, 1.0))
-    one.add(gains, Exchange(np.zeros(2), 0.0, 10.0, 1.0))
-    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0, 0.0))
+        one.check(gains, Exchange(np.zeros(2), 0.0, 9.9, 1.0, 2.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 10.0, 1.0, 2.0))
+    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0, 0.0, 2.0))
     assert one.summary() == {
         "energy_taken_a_j": 6.8,
         "energy_taken_b_j": -4.0,
@@ -119,7 +120,7 @@ def test_a_step_can_return_half_of_what_the_last_one_lost():
     one = Ledger([("a", "e")], [])
     gain = {"e": -8.0}
     participants = {"a": SimpleNamespace(get=gain.get)}
-    exchange = Exchange(np.zeros(2), 0.0, 10.0, 0.0)
+    exchange = Exchange(np.zeros(2), 0.0, 10.0, 0.0, 1.0)
     one.add(participants, exchange)
     gain["e"] = 4.3
     with pytest.raises(EnergyCreated, match="0.3 J"):
@@ -136,10 +137,10 @@ def test_a_step_can_return_half_of_what_the_last_one_lost():
 def test_whose_accounts_are_believed():
     joule = SimpleNamespace(fields={"e": SimpleNamespace(unit="J")})
     watt = SimpleNamespace(fields={"e": SimpleNamespace(unit="W")})
-    known = {"a": joule, "b": joule, "c": watt}
-    assert ledger([("a", "e"), ("b", "e")], [("a", "e")], 1, known) is not None
+    known = {"a": watt, "b": watt, "c": joule}
+    assert ledger([("a", "e"), ("b", "e")], [("a", "e"), ("c", "e")], 1, known) is not None
     # one account alone says nothing, and without conjugates nobody knows what passed
     assert ledger([("a", "e")], [], 1, known) is None
     assert ledger([("a", "e"), ("b", "e")], [], 0, known) is None
-    with pytest.raises(BadInput, match="e: expected unit J, got W"):
+    with pytest.raises(BadInput, match="c.e: expected unit W, got J"):
         ledger([("a", "e"), ("c", "e")], [], 1, known)

@@ -20,7 +20,7 @@ from .test_motion_in_space import space_model
 
 WARM, HOT = 293.15, 393.15
 USUAL = Parameters()
-ACCOUNT = ("film_work", "energy_gain", "thermal_opening")
+ACCOUNT = ("film_power", "received_power", "thermal_opening")
 COUNTS = ("residual_evaluations", "jacobian_evaluations")
 
 
@@ -84,14 +84,14 @@ def test_growth_closes_the_film_and_does_work_on_it(built):
     same(cold, hot, (*ACCOUNT, "film_thickness"))
     gap = hot["film_thickness"] - cold["film_thickness"]
     np.testing.assert_allclose(gap, opening, rtol=1e-9)
-    work = last.pressure_force.sum() * opening
-    for name in ("film_work", "energy_gain"):
+    work = last.pressure_force.sum() * opening / STEP
+    for name in ("film_power", "received_power"):
         added = hot[name] - cold[name]
         assert added == pytest.approx(work, rel=1e-9 * abs(hot[name] / work) + 1e-12)
     still = model.advance(state, last, STEP)[1]
     cool = model.advance(state._replace(thermal_opening=0.0), last, STEP)[1]
-    added = cool["film_work"] - still["film_work"]
-    assert added == pytest.approx(work, rel=1e-9 * abs(still["film_work"] / work) + 1e-12)
+    added = cool["film_power"] - still["film_power"]
+    assert added == pytest.approx(work, rel=1e-9 * abs(still["film_power"] / work) + 1e-12)
 
 
 def damped(values, of=USUAL):

@@ -66,7 +66,7 @@ def test_surfaces_are_the_skirt_without_forces_between_them(built, surfaces):
     for name in ("film_thickness", "sliding_velocity"):
         joined = np.concatenate([parts[f"{one.name}.{name}"] for one in surfaces], axis=1)
         np.testing.assert_allclose(joined, whole[name][:, rows], rtol=1e-12, atol=0.0)
-    for name in ("rocking_angle", "side_force", "pin_force_y", "crank_torque", "film_work"):
+    for name in ("rocking_angle", "side_force", "pin_force_y", "crank_torque", "film_power"):
         assert parts[name] == pytest.approx(whole[name], rel=1e-11)
     np.testing.assert_allclose(
         parts["modal_coordinate"],

@@ -130,7 +130,7 @@ class Wedge:
         self.push = push
         self.limited = limited
         self.checked = checked
-        self.ledger = Ledger([("mass", "gain"), ("film", "gain")], [("mass", "size")])
+        self.ledger = Ledger([("mass", "gain"), ("film", "gain")], [("mass", "size", "J")])
         self.velocities = []
 
     def impact(self, thickness, speed, step):
@@ -192,13 +192,13 @@ class Wedge:
         others = np.array([now.others]), np.array([MASS * self.push])
         before, after = (MASS * one.velocity[0] ** 2 / 2 for one in (now.motion, end))
         found = account((before, after), way, others, 0.0)
-        told = {"gain": found.gain, "size": found.size}
+        told = {"gain": found.gain / step, "size": found.kinetic + found.exchanged}
         participants = {
             "mass": SimpleNamespace(get=told.get),
-            "film": SimpleNamespace(get=lambda _: outputs["energy_gain"]),
+            "film": SimpleNamespace(get=lambda _: outputs["received_power"]),
         }
         passed = (now.force + force) / 2 * abs(way[0])
-        exchange = Exchange(np.zeros(2), 0.0, passed, 0.0)
+        exchange = Exchange(np.zeros(2), 0.0, passed, 0.0, step)
         acting = MASS * end.acceleration[0] - force
         return OnWedge(end, auxiliary, memory, force, acting), participants, exchange
 

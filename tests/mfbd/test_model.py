@@ -161,7 +161,7 @@ def test_energy_taken_is_work_and_what_integration_made(which, stop, request):
     """
     model = request.getfixturevalue(which)
     state, out = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
-    assert out["energy_gain"] == 0.0
+    assert out["received_power"] == 0.0
     push = film_forces(model, state, inputs(model, size=0.0))
     impacts = 0
     for k in range(12):
@@ -169,11 +169,12 @@ def test_energy_taken_is_work_and_what_integration_made(which, stop, request):
         end, out = model.advance(state, given, STEP)
         push_then = film_forces(model, end, given)
         way = end.position - state.position
-        along = out["film_work"] - push_then @ way
+        along = STEP * out["film_power"] - push_then @ way
         work = (push + push_then) @ way / 2 + along
         # 1e-12 of the kinetic energy is what differences of it know
         small = 1e-10 * (abs(work) + out["kinetic_energy"])
-        assert out["energy_gain"] == pytest.approx(work + out["energy_error"], abs=small)
+        made = STEP * out["power_error"]
+        assert STEP * out["received_power"] == pytest.approx(work + made, abs=small)
         impacts += k > 2 and bool(np.all(end.velocity[:2] == way[:2] / STEP))
         state, push = end, push_then
     assert (impacts > 0) == (stop > 0.0)

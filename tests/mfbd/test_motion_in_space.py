@@ -652,7 +652,7 @@ def test_energy_of_the_body_closes():
     begun, work, gain = held(out), 0.0, 0.0
     for _ in range(200):
         state, out = model.advance(state, given, 2e-6)
-        work += out["film_work"]
-        gain += out["energy_gain"]
+        work += 2e-6 * out["film_power"]
+        gain += 2e-6 * out["received_power"]
     assert held(out) - begun == pytest.approx(work, rel=1e-4)
     assert gain == pytest.approx(work, rel=1e-4)
