@@ -3,6 +3,7 @@
 reduce         mesh and material to a reduced body
 reduced_body   contents of a reduced body's file
 store          cache of reduced bodies by content
+frame_integrals inertia in planar motion (J)
 rigid          data sheet to a body without modes (J)
 bases          reduction bases (J)
 smooth_prior   modes from the expected pressures of a film (J)

@@ -1,6 +1,7 @@
 """Reduction of a mesh and a material, or a mesh and its matrices, to a small body."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,6 +31,7 @@ from .bases import (
 )
 from .bosses import Shells, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
+from .frame_integrals import Z, floating_frame_integrals
 from .geometry import block_faults, pin_bore, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import (
@@ -45,6 +47,7 @@ from .reduced_body import (
 from .smooth_prior import (
     ALONG,
     SurfaceAnswers,
+    edge_patches,
     pattern_count,
     pressure_root,
     smooth_pressure_modes,
@@ -52,29 +55,10 @@ from .smooth_prior import (
 )
 from .symmetry import ClassedModes, mirror_image, symmetric_modes
 from .training import trained_shapes
-from .truncation import StaticModes, left_out
-
-Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x
-P = np.diag([1.0, 1.0, 0.0])  # projection onto the plane of motion
+from .truncation import StaticModes, edge_error, left_out, smooth_error
 
 Say = Callable[[str], None]
 Grid = tuple[int, int]
-
-
-class FrameIntegrals(NamedTuple):
-    """Inertia of a flexible body in planar motion, Eq. (J7).
-
-    mass [kg], S (2,) [kg m], I0 [kg m2], T (2, k), b (k,), B (k, k), g (k,), G (k, k).
-    """
-
-    mass: float
-    S: np.ndarray
-    I0: float
-    T: np.ndarray
-    b: np.ndarray
-    B: np.ndarray
-    g: np.ndarray
-    G: np.ndarray
 
 
 class Reduced(NamedTuple):
@@ -102,8 +86,8 @@ class FilmSide(NamedTuple):
         Matrices that read its displacement on the grid.
     angle, height : ndarray
         Lines of the grid [rad], [m].
-    root : ndarray, shape (points, n)
-        S of Eq. (J31).
+    along : float
+        Correlation length of the pressure as a share of the surface's length, `smooth_prior.ALONG`.
     there : ndarray of bool, shape (points,)
         Points that have the surface under them.
     training : FilmLoads or None
@@ -116,11 +100,15 @@ class FilmSide(NamedTuple):
     reading: SurfaceReading
     angle: np.ndarray
     height: np.ndarray
-    root: np.ndarray
+    along: float
     there: np.ndarray
     training: FilmLoads | None
     bosses: Shells | None = None
     boss_films: ShellFilm | None = None
+
+    def root(self, parity: int) -> np.ndarray:
+        """Return S of Eq. (J31)."""
+        return pressure_root(self.angle, self.height, self.along, self.there, parity)
 
 
 class Basis(NamedTuple):
@@ -135,48 +123,6 @@ class CylinderReading(NamedTuple):
 
     radius: float
     reading: SurfaceReading
-
-
-def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray) -> FrameIntegrals:
-    """Return the inertia of a flexible body in planar motion from its consistent mass matrix.
-
-    Eq. (J7):  m = 1^T M 1,  S = E^T M r,  I0 = r^T M P r,  T = E^T M Phi,  b = Phi^T M P r,
-               B = Phi^T M P Phi,  g = Phi^T M Z r,  G = Phi^T M Z Phi
-               Z v = e_z x v,  P: projection onto x, y,  E: unit motions along x and y
-
-    Parameters
-    ----------
-    M : scipy.sparse matrix, shape (3 n, 3 n)
-        Mass [kg].
-    position : ndarray, shape (n, 3)
-        Nodes in the body frame with the origin at A [m].
-    modes : ndarray, shape (n, 3, k)
-        Mode shapes in the body frame [kg^-1/2].
-
-    References
-    ----------
-    [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in
-    tests/mfbd/test_floating_frame.py.
-    """
-    flat = modes.reshape(3 * len(position), modes.shape[-1])
-    unit = np.tile(np.eye(3)[:, :2], (len(position), 1))
-    turned = np.einsum("ab,nbk->nak", Z, modes).reshape(flat.shape)
-    planar = np.einsum("ab,nbk->nak", P, modes).reshape(flat.shape)
-    arm = (position @ P).ravel()
-    turn = (position @ Z.T).ravel()
-    heavy = M @ unit
-    modal = flat.T @ M
-    # Eq. (J7)
-    return FrameIntegrals(
-        mass=float(unit[:, 0] @ heavy[:, 0]),
-        S=heavy.T @ position.ravel(),
-        I0=float(arm @ (M @ arm)),
-        T=heavy.T @ flat,
-        b=modal @ arm,
-        B=modal @ planar,
-        g=modal @ turn,
-        G=modal @ turned,
-    )
 
 
 def reduce_piston(
@@ -236,13 +182,20 @@ def reduce_piston(
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
-    root = pressure_root(angle, height, ALONG["skirt"], there.ravel(), options.symmetric_film)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body contains the needed part
     film_forces = training.loads.film if training else None
     film = FilmSide(
-        "skirt", surface.reading, angle, height, root, there.ravel(), film_forces, read, bosses
+        "skirt",
+        surface.reading,
+        angle,
+        height,
+        ALONG["skirt"],
+        there.ravel(),
+        film_forces,
+        read,
+        bosses,
     )
     modes, left = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
@@ -307,11 +260,10 @@ def reduce_block(
     surface = film_surface(mesh, "bore", angle, heights)
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
     faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
-    root = pressure_root(angle, heights, ALONG["bore"], everywhere, options.symmetric_film)
     elastic = _held(mesh, K, M, "bolts", options, factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
-    film = FilmSide("bore", surface.reading, angle, heights, root, everywhere, film_forces)
+    film = FilmSide("bore", surface.reading, angle, heights, ALONG["bore"], everywhere, film_forces)
     no_loads = np.empty((3 * len(mesh.points), 0))
     modes, left = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
@@ -440,7 +392,8 @@ def _modes(
     wanted = options.modes
     progress(f"modes = {wanted:.3g}, basis {options.basis}")
     reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
-    answers = surface_answers(elastic, reading, film.root)
+    parity = int(options.symmetric_film)
+    answers = surface_answers(elastic, reading, film.root(parity))
     candidates = options.modes_from or int(wanted)
     if options.basis == "craig_bampton":
         shapes = craig_bampton(elastic, candidates)
@@ -448,32 +401,46 @@ def _modes(
         shapes = characteristic_constraint_modes(elastic, mesh.nodes(film.surface), candidates)
     else:
         more = film.boss_films.modes if film.boss_films else 0
-        shapes = _film_shapes(
-            elastic, film, reading, answers, options, loads[elastic.free], wanted - more
-        )
+        own = wanted - more if isinstance(wanted, int) else wanted
+        shapes = _film_shapes(elastic, film, reading, answers, options, loads[elastic.free], own)
         if film.bosses and film.boss_films and more:
-            shapes = with_boss_modes(
-                elastic, film.bosses, film.boss_films.grid, shapes, int(wanted)
-            )
+            count = shapes.shape[1] + more
+            if count > MOST_MODES:
+                raise ValueError(
+                    f"modes: expected an error that {MOST_MODES} modes reach, got {wanted:g} with "
+                    f"{count} modes, {more} of them for the bosses; give a larger error"
+                )
+            shapes = with_boss_modes(elastic, film.bosses, film.boss_films.grid, shapes, count)
+    whole = answers
+    if parity:
+        odd = surface_answers(elastic, reading, film.root(-parity))
+        whole = SurfaceAnswers(*map(np.hstack, zip(answers, odd)))
+    patches = edge_patches(film.angle, film.height, film.along, film.there, options.symmetric_film)
+    edges = [surface_answers(elastic, reading, one) for one in patches]
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
     classed = symmetric_modes(elastic, modes, mesh.points)
     if options.modes_from:
-        classed = _selected(classed, film, int(wanted))
-    progress(f"{len(classed.omega)} modes")
+        classed = _selected(classed, film, answers.root, int(wanted))
     radial, axial = (one @ classed.shapes for one in film.reading)
-    left = left_out(answers, StaticModes(classed.omega, radial, axial), film.there)
+    static = StaticModes(classed.omega, radial, axial)
+    left = replace(
+        left_out(whole, static, film.there),
+        smooth_error=smooth_error(answers, static, film.there),
+        edge_errors=np.array([edge_error(one, static) for one in edges]),
+    )
+    progress(f"{len(classed.omega)} modes: {left.errors_in_words()}")
     return Basis(classed, left)
 
 
-def _selected(modes: ClassedModes, film: FilmSide, count: int) -> ClassedModes:
+def _selected(modes: ClassedModes, film: FilmSide, root: np.ndarray, count: int) -> ClassedModes:
     """Return the modes with the largest part of the deflection under the prior.
 
     Eq. (J35):  part_k = |R phi_k| |S^T R phi_k| / omega_k^2
     """
     radial = film.reading.radial @ modes.shapes
-    felt = np.linalg.norm(film.root.T @ radial, axis=0)
+    felt = np.linalg.norm(root.T @ radial, axis=0)
     part = np.linalg.norm(radial, axis=0) * felt / modes.omega**2  # Eq. (J35)
     best = np.sort(np.argsort(-part, kind="stable")[:count])
     return ClassedModes(modes.shapes[:, best], modes.omega[best], modes.kind[best])

@@ -1,7 +1,7 @@
 """Contents of a reduced body's .npz file, for runs, reports, pictures and recovery."""
 
 import zipfile
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
@@ -316,10 +316,25 @@ class MissingShapes:
     left_radial, left_axial : ndarray of float32, shape (points, n)
         R X and A X of Eq. (J16): outward radial and axial displacement at the points of the film
         surface, 0 where it has no film [m/J^0.5].
+    smooth_error : float
+        Largest missing share of the deflection under a smooth pressure patch, Eq. (J33) [-].
+    edge_errors : ndarray, shape (2,)
+        The same under a narrow patch at the lower and at the upper edge of the surface, Eq. (J46)
+        [-].
     """
 
     left_radial: np.ndarray
     left_axial: np.ndarray
+    smooth_error: float = np.nan
+    edge_errors: np.ndarray = field(default_factory=lambda: np.full(2, np.nan))
+
+    def errors_in_words(self) -> str:
+        """Return both errors as a sentence without a subject."""
+        lower, upper = self.edge_errors
+        return (
+            f"miss up to {self.smooth_error:.2g} of the deflection under a smooth pressure, "
+            f"{lower:.2g} and {upper:.2g} under a narrow patch at the lower and upper edge"
+        )
 
 
 def no_modes(*points: int) -> dict[str, np.ndarray]:

@@ -20,6 +20,9 @@ The bore has one set of modes for all positions of the skirt, so that it resolve
 THRUST, NEAR = 0.01, np.radians(10.0)
 """Additional expected pressure near the thrust lines, and its width. Otherwise round-off would
 choose between equal patterns of a symmetric body."""
+NARROW = 0.25
+"""Width of a narrow patch relative to the correlation lengths, our own choice: 15 deg and a tenth
+of the skirt at half its height."""
 NEGLIGIBLE = 1e-8
 """Smallest variance of a pattern that is used, relative to the largest."""
 AT_ONCE = 64
@@ -46,7 +49,7 @@ class SurfaceAnswers(NamedTuple):
 
 
 def pressure_root(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, symmetric: bool = False
+    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, parity: int = 0
 ) -> np.ndarray:
     """Return a root of the prior covariance of nodal pressure forces.
 
@@ -54,11 +57,11 @@ def pressure_root(
                 C_theta = exp(-(d_theta/L_theta)^2 / 2),   C_y = exp(-(d_y/L_y)^2 / 2)
 
     D is 0 where the surface has no film and 1 elsewhere, apart from `THRUST`. d_theta is the
-    shorter way around. A pressure that is its own mirror image about the thrust plane has
+    shorter way around. The part of the pressure that is even or odd about the thrust plane has
 
-    Eq. (J36):  P C_theta P,   P = (1 + M) / 2,   M: theta -> pi - theta
+    Eq. (J36):  P C_theta P,   P = (1 +- M) / 2,   M: theta -> pi - theta
 
-    in place of C_theta.
+    instead of C_theta. The roots of both parts together are a root of the whole covariance.
 
     Parameters
     ----------
@@ -70,15 +73,15 @@ def pressure_root(
         L_y as a share of the surface's length, see `ALONG` [-].
     there : ndarray of bool, shape (c a,)
         Points that have a film, height fastest.
-    symmetric : bool
-        Whether the pressure is its own mirror image about the thrust plane.
+    parity : int
+        1: even part about the thrust plane, -1: odd part, 0: whole pressure.
 
     Returns
     -------
     ndarray, shape (c a, n)
         S, strongest patterns first.
     """
-    around, axial, variance = _prior(angle, height, along, symmetric)
+    around, axial, variance = _prior(angle, height, along, parity)
     strength = np.sort(variance, axis=None)[::-1]
     strength = strength[strength > NEGLIGIBLE * strength[0]]
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
@@ -94,11 +97,9 @@ def _expected(angle, there):
     return np.repeat(weight, len(there) // len(angle)) * there
 
 
-def pattern_count(
-    angle: np.ndarray, height: np.ndarray, along: float, symmetric: bool = False
-) -> int:
+def pattern_count(angle: np.ndarray, height: np.ndarray, along: float, parity: int = 0) -> int:
     """Return the number of columns of `pressure_root`, which has the same arguments."""
-    variance = _prior(angle, height, along, symmetric).variance
+    variance = _prior(angle, height, along, parity).variance
     return int(np.count_nonzero(variance > NEGLIGIBLE * variance.max()))
 
 
@@ -110,16 +111,64 @@ class _Prior(NamedTuple):
     variance: np.ndarray
 
 
-def _prior(angle, height, along, symmetric):
-    covariance = np.exp(-((_apart(angle, angle) / AROUND) ** 2) / 2)
-    if symmetric:
-        image = np.abs(_apart(np.pi - angle, angle)).argmin(axis=1)
-        covariance = (covariance + covariance[image]) / 2
-        covariance = (covariance + covariance[:, image]) / 2  # Eq. (J36)
-    length = along * np.ptp(height) * len(height) / (len(height) - 1)
+def _prior(angle, height, along, parity):
+    covariance, axial_covariance = _covariances(angle, height, along)
+    if parity:
+        image = _image(angle)
+        covariance = (covariance + parity * covariance[image]) / 2
+        covariance = (covariance + parity * covariance[:, image]) / 2  # Eq. (J36)
     around, ring = la.eigh(covariance)
-    axial, line = la.eigh(np.exp(-(((height[:, None] - height) / length) ** 2) / 2))
+    axial, line = la.eigh(axial_covariance)
     return _Prior(ring, line, np.multiply.outer(around, axial))
+
+
+def _covariances(angle, height, along, width=1.0):
+    """C_theta and C_y of Eq. (J31) with `width` times the correlation lengths."""
+    length = width * along * np.ptp(height) * len(height) / (len(height) - 1)
+    around = np.exp(-((_apart(angle, angle) / (width * AROUND)) ** 2) / 2)
+    return around, np.exp(-(((height[:, None] - height) / length) ** 2) / 2)
+
+
+def _image(angle):
+    """Index of the mirror image of each angle about the thrust plane."""
+    return np.abs(_apart(np.pi - angle, angle)).argmin(axis=1)
+
+
+def edge_patches(
+    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, symmetric: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return narrow pressure patches at the lower and at the upper edge of a surface.
+
+    Eq. (J46):  p = D exp(-((d_theta/L_theta)^2 + (d_y/L_y)^2) / (2 b^2)),   b = `NARROW`
+
+    D is 1 where there is a film. The lengths are those of Eq. (J31). The centres are the outermost
+    cells with a film, at most some 36 around.
+
+    Parameters
+    ----------
+    angle, height, along, there
+        As for `pressure_root`.
+    symmetric : bool
+        Whether each patch has its mirror image about the thrust plane.
+
+    Returns
+    -------
+    ndarray, ndarray, shapes (c a, n)
+        [-]
+    """
+    around, axial = _covariances(angle, height, along, NARROW)
+    if symmetric:
+        around = around + around[_image(angle)]
+    film = there.reshape(len(angle), len(height))
+    column = np.flatnonzero(film.any(axis=1))[:: max(1, len(angle) // 36)]
+    lower = film[column].argmax(axis=1)
+    upper = len(height) - 1 - film[column, ::-1].argmax(axis=1)
+
+    def patches(row):
+        field = around[:, None, column] * axial[None, :, row] * film[:, :, None]  # Eq. (J46)
+        return field.reshape(len(there), len(column))
+
+    return patches(lower), patches(upper)
 
 
 def _apart(first, second):

@@ -17,7 +17,8 @@ if TYPE_CHECKING:  # slow to import, and used after runs without
     from .smooth_prior import SurfaceAnswers
 
 COUNTED = 0.1
-"""Smallest deflection of an instant that is compared, relative to the largest. Our own choice."""
+"""Smallest deflection of an instant or a patch that is compared, relative to the largest. Our own
+choice."""
 NEGLIGIBLE = 1e-9
 """Missing shapes of less than this share of the strongest answer's energy are round-off."""
 THIN = 1e-7
@@ -66,22 +67,55 @@ def static_modes(body: ReducedBody) -> StaticModes:
     return StaticModes(body.omega, body.radial.reshape(-1, count), body.axial.reshape(-1, count))
 
 
+def unreached(answers: SurfaceAnswers, modes: StaticModes) -> tuple[np.ndarray, np.ndarray]:
+    """Return the radial and axial part of static answers that modes leave out, (points, n) [m/N].
+
+    Eq. (J16):  R E, A E,   E = (K^-1 - Phi Omega^-2 Phi^T) R^T S
+    """
+    felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
+    # Eq. (J16)
+    return answers.radial - modes.radial @ felt, answers.axial - modes.axial @ felt
+
+
+def smooth_error(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> float:
+    """Return the largest missing share of the deflection under smooth patches, Eq. (J33) [-]."""
+    patches = answers.root[there].T
+    missing, _ = unreached(answers, modes)
+    return float(_shares(missing @ patches, answers.radial @ patches).max())
+
+
+def edge_error(answers: SurfaceAnswers, modes: StaticModes) -> float:
+    """Return the largest missing share of the deflection under single patterns of `answers` [-].
+
+    Eq. (J47):  max_j |R E_j| / |R K^-1 R^T S_j|      over deflections per force of at least
+                `COUNTED` of the largest one
+
+    A narrow patch on a stiff part of a surface makes a dent only, which no mode contains.
+    """
+    missing, _ = unreached(answers, modes)
+    size = np.linalg.norm(answers.radial, axis=0) / answers.root.sum(axis=0)
+    return float(_shares(missing, answers.radial)[size >= COUNTED * size.max()].max())  # Eq. (J47)
+
+
+def _shares(missing, whole):
+    """Return the ratio of the norms of columns."""
+    return np.linalg.norm(missing, axis=0) / np.linalg.norm(whole, axis=0)
+
+
 def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> MissingShapes:
     """Return the static shapes that the modes leave out of the answers to smooth pressures.
 
-    Eq. (J16):  E = (K^-1 - Phi Omega^-2 Phi^T) R^T S,   S^T R E w_i = e_i w_i,
-                X_i = E w_i e_i^-1/2
+    Eq. (J16):  S^T R E w_i = e_i w_i,   X_i = E w_i e_i^-1/2      E of `unreached`
 
     Parameters
     ----------
     answers : SurfaceAnswers
+        To the whole prior, also if the modes are for the even part of the pressure.
     modes : StaticModes
     there : ndarray of bool, shape (points,)
         Points that have a film.
     """
-    felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
-    radial = answers.radial - modes.radial @ felt
-    axial = answers.axial - modes.axial @ felt
+    radial, axial = unreached(answers, modes)
     energy = answers.root.T @ radial
     whole = np.linalg.norm(answers.root.T @ answers.radial, 2)
     e, w = la.eigh((energy + energy.T) / 2)

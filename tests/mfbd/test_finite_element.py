@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
 )
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
+from piston_cosim.fmu_mfbd.reduction.frame_integrals import floating_frame_integrals
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
 

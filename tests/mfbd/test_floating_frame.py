@@ -26,7 +26,7 @@ from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
-from piston_cosim.fmu_mfbd.reduction.reduce import floating_frame_integrals
+from piston_cosim.fmu_mfbd.reduction.frame_integrals import floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
 from piston_cosim.tests.verification.cases.bodies import (
     box_mesh,

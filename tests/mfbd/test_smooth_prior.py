@@ -13,6 +13,7 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     AROUND,
     NEGLIGIBLE,
     SurfaceAnswers,
+    edge_patches,
     expected_missing,
     expected_patterns,
     pressure_root,
@@ -55,20 +56,45 @@ def test_the_root_has_the_covariance_of_the_equation():
     assert np.all(strength[1:] <= 1.01**2 * strength[:-1])  # strongest first, but for the 1 %
 
 
-def test_a_symmetric_film_has_the_symmetric_part_of_the_prior():
-    """Eq. (J36): patterns are their own mirror images about the thrust plane.
+@pytest.mark.parametrize("parity, pairs", [(1, 7), (-1, 5)])
+def test_even_and_odd_films_have_their_part_of_the_prior(parity, pairs):
+    """Eq. (J36): patterns are their own mirror images about the thrust plane, up to the sign.
 
-    Their covariance is that of (p + M p) / 2, here for all patterns without the condition.
+    Their covariance is that of (p +- M p) / 2, here for all patterns without the condition. Of 12
+    angles, 2 are their own images.
     """
     image = (6 - np.arange(12)) % 12  # 180 deg - theta
     mirror = np.kron(np.eye(12)[image], np.eye(5))
     free = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE)
-    root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE, symmetric=True)
+    root = pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE, parity)
     largest = np.linalg.norm(free, 2) ** 2
-    np.testing.assert_allclose(mirror @ root, root, atol=1e-12)
-    half = (free + mirror @ free) / 2
+    np.testing.assert_allclose(mirror @ root, parity * root, atol=1e-12)
+    half = (free + parity * mirror @ free) / 2
     np.testing.assert_allclose(root @ root.T, half @ half.T, atol=60 * NEGLIGIBLE * largest)
-    assert root.shape[1] == 35  # 7 of 12 angles are their own or one of a pair of images
+    assert root.shape[1] == 5 * pairs
+
+
+def test_edge_patches_are_at_the_outermost_cells_with_a_film():
+    """Eq. (J46) by hand: 25/4 deg around, and a quarter of 0.2 of 22.5 mm along.
+
+    Cells of 30 deg and 4.5 mm are 4.8 and 4 of these widths apart.
+    """
+    there = np.ones((12, 5), dtype=bool)
+    there[3, :2] = False  # the film on the thrust line begins at the third row
+    there[9] = False  # and there is none on the anti-thrust line
+    lower, upper = edge_patches(ANGLE, HEIGHT, 0.2, there.ravel(), symmetric=False)
+    assert lower.shape == upper.shape == (60, 11)
+    columns = np.delete(np.arange(12), 9)
+    rows = np.where(columns == 3, 2, 0)
+    np.testing.assert_array_equal(lower.argmax(axis=0), 5 * columns + rows)
+    np.testing.assert_array_equal(upper.argmax(axis=0), 5 * columns + 4)
+    patch = lower[:, 3].reshape(12, 5)
+    assert patch[3, 2] == 1.0
+    assert patch[3, 3] == pytest.approx(np.exp(-(4.0**2) / 2))
+    assert patch[2, 2] == pytest.approx(np.exp(-(4.8**2) / 2))
+    assert not patch[3, :2].any()
+    both, _ = edge_patches(ANGLE, HEIGHT, 0.2, there.ravel(), symmetric=True)
+    assert both[5 * 1, 1] == both[5 * 5, 1] == 1.0  # 30 deg and 150 deg
 
 
 def springs(points, stiffness):

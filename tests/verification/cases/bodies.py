@@ -51,12 +51,12 @@ from piston_cosim.fmu_mfbd.reduction.bases import (
     pressure_modes,
     static_answers,
 )
+from piston_cosim.fmu_mfbd.reduction.frame_integrals import Z, floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.interpolation import (
     SurfaceReading,
     interpolation,
     radial_and_axial,
 )
-from piston_cosim.fmu_mfbd.reduction.reduce import Z, floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     ALONG,
     pressure_root,
