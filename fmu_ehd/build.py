@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, field_validator
 from ..master.fmi.errors import BadInput, file_fault, unknown
 from ..master.fmi.option_classes import validated, with_meanings
 from ..master.fmi.quantities import to_si
+from ..master.fmi.symmetry import Symmetry, odd_part
 from ..master.fmi.variables import Variable
 from ..models import MODELS
 from .oil import Oil, vogel_constants
@@ -112,6 +113,43 @@ def prepare(
         raise BadInput(faults)
     built = BuildOptions(chosen.grid, tuple(chosen.inputs), oil, mask, chosen.surface)
     return built.written(), []
+
+
+def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: Path) -> Symmetry:
+    """Return the symmetry of a film about the thrust plane.
+
+    A bearing is along the pin or the crank, so that its image has the other edge.
+
+    Parameters
+    ----------
+    options, folder
+        As for `prepare`.
+    parameters : mapping
+        Given values in SI.
+
+    Raises
+    ------
+    BadInput
+        As `prepare`.
+    """
+    built = BuildOptions.read(prepare(options, folder, lambda line: None)[0])
+    reasons = []
+    if built.mask is not None:
+        mask = np.array(built.mask, dtype=float)
+        bearing = built.surface == "bearing"
+        odd = (mask - mask[:, ::-1]) / 2 if bearing else odd_part(mask)
+        if cells := np.count_nonzero(odd):
+            reasons.append(f"build.mask: {cells} cells differ from their mirror image")
+    if built.surface == "bearing":
+        usual = {v.name: v.start for v in CONDITION_VARIABLES}
+        for lower in (name for name in usual if name.endswith("_lower_edge")):
+            upper = lower.replace("_lower_", "_upper_")
+            pair = [parameters.get(name, usual[name]) for name in (lower, upper)]
+            if pair[0] != pair[1]:
+                reasons.append(f"parameters.{lower}: differs from {upper}")
+            elif {lower, upper} & {*built.inputs}:
+                reasons.append(f"build.inputs: {lower} may differ from {upper}")
+    return Symmetry(reasons)
 
 
 def _oil(name: str | None, faults: list[str]) -> dict[str, float | str]:

@@ -98,6 +98,10 @@ ModeCount = Annotated[
 """Number of modes, or the error that chooses it, as a float."""
 
 
+PRIOR_BASES = ("smooth_pressure_modes", "trained")
+"""Bases that follow from the expected pressures of a film."""
+
+
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
@@ -230,13 +234,14 @@ class Body(PlacedMesh):
     grid.
     """
     modes: ModeCount = 60
-    """Number of modes, or the largest expected relative error of the deflection, e.g. "1 %". 0:
-    rigid. An error requires smooth_pressure_modes or trained. `trained` adds its modes to this
-    number.
+    """Number of modes, or the largest relative error of the deflection under smooth pressures, e.g.
+    "1 %". 0: rigid. `reduce` prints the larger error under a narrow patch at an edge. An error
+    requires smooth_pressure_modes or trained. It excludes the modes of `trained` and `boss_modes`.
     """
     symmetric_film: bool = False
-    """Whether the film pressure is its own mirror image about the thrust plane. The smooth pressure
-    modes are then symmetric too, and about half as many are as accurate.
+    """Whether the modes assume that the film is its own mirror image about the thrust plane. About
+    half as many smooth pressure modes are then as accurate. A case whose film is not symmetric is
+    rejected.
     """
     modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
     """Number of lowest modes from which `modes` are selected by their part in the deflection under
@@ -253,7 +258,7 @@ class Body(PlacedMesh):
             self._complete_sheet()
         if (self.basis == "trained") != (self.train_on is not None):
             raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
-        if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
+        if isinstance(self.modes, float) and self.basis not in PRIOR_BASES:
             raise ValueError(
                 f"modes: expected a number of modes with basis = '{self.basis}', got "
                 f"{self.modes:g}; "
@@ -261,6 +266,11 @@ class Body(PlacedMesh):
             )
         if self.modes_from is not None:
             self._check_selection(self.modes_from)
+        elif self.symmetric_film and self.modes and self.basis not in PRIOR_BASES:
+            raise ValueError(
+                f"symmetric_film: expected false with basis = '{self.basis}' and no modes_from, "
+                "got true"
+            )
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput, for_all
+from ..master.fmi.symmetry import Symmetry, rejection
 from ..master.fmi.variables import Variable
 from .body_options import Block, Piston, ShapeTable
 from .dynamics.build_options import (
@@ -53,6 +54,7 @@ from .reduction.reduced_body import (
 )
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.store import kept_body
+from .symmetry import IMAGES, asymmetries, asymmetries_of_bodies, claims, kind_of
 from .variables import inputs, parameters, signals
 
 Given = TypeVar("Given")
@@ -112,6 +114,29 @@ def options_ahead(build: Build, tables: Tables) -> BuildOptions:
         mounted=build.mounted,
         in_space=InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None,
     )
+
+
+def symmetry(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -> Symmetry:
+    """Return the symmetry about the thrust plane, as far as known before a reduction.
+
+    Parameters
+    ----------
+    options : dict
+        The case file's `[participants.X.build]` table.
+    parameters : dict
+        Given values in SI.
+    folder : Path
+        Folder of the case.
+
+    Raises
+    ------
+    BadInput
+        Every fault of the table.
+    """
+    build = read_options(options, folder)
+    tables = read_tables(build)
+    reasons = asymmetries(build, tables.skirt, tables.bore, parameters.get("pin_tilt", 0.0))
+    return Symmetry(reasons, claims(build), IMAGES if build.floating_pin else {})
 
 
 def prepare(
@@ -174,6 +199,7 @@ def prepare(
         floating_pin=pin,
         crank_bearings=tuple(crank),
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
+        symmetric_film=bool(claims(build)),
     )
     return prepared.to_json(), files
 
@@ -300,8 +326,12 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
     """Return the .npz of each body, by name, an eye that yields among them.
 
     The bodies are reduced side by side, in threads: SuperLU releases Python's lock. PARDISO uses
-    all cores for one body. All faults are raised in one message.
+    all cores for one body. All faults are raised in one message, among them options that assume a
+    symmetric film with bodies that are not their own mirror image.
     """
+    if assumed := claims(build):
+        tables = read_tables(build)
+        _reject(assumed, asymmetries(build, tables.skirt, tables.bore))
     waiting: dict[str, Future[Path]] = {}
     with ThreadPoolExecutor(1 if find_spec("pypardiso") else None) as threads:
 
@@ -321,7 +351,19 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
                 film = ShellFilm(one.grid, one.length, one.shell.modes)
                 kind = ShellKind(name.replace("_", " "), length=f"{name}.length", upright=True)
                 waiting[name] = submit(one.shell, film, kind, progress, f"{name}.shell")
-    return dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
+    files = dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
+    if assumed:
+        both = (("piston", build.piston), ("block", build.block))
+        bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
+        skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
+        _reject(assumed, asymmetries_of_bodies(bodies, skirt, build.grid[0]))
+    return files
+
+
+def _reject(assumed: list[str], reasons: list[str]) -> None:
+    """Raise BadInput for options that assume a symmetric film, if there are reasons against it."""
+    if reasons:
+        raise BadInput([rejection(f"build.{claim}", reasons) for claim in assumed])
 
 
 def _training(
@@ -368,13 +410,18 @@ def _body(
         return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
 
 
-def _skirt(piston: Path) -> list[list[int]] | None:
-    """Return the cells of the film grid with the skirt under them; None if all or unknown."""
+def _mesh_skirt(piston: Path) -> np.ndarray | None:
+    """Return the cells of the film grid with the skirt under them, (c, a); None if unknown."""
     try:
-        skirt = load(MeshProperties, piston).skirt
+        return load(MeshProperties, piston).skirt
     except ValueError:  # a data sheet, or a file without them
         return None
-    return None if skirt.all() else skirt.astype(int).tolist()
+
+
+def _skirt(piston: Path) -> list[list[int]] | None:
+    """Return the rows of `_mesh_skirt` as numbers; None if all are 1 or unknown."""
+    skirt = _mesh_skirt(piston)
+    return None if skirt is None or skirt.all() else skirt.astype(int).tolist()
 
 
 def _check_own(
@@ -426,7 +473,7 @@ def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:
     return path
 
 
-def read_tables(build: Build) -> Tables:
+def read_tables(build: Build | Bodies) -> Tables:
     """Read all tables before any long computation, with every fault in one message."""
     faults = []
 
@@ -437,8 +484,9 @@ def read_tables(build: Build) -> Tables:
             faults.append(str(error))
             return None
 
-    skirt = [tried(_shape, table) for table in build.piston.profiles]
-    bore = [tried(_shape, table) for table in build.block.profiles]
+    piston, block = build.piston, build.block
+    skirt = [tried(_shape, table) for table in (piston.profiles if piston else ())]
+    bore = [tried(_shape, table) for table in (block.profiles if block else ())]
     tables = Tables(
         skirt=tuple(shape for shape in skirt if shape),
         bore=tuple(shape for shape in bore if shape),

@@ -31,6 +31,7 @@ from .reduction.reduce import Reduced
 from .reduction.reduced_body import (
     Anatomy,
     MeshProperties,
+    MissingShapes,
     ReducedBlock,
     ReducedPiston,
     load,
@@ -66,6 +67,9 @@ class BodyReport:
     peak_memory : int
         Of the whole process [bytes].
     modes : list of ModeRow
+    errors : str
+        Missing share of the deflection under smooth and narrow pressures, as a sentence without a
+        subject; empty for a rigid body.
     """
 
     name: str
@@ -79,6 +83,7 @@ class BodyReport:
     seconds: float
     peak_memory: int
     modes: list[ModeRow]
+    errors: str = ""
 
     def __repr__(self) -> str:
         return f"<BodyReport {self.name}: {self.mass:.4g} kg, {len(self.modes)} modes>"
@@ -373,6 +378,7 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
         seconds=properties.seconds,
         peak_memory=properties.peak_memory,
         modes=table,
+        errors=load(MissingShapes, path).errors_in_words() if table else "",
     )
 
 

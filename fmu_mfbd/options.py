@@ -222,6 +222,7 @@ class FloatingPin(BaseModel):
     """Length of the small end along the pin."""
     boss_modes: Annotated[int, Field(ge=0, le=190)] = 0
     """Number of piston modes for the deflection of the bosses under their films. 0: rigid bosses.
+    `piston.modes` includes them if it is a number. If it is an error, they are added.
     """
     pin_shapes: Annotated[int, Field(ge=0, le=MOST)] = 0
     """Number of shapes in which the pin moves in its shells, in addition to translation. 0: it
@@ -462,7 +463,8 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     """Return the faults of the flexible bosses of a piston."""
     faults = []
     if isinstance(piston.modes, float):
-        faults.append(f"piston.modes: expected a number with boss_modes, got {piston.modes:g}")
+        if not boss_modes:
+            faults.append("floating_pin.boss_modes: expected at least 1 with piston.modes, got 0")
     elif not 0 < boss_modes < piston.modes:
         faults.append(
             f"floating_pin.boss_modes: expected 1 to {piston.modes - 1} of {piston.modes} modes, "

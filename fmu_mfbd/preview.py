@@ -13,6 +13,7 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
+from ..master.fmi.symmetry import rejection
 from .body_options import Block, Piston, RigidBlock, RigidPiston
 from .build import (
     boss_films,
@@ -47,6 +48,8 @@ from .reduction.reduce import ends, faults_of_modes, read_surfaces, refuse
 from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
+from .reduction.symmetry import mirror_image
+from .symmetry import claims
 
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
@@ -101,6 +104,14 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     block = _tried(_block, build, wrong, remarks)
     if piston is None or block is None:
         return Preview(faults=wrong)
+    if assumed := claims(build):
+        sides = ("piston", build.piston, piston.mesh), ("block", build.block, block.mesh)
+        reasons = [
+            f"{name}.mesh: nodes differ from their mirror image"
+            for name, body, mesh in sides
+            if body.modes and mesh and mirror_image(mesh.points, 2) is None
+        ]
+        wrong += [rejection(claim, reasons) for claim in assumed if reasons]
     prepared = options_ahead(build, tables)
     axis = _axis(prepared, given, build)
     eye = _eye(build, wrong, remarks)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..master.fmi.symmetry import odd_part
 from .build import Say, reduced_bodies
 from .geometry.grid import film_rows
 from .options import read_options
@@ -19,6 +20,7 @@ from .reduction.film_loads import (
 )
 from .reduction.reduced_body import MissingShapes, ReducedBlock, ReducedPiston, load
 from .reduction.truncation import Truncation, share_of_film, static_modes, truncation
+from .symmetry import claims
 
 
 class Truncations(NamedTuple):
@@ -30,10 +32,17 @@ class Truncations(NamedTuple):
         Of piston and block; a rigid body has none.
     share_of_film : float or None
         Eq. (J34) for all of them [-]; None if the run has not recorded the film thickness.
+    odd_share : float or None
+        Eq. (J49) [-]; None also if no body assumes a symmetric film.
+    edge_error : float or None
+        Largest missing share of the skirt's deflection under a narrow patch at its edges, Eq. (J47)
+        [-]; None for a rigid piston.
     """
 
     bodies: dict[str, Truncation]
     share_of_film: float | None
+    odd_share: float | None = None
+    edge_error: float | None = None
 
 
 def truncations(
@@ -41,7 +50,9 @@ def truncations(
 ) -> Truncations:
     """Return what the flexible bodies omit at the film forces of a run's last period.
 
-    These are Eqs. (J17), (J34).
+    These are Eqs. (J17), (J34), and the odd part of the film with the missing deflection:
+
+    Eq. (J49):  s = max |odd(h + e)| / max(h, h_0)      odd: Eq. (I14), e, h_0 of Eq. (J34)
 
     Parameters
     ----------
@@ -70,10 +81,12 @@ def truncations(
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     shape = loads.film.pressure.shape
     found = {}
+    edge_error = None
     gap = np.zeros(shape)
     if len(piston.omega):
         left = load(MissingShapes, files["piston"])
         found["piston"] = truncation(left, static_modes(piston), loads.film)
+        edge_error = float(left.edge_errors.max())
         gap = gap + found["piston"].missing.reshape(shape)
     if len(block.omega):
         film = on_stations(loads, rows, block.heights)
@@ -82,5 +95,12 @@ def truncations(
         table = found["block"].missing.reshape(film.pressure.shape)
         gap = gap + on_rows(table, loads.height_of_A, rows, block.heights)
     thickness = recorded_film_thickness(results, build.grid)
-    share = None if thickness is None else share_of_film(gap, thickness[-shape[0] :])
-    return Truncations(found, share)
+    if thickness is None:
+        return Truncations(found, None, None, edge_error)
+    thickness = thickness[-shape[0] :]
+    odd = None
+    if claims(build):
+        film = np.isfinite(thickness)
+        whole = np.where(film, thickness, 0.0) + gap
+        odd = share_of_film(odd_part(whole, 1) * film, thickness)  # Eq. (J49)
+    return Truncations(found, share_of_film(gap, thickness), odd, edge_error)

@@ -514,6 +514,7 @@ def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, flo
         options.floating_pin is not None,
         "big_end" in films,
         "main_bearing" in films,
+        options.symmetric_film,
     )
 
 

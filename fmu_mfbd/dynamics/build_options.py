@@ -198,6 +198,8 @@ class BuildOptions:
         None: the piston moves in its plane.
     crank_bearings : tuple of CrankBearing
         Beside a floating pin, in the order of `CRANK_SURFACES`.
+    symmetric_film : bool
+        Whether the modes assume that the film is its own mirror image about the thrust plane.
     """
 
     grid: tuple[int, int]
@@ -212,6 +214,7 @@ class BuildOptions:
     mounted: bool = False
     in_space: InSpace | None = None
     crank_bearings: tuple[CrankBearing, ...] = ()
+    symmetric_film: bool = False
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """Return all film surfaces of the skirt, at least one."""

@@ -51,6 +51,8 @@ SENTENCES = {
     "free_with_table": "crank_free: expected 0 with a table build.speed, got 1",
     "static_on_films": "quasi_static_frequency: expected more than all modes with a floating pin, "
     "{b} Hz, got {a} Hz",
+    "tilted": "pin_tilt: expected 0 rad with modes of a symmetric film, got {a} rad; use modes "
+    "with symmetric_film = false",
     "other_state": DAMAGED_STATE,
 } | {
     f"no_{name}_{k}": NO_ROD.format(name=name, unit=unit, films=films)
@@ -70,7 +72,8 @@ USUAL_DAMPING = float(USUAL.pin_friction_damping)
 class Fit(NamedTuple):
     """Data that parameters have to fit; the radii of rigid bodies are 0 [m].
 
-    fastest : highest frequency of the piston's modes [Hz]; has_speed : a table of crank speed.
+    fastest : highest frequency of the piston's modes [Hz]; has_speed : a table of crank speed;
+    symmetric_film : whether the modes assume a symmetric film.
     """
 
     piston_radius: float
@@ -88,6 +91,7 @@ class Fit(NamedTuple):
     floats: bool
     has_big_end: bool
     has_main_bearing: bool
+    symmetric_film: bool
 
 
 @compilable
@@ -109,6 +113,8 @@ def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
     top = p.top_ring_height
     if top > 0.0 and not upper <= second <= top:
         refuse(faults, FAULT.rings_reversed, 0.0, 0.0, second, upper, top)
+    if fit.symmetric_film and p.pin_tilt != 0.0:
+        refuse(faults, FAULT.tilted, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
     if fit.floats:
         check_pin(fit, p, faults)
     lowest = np.inf

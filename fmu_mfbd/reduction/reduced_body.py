@@ -332,8 +332,9 @@ class MissingShapes:
         """Return both errors as a sentence without a subject."""
         lower, upper = self.edge_errors
         return (
-            f"miss up to {self.smooth_error:.2g} of the deflection under a smooth pressure, "
-            f"{lower:.2g} and {upper:.2g} under a narrow patch at the lower and upper edge"
+            f"miss up to {100 * self.smooth_error:.2g} % of the deflection under a smooth "
+            f"pressure, {100 * lower:.2g} % under a narrow patch at the lower edge and "
+            f"{100 * upper:.2g} % at the upper edge"
         )
 
 

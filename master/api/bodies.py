@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from ..case.ahead import reject_asymmetry
+from ..case.checked import check_case
 from ..case.reading import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.tree import import_part
@@ -66,6 +68,8 @@ def reduced(
     tree: dict[str, Any], folder: Path, output: Path, progress: Callable[[str], object]
 ) -> list[Any]:
     """Reduce the bodies of a tree whose paths are relative to `folder`."""
+    if "participants" in tree:
+        reject_asymmetry(check_case(tree, folder / "case.toml"), folder)
     offline: Any = import_part(OFFLINE)
     return offline.reduce(build_table(tree), folder, output, progress)
 

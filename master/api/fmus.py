@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+from ..case.ahead import reject_asymmetry
 from ..case.checked import check_case
 from ..case.export import experiment_ahead
 from ..case.given import build_options
@@ -121,6 +122,7 @@ def _of_case(
     for name, table in checked.participants.items():
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
+    reject_asymmetry(checked, folder)
     package: Any = checked.participants[participant].package
     if platforms:  # before other participants are reduced for their build options
         own = checked.participants[participant].build

@@ -7,6 +7,7 @@ reading       search and reading of case files
 changes       changes of keys, dotted or short
 checked       a case from its TOML tree, with every fault
 ahead         faults that are found before anything is built
+symmetry      symmetry of films and bodies about the thrust plane
 times         start, stop and macro step
 values        parameters with units as numbers
 wires         ends, units and tolerances of wires

@@ -10,6 +10,7 @@ from ..fmi.fields import NO_NUMBERS
 from .keys import declared_variables
 from .machine_code import native_choice
 from .schema import reduced
+from .symmetry import symmetry_faults
 from .times import record_interval, start_time, times
 from .values import given_values
 from .wires import check_sources, field_of, wire_of
@@ -69,9 +70,11 @@ def faults_ahead(case, folder):
     -------
     list of str
     """
-    declared, parameters, faults = ahead(case, folder)
+    known = ahead(case, folder)
+    declared, parameters, faults = known
     check_sources(case.wires, faults)
     _declared_wires(case, declared, faults)
+    faults += symmetry_faults(case, folder, known)
     for name, table in case.participants.items():
         if fault := missing_file(table, folder):
             faults.append(f"participants.{name}.{fault}")
@@ -80,6 +83,12 @@ def faults_ahead(case, folder):
         check_ports(case, declared, faults)
         check_time(case, parameters, faults)
     return faults
+
+
+def reject_asymmetry(case: Any, folder: Path) -> None:
+    """Raise BadInput for keys of a case that assume a symmetry which its films do not have."""
+    if faults := symmetry_faults(case, folder, ahead(case, folder)):
+        raise BadInput(faults)
 
 
 def _declared_wires(case, declared, faults):

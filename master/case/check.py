@@ -14,6 +14,7 @@ from .checked import check_case
 from .contract import given_by_others
 from .reading import find_case, read_tree
 from .schema import Case
+from .symmetry import groups
 from .system import open_system
 
 if TYPE_CHECKING:
@@ -94,6 +95,12 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         faults += [line for line in lines if line not in faults]
     faults += _disagreements(case, declared, previews)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
+    remarks += [
+        f"{claim}: the symmetry of {', '.join(group.unknown)} is not known; the check after a run "
+        "measures the odd part of the film"
+        for group in groups(case, folder, declared)
+        for claim in (group.claims if group.unknown else ())
+    ]
     found = _loops(case, folder, faults) if not faults else []
     return CheckedCase(path, case.title, previews, faults, remarks, found)
 

@@ -79,5 +79,6 @@ def print_body(body):
         )
     if body.modes:
         console.print(table)
+        console.print(f"the modes {body.errors}", highlight=False)
     for file in body.files:
         tell(f"file  {file}")

@@ -31,7 +31,9 @@ def state_truncation(
     dict of str to float or str
         Added entries: `truncation_error_NAME` [-] of each flexible body over all recorded instants,
         `truncation_error_NAME_largest` of the worst instant, and `truncation_error_film`
-        (Eq. (J34)) if the film thickness was recorded. `truncation_error` is the reason if the
+        (Eq. (J34)) if the film thickness was recorded. `truncation_error_edge` is the error of the
+        skirt under a narrow patch at its edge (Eq. (J47)). `odd_part_film` is the odd part of the
+        film (Eq. (J49)) if modes assume a symmetric one. `truncation_error` is the reason if the
         error is unknown. Empty for a case without flexible bodies of the package `fmu_mfbd`.
     """
     package, _, _ = TRUNCATIONS.partition(".")
@@ -53,8 +55,12 @@ def state_truncation(
         for name, one in found.bodies.items():
             entries[f"truncation_error_{name}"] = one.error
             entries[f"truncation_error_{name}_largest"] = one.largest
-        if found.share_of_film is not None:
-            entries["truncation_error_film"] = found.share_of_film
+        shares = {
+            "truncation_error_film": found.share_of_film,
+            "truncation_error_edge": found.edge_error,
+            "odd_part_film": found.odd_share,
+        }
+        entries |= {key: share for key, share in shares.items() if share is not None}
     if entries:
         add_to_summary(results, entries)
     return entries

@@ -18,6 +18,8 @@ PRESSURE_AMBER, PRESSURE_RED = 50e6, 100e6
 """Film pressure [Pa]: half and all of what a hot aluminium skirt withstands, an assumption."""
 TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
+ODD_RED = TRUNCATION_AMBER
+"""Odd part of the film over film thickness, if modes assume a symmetric film."""
 WORK_AMBER, WORK_RED = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
 SHARE_AMBER = 0.05
@@ -187,8 +189,23 @@ def _of_truncation(summary):
         colour,
         "truncation",
         f"The truncation error of the modes is at most {_percent(share)} of the local film "
-        f"thickness (limit {_percent(TRUNCATION_AMBER)}). It is {shares}.{hint}",
+        f"thickness (limit {_percent(TRUNCATION_AMBER)}). It is {shares}.{hint}"
+        f"{_edge_in_words(summary)}",
     )
+    if (odd := summary.get("odd_part_film")) is not None:
+        yield Verdict(
+            _colour(odd, ODD_RED, ODD_RED),
+            "symmetry",
+            f"The odd part of the film about the thrust plane is at most {_percent(odd)} of the "
+            f"local film thickness (limit {_percent(ODD_RED)}). The modes assume a symmetric film.",
+        )
+
+
+def _edge_in_words(summary):
+    """Return a sentence about a narrow patch at an edge of the skirt, empty for a rigid piston."""
+    if (edge := summary.get("truncation_error_edge")) is None:
+        return ""
+    return f" Under a narrow patch at an edge of the skirt, the modes miss up to {_percent(edge)}."
 
 
 def _of_film(case, results, name):

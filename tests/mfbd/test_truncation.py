@@ -125,8 +125,8 @@ def test_symmetric_modes_miss_the_odd_part_of_the_film(skirt, coarse, kept):
     An odd load deflects the skirt, and the modes of an even film do not answer.
     """
     folder, options = coarse
-    piston = options["piston"] | {"symmetric_film": True}
-    path = reduced_bodies(options | {"piston": piston}, folder, quiet)["piston"]
+    even = {name: options[name] | {"symmetric_film": True} for name in ("piston", "block")}
+    path = reduced_bodies(options | even, folder, quiet)["piston"]
     modes = static_modes(load(ReducedPiston, path))
     *_, root = skirt
     force = (root @ np.random.default_rng(4).normal(size=root.shape[1])).reshape(1, *GRID)
@@ -377,6 +377,7 @@ def test_a_run_states_it_of_both_bodies(coarse, files, kept, tmp_path):
         "truncation_error_block": bore.error,
         "truncation_error_block_largest": bore.largest,
         "truncation_error_film": np.abs(gap).max() / 1e-5,
+        "truncation_error_edge": load(MissingShapes, files["piston"]).edge_errors.max(),
     }
     with h5py.File(path) as file:
         assert json.loads(file.attrs["summary"]) == {"steps": 3} | added
@@ -399,6 +400,30 @@ def test_a_run_that_cannot_state_it_says_why(coarse, kept, tmp_path):
     }
 
 
+def test_the_odd_part_of_a_recorded_film_is_measured(coarse, kept, tmp_path):
+    """Eq. (J49): film thickness and missing deflection are odd, modes of both bodies are even.
+
+    Recorded is 10 um, and 1 um less on one side of the thrust plane. Loads without an odd part
+    leave 0.5 um of 9 um.
+    """
+    folder, options = coarse
+    even = options | {
+        name: options[name] | {"symmetric_film": True} for name in ("piston", "block")
+    }
+    film = FilmLoads(*(np.zeros((2, *GRID)) for _ in FORCES))
+    path = results(tmp_path / "run.h5", case_tree(even), film)
+    for odd in (0.0, 1e-6):
+        with h5py.File(path, "a") as file:
+            file["fields/bodies/film_thickness"][:, 1:4] = 1e-5 - odd  # 0 to 90 deg
+        added = state_truncation(case_tree(even), folder, path, quiet)
+        assert added["odd_part_film"] == pytest.approx(odd / 2 / (1e-5 - odd), abs=1e-15)
+    pushed = film._replace(pressure=film_forces(GRID).pressure[:2] * (np.arange(16) < 4)[:, None])
+    path = results(tmp_path / "pushed.h5", case_tree(even), pushed)
+    added = state_truncation(case_tree(even), folder, path, quiet)
+    assert 0 < added["odd_part_film"] <= added["truncation_error_film"]
+    assert "odd_part_film" not in state_truncation(case_tree(options), folder, path, quiet)
+
+
 def test_rigid_and_foreign_bodies_have_none(coarse, kept, tmp_path):
     folder, options = coarse
     path = results(tmp_path / "run.h5", {}, film_forces(GRID))
@@ -409,6 +434,7 @@ def test_rigid_and_foreign_bodies_have_none(coarse, kept, tmp_path):
     assert list(found) == [
         *("truncation_error_piston", "truncation_error_piston_largest"),
         "truncation_error_film",
+        "truncation_error_edge",
     ]
     foreign = {"participants": {"bodies": {"fmu": "own.fmu"}}}
     assert state_truncation(foreign, folder, path, print) == {}

@@ -1,0 +1,156 @@
+"""Symmetry of the bodies about the thrust plane: reasons against it, and keys that assume it.
+
+Motion in the plane of the crank and forces along x and y keep a symmetric film symmetric.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from ..master.fmi.quantities import short
+from ..master.fmi.symmetry import odd_part
+from .body_options import Block, Piston
+from .dynamics.clearance import measured
+from .geometry.grid import cell_centres
+from .geometry.profile import BoreOrder, MeasuredShape, fourier_bore
+from .options import Bodies, Build
+from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load
+
+ODD_SHAPE = 1e-9
+"""Odd part of a profile or a bore that is round-off [m]: the tolerance of film thickness in a
+coupling."""
+ODD_COMPLIANCE = 0.01
+"""Relative asymmetry of a surface's compliance, half of the limit of a film's odd part."""
+ODD_MODE = 1e-6
+"""Odd part of a mode that is round-off, relative to the mode."""
+IMAGES = {"boss_left.": "boss_right.", "boss_right.": "boss_left."}
+"""Film surfaces that are mirror images of each other."""
+
+
+def claims(build: Build | Bodies) -> list[str]:
+    """Return the options that assume a symmetric film.
+
+    A file of a reduced body assumes it if all its modes are even about the thrust plane.
+    """
+    found = []
+    for name, body in (("piston", build.piston), ("block", build.block)):
+        if body is None or body.rigid:
+            continue
+        if body.reduced:
+            with suppress(ValueError):  # a wrong file is a fault of the build
+                if only_even(load(kind_of(body), Path(body.reduced)), build.grid[0]):
+                    found.append(f"{name}.reduced")
+        elif body.symmetric_film and body.modes:
+            found.append(f"{name}.symmetric_film")
+    return found
+
+
+def kind_of(body: Piston | Block) -> type[ReducedPiston] | type[ReducedBlock]:
+    """Return the class of a reduced body."""
+    return ReducedPiston if isinstance(body, Piston) else ReducedBlock
+
+
+def asymmetries(
+    build: Build | Bodies,
+    skirt: Sequence[MeasuredShape],
+    bore: Sequence[MeasuredShape],
+    pin_tilt: float = 0.0,
+) -> list[str]:
+    """Return the reasons why bodies without modes are not their own mirror image.
+
+    Parameters
+    ----------
+    build : Build or Bodies
+    skirt, bore : sequence of MeasuredShape
+        Its measured profiles.
+    pin_tilt : float
+        Parameter of the FMU [rad].
+    """
+    angle, _ = cell_centres(*build.grid, 0.0, 1.0)
+    found = []
+    if pin_tilt:
+        found.append(f"parameters.pin_tilt: {pin_tilt:g} rad tilts the piston across the plane")
+    if build.motion_in_space:
+        found.append("build.motion_in_space: the piston rolls, yaws and moves along its pin")
+    for name, profiles in (("piston", skirt), ("block", bore)):
+        if odd := _odd_shape(profiles, angle):
+            found.append(f"build.{name}.profiles: odd part of {short(odd, 'm')}")
+    if build.block:
+        orders = [BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders]
+        odd = float(np.abs(odd_part(fourier_bore(orders, angle))).max())
+        if odd > ODD_SHAPE:
+            found.append(f"build.block.orders: odd part of {short(odd, 'm')}")
+        if build.block.bore_from_outside:
+            found.append("build.block.bore_from_outside: another participant deforms the bore")
+    return found
+
+
+def _odd_shape(profiles: Sequence[MeasuredShape], angle: np.ndarray) -> float:
+    """Return the largest odd part of the sum of measured shapes [m], 0 for round-off."""
+    if not profiles:
+        return 0.0
+    rows = np.unique(np.concatenate([one.height for one in profiles]))
+    between = np.linspace(rows[0], rows[-1], 4 * len(rows))
+    shape = measured(profiles, angle, np.union1d(rows, between))
+    odd = float(np.abs(odd_part(np.asarray(shape))).max())
+    return odd if odd > ODD_SHAPE else 0.0
+
+
+def asymmetries_of_bodies(
+    bodies: Mapping[str, ReducedBody], skirt: np.ndarray | None, around: int
+) -> list[str]:
+    """Return the reasons why reduced bodies are not their own mirror image.
+
+    Parameters
+    ----------
+    bodies : mapping of str to ReducedPiston or ReducedBlock
+    skirt : ndarray of bool, shape (c, a), optional
+        Cells of the film grid with the skirt under them.
+    around : int
+        c.
+    """
+    found = []
+    for name, body in bodies.items():
+        error = mirror_error(body, around)
+        if error > ODD_COMPLIANCE:
+            found.append(
+                f"build.{name}: deflections under mirrored loads differ by {100 * error:.2g} %"
+            )
+    if skirt is not None and (odd_part(skirt.astype(float)) != 0.0).any():
+        found.append("build.piston: openings of the skirt differ from their mirror image")
+    return found
+
+
+def mirror_error(body: ReducedBody, around: int) -> float:
+    """Return how much the compliance of a body's surface differs from its mirror image [-].
+
+    Eq. (J48):  |C - M C M| / |C|,   C = A A^T,   A = R Phi Omega^-1
+                |C - M C M|^2 = 2 |A^T A|^2 - 2 |A^T M A|^2      Frobenius norms
+
+    M is the mirror image about the thrust plane. The result is 0 for a rigid body.
+    """
+    answer = _on_cells(body, around) / body.omega
+    if not answer.size:
+        return 0.0
+    image = answer - 2 * odd_part(answer)
+    whole, mirrored = (
+        float((np.tensordot(answer, one, ([0, 1], [0, 1])) ** 2).sum()) for one in (answer, image)
+    )
+    return float(np.sqrt(max(0.0, 2 * (1 - mirrored / whole))))  # Eq. (J48)
+
+
+def only_even(body: ReducedBody, around: int) -> bool:
+    """Return whether a body has modes, and all of them are even about the thrust plane."""
+    modes = _on_cells(body, around)
+    odd = np.linalg.norm(odd_part(modes), axis=(0, 1))
+    size = np.linalg.norm(modes, axis=(0, 1))
+    return bool(odd.size and (odd <= ODD_MODE * size).all())
+
+
+def _on_cells(body: ReducedBody, around: int) -> np.ndarray:
+    """Return the radial displacement of the modes, (c, a, k)."""
+    count = len(body.omega)
+    rows = body.radial.size // (around * count) if count else 0
+    return body.radial.reshape(around, rows, count)

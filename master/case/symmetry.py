@@ -1,0 +1,117 @@
+"""Symmetry of films and their bodies about the thrust plane, found for a whole case.
+
+A group is a body and the films that take their film thickness from it. A part finds the reasons
+within its participant (`build.symmetry`). Wires and arrays that a case sets add further ones.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..coupling.wiring import port_of
+from ..fmi.errors import BadInput
+from ..fmi.fields import base_of
+from ..fmi.symmetry import Symmetry, odd_part, rejection
+from .contract import interface
+from .keys import part_function
+
+
+class Group(NamedTuple):
+    """Body and its films.
+
+    Parameters
+    ----------
+    body : str
+    claims : list of str
+        Keys that assume the symmetry.
+    reasons : list of str
+        Why the group is not its own mirror image; empty if it is, as far as known.
+    unknown : list of str
+        Films whose models do not report their symmetry.
+    """
+
+    body: str
+    claims: list[str]
+    reasons: list[str]
+    unknown: list[str]
+
+
+def groups(case: Any, folder: Path, declared: Any) -> Iterator[Group]:
+    """Yield the groups of a case with the reasons why they are not their own mirror image.
+
+    Parameters
+    ----------
+    case : schema.Case
+    folder : Path
+        Folder of the case.
+    declared : ahead.Ahead
+    """
+    sources = {name: interface(case.wires, name, "lubrication") for name in case.participants}
+    films = {name: other for name, other in sources.items() if other}
+    for body, table in case.participants.items():
+        own = _symmetry(table, declared.parameters.get(body, {}), folder)
+        if own is None or body in films:
+            continue
+        surfaces = {name: other.surface for name, other in films.items() if other.owner == body}
+        reasons = [f"participants.{body}.{line}" for line in own.reasons]
+        unknown = []
+        for name in surfaces:
+            found = _symmetry(case.participants[name], declared.parameters.get(name, {}), folder)
+            if found is None:
+                unknown.append(name)
+            else:
+                reasons += [f"participants.{name}.{line}" for line in found.reasons]
+        reasons += _differing(case, surfaces, own.images)
+        for name in (body, *surfaces):
+            reasons += _fields_from_outside(case, declared, name, {body, *surfaces})
+        claims = [f"participants.{body}.build.{one}" for one in own.claims]
+        yield Group(body, claims, reasons, unknown)
+
+
+def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
+    """Return the faults of keys that assume a symmetry which does not exist."""
+    return [
+        rejection(claim, group.reasons)
+        for group in groups(case, folder, declared)
+        if group.reasons
+        for claim in group.claims
+    ]
+
+
+def _symmetry(table, parameters, folder) -> Symmetry | None:
+    """Return what a participant's part finds, None if it does not report it or has a fault."""
+    symmetry = part_function(table.package, "symmetry")
+    try:
+        return symmetry(table.build, parameters, folder) if symmetry else None
+    except BadInput:  # its faults are in the list of the case
+        return None
+
+
+def _differing(case, surfaces, images):
+    """Return reasons of films on mirrored surfaces that are not the same."""
+    by_surface = {surface: name for name, surface in surfaces.items()}
+    found = []
+    for surface, name in by_surface.items():
+        other = by_surface.get(images.get(surface, surface), name)
+        first, second = case.participants[name], case.participants[other]
+        if name < other and (first.build, first.parameters) != (second.build, second.parameters):
+            found.append(f"participants.{other}: differs from {name}, its mirror image")
+    return found
+
+
+def _fields_from_outside(case, declared, name, group):
+    """Return reasons of field inputs of a participant that others set, or the case unevenly."""
+    fields = declared.participants[name].fields if name in declared.participants else {}
+    found = []
+    for wire in case.wires:
+        owner, variable = port_of(wire.target)
+        source, _ = port_of(wire.source)
+        field = fields.get(base_of(variable))
+        if owner == name and source not in group and field is not None and field.shape:
+            found.append(f"participants.{name}.{variable}: comes from {wire.source}")
+    for variable, value in declared.parameters.get(name, {}).items():
+        if np.ndim(value) and odd_part(np.asarray(value)).any():
+            found.append(f"participants.{name}.parameters.{variable}: differs from its image")
+    return found

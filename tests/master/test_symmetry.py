@@ -1,0 +1,186 @@
+"""Symmetry about the thrust plane: each thing that breaks it in a shipped symmetric case."""
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.api.cases import open_case
+from piston_cosim.master.case.ahead import ahead, faults_ahead
+from piston_cosim.master.case.check import check
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.case.symmetry import groups
+from piston_cosim.master.commands.app import main
+from piston_cosim.master.fmi.symmetry import odd_part, thrust_image
+
+PATH = find_case("numerical_example")
+BUILD, BODIES = "participants.bodies.build", "participants.bodies.parameters"
+FILM = "participants.ehd"
+SHEET = {"mass": "0.1 kg", "centre": ["0 mm", "5 mm"], "inertia": "5e-5 kg*m^2", "radius": "28 mm"}
+RIGID = {
+    f"{BUILD}.piston": {"rigid": SHEET, "skirt_lower": "-16 mm", "skirt_upper": "11 mm"},
+    f"{BUILD}.block": {
+        "rigid": {"radius": "28.25 mm"},
+        "bore_lower": "56 mm",
+        "bore_upper": "152 mm",
+    },
+}
+OUTSIDE = {f"{BUILD}.block": RIGID[f"{BUILD}.block"] | {"bore_from_outside": {}}}
+HEAT = {"participants.heat": {"table": "heat.csv"}, f"{FILM}.build.inputs": ["oil_temperature"]}
+
+
+def groups_of(changes, path=PATH):
+    case = check_case(read_tree(path, changes.items()), path)
+    return [*groups(case, path.parent, ahead(case, path.parent))]
+
+
+def profile(folder, values):
+    """Return a measured shape at 0, 90, 180 and 270 deg."""
+    file = folder / "profile.csv"
+    rows = [f"{height}, {', '.join(map(str, values))}" for height in (-10, 0, 10)]
+    file.write_text("\n".join(["0, 0, 90, 180, 270", *rows]) + "\n")
+    units = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
+    return [{"file": str(file)} | units]
+
+
+def mask(cells=()):
+    found = np.ones((40, 40), dtype=int)
+    for cell in cells:
+        found[cell] = 0
+    return found.tolist()
+
+
+def array(cell, value):
+    field = np.full((40, 40), 300.0)
+    field[cell] = value
+    return field.tolist()
+
+
+def order(number, phase):
+    return [{"order": number, "amplitude": "2 um", "phase": phase}]
+
+
+SYMMETRIC = {
+    "shipped": {},
+    "bore order": {f"{BUILD}.block.orders": order(3, "90 deg")},
+    "mask": {f"{FILM}.build.mask": mask([(9, 3), (11, 3)])},
+    "scalars": {f"{BODIES}.ring_side_force": "5 N", f"{BODIES}.piston_temperature": "400 K"},
+    "temperature": HEAT | {f"{FILM}.parameters.oil_temperature": array((10, 5), 310.0)},
+}
+ASYMMETRIC = {
+    "bodies.parameters.pin_tilt": {f"{BODIES}.pin_tilt": "0.15 mrad"},
+    "bodies.build.block.orders": {f"{BUILD}.block.orders": order(3, "60 deg")},
+    "ehd.build.mask: 2 cells": {f"{FILM}.build.mask": mask([(9, 3)])},
+    "bodies.build.motion_in_space": RIGID
+    | {f"{BUILD}.motion_in_space": {"inertia_x": "5e-5 kg*m^2", "inertia_y": "5e-5 kg*m^2"}},
+    "bodies.build.block.bore_from_outside": OUTSIDE | {f"{BUILD}.mounted": True},
+    "ehd.oil_temperature: comes from heat.t": HEAT
+    | {"wires": [{"from": "heat.t", "to": "ehd.oil_temperature"}]},
+    "ehd.oil_temperature[2,3]: comes from heat.t": HEAT
+    | {"wires": [{"from": "heat.t", "to": "ehd.oil_temperature[2,3]"}]},
+    "ehd.parameters.oil_temperature": HEAT
+    | {f"{FILM}.parameters.oil_temperature": array((9, 5), 310.0)},
+    "bodies.nodal_pressure_force: comes from heat.force": HEAT
+    | {"wires": [{"from": "heat.force", "to": "bodies.nodal_pressure_force"}]},
+}
+
+
+@pytest.mark.parametrize("changes", SYMMETRIC.values(), ids=SYMMETRIC)
+def test_a_symmetric_case_has_no_reasons(changes):
+    (group,) = groups_of(changes)
+    assert group.body == "bodies" and not group.unknown
+    assert group.reasons == []
+    keys = [f"{BUILD}.{name}.symmetric_film" for name in ("piston", "block")]
+    assert group.claims == keys
+
+
+@pytest.mark.parametrize("reason, changes", ASYMMETRIC.items(), ids=ASYMMETRIC)
+def test_each_reason_is_found_and_rejects_what_assumes_symmetry(reason, changes):
+    (group,) = groups_of(changes)
+    assert any(line.startswith(f"participants.{reason}") for line in group.reasons)
+    case = check_case(read_tree(PATH, changes.items()), PATH)
+    faults = [one for one in faults_ahead(case, PATH.parent) if "symmetric_film: " in one]
+    assert len(faults) == len(group.claims) and all(reason in one for one in faults)
+
+
+@pytest.mark.parametrize("body", ["piston", "block"])
+def test_a_measured_profile_is_compared_with_its_image(tmp_path, body):
+    """0 and 180 deg are images of each other, 90 and 270 deg of themselves."""
+    key = f"{BUILD}.{body}.profiles"
+    (group,) = groups_of({key: profile(tmp_path, (3, 0, 3, 1))})
+    assert group.reasons == []
+    (group,) = groups_of({key: profile(tmp_path, (3, 0, 2, 1))})
+    assert group.reasons == [f"participants.bodies.build.{body}.profiles: odd part of 0.5 µm"]
+
+
+def test_films_of_a_pin_are_compared_with_their_images():
+    """A film in a boss needs the same film in the other one, and equal edges."""
+    path = find_case("floating_pin")
+    (group,) = groups_of({}, path)
+    assert group.reasons == []
+    changes = {
+        "participants.right_film.parameters.viscosity": "6 mPa s",
+        "participants.small_end_film.parameters.pressure_lower_edge": "1 bar",
+    }
+    (group,) = groups_of(changes, path)
+    assert group.reasons == [
+        "participants.small_end_film.parameters.pressure_lower_edge: differs from "
+        "pressure_upper_edge",
+        "participants.right_film: differs from left_film, its mirror image",
+    ]
+
+
+def test_a_film_of_another_model_is_a_remark(tmp_path):
+    film = tmp_path / "film.py"
+    film.write_text("")
+    changes = {FILM: {"file": f"{film}:Film", "role": "lubrication"}}
+    changes["wires"] = [
+        {"from": "bodies.film_thickness", "to": "ehd.film_thickness"},
+        {"from": "ehd.nodal_pressure_force", "to": "bodies.nodal_pressure_force"},
+    ]
+    (group,) = groups_of(changes)
+    assert group.unknown == ["ehd"] and group.reasons == []
+    remarks = check(PATH, [*changes.items()]).remarks
+    assert any("symmetry of ehd is not known" in line for line in remarks)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check", "numerical_example"],
+        ["run", "numerical_example", "--no-plots", "--only", "flexible"],
+        ["reduce", "numerical_example"],
+        ["fmu", "build", "numerical_example", "ehd"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_every_command_rejects_the_tilted_pin(words, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main([*words, "--set", f"{BODIES}.pin_tilt=0.15 mrad"])
+    assert end.value.code == 2
+    said = " ".join("".join(capfd.readouterr()).split())
+    assert "piston.symmetric_film: expected a film that is its own mirror image" in said
+    assert "parameters.pin_tilt: 0.00015 rad" in said
+
+
+def test_cells_and_their_images():
+    """Eq. (I13) for even, odd and halved quarters: pi - theta by hand, from pi/2 at floor(n/4)."""
+    for n in (8, 9, 10, 11):
+        theta = np.pi / 2 + (np.arange(n) - n // 4) * 2 * np.pi / n
+        image = theta[thrust_image(n)]
+        np.testing.assert_allclose(np.sin(image), np.sin(theta), atol=1e-15)
+        np.testing.assert_allclose(np.cos(image), -np.cos(theta), atol=1e-15)
+        np.testing.assert_allclose(odd_part(3 * np.cos(theta) + np.sin(theta)), 3 * np.cos(theta))
+
+
+def test_the_variants_of_a_symmetric_case_stay_symmetric():
+    for name in ("numerical_example", "fired_motorcycle"):
+        case = open_case(name)
+        for label in case.variants:
+            tree = case.variant(label).tree
+            checked = check_case(tree, case.path)
+            assert not [
+                group.reasons
+                for group in groups(checked, case.path.parent, ahead(checked, case.path.parent))
+                if group.reasons
+            ]
