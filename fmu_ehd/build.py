@@ -139,16 +139,16 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
         bearing = built.surface == "bearing"
         odd = (mask - mask[:, ::-1]) / 2 if bearing else odd_part(mask)
         if cells := np.count_nonzero(odd):
-            reasons.append(f"build.mask: {cells} cells differ from their mirror image")
+            reasons.append(f"build.mask ({cells} cells differ from their mirror image)")
     if built.surface == "bearing":
         usual = {v.name: v.start for v in CONDITION_VARIABLES}
         for lower in (name for name in usual if name.endswith("_lower_edge")):
             upper = lower.replace("_lower_", "_upper_")
             pair = [parameters.get(name, usual[name]) for name in (lower, upper)]
             if pair[0] != pair[1]:
-                reasons.append(f"parameters.{lower}: differs from {upper}")
+                reasons.append(f"parameters.{lower} (differs from {upper})")
             elif {lower, upper} & {*built.inputs}:
-                reasons.append(f"build.inputs: {lower} may differ from {upper}")
+                reasons.append(f"build.inputs ({lower} may differ from {upper})")
     return Symmetry(reasons)
 
 

@@ -107,7 +107,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if assumed := claims(build):
         sides = ("piston", build.piston, piston.mesh), ("block", build.block, block.mesh)
         reasons = [
-            f"{name}.mesh: nodes differ from their mirror image"
+            f"{name}.mesh (nodes differ from their mirror image)"
             for name, body, mesh in sides
             if body.modes and mesh and mirror_image(mesh.points, 2) is None
         ]

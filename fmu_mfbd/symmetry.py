@@ -71,19 +71,19 @@ def asymmetries(
     angle, _ = cell_centres(*build.grid, 0.0, 1.0)
     found = []
     if pin_tilt:
-        found.append(f"parameters.pin_tilt: {pin_tilt:g} rad tilts the piston across the plane")
+        found.append(f"parameters.pin_tilt ({pin_tilt:g} rad)")
     if build.motion_in_space:
-        found.append("build.motion_in_space: the piston rolls, yaws and moves along its pin")
+        found.append("build.motion_in_space (roll and yaw)")
     for name, profiles in (("piston", skirt), ("block", bore)):
         if odd := _odd_shape(profiles, angle):
-            found.append(f"build.{name}.profiles: odd part of {short(odd, 'm')}")
+            found.append(f"build.{name}.profiles (odd part of {short(odd, 'm')})")
     if build.block:
         orders = [BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders]
         odd = float(np.abs(odd_part(fourier_bore(orders, angle))).max())
         if odd > ODD_SHAPE:
-            found.append(f"build.block.orders: odd part of {short(odd, 'm')}")
+            found.append(f"build.block.orders (odd part of {short(odd, 'm')})")
         if build.block.bore_from_outside:
-            found.append("build.block.bore_from_outside: another participant deforms the bore")
+            found.append("build.block.bore_from_outside (deflection of another participant)")
     return found
 
 
@@ -116,10 +116,10 @@ def asymmetries_of_bodies(
         error = mirror_error(body, around)
         if error > ODD_COMPLIANCE:
             found.append(
-                f"build.{name}: deflections under mirrored loads differ by {100 * error:.2g} %"
+                f"build.{name} (mirrored loads deflect it differently, by {100 * error:.2g} %)"
             )
     if skirt is not None and (odd_part(skirt.astype(float)) != 0.0).any():
-        found.append("build.piston: openings of the skirt differ from their mirror image")
+        found.append("build.piston (openings of the skirt)")
     return found
 
 

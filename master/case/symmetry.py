@@ -97,7 +97,7 @@ def _differing(case, surfaces, images):
         other = by_surface.get(images.get(surface, surface), name)
         first, second = case.participants[name], case.participants[other]
         if name < other and (first.build, first.parameters) != (second.build, second.parameters):
-            found.append(f"participants.{other}: differs from {name}, its mirror image")
+            found.append(f"participants.{other} (differs from {name}, its mirror image)")
     return found
 
 
@@ -110,8 +110,10 @@ def _fields_from_outside(case, declared, name, group):
         source, _ = port_of(wire.source)
         field = fields.get(base_of(variable))
         if owner == name and source not in group and field is not None and field.shape:
-            found.append(f"participants.{name}.{variable}: comes from {wire.source}")
+            found.append(f"participants.{name}.{variable} (from {wire.source})")
     for variable, value in declared.parameters.get(name, {}).items():
         if np.ndim(value) and odd_part(np.asarray(value)).any():
-            found.append(f"participants.{name}.parameters.{variable}: differs from its image")
+            found.append(
+                f"participants.{name}.parameters.{variable} (differs from its mirror image)"
+            )
     return found

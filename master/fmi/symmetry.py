@@ -16,7 +16,7 @@ class Symmetry(NamedTuple):
     Parameters
     ----------
     reasons : list of str
-        Why it is not its own mirror image, each as "KEY: ..."; empty if it is.
+        Why it is not its own mirror image, each as "KEY (...)"; empty if it is.
     claims : list of str
         Keys that assume the symmetry.
     images : mapping of str to str
@@ -49,6 +49,6 @@ def odd_part(field: np.ndarray, axis: int = 0) -> np.ndarray:
 def rejection(claim: str, reasons: list[str]) -> str:
     """Return the fault of a key that assumes a symmetry which does not exist."""
     return (
-        f"{claim}: expected a film that is its own mirror image about the thrust plane, got one "
-        f"that is not ({'; '.join(reasons)}); use modes with symmetric_film = false"
+        f"{claim}: expected a film symmetric about the thrust plane, got {', '.join(reasons)}; "
+        "set symmetric_film = false"
     )

@@ -1,0 +1,119 @@
+"""Symmetry of reduced bodies about the thrust plane, and what assumes it."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import meshio
+import numpy as np
+import pytest
+
+from piston_cosim.fmu_mfbd.body_options import Piston
+from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, faults
+from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.preview import preview
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
+from piston_cosim.fmu_mfbd.symmetry import asymmetries_of_bodies, mirror_error, only_even
+from piston_cosim.master.fmi.errors import BadInput
+
+from .conftest import quiet
+
+THETA = np.radians(np.arange(0.0, 360.0, 45.0))  # 8 cells, the third one on the thrust line
+
+
+def body(*modes):
+    """Return modes on 8 x 2 cells with 1, 2, ... rad/s."""
+    radial = np.stack([np.repeat(mode, 2) for mode in modes], axis=1)
+    return SimpleNamespace(omega=np.arange(1.0, 1.0 + len(modes)), radial=radial)
+
+
+def test_the_compliance_is_compared_with_its_image():
+    """Eq. (J48) by hand: sin is even about 90 deg, cos is odd.
+
+    Their sum is orthogonal to its image, so that the difference of both squares is sqrt 2.
+    """
+    even, odd = np.sin(THETA), np.cos(THETA)
+    assert mirror_error(body(even, odd), 8) == pytest.approx(0.0, abs=1e-7)
+    assert mirror_error(body(even + odd), 8) == pytest.approx(np.sqrt(2))
+    assert only_even(body(even, np.cos(2 * THETA)), 8)
+    assert not only_even(body(even, odd), 8)
+    rigid = SimpleNamespace(omega=np.zeros(0), radial=np.zeros((16, 0)))
+    assert mirror_error(rigid, 8) == 0.0 and not only_even(rigid, 8)
+    skirt = np.ones((8, 2), dtype=bool)
+    skirt[[1, 3], 0] = False
+    assert asymmetries_of_bodies({"piston": body(even)}, skirt, 8) == []
+    skirt[1, 0] = True
+    (reason,) = asymmetries_of_bodies({"piston": body(even)}, skirt, 8)
+    assert "openings of the skirt" in reason
+
+
+@pytest.fixture
+def even(coarse, kept, tmp_path):
+    """Return folder and build table of bodies with symmetric modes, the piston from a file."""
+    folder, options = coarse
+    table = options | {name: options[name] | {"symmetric_film": True} for name in CHOSEN}
+    made = reduced_bodies(table, folder, quiet)["piston"]
+    (tmp_path / "piston.npz").write_bytes(made.read_bytes())
+    return folder, table | {"piston": {"reduced": str(tmp_path / "piston.npz")}}
+
+
+CHOSEN = ("piston", "block")
+
+
+def test_a_file_of_even_modes_assumes_a_symmetric_film(even, coarse):
+    """It is found from its modes, and so are a block and a mesh that are not symmetric."""
+    folder, table = even
+    assert prepare(table, folder, quiet)[0]["symmetric_film"] is True
+    orders = {"orders": [{"order": 3, "amplitude": "2 um"}]}
+    uneven = {
+        r"build\.block\.orders \(odd part of": table["block"] | orders,
+        r"build\.block \(mirrored loads": coarse[1]["block"],
+    }
+    for words, block in uneven.items():
+        with pytest.raises(BadInput, match=words):
+            prepare(table | {"block": block}, folder, quiet)
+
+
+def test_a_mesh_that_is_not_its_mirror_image_is_rejected(even, tmp_path):
+    """The tube of 16 cells is turned by 3 deg about its axis, for a check and for a reduction.
+
+    The check also reports it if another body assumes the symmetry.
+    """
+    folder, table = even
+    mesh = meshio.read(folder / "block.msh")
+    cosine, sine = np.cos(np.radians(3.0)), np.sin(np.radians(3.0))
+    mesh.points = mesh.points @ [[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]
+    mesh.write(tmp_path / "turned.msh", "gmsh22", binary=False)
+    turned = table | {"block": table["block"] | {"mesh": str(tmp_path / "turned.msh")}}
+    with pytest.raises(BadInput, match="mesh that is its own mirror image"):
+        prepare(turned, folder, quiet)
+    turned["block"] = turned["block"] | {"symmetric_film": False}
+    said = preview(turned, {}, folder).faults
+    assert any(one.startswith("piston.reduced: ") and "block.mesh" in one for one in said)
+
+
+def test_the_fmu_rejects_a_tilted_pin(even):
+    """Also if an importer sets the parameter, whose case nobody checks."""
+    folder, table = even
+    resolved, (piston, block, *_) = prepare(table, folder, quiet)
+    bodies = ReducedBodies(load(ReducedPiston, piston), load(ReducedBlock, block))
+    options = BuildOptions.from_json(resolved)
+    tilted = Parameters(pin_tilt=1e-4)
+    said = [one for one in faults(bodies, options, tilted) if one.startswith("pin_tilt")]
+    assert said == [
+        "pin_tilt: expected 0 rad with modes of a symmetric film, got 0.0001 rad; use modes with "
+        "symmetric_film = false"
+    ]
+    for given, parameters in (
+        (options, Parameters()),
+        (replace(options, symmetric_film=False), tilted),
+    ):
+        assert not any("pin_tilt" in one for one in faults(bodies, given, parameters))
+
+
+def test_a_basis_that_does_not_use_the_symmetry_rejects_it():
+    sheet = {"mesh": "a.msh", "density": "2700 kg/m^3", "young": "70 GPa", "poisson": 0.3}
+    with pytest.raises(ValueError, match="symmetric_film: expected false with basis = 'craig"):
+        Piston(**sheet, basis="craig_bampton", symmetric_film=True)
+    assert Piston(**sheet, basis="craig_bampton", symmetric_film=True, modes=0)
