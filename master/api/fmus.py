@@ -3,13 +3,17 @@
 import logging
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from ..case.ahead import reject_asymmetry
+import numpy as np
+
+from ..case.ahead import ahead
 from ..case.checked import check_case
 from ..case.export import experiment_ahead
 from ..case.given import build_options
+from ..case.symmetry import symmetry_faults
 from ..fmi import builder, builder_native
 from ..fmi.errors import BadInput, Discard, unknown
 from ..participants import open as opening
@@ -33,7 +37,8 @@ def build_fmu(
     Parameters
     ----------
     source : Case, str or Path
-        A case, or "FILE.py:CLASS".
+        A case, or "FILE.py:CLASS". The FMU starts with the values of the case, see `open_case`
+        for its variants and for changes.
     participant : str, optional
         Its name in the case. If omitted, `source` is a file.
     output : path, optional
@@ -114,7 +119,10 @@ def _of_case(
     platforms: Sequence[str],
     say: Callable[[str], object],
 ) -> Path:
-    """Return the FMU of a case's participant with some build options replaced."""
+    """Return the FMU of a case's participant with some build options replaced.
+
+    Its start values are those of the case.
+    """
     checked, folder = check_case(case.tree, case.path), case.path.parent
     buildable = [name for name, table in checked.participants.items() if table.package]
     if participant not in buildable:
@@ -122,18 +130,31 @@ def _of_case(
     for name, table in checked.participants.items():
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
-    reject_asymmetry(checked, folder)
+    declared = ahead(checked, folder)
+    given = checked.participants[participant].parameters
+    if given and participant not in declared.parameters:
+        declared.faults.append(
+            f"participants.{participant}.parameters: expected a package with declared_variables, "
+            f"got {checked.participants[participant].package}"
+        )
+    if faults := declared.faults + symmetry_faults(checked, folder, declared):
+        raise BadInput(faults)
+    starts = {
+        name: np.ravel(value).tolist()
+        for name, value in declared.parameters.get(participant, {}).items()
+    }
     package: Any = checked.participants[participant].package
     if platforms:  # before other participants are reduced for their build options
         own = checked.participants[participant].build
         builder_native.check_native(package, own, folder, say, platforms)
     build = build_options(checked, folder, say)[participant]
+    make = (
+        partial(builder_native.build_native_fmu, platforms=platforms)
+        if platforms
+        else builder.build_fmu
+    )
     experiment = experiment_ahead(checked, folder)
-    if platforms:
-        return builder_native.build_native_fmu(
-            package, build, folder, say, fmi, experiment=experiment, platforms=platforms
-        )
-    return builder.build_fmu(package, build, folder, say, fmi, experiment=experiment)
+    return make(package, build, folder, say, fmi, experiment=experiment, starts=starts)
 
 
 def open_fmu(path: str | Path, name: str = "fmu") -> Any:

@@ -246,10 +246,9 @@ def _exposed(tables, system, fields):
     shared = Counter(v.name for _, v in chosen)
     exposed = []
     for owner, v in chosen:
-        given = system.parameters[owner].get(v.name, v.number(v.start))
-        start = v.choices[given - 1] if v.choices else type(v.start)(given)
         name = v.name if shared[v.name] == 1 else f"{owner}.{v.name}"
-        exposed.append((replace(v, name=name, start=start), (owner, v.name)))
+        outside = v.starting(system.parameters[owner].get(v.name, v.start))
+        exposed.append((replace(outside, name=name), (owner, v.name)))
     return exposed
 
 

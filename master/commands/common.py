@@ -28,6 +28,8 @@ Format = Literal["png", "svg", "pdf"]
 """Type of pictures."""
 Changes = Annotated[list[str], Parameter(name="--set")]
 """Changes KEY=VALUE of a case."""
+Only = Annotated[str | None, Parameter(name=("--only", "--variant"))]
+"""Label of the variant of a case."""
 
 
 NARROWEST = 150

@@ -27,6 +27,7 @@ from ..runs.working import working
 from .app import STARTED
 from .common import (
     Changes,
+    Only,
     OutputFile,
     OutputFolder,
     Workers,
@@ -47,7 +48,7 @@ def command(
     *,
     set_: Changes = [],
     output: OutputFolder | None = None,
-    only: str | None = None,
+    only: Only = None,
     summary_json: OutputFile | None = None,
     plots: bool = True,
     lubrication: list[str] = [],

@@ -14,6 +14,7 @@ from ..runs.working import working
 from .app import say_faults
 from .common import (
     Changes,
+    Only,
     OutputFolder,
     Workers,
     console,
@@ -31,7 +32,7 @@ def command(
     *,
     vary: list[str],
     set_: Changes = [],
-    only: str | None = None,
+    only: Only = None,
     output: OutputFolder | None = None,
     workers: Workers | None = None,
     dask: str | None = None,

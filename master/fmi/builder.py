@@ -27,7 +27,7 @@ from .description import model_description
 from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
 from .errors import BadInput
-from .slave import FieldSlave
+from .slave import STARTS, FieldSlave
 from .tree import ROOT, import_part, reached
 
 Say = Callable[[str], object]
@@ -166,6 +166,7 @@ def build_fmu(
     version: str = "2.0",
     *,
     experiment: Any = None,
+    starts: Mapping[str, Any] | None = None,
 ) -> Path:
     """Return the FMU of a participant package, from the cache if it was built before.
 
@@ -184,6 +185,8 @@ def build_fmu(
         Version of FMI. 3.0 needs a C compiler.
     experiment : Experiment, optional
         Default experiment in the description. Default: that of the model class.
+    starts : dict of str to number or str, optional
+        Start values in SI by variable. Default: those of the model class.
 
     Returns
     -------
@@ -200,11 +203,16 @@ def build_fmu(
         package,
         code_of(package),
         resolved,
-        {f.name: f.read_bytes() for f in files},
+        {f.name: f.read_bytes() for f in files} | starts_file(starts),
         progress,
         version,
         experiment=experiment,
     )
+
+
+def starts_file(starts: Mapping[str, Any] | None) -> dict[str, bytes]:
+    """Return the resource with the start values, none if there are none."""
+    return {STARTS: json.dumps(starts, sort_keys=True).encode()} if starts else {}
 
 
 def build_fmu_of_file(
@@ -431,7 +439,7 @@ def texts_of(
     sums : str
         `model_file.sums_of` its resources/slave.bin.
     """
-    pages = documentation(slave, any_host, platforms)
+    pages = documentation(slave, version, any_host, platforms)
     if version == "3.0":
         description = model_description_3(slave, platforms, sums)
         return pages | {

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import native_code
-from .builder import PACKING, code_of, packed_once, slave_of, texts_of
+from .builder import PACKING, code_of, packed_once, slave_of, starts_file, texts_of
 from .cache import cache_folder, try_lock, write_whole
 from .compiler import (
     COMMON,
@@ -82,13 +82,14 @@ def build_native_fmu(
     version: str = "2.0",
     *,
     experiment: Any = None,
+    starts: Mapping[str, Any] | None = None,
     platforms: Sequence[str] = ("linux64",),
 ) -> Path:
     """Return the FMU of a participant package that needs no Python, from the cache if possible.
 
     Parameters
     ----------
-    package, options, folder, progress, version, experiment
+    package, options, folder, progress, version, experiment, starts
         As for `builder.build_fmu`.
     platforms : sequence of str
         Keys of `PLATFORMS`.
@@ -107,6 +108,7 @@ def build_native_fmu(
     made_of = {
         "build.json": json.dumps(resolved, sort_keys=True).encode(),
         **{file.name: file.read_bytes() for file in files},
+        **starts_file(starts),
         **{name: (Path(__file__).parent / name).read_bytes() for name in (*PACKING, *OWN_FILES)},
         "code": code_of(package).name.encode(),
         "libraries": repr([library_name((package,), one, version) for one in platforms]).encode(),
@@ -114,7 +116,7 @@ def build_native_fmu(
     }
 
     def members() -> dict[str, bytes]:
-        inside = slave_inside(package, part, resolved, files)
+        inside = slave_inside(package, part, resolved, files, starts)
         inside.slave.experiment = experiment or inside.slave.experiment
         return _members(inside, libraries((package,), platforms, version, progress), version)
 
@@ -241,13 +243,19 @@ def too_old() -> list[str]:
 
 
 def slave_inside(
-    package: str, part: NativePart, options: Mapping[str, Any], files: Sequence[Path]
+    package: str,
+    part: NativePart,
+    options: Mapping[str, Any],
+    files: Sequence[Path],
+    starts: Mapping[str, Any] | None = None,
 ) -> Inside:
     """Return the model of a package with checked build options and the files that they name."""
     with tempfile.TemporaryDirectory() as scratch:
         (Path(scratch) / "build.json").write_text(json.dumps(options))
         for file in files:
             shutil.copy(file, scratch)
+        for name, content in starts_file(starts).items():
+            (Path(scratch) / name).write_bytes(content)
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
         if slave.string or slave.courses:
             raise BadInput(f"{package}: expected no texts in a native FMU, got some")

@@ -11,7 +11,7 @@ from .fields import VENDOR
 from .quantities import base_unit, is_known
 from .requirements import PACKAGES
 from .slave import PRODUCT, SEED, FieldSlave, element_names, reserved
-from .variables import Variable
+from .variables import END, Variable
 
 AUTHOR = "the piston-cosim developers"
 COPYRIGHT = f"Copyright (c) 2026, {AUTHOR}"
@@ -48,7 +48,7 @@ def model_description(
             "needsExecutionTool": needs_tool(platforms),
             "canHandleVariableCommunicationStepSize": "true",
             "canNotUseMemoryManagementFunctions": "true",
-            "canInterpolateInputs": str(any_host and slave.interpolates_inputs).lower(),
+            "canInterpolateInputs": str(any_host).lower(),
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": str(
@@ -138,11 +138,12 @@ def _type_name(v: Variable) -> str:
     return f"{v.name}_choice"
 
 
-def needs(any_host: bool, platforms: Sequence[str]) -> dict[str, str]:
+def needs(slave: FieldSlave, any_host: bool, platforms: Sequence[str]) -> dict[str, str]:
     """Return the attributes that describe what an FMU needs of its host."""
+    inputs = {} if slave.interpolates_inputs else {"inputs": f"at the {END}"}
     if platforms:
-        return {"hosts": f"any on {', '.join(platforms)}"}
-    return {
+        return inputs | {"hosts": f"any on {', '.join(platforms)}"}
+    return inputs | {
         "hosts": "any on Linux x86-64" if any_host else "Python only",
         "python": ">=3.11",
         "packages": " ".join(PACKAGES),
@@ -157,7 +158,7 @@ def _vendor_annotations(
     If there is no front, also add the first reserved reference of each seed and product.
     """
     tool = SubElement(parent, "Tool", {"name": VENDOR})
-    node = SubElement(tool, "Needs", needs(any_host, platforms))
+    node = SubElement(tool, "Needs", needs(slave, any_host, platforms))
     if any_host or not slave.derivative_inputs:
         return
     node = SubElement(node, "DirectionalDerivative")

@@ -54,7 +54,7 @@ def model_description_3(
     for name in outputs:  # they depend on everything that is set
         SubElement(structure, "InitialUnknown", {"valueReference": str(reference[name])})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": VENDOR})
-    SubElement(annotation, "Needs", needs(True, platforms))
+    SubElement(annotation, "Needs", needs(slave, True, platforms))
     root.set("instantiationToken", content_guid(root, sums))
     return root
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from .description import AUTHOR, COPYRIGHT, LICENCE
 from .requirements import PACKAGES
 from .slave import FieldSlave
-from .variables import Variable
+from .variables import END, Variable
 
 OWN_LICENCE = Path(__file__).parents[2] / "LICENSE"
 ICON = Path(__file__).parent / "icon.png"
@@ -31,7 +31,7 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 <h2>Requirements</h2>
 <p>{needs}</p>
 <h2>Steps</h2>
-<p>The usual step is {step:g} s. Inputs of a step hold the values at its end. If a step cannot be
+<p>The usual step is {step:g} s. {inputs} If a step cannot be
 solved, the FMU discards it, logs the reason and does not change its state. States can be saved,
 restored and serialised.</p>
 {tables}
@@ -48,6 +48,11 @@ share the compiled code in PISTON_COSIM_CACHE or in the user's cache."""
 OF_ITSELF = """The FMU runs in any host on {platforms}. It is machine code and needs no Python. At
 its start it rejects choices of physics that it does not support, with a message."""
 
+READS_ENDS = f"Inputs of a step are values at the {END}."
+
+EXTRAPOLATES = """ An importer that knows only those at its beginning also sets their derivatives
+(fmi2SetRealInputDerivatives). The FMU then extrapolates them to the end."""
+
 TITLES = {
     "input": "Inputs",
     "output": "Outputs",
@@ -57,13 +62,14 @@ TITLES = {
 
 
 def documentation(
-    slave: FieldSlave, any_host: bool, platforms: Sequence[str] = ()
+    slave: FieldSlave, version: str, any_host: bool, platforms: Sequence[str] = ()
 ) -> dict[str, bytes]:
     """Return page and licences, path in the FMU to bytes.
 
     Parameters
     ----------
     slave : FieldSlave
+    version : {"2.0", "3.0"}
     any_host : bool
         Whether the FMU runs in hosts that are not Python.
     platforms : sequence of str
@@ -84,6 +90,7 @@ def documentation(
         licence=LICENCE,
         needs=needs,
         step=slave.experiment.step,
+        inputs=_of_inputs(slave, any_host and version == "2.0"),
         tables="\n".join(_table(slave.table, causality) for causality in TITLES),
     )
     licences = {"license.txt": f"{COPYRIGHT}\n\n{OWN_LICENCE.read_text()}"}
@@ -92,6 +99,13 @@ def documentation(
     return {"documentation/index.html": page.encode()} | {
         f"documentation/licenses/{name}": text.encode() for name, text in licences.items()
     }
+
+
+def _of_inputs(slave: FieldSlave, extrapolates: bool) -> str:
+    """Return when a step reads its inputs."""
+    if slave.interpolates_inputs:
+        return "The FMU interpolates its inputs by their derivatives at the beginning of a step."
+    return READS_ENDS + EXTRAPOLATES * extrapolates
 
 
 def _of_pythonfmu() -> dict[str, str]:

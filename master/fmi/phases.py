@@ -42,7 +42,9 @@ class Phase:
         return min(LONGEST_SHARE, self.elapsed / max(self.expected, 1e-3))
 
     def finish(self) -> None:
-        """Save the time per unit of work for the next phase of this name."""
+        """Save the time per unit of work, if there was any, for the next phase of this name."""
+        if not self.work:
+            return
         with suppress(OSError):
             write_whole(self.record, f"{self.elapsed / self.work:.3g}\n".encode())
 

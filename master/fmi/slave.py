@@ -40,6 +40,9 @@ COURSE, SEED, PRODUCT = "course", "seed", "product"
 """Kinds of reserved storage: derivatives of an input over a step, seed and product of a
 directional derivative."""
 
+STARTS = "start.json"
+"""Resource with start values that replace those of the table, by name."""
+
 LARGEST = sys.float_info.max
 
 
@@ -76,7 +79,8 @@ class FieldSlave(Fmi2Slave):
       fails;
     - `slow_state`: optional members of the state, `field` or `field.name`, that a run may
       extrapolate from cycle to cycle, see `state_bytes`;
-    - `interpolates_inputs`: True if `advance` reads its inputs from `course` instead of `values`;
+    - `interpolates_inputs`: True if `advance` reads its inputs from `course` instead of `values`.
+      If not, the C front extrapolates them to the end of the step;
     - `derivative_inputs`, `derivative_outputs`, `directional_derivative(seeds) -> products`:
       optional.
     """
@@ -98,7 +102,7 @@ class FieldSlave(Fmi2Slave):
         self.description = type(self).description
         self.resources: Path = Path(self.resources)
         self.options: dict[str, Any] = json.loads((self.resources / "build.json").read_text())
-        self.table: list[Variable] = self.variables(self.options)
+        self.table: list[Variable] = self._table()
         self.state: Any = None
         self.fault: str | None = None
         self.started_with: Any = None
@@ -108,6 +112,15 @@ class FieldSlave(Fmi2Slave):
         self.inputs = [v for v in self.table if v.causality == "input" and v.type != "String"]
         self.given_to_steps = [*self.inputs, *(v for v in self.table if v.tunable)]
         self._lay_out()
+
+    def _table(self) -> list[Variable]:
+        """Return the variables with the start values of the FMU's resources."""
+        table = self.variables(self.options)
+        if not self.interpolates_inputs:
+            table = [v.at_the_end() for v in table]
+        file = self.resources / STARTS
+        starts = json.loads(file.read_text()) if file.exists() else {}
+        return [v.starting(starts[v.name]) if v.name in starts else v for v in table]
 
     # methods of the participant
 

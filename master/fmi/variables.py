@@ -3,14 +3,19 @@
 They are XML, range checks, result files and axis labels.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Any
 
-from .errors import unknown
+import numpy as np
+
+from .errors import BadInput, unknown
 
 KINDS = ("parameter", "input", "constant", "output", "tunable parameter")
 """Causalities, and parameters that may change, in the order of the front (front.h)."""
+
+END = "end of the step"
+"""When a step reads its inputs, unless the model interpolates them."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,30 @@ class Variable:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.name}: expected {low:g} to {high:g}{unit}, got {value:g}{unit}"
+
+    def starting(self, value: Any) -> "Variable":
+        """Return the variable with another start value; one of a choice may be its number.
+
+        Raises
+        ------
+        BadInput
+            If the elements of an array differ, because an FMU declares one value for all of them.
+        """
+        start, *others = dict.fromkeys(np.ravel(value).tolist())
+        if others:
+            raise BadInput(
+                f"{self.name}: expected one start value for all elements, got {1 + len(others)}; "
+                "set the input after the FMU is loaded"
+            )
+        if self.choices and isinstance(start, int):
+            start = self.choices[start - 1]
+        return replace(self, start=type(self.start)(start))
+
+    def at_the_end(self) -> "Variable":
+        """Return an input whose description says when a step reads it."""
+        if self.causality != "input" or END in self.description:
+            return self
+        return replace(self, description=f"{self.description}; its value at the {END}")
 
     def number(self, value: Any) -> Any:
         """Return the stored form of a value: for a choice, its number."""

@@ -21,6 +21,10 @@ from ..fmi.cache import cache_folder, write_whole
 from ..fmi.errors import BadInput, file_fault
 
 
+NEEDS = f"VendorAnnotations/Tool[@name='{fields.VENDOR}']/Needs"
+"""Annotation of an FMU of this tool."""
+
+
 class DescribedFmu:
     """FMU for co-simulation, known by its model description.
 
@@ -48,6 +52,8 @@ class DescribedFmu:
             self._read_description()
         root = self._before_the_variables()
         self._reserved = _reserved_references(root)
+        needs = root.find(NEEDS)
+        self._reads_ends = needs is not None and "inputs" in needs.attrib
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
         self._standard_derivative = flag in ("true", "1")
@@ -108,8 +114,11 @@ class DescribedFmu:
 
     @property
     def can_interpolate(self) -> bool:
-        """True if the FMU can interpolate inputs from their derivatives."""
-        return bool(self.description.coSimulation.canInterpolateInputs)
+        """True if a step follows inputs along their derivatives.
+
+        An FMU of this tool that extrapolates them to the end of the step is none of these.
+        """
+        return bool(self.description.coSimulation.canInterpolateInputs) and not self._reads_ends
 
     @property
     def declares_units(self):
@@ -137,11 +146,10 @@ class DescribedFmu:
 
 def _reserved_references(root):
     """Return the first reserved references by field of seeds and of products, if there are any."""
-    annotation = f"VendorAnnotations/Tool[@name='{fields.VENDOR}']/Needs/DirectionalDerivative"
     first = {
         kind: {
             node.get("name"): int(node.get("valueReference"))
-            for node in root.findall(f"{annotation}/{kind.capitalize()}")
+            for node in root.findall(f"{NEEDS}/DirectionalDerivative/{kind.capitalize()}")
         }
         for kind in ("seed", "product")
     }

@@ -4,8 +4,10 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from ...api.cases import open_case
 from ...api.fmus import build_fmu
-from ..common import OutputFile, parse_grid, say, tell
+from ...fmi.errors import BadInput
+from ..common import Changes, Only, OutputFile, parse_changes, parse_grid, say, tell
 
 
 def command(
@@ -13,6 +15,8 @@ def command(
     /,
     *,
     case: str = "numerical_example",
+    set_: Changes = [],
+    only: Only = None,
     grid: str | None = None,
     output: OutputFile | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
@@ -30,7 +34,11 @@ def command(
     source
         Name of the participant in the case, ehd or bodies, or model class FILE.py:CLASS.
     case
-        Case whose build options the FMU uses.
+        Case whose build options and values the FMU has.
+    set_
+        Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
+    only
+        Variant of the case. Default: the case itself.
     grid
         Number of cells, CIRCUMFERENTIALxAXIAL. Default: the grid of the case, or 40x40.
     output
@@ -43,12 +51,15 @@ def command(
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
         aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
-    name = {"mfbd": "bodies"}.get(source, source)
-    sources = (case, name)
     if ".py" in source:
-        sources, grid = (source,), grid or "40x40"
+        if set_ or only:
+            raise BadInput("--set, --only: expected a participant of a case, got a single file")
+        origin, grid = (source,), grid or "40x40"
+    else:
+        changed = open_case(case, dict(parse_changes(set_)), only)
+        origin = changed, {"mfbd": "bodies"}.get(source, source)
     made = build_fmu(
-        *sources,
+        *origin,
         output=output,
         options={"grid": parse_grid(grid)} if grid else {},
         fmi=fmi,

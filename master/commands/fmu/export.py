@@ -4,16 +4,16 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from ...api.cases import open_case
 from ...api.fmus import compile_code
 from ...case.checked import check_case
 from ...case.export import experiment_ahead, export_fmu
 from ...case.given import build_options
-from ...case.reading import find_case, read_tree
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
 from ...fmi.errors import BadInput
-from ..common import Changes, OutputFile, parse_changes, say, tell
+from ..common import Changes, Only, OutputFile, parse_changes, say, tell
 
 
 def command(
@@ -21,6 +21,7 @@ def command(
     /,
     *,
     set_: Changes = [],
+    only: Only = None,
     output: OutputFile,
     fmi: Literal["2.0", "3.0"] = "2.0",
     native: Annotated[bool, Parameter(negative=())] = False,
@@ -41,6 +42,8 @@ def command(
         Name of a case, its folder or its file.
     set_
         Change of the case, KEY=VALUE; repeatable.
+    only
+        Variant of the case. Default: the case itself.
     output
         File to write. The suffix .ssp selects an SSP.
     fmi
@@ -53,8 +56,8 @@ def command(
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
         aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
     """
-    path = find_case(case)
-    tree = read_tree(path, parse_changes(set_))
+    opened = open_case(case, dict(parse_changes(set_)), only)
+    tree, path = opened.tree, opened.path
     checked = check_case(tree, path)
     if output.suffix == ".ssp":
         if native:

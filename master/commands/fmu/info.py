@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from ...case.keys import range_of
+from ...fmi.variables import END
 from ...participants.open import open_fmu
 from ..common import tell, wide_console
 
@@ -69,6 +70,11 @@ def summary(participant, fmu):
     }
     shown = (f"{name}: {'yes' if able else 'no'}" for name, able in abilities.items())
     yield f"abilities  {', '.join(shown)}"
+    inputs = [f for f in fields if f.causality == "input"]
+    if any(END in field.description for field in inputs):
+        derivatives = getattr(model.coSimulation, "canInterpolateInputs", False)
+        known = "; input derivatives extrapolate them to it" if derivatives else ""
+        yield f"inputs     values at the {END}{known}"
     for head, causality in (("connect", "input"), ("", "output"), ("set", "parameter")):
         yield f"{head:10s} {_listed([f for f in fields if f.causality == causality], causality)}"
     yield "details    --all prints all variables"
@@ -100,7 +106,7 @@ def print_table(fields):
             "x".join(map(str, field.shape)),
             field.unit,
             field.start or "",
-            range_of(field),
+            ", ".join(f"{k} {name}" for name, k in field.choices.items()) or range_of(field),
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
         )

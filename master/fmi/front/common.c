@@ -257,6 +257,7 @@ static int list_causalities(Instance *I)
 static void release(Instance *I)
 {
     slave_free(I);
+    free(I->rate);
     free(I->causality);
     free(I->name);
     free(I->resources);
@@ -299,6 +300,8 @@ int front_reset(Instance *I)
     I->phase = INSTANTIATED;
     I->reached = 0.0;
     I->stop = INFINITY;
+    free(I->rate);
+    I->rate = NULL;
     return slave_reset(I);
 }
 

@@ -85,10 +85,30 @@ EXPORT int fmi2EnterInitializationMode(Instance *I) { return front_enter(I, __fu
 EXPORT int fmi2ExitInitializationMode(Instance *I) { return front_leave(I, __func__); }
 EXPORT int fmi2Terminate(Instance *I) { return front_terminate(I, __func__); }
 
+enum { HIGHEST = 3 };                       /* order of an input derivative */
+
+/* Eq. (Y1): move the inputs along their derivatives to the end of a step, where the slave reads them. */
+static void extrapolate(Instance *I, double step)
+{
+    const double *first = I->rate, *second = first + I->reals, *third = second + I->reals;
+    memcpy(I->rate + HIGHEST * I->reals, I->real, (size_t)I->reals * sizeof *first);
+    for (int64_t k = 0; k < I->reals; k++)
+        if (first[k] || second[k] || third[k])
+            I->real[k] += step * (first[k] + step / 2.0 * (second[k] + step / 3.0 * third[k]));
+}
+
 EXPORT int fmi2DoStep(Instance *I, double time, double step, int keeps_no_state)
 {
     (void)keeps_no_state;
-    return front_step(I, __func__, time, step);
+    if (I->rate)
+        extrapolate(I, step);
+    int status = front_step(I, __func__, time, step);
+    for (int64_t k = 0; I->rate && status > WARNING && k < I->reals; k++)
+        if (I->causality[k] == INPUT)
+            I->real[k] = I->rate[HIGHEST * I->reals + k];
+    free(I->rate);
+    I->rate = NULL;
+    return status;
 }
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */
@@ -133,19 +153,25 @@ EXPORT int fmi2GetString(Instance *I, const Reference *vr, size_t count, const c
     return status == OK ? slave_get_texts(I, vr, count, value) : status;
 }
 
-/* Set the derivatives of inputs at the beginning of the next step, which the slave then interpolates. */
+/* Set derivatives of inputs at the beginning of the next step. A slave interpolates its courses. Other inputs are
+   extrapolated. */
 EXPORT int fmi2SetRealInputDerivatives(Instance *I, const Reference *vr, size_t count, const int *order, const double *value)
 {
-    enum { HIGHEST = 3 };
     for (size_t k = 0; k < count; k++) {
         const Block *b = I->course, *end = b + I->courses;
         while (b < end && (vr[k] < b->first || vr[k] >= b->first + b->size))
             b++;
-        if (b == end || order[k] < 1 || order[k] > HIGHEST) {
+        int is_known = order[k] >= 1 && order[k] <= HIGHEST && (int64_t)vr[k] < I->reals && I->causality[vr[k]] == INPUT;
+        if (is_known && b == end && !I->rate)
+            I->rate = calloc((HIGHEST + 1) * (size_t)I->reals, sizeof *I->rate);
+        if (!is_known || (b == end && !I->rate)) {
             front_log(I, ERROR, "%s: no derivative of order %d for value reference %u", __func__, order[k], vr[k]);
             return ERROR;
         }
-        I->real[b->reserved + (order[k] - 1) * b->size + vr[k] - b->first] = value[k];
+        if (b < end)
+            I->real[b->reserved + (order[k] - 1) * b->size + vr[k] - b->first] = value[k];
+        else
+            I->rate[(order[k] - 1) * I->reals + vr[k]] = value[k];
     }
     return OK;
 }

@@ -36,6 +36,7 @@ typedef struct Instance {
     Block *course, *seed, *product;         /* a course: consecutive derivatives of an input, up to the third */
     Entry *variable;
     unsigned char *causality;               /* by value references of FMI 2 */
+    double *rate;                           /* owned: derivatives of reals by order, then the reals; NULL if none is set */
 } Instance;
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* numbers of statuses in both standards */
