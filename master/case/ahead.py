@@ -73,7 +73,7 @@ def faults_ahead(case, folder):
     known = ahead(case, folder)
     declared, parameters, faults = known
     check_sources(case.wires, faults)
-    _declared_wires(case, declared, faults)
+    declared_wires(case, declared, faults)
     faults += symmetry_faults(case, folder, known)
     for name, table in case.participants.items():
         if fault := missing_file(table, folder):
@@ -91,8 +91,8 @@ def reject_asymmetry(case: Any, folder: Path) -> None:
         raise BadInput(faults)
 
 
-def _declared_wires(case, declared, faults):
-    """Return the wires of real numbers between declared participants; append faults."""
+def declared_wires(case, declared, faults):
+    """Return the wires of real numbers between these participants; append faults."""
     joined = [
         wire_of(table, declared, case.coupling, faults)
         for table in case.wires
@@ -107,7 +107,7 @@ def run_ahead(case, folder):
     The clock is None if the variables of the participant with the angular speed are not declared.
     """
     declared, parameters, ignored = ahead(case, folder)
-    wires = _declared_wires(case, declared, ignored)
+    wires = declared_wires(case, declared, ignored)
     turning = case.time.angular_speed
     if turning and port_of(turning)[0] not in declared:
         return None, wires

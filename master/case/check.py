@@ -15,7 +15,7 @@ from .contract import given_by_others
 from .reading import find_case, read_tree
 from .schema import Case
 from .symmetry import groups
-from .system import open_system
+from .system import open_finished, open_system
 
 if TYPE_CHECKING:
     from ..coupling.loops import Loop
@@ -94,6 +94,8 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         lines = [f"participants.{owner}, {line}" for line in one.faults]
         faults += [line for line in lines if line not in faults]
     faults += _disagreements(case, declared, previews)
+    if not faults:
+        open_finished(case, folder, declared, faults)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     remarks += [
         f"{claim}: the symmetry of {', '.join(group.unknown)} is not known; the check after a run "

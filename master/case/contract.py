@@ -5,7 +5,7 @@ The check covers names, units, shapes and capabilities.
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,15 +14,22 @@ from ...models import MODELS
 from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, for_all, names_of, unknown
 from ..participants.open import open_fmu
+from .keys import part_function
 from .tables import reduced
 
 CONTRACT = MODELS / "lubrication_contract.toml"
 
-CAPABILITIES = (
-    "canHandleVariableCommunicationStepSize",
-    "canGetAndSetFMUstate",
-    "canSerializeFMUstate",
-)
+CAPABILITIES = {
+    "canSerializeFMUstate": "a run saves no checkpoints",
+    "canHandleVariableCommunicationStepSize": "a macro step that fails is not halved",
+}
+"""Capabilities that a run can do without, and the consequence."""
+
+OF_PYTHONFMU = {
+    "canGetAndSetFMUstate": "; build it with `pythonfmu build --handle-state`",
+    "canSerializeFMUstate": "; `pythonfmu build --serialize-state` adds it",
+}
+"""Options of pythonfmu that add a capability."""
 
 Variables = dict[str, dict[str, str]]
 """Shape ("field", "scalar") -> name -> unit."""
@@ -33,11 +40,13 @@ class Role:
     """Requirements of the contract for an FMU in one role; see the head of the contract."""
 
     participant: str
+    package: str
     parameters: dict[str, str]
     inputs: Variables
     outputs: Variables
     reported: Variables
     model_parameter: str | None = None
+    grids: dict[str, str] = field(default_factory=dict)
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
@@ -240,7 +249,11 @@ def check_fmu(path: Path) -> tuple[str, list[str], list[str]]:
         wanted = names_of(contract())
         raise BadInput(f"{path}: expected the outputs of {wanted}, got others")
     terms = contract()[role]
-    breaches, remarks = _capabilities(participant)
+    units = in_contract_units(participant, role)
+    breaches, remarks = unable_to_iterate(participant), _capabilities(participant)
+    if units:
+        listed = ", ".join(f"{name} [{unit}]" for name, unit in units)
+        remarks.append(f"no unit, so that of the contract: {listed}")
     surfaces = surfaces_of(participant, role) or [""]
     _compare(participant, {"scalar": _named(terms, surfaces)}, ("local", "parameter"), breaches)
     for side, causalities in ((terms.inputs, ("input", "parameter")), (terms.outputs, ("output",))):
@@ -278,25 +291,66 @@ def _compare(participant, terms, causalities, faults):
             field = participant.fields.get(name)
             if field is None or field.causality not in causalities:
                 faults.append(f"{name}: expected a {' or '.join(causalities)} [{unit}], got none")
-            elif field.unit != unit and participant.declares_units:
+            elif field.unit != unit:
                 faults.append(f"{name}: expected unit {unit}, got {field.unit}")
             elif (len(field.shape) == 2) != (shape == "field"):
                 faults.append(f"{name}: expected a {shape}, got shape {field.shape}")
 
 
-def _capabilities(participant):
-    """Return breaches and remarks about the capabilities of the FMU."""
+def unable_to_iterate(participant: Any) -> list[str]:
+    """Return why an FMU cannot take part, if its steps cannot be repeated."""
     can = participant.description.coSimulation
-    breaches = [
-        f"{flag}: expected true, got false" for flag in CAPABILITIES if not getattr(can, flag)
+    flag = "canGetAndSetFMUstate"
+    hint = _hint(participant, flag)
+    return [] if getattr(can, flag) else [f"{flag}: expected true, got false{hint}"]
+
+
+def _hint(participant, flag):
+    """Return how an FMU of pythonfmu gets a capability; empty for others."""
+    tool = participant.description.generationTool or ""
+    return OF_PYTHONFMU.get(flag, "") if tool.lower().startswith("pythonfmu") else ""
+
+
+def _capabilities(participant):
+    """Return remarks about missing capabilities of the FMU."""
+    can = participant.description.coSimulation
+    remarks = [
+        f"{flag}: false, so {consequence}{_hint(participant, flag)}"
+        for flag, consequence in CAPABILITIES.items()
+        if not getattr(can, flag)
     ]
-    remarks = (
-        []
-        if participant.has_derivatives
-        else ["no directional derivative: formed by repeated steps"]
-    )
-    remarks += [] if participant.declares_units else ["no units: taken to be SI"]
-    return breaches, remarks
+    if not participant.has_derivatives:
+        remarks.append("no directional derivative: formed by repeated steps")
+    return remarks
+
+
+def in_contract_units(participant: Any, role: str | None) -> list[tuple[str, str]]:
+    """Give the variables of an FMU without a unit those of the contract's package.
+
+    Parameters
+    ----------
+    participant : Participant
+        Its `fields` are replaced.
+    role : str or None
+        Role in the contract. Participants of other roles do not change.
+
+    Returns
+    -------
+    list of (str, str)
+        Name and unit of the variables that had none.
+    """
+    if role not in contract():
+        return []
+    declared = part_function(contract()[role].package, "declared_variables")
+    units = {v.name: v.unit for v in declared(None, Path())} if declared else {}
+    fields = participant.fields
+    added = [
+        (name, units[name])
+        for name, field in fields.items()
+        if field.type == "Real" and field.unit == "1" and units.get(name, "1") != "1"
+    ]
+    fields.update({name: replace(fields[name], unit=unit) for name, unit in added})
+    return added
 
 
 def swap_all(
@@ -334,7 +388,7 @@ def _swapped(trees, role, texts, say):
     common = trees
     for name, model, fmu in for_all(model_of, texts):
         pairs = {
-            label: swap(tree, name, fmu) if fmu else (_set(tree, name, parameter, model), [])
+            label: swap(tree, name, fmu, say) if fmu else (_set(tree, name, parameter, model), [])
             for label, tree in trees.items()
         }
         if left_out := next(iter(pairs.values()))[1]:
@@ -391,11 +445,14 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object
     return Path(model)
 
 
-def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
+def swap(
+    tree: dict, name: str, path: Path, say: Callable[[str], object] = lambda text: None
+) -> tuple[dict, list[str]]:
     """Return a case's TOML tree with an FMU that replaces participant `name`.
 
     Keys that refer to variables which the FMU lacks are removed: parameters, recorded fields,
-    pictures, summary and monitor entries. All studies are removed.
+    pictures, summary, monitor and window entries. All studies are removed. The body of a film has
+    the grid of the film's fields, see `Role.grids`; `say` is called if that is another one.
 
     Returns
     -------
@@ -405,6 +462,7 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
         Removed keys.
     """
     fields = open_fmu(name, path).fields
+    tree = _with_grid_of(tree, name, fields, say)
     left_out: list[str] = []
 
     def known(port):
@@ -439,6 +497,11 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
             "fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))
         },
         "summary": kept_reductions("summary"),
+        "window": {
+            text: limits
+            for text, limits in tree.get("window", {}).items()
+            if text in kept("window", {text: reduced(text).port})
+        },
         "studies": {},  # they compare runs of the case's own FMU
         "monitor": kept_reductions("monitor"),
         "pictures": [
@@ -450,13 +513,35 @@ def swap(tree: dict, name: str, path: Path) -> tuple[dict, list[str]]:
     return swapped, left_out
 
 
+def _with_grid_of(tree, name, fields, say):
+    """Return the tree with a body on the grid of an FMU that replaces its film."""
+    role = next((one for one in contract() if name in players(tree, one)), None)
+    other = interface(tree.get("wires", ()), name, role) if role else None
+    body = tree["participants"][other.owner] if other else {}
+    key = contract()[role].grids.get(other.surface) if other and body.get("package") else None
+    shapes = {list(contract()[role].inputs["field"])[0]} & fields.keys() if key else ()
+    for grid in (list(fields[one].shape) for one in shapes):
+        build = body.get("build", {})
+        if build.get(key) == grid:
+            continue
+        say(f"participants.{other.owner}.build.{key} = {grid}: the grid of {name}'s FMU")
+        changed = body | {"build": build | {key: grid}}
+        tree = tree | {"participants": tree["participants"] | {other.owner: changed}}
+    return tree
+
+
 def _picture(picture, known, left_out):
-    """Return a picture with the existing curves and fields; None if it has none."""
+    """Return a picture with the existing curves and fields.
+
+    Returns None if it has none, or if its horizontal axis or the output of its instant is missing.
+    """
+    x, (kind, marker) = picture.get("x"), reduced(picture.get("time", ""))
+    needed = [port for port in (x, marker if kind in ("min", "max") else None) if port]
     curves = [[port for port in panel if known(port)] for panel in picture.get("y", [])]
     shown = [port for port in picture.get("fields", []) if known(port)]
     lost = [
         port
-        for port in [*picture.get("fields", []), *sum(picture.get("y", []), [])]
+        for port in [*picture.get("fields", []), *sum(picture.get("y", []), []), *needed]
         if not known(port)
     ]
     left_out.extend(f"pictures.{picture['file']}: {port}" for port in lost)
@@ -466,4 +551,4 @@ def _picture(picture, known, left_out):
         | ({"fields": shown} if shown else {})
     )
     nothing = not any(curves) and not shown
-    return None if nothing or picture.get("x") and not known(picture["x"]) else whole
+    return whole if all(map(known, needed)) and not nothing else None

@@ -9,10 +9,11 @@ from ..participants.open import open_fmu
 from ..participants.plugins import made
 from ..participants.table import TableParticipant
 from .ahead import missing_file
+from .contract import in_contract_units
 from .values import value_of
 
 
-def open_participant(name, case, build, folder, progress, native):
+def open_participant(name, case, build, folder, progress=lambda text: None, native=False):
     table = case.participants[name]
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
@@ -25,6 +26,7 @@ def open_participant(name, case, build, folder, progress, native):
     opened = open_with()
     if sizes := _sizes(opened, table.parameters):
         opened = open_with(sizes)
+    in_contract_units(opened, table.role)
     timeout = duration("timeout", table.timeout)
     if not table.isolated:
         return opened

@@ -9,8 +9,16 @@ from ..coupling.work import conjugates
 from ..fmi.errors import BadInput, collecting
 from ..participants.plugins import plugin
 from ..participants.substeps import Substeps
-from .ahead import ahead, angular_speed, check_ports, check_time, faults_ahead
-from .contract import starting_order
+from .ahead import (
+    Ahead,
+    ahead,
+    angular_speed,
+    check_ports,
+    check_time,
+    declared_wires,
+    faults_ahead,
+)
+from .contract import contract, starting_order, unable_to_iterate
 from .given import build_options, masks
 from .inputs import check_fixed, interpolating, slopes, with_one_way
 from .machine_code import native_choice
@@ -48,20 +56,21 @@ def open_system(
     faults = faults_ahead(case, folder)
     if faults:
         raise BadInput(faults)
-    participants = {}
-    native, _ = native_choice(case, folder, ahead(case, folder).parameters)
+    declared = ahead(case, folder)
+    finished = open_finished(case, folder, declared, faults, own)
+    if faults:
+        raise BadInput(faults)
+    native, _ = native_choice(case, folder, declared.parameters)
     if case.native:
         from ..fmi.builder_native import compile_ahead
 
         compile_ahead([case.participants[name].package for name in sorted(native)], progress)
     builds = build_options(case, folder, progress)
+    participants = {}
     for name in case.participants:
         with collecting(faults, f"participants.{name}."):
-            make = (own or {}).get(name)
-            participants[name] = (
-                make()
-                if make
-                else open_participant(name, case, builds[name], folder, progress, name in native)
+            participants[name] = finished.get(name) or open_participant(
+                name, case, builds[name], folder, progress, name in native
             )
     if faults:
         raise BadInput(faults)
@@ -114,6 +123,36 @@ def open_system(
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, angular_speed(case, parameters)),
     )
+
+
+def open_finished(
+    case: Any,
+    folder: Path,
+    declared: Ahead,
+    faults: list[str],
+    own: Mapping[str, Callable[[], Any]] | None = None,
+) -> dict[str, Any]:
+    """Return the participants that need no build, by name; append every fault of them.
+
+    They are compared with the variables that the others declare, before any body is reduced.
+    """
+    opened = {}
+    for name, table in case.participants.items():
+        make = (own or {}).get(name)
+        if make is None and (table.package or table.file):
+            continue
+        with collecting(faults, f"participants.{name}."):
+            opened[name] = make() if make else open_participant(name, case, {}, folder)
+            given_values(opened[name], table.parameters, faults)
+            if table.fmu and table.role in contract():
+                faults += [
+                    f"participants.{name}.{line}" for line in unable_to_iterate(opened[name])
+                ]
+    known = declared.participants | opened
+    declared_wires(case, known, faults)
+    if opened and known.keys() == case.participants.keys():
+        check_ports(case, known, faults)
+    return opened
 
 
 def _check_plugins(case, faults):

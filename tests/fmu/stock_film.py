@@ -21,7 +21,8 @@ class StockFilm(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         constants = {"n_circumferential": CELLS[0], "n_axial": CELLS[1], "contract_version": 2}
-        self.values = dict(constants)
+        self.values = constants | {"viscosity": 0.012}
+        self._register(Real, "viscosity", Fmi2Causality.parameter, Fmi2Variability.fixed)
         for name in constants:
             self._register(Integer, name, Fmi2Causality.parameter, Fmi2Variability.fixed)
         for name, causality, start in (
@@ -60,7 +61,9 @@ class StockFilm(Fmi2Slave):
         for cell in NAMES:
             film = max(v["film_thickness" + cell], 1e-6)
             squeeze = (v["film_thickness" + cell] - v["before" + cell]) / step
-            pressure = max(-1.2 * 0.012 * squeeze * 13.5e-3**2 / film**3, 0.0)
+            pressure = max(-1.2 * v["viscosity"] * squeeze * 13.5e-3**2 / film**3, 0.0)
             v["nodal_pressure_force" + cell] = pressure * AREA
-            v["nodal_friction_force" + cell] = -0.012 * v["sliding_velocity" + cell] / film * AREA
+            v["nodal_friction_force" + cell] = (
+                -v["viscosity"] * v["sliding_velocity" + cell] / film * AREA
+            )
             v["before" + cell] = v["film_thickness" + cell]

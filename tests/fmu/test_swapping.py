@@ -140,20 +140,39 @@ def test_a_run_takes_a_model_class_or_its_file(template, tmp_path, monkeypatch):
         main()
 
 
-def test_fmu_of_stock_pythonfmu_runs_the_numerical_example(tmp_path):
-    """No units, nominals or derivatives, and a state that pythonfmu keeps variable by variable."""
-    fmu = FmuBuilder.build_FMU(
-        HERE / "stock_film.py",
-        dest=tmp_path / "stock.fmu",
-        canGetAndSetFMUstate=True,
-        canSerializeFMUstate=True,
-    )
+STATES = (
+    "canGetAndSetFMUstate: expected true, got false; build it with `pythonfmu build --handle-state`"
+)
+
+
+def test_a_film_of_stock_pythonfmu_runs_at_the_first_attempt(tmp_path, monkeypatch):
+    """It has no units, nominals or derivatives, and another grid than the case.
+
+    Its state is kept variable by variable. Without saved states, check and run reject it alike, and
+    the run does so before a body is built.
+    """
+    built = FmuBuilder.build_FMU
+    fmu = built(HERE / "stock_film.py", dest=tmp_path / "stock.fmu", canGetAndSetFMUstate=True)
     role, breaches, remarks = check_fmu(fmu)
-    assert (role, breaches) == ("lubrication", []) and "no units: taken to be SI" in remarks
-    results, _ = run_with(fmu, tmp_path, QUASI_NEWTON)
+    assert (role, breaches) == ("lubrication", [])
+    assert any("no unit" in line and "film_thickness [m]" in line for line in remarks)
+    names = [f"ehd.{name}" for name in ("film_thickness", "sliding_velocity", "nodal_friction_force")]
+    changes = coarse(*QUASI_NEWTON, ("time.stop", "20 deg"), ("record.fields", names), grid=(16, 8))
+    case = pc.open_case("numerical_example", dict(changes), "rigid")
+    results = case.run(tmp_path / "run.h5", lubrication=fmu)
     converged(results.summary)
     assert results.summary["derivative_products"] == 0
     assert np.ptp(results.series("bodies.lateral_displacement")[0]) > 1e-8
+    film, speed, friction = (results.dataset(name)[-1] for name in names)
+    assert film.shape == CELLS
+    area = 27e-3 / CELLS[1] * 2 * np.pi * 28.25e-3 / CELLS[0]
+    # the 6 mPa s of the case, in the unit that the FMU does not declare; 3 products round
+    np.testing.assert_allclose(friction, -6e-3 * speed / film * area, rtol=1e-12)
+    plain = built(HERE / "stock_film.py", dest=tmp_path / "plain.fmu")
+    assert check_fmu(plain)[1] == [STATES]
+    monkeypatch.setattr("piston_cosim.fmu_mfbd.build.prepare", None)
+    with pytest.raises(BadInput, match=re.escape(STATES)):
+        case.run(tmp_path / "plain.h5", lubrication=plain)
 
 
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
@@ -175,11 +194,11 @@ def described(fmu, path, **words):
 
 
 def test_check_lists_every_breach(fmu, tmp_path):
-    states = {'canSerializeFMUstate="true"': 'canSerializeFMUstate="false"'}
+    states = {'canGetAndSetFMUstate="true"': 'canGetAndSetFMUstate="false"'}
     words = {'name="sliding_velocity[': 'name="slide[', 'name="contract_version"': 'name="version"'}
     _, breaches, _ = check_fmu(described(fmu, tmp_path / "wrong.fmu", **states, **words))
     assert len(breaches) == 3
-    assert any("canSerializeFMUstate" in b for b in breaches)
+    assert any("canGetAndSetFMUstate" in b for b in breaches)
     assert any(b.startswith("sliding_velocity") for b in breaches)
     words = "expected the outputs of one of lubrication, bodies, got others"
     with pytest.raises(BadInput, match=words):
@@ -199,6 +218,10 @@ def test_dry_contact_pushes_only_where_the_gap_is_closed():
     fmu = build_fmu_of_file(f"{TEMPLATE.parent}/dry_contact.py:DryContact", {"grid": list(CELLS)})
     assert validate_fmu(str(fmu)) == []
     assert check_fmu(fmu)[:2] == ("lubrication", [])
+    tree, left_out = swap(read_tree(PATH.parents[1] / "data_sheet/case.toml"), "ehd", fmu)
+    # the instant of maps.png is that of the maximum pressure, which this FMU lacks
+    assert "pictures.maps.png: ehd.maximum_pressure" in left_out
+    assert [picture["file"] for picture in tree["pictures"]] == ["motion.png"]
     participant = FmuParticipant("dry", fmu)
     gap = np.full(CELLS, 2e-5)
     gap[3, 4] = 0.0  # 1 um of overlap
