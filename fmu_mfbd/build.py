@@ -33,7 +33,7 @@ from .dynamics.build_options import (
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, check_modes, read_start
 from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
-from .geometry.grid import film_rows
+from .geometry.grid import cell_centres, film_rows
 from .geometry.profile import BoreOrder, MeasuredShape
 from .options import BearingShell, Bodies, Build, Gas, SmallEnd, Speed, read_options
 from .reducing import Say, reduced_shell, reducing
@@ -93,6 +93,33 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     modes = build.piston.most_modes() + build.block.most_modes()
     ahead = options_ahead(build, NO_TABLES)
     return signals(replace(ahead, piston=replace(ahead.piston, modes=modes)))
+
+
+def on_grid(options: dict[str, Any], key: str, grid: tuple[int, int]) -> dict[str, Any]:
+    """Return a build table on the grid of a given film, with at most the modes that it resolves.
+
+    Parameters
+    ----------
+    options : dict
+        Build table of a case.
+    key : str
+        Its option with the grid.
+    grid : (int, int)
+    """
+    from .reduction.smooth_prior import ALONG, pattern_count  # slow to import
+
+    around, along = grid
+    changed = options | {key: [around, along]}
+    for name, kind, surface in (("piston", Piston, "skirt"), ("block", Block, "bore")):
+        body = {key: one.default for key, one in kind.model_fields.items()} | options.get(name, {})
+        rows = along if name == "piston" else body["stations"]
+        lines = cell_centres(around, rows, 0.0, 1.0)
+        patterns = pattern_count(*lines, ALONG[surface], body["symmetric_film"])
+        most = {"pressure_modes": around * rows - 2, "smooth_pressure_modes": patterns}
+        limit = most.get(body["basis"])
+        if limit and isinstance(body["modes"], int) and body["modes"] > limit:
+            changed[name] = options[name] | {"modes": limit}
+    return changed
 
 
 def options_ahead(build: Build, tables: Tables) -> BuildOptions:

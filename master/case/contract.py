@@ -522,12 +522,24 @@ def _with_grid_of(tree, name, fields, say):
     shapes = {list(contract()[role].inputs["field"])[0]} & fields.keys() if key else ()
     for grid in (list(fields[one].shape) for one in shapes):
         build = body.get("build", {})
-        if build.get(key) == grid:
+        on_grid = part_function(body["package"], "on_grid")
+        if on_grid is None or build.get(key) == grid:
             continue
-        say(f"participants.{other.owner}.build.{key} = {grid}: the grid of {name}'s FMU")
-        changed = body | {"build": build | {key: grid}}
-        tree = tree | {"participants": tree["participants"] | {other.owner: changed}}
+        changed = on_grid(build, key, grid)
+        lines = ", ".join(_changes(build, changed, f"participants.{other.owner}.build"))
+        say(f"{lines}: the grid of the FMU of {name}")
+        body = body | {"build": changed}
+        tree = tree | {"participants": tree["participants"] | {other.owner: body}}
     return tree
+
+
+def _changes(old, new, before):
+    """Yield the values of a table that differ from an older one."""
+    for key, value in new.items():
+        if isinstance(value, dict):
+            yield from _changes(old.get(key, {}), value, f"{before}.{key}")
+        elif old.get(key) != value:
+            yield f"{before}.{key} = {value}"
 
 
 def _picture(picture, known, left_out):

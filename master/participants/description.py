@@ -20,7 +20,6 @@ from ..fmi.archive import check_archive
 from ..fmi.cache import cache_folder, write_whole
 from ..fmi.errors import BadInput, file_fault
 
-
 NEEDS = f"VendorAnnotations/Tool[@name='{fields.VENDOR}']/Needs"
 """Annotation of an FMU of this tool."""
 

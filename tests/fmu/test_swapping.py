@@ -156,7 +156,9 @@ def test_a_film_of_stock_pythonfmu_runs_at_the_first_attempt(tmp_path, monkeypat
     role, breaches, remarks = check_fmu(fmu)
     assert (role, breaches) == ("lubrication", [])
     assert any("no unit" in line and "film_thickness [m]" in line for line in remarks)
-    names = [f"ehd.{name}" for name in ("film_thickness", "sliding_velocity", "nodal_friction_force")]
+    names = [
+        f"ehd.{name}" for name in ("film_thickness", "sliding_velocity", "nodal_friction_force")
+    ]
     changes = coarse(*QUASI_NEWTON, ("time.stop", "20 deg"), ("record.fields", names), grid=(16, 8))
     case = pc.open_case("numerical_example", dict(changes), "rigid")
     results = case.run(tmp_path / "run.h5", lubrication=fmu)
