@@ -58,6 +58,7 @@ def thaw(stepper: Stepper, data: bytes) -> None:
     """
     states, past, memory, control = unpack(data, remembered(stepper))
     others = {type(memory), type(control)} != {type(stepper.memory), type(stepper.control)}
+    others |= {x.shape for _, x in past} != {(stepper.interface.size,)}
     if others or states.keys() != stepper.interface.participants.keys():
         raise NotPlain("it is of other participants or of another method")
     stepper.predictor.past = past

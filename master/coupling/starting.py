@@ -1,5 +1,6 @@
 """How participants start together, and are closed."""
 
+import warnings
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -156,10 +157,12 @@ class Start:
 
 
 @contextmanager
-def closing(participants: Iterable[Participant]) -> Generator[None, None, None]:
+def closing(
+    participants: Iterable[Participant], say: Callable[[str], object] = warnings.warn
+) -> Generator[None, None, None]:
     """Close all participants at the end.
 
-    A fault during closing is raised after all are closed, unless another one came before.
+    Report those that fail to close after all are closed, unless another fault came before.
     """
     faults: list[ParticipantFault] = []
     try:
@@ -170,5 +173,5 @@ def closing(participants: Iterable[Participant]) -> Generator[None, None, None]:
                 participant.close()
             except ParticipantFault as fault:
                 faults.append(fault)
-    if faults:
-        raise faults[0]
+    for fault in faults:
+        say(str(fault))

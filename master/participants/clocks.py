@@ -195,7 +195,7 @@ class ClockedFmu3(Fmu3Participant):
         for _ in range(LARGEST_ITERATION):
             self._read_ticks(active)
             self._ask_intervals()
-            again, end, *_ = self._fmu.updateDiscreteStates()
+            again, end = self._update_discrete_states()
             active = ()
             if end or not again:
                 self._ask_intervals()

@@ -3,6 +3,7 @@
 import ctypes
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from math import inf, nextafter
 
 import fmpy
 import numpy as np
@@ -22,6 +23,17 @@ WHOLE = 1e-9
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
+
+
+def step_within(time, step, stop):
+    """Return a step [s] that does not end beyond the stop time by round-off.
+
+    Longer steps, which trials take, do not change.
+    """
+    if not 0.0 < time + step - stop <= WHOLE * step:
+        return step
+    step = stop - time
+    return step if time + step <= stop else nextafter(step, 0.0)
 
 
 class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
@@ -58,6 +70,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         }
         self._begun = False
         self._broken = False
+        self._stop = inf
         self.ended = ""
 
     def _reserved_field(self, name, first):
@@ -72,9 +85,11 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """
         guard_exit(self)
         self.started_with = parameters, start_time, stop_time
+        self._stop = stop_time
         self.log.clear()
         self._forget_inputs()
         self._begun = self._broken = False
+        self._fatal.discard(self.folder)
         with self._raise_logged():
             self._instantiate(start_time, stop_time)
             self._configure()
@@ -110,6 +125,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         try:
             yield
         except Exception as error:
+            if getattr(error, "status", None) == fmi2.fmi2Fatal:
+                self._fatal.add(self.folder)
             raise self._logged_error() or BadInput(
                 f"participants.{self.name}: expected a start, got {error}{self._hint}"
             ) from error
@@ -169,13 +186,21 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """
         self.log.clear()
         self.ended = ""
+        if time + step > self._stop:
+            step = step_within(time, step, self._stop)
         self._last_step = (time, step)
         try:
             self._do_step(time, step)
         except FMICallException as failure:
             text = self._message(failure)
-            if failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+            if failure.status == fmi2.fmi2Pending:
+                with suppress(FMICallException, AttributeError):
+                    self._call("fmi2CancelStep")
                 self._broken = True
+                text = "expected a complete step, got fmi2Pending; asynchronous FMUs do not work"
+            elif failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+                self._broken = True
+            if self._broken:
                 raise ParticipantFault(f"{self.name}: {text}") from None
             if self._wants_to_end():
                 self._end(self._reached(time), time + step, step)
@@ -231,7 +256,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self._call("fmi2SetFMUstate", saved)
 
     def free(self, saved):
-        self._call("fmi2FreeFMUstate", ctypes.byref(saved))
+        if self.folder not in self._fatal:
+            self._call("fmi2FreeFMUstate", ctypes.byref(saved))
 
     def serialise(self, saved):
         """Return the saved state as bytes."""
@@ -300,21 +326,22 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """Terminate and free the instance, as far as the standard allows.
 
         An instance that was not created needs neither. One that has not started or has failed
-        must not be terminated. Raises `ParticipantFault` with the FMU's message if termination
-        fails.
+        must not be terminated. After fmi2Fatal nothing is called. Raises `ParticipantFault` with
+        the FMU's message if termination fails.
         """
         fmu, self._fmu = self._fmu, None
         if fmu is None:
             return
         self.log.clear()
+        is_dead = self.folder in self._fatal
         try:
-            if self._begun and not self._broken:
+            if self._begun and not self._broken and not is_dead:
                 fmu.terminate()
         except FMICallException as failure:
             words = self._message(failure)
             raise ParticipantFault(f"{self.name}: at its end: {words}") from None
         finally:
-            if fmu.component:
+            if fmu.component and not is_dead:
                 fmu.freeInstance()
             else:
                 fmu.freeLibrary()

@@ -2,11 +2,13 @@
 
 import ctypes
 from functools import cached_property
+from math import inf
 
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant
+from .fmi2 import WHOLE, FmuParticipant, step_within
+from .plain import pack, unpack
 from .transfer import Functions
 
 LARGEST_ITERATION = 1000
@@ -19,6 +21,7 @@ class Fmu3Participant(FmuParticipant):
     version, derivative_flag = "3", "providesDirectionalDerivatives"
     _whole_numbers = {}
     _is_cached = False  # the size of arrays depends on `sizes`
+    _next_event = inf  # time that the FMU has announced [s]
 
     @property
     def can_interpolate(self) -> bool:
@@ -109,31 +112,45 @@ class Fmu3Participant(FmuParticipant):
     def _settle_events(self):
         """Update discrete states in Event Mode until none changes; return whether the FMU ends."""
         for _ in range(LARGEST_ITERATION):
-            again, end, *_ = self._fmu.updateDiscreteStates()
+            again, end = self._update_discrete_states()
             if end or not again:
                 return end
         raise Discard(f"{self.name}: an event without end")
 
+    def _update_discrete_states(self):
+        """Update once; return whether states change again, and whether the FMU ends."""
+        again, end, _, _, is_announced, time = self._fmu.updateDiscreteStates()
+        self._next_event = time if is_announced and self.can_vary_steps else inf
+        return again, end
+
     def _do_step(self, time, step):
-        """Complete a step: resume after early returns, and handle events in Event Mode."""
+        """Complete a step: resume after early returns, and handle events in Event Mode.
+
+        A step of the FMU ends at the event that it has announced.
+        """
         end, at = time + step, time
         flags = [ctypes.c_bool() for _ in range(3)]
         reached = ctypes.c_double()
         references = [ctypes.byref(answer) for answer in (*flags, reached)]
         while True:
-            times = ctypes.c_double(at), ctypes.c_double(end - at)
+            inside = at + WHOLE * step < self._next_event < end - WHOLE * step
+            until = self._next_event if inside else end
+            length = step_within(at, until - at, self._stop)
+            times = ctypes.c_double(at), ctypes.c_double(length)
             self._call("fmi3DoStep", *times, ctypes.c_bool(True), *references)
             event, finished, early = (flag.value for flag in flags)
-            if event and self._has_events and not finished:
-                finished = self._handle_event(reached.value, end, step)
+            now = reached.value if early or finished else until
+            is_due = self._next_event <= now + WHOLE * step
+            if (event or is_due) and self._has_events and not finished:
+                finished = self._handle_event(now, end, step)
             if finished:
-                self._end(reached.value, end, step)
+                self._end(now, end, step)
                 return
-            if not early or end - reached.value <= WHOLE * step:
+            if end - now <= WHOLE * step:
                 return
-            if not reached.value > at:
+            if not now > at:
                 raise Discard(f"{self.name}: returns early at t = {at:.6g} s without progress")
-            at = reached.value
+            at = now
 
     def _wants_to_end(self):
         """Return False, because fmi3DoStep itself returns whether the simulation ends."""
@@ -163,19 +180,22 @@ class Fmu3Participant(FmuParticipant):
         )
 
     def save(self):
-        """Return a handle of the FMU's state; `free` it after use."""
-        return self._fmu.getFMUState()
+        """Return a handle of the FMU's state, and its next event; `free` it after use."""
+        return self._fmu.getFMUState(), self._next_event
 
     def _set_state(self, saved):
-        self._fmu.setFMUState(saved)
+        handle, self._next_event = saved
+        self._fmu.setFMUState(handle)
 
     def free(self, saved):
-        self._fmu.freeFMUState(saved)
+        if self.folder not in self._fatal:
+            self._fmu.freeFMUState(saved[0])
 
     def serialise(self, saved):
         """Return the saved state as bytes."""
-        return bytes(self._fmu.serializeFMUState(saved))
+        return pack((bytes(self._fmu.serializeFMUState(saved[0])), saved[1]))
 
     def deserialise(self, data):
         """Return a handle of the state in bytes of `serialise`."""
-        return self._fmu.deserializeFMUState(data)
+        state, next_event = unpack(data)
+        return self._fmu.deserializeFMUState(state), next_event

@@ -136,6 +136,8 @@ class _Reader:
         dtype = np.dtype(str(node["dtype"]))
         if dtype.kind not in NUMBERS:
             raise NotPlain(f"an array of {dtype} is not plain data")
+        if any(size < 0 for size in node["shape"]):
+            raise NotPlain(f"an array of shape {node['shape']}")
         data = self._blob(node["array"] if "array" in node else node["scalar"])
         order = "F" if node["order"] == "F" else "C"
         array = np.frombuffer(data, dtype).reshape(node["shape"], order=order).copy(order)

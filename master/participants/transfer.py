@@ -3,7 +3,8 @@
 import ctypes
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 from fmpy import fmi2
@@ -28,6 +29,9 @@ class FmuFields(DescribedFmu):
         "Boolean": "fmi2GetBoolean",
     }
     """Functions that read 32-bit integers, by type."""
+    _fatal: ClassVar[set[Path]] = set()
+    """Folders of FMUs that returned fmi2Fatal, after which none of their instances is called."""
+    folder: Path
 
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
@@ -168,6 +172,8 @@ class FmuFields(DescribedFmu):
         functions = self._functions
         status = functions[function](functions.component, *arguments)
         if status > fmi2.fmi2Warning:
+            if status == fmi2.fmi2Fatal:
+                self._fatal.add(self.folder)
             raise FMICallException(function, status)
 
     def _access(self) -> dict[str, tuple]:

@@ -109,7 +109,7 @@ def run(
     with (
         sole_writer(output) as release,
         listening(release) as heard,
-        closing(participants),
+        closing(participants, say),
     ):
         try:
             if begin_at:
@@ -297,7 +297,7 @@ class ActiveRun(Observer):
 
     def _time(self, step):
         """Return the end of a macro step [s], counted from 1: the communication points of FMPy."""
-        return self.system.begin + step * self.system.step
+        return min(self.system.begin + step * self.system.step, self.system.stop)
 
     @property
     def _end_of_period(self):

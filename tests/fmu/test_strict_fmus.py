@@ -33,21 +33,32 @@ WIRES = [("a.x", "b.u", "tolerance = 1e-9"), ("b.x", "a.u", "tolerance = 1e-9")]
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("strict")
     text = describe("2.0", "cell", VARIABLES, 'providesDirectionalDerivative="true"')
-    for name, flags in (("cell", ()), ("refuses", ("-DREFUSES",))):
+    kinds = {"cell": (), "refuses": ("-DREFUSES",), "fatal": ("-DFAILS=4",)}
+    kinds |= {"pending": ("-DFAILS=5",), "stays": ("-DENDS=3",)}
+    for name, flags in kinds.items():
         library = folder / f"{name}.so"
         compile_model(MODELS / "cell.c", library, *flags)
         pack(folder / f"{name}.fmu", text, library, "cell.so")
     return folder
 
 
-def run(folder, output, a="cell", method="newton", isolated=False, fails_at=1e9, parallel=False):
+def run(
+    folder,
+    output,
+    a="cell",
+    method="newton",
+    isolated=False,
+    fails_at=1e9,
+    parallel=False,
+    b="cell",
+):
     """Return the finished command, and its summary if it wrote one."""
     text = case_text(
         WIRES,
         method,
         a=f"gain = 30.0\nx0 = 1.0\nfails_at = {fails_at}",
         b="gain = -30.0",
-        fmus=(f"{a}.fmu", "cell.fmu"),
+        fmus=(f"{a}.fmu", f"{b}.fmu"),
         own=f"isolated = {str(isolated).lower()}",
         coupling=f"parallel = {str(parallel).lower()}",
     )
@@ -101,10 +112,22 @@ def test_an_fmu_that_is_not_to_be_instantiated_says_why(folder, tmp_path, isolat
 
 
 @pytest.mark.parametrize("isolated", [False, True])
-def test_a_fault_is_heard_and_nothing_is_asked_of_the_fmu_after_it(folder, tmp_path, isolated):
-    done, _ = run(folder, tmp_path, fails_at=0.55, isolated=isolated)
+@pytest.mark.parametrize(
+    "fmu, words",
+    [("cell", "the cell has burst"), ("fatal", "the cell has burst"), ("pending", "fmi2Pending")],
+)
+def test_a_fault_is_reported_and_no_forbidden_call_follows(folder, tmp_path, fmu, words, isolated):
+    done, _ = run(folder, tmp_path, a=fmu, b=fmu, fails_at=0.55, isolated=isolated)
     assert done.returncode == 1
-    assert "a: the cell has burst" in done.stderr and "Traceback" not in done.stderr
+    assert f"a: {words}" in done.stderr.replace("expected a complete step, got ", "")
+    assert "Traceback" not in done.stderr and "has ended" not in done.stderr
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_an_fmu_that_does_not_terminate_leaves_a_finished_run_finished(folder, tmp_path, isolated):
+    done, summary = run(folder, tmp_path, a="stays", isolated=isolated)
+    assert done.returncode == 0 and summary["steps"] == 10
+    assert "a: at its end: the cell will not end" in done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("isolated", [False, True])

@@ -67,11 +67,12 @@ VARIABLES = [
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("typed")
-    library = folder / "typed.so"
-    compile_model(MODELS / "typed.c", library)
     flags = 'hasEventMode="true" mightReturnEarlyFromDoStep="true"'
     text = describe("3.0", "typed", VARIABLES, flags, before=ENUMERATION)
-    pack(folder / "typed.fmu", text, library)
+    library = folder / "typed.so"
+    for name, announces in (("announces", ["-DANNOUNCES"]), ("typed", [])):
+        compile_model(MODELS / "typed.c", library, *announces)
+        pack(folder / f"{name}.fmu", text, library)
     return folder
 
 
@@ -127,16 +128,32 @@ def test_a_wire_whose_value_does_not_fit_ends_the_run(folder):
             steps.advance(0.1, 0.1)
 
 
-def test_a_step_that_returns_early_goes_on_through_event_mode(folder):
-    """Events at 0.04, 0.08, ...: two or three to a step of 0.1 s, each in its place."""
-    participant = open_fmu("one", folder / "typed.fmu")
+@pytest.mark.parametrize("fmu", ["typed", "announces"])
+def test_a_step_is_divided_at_events_in_it(folder, fmu):
+    """Events at 0.04, 0.08, ...: two or three in a step of 0.1 s, at their times."""
+    participant = open_fmu("one", folder / f"{fmu}.fmu")
     participant.start({"grain": 0.04}, 0.0, 1.0)
     for k in range(5):
-        participant.step(0.1 * k, 0.1)
+        saved = participant.save()
+        for _ in range(2):  # a saved state contains the next event
+            participant.restore(saved)
+            participant.step(0.1 * k, 0.1)
+        participant.free(saved)
         end = 0.1 * (k + 1)
         assert participant.get("time") == pytest.approx(end, rel=1e-12)
         assert participant.get("events") == np.floor(end / 0.04 + 1e-9)
     participant.close()
+
+
+def test_the_last_step_does_not_end_beyond_the_stop_time(folder):
+    """In double precision 0.7 + 0.1 is below 0.8, and 8 * 0.1 is 0.8; 0.1 + 0.2 is above 0.3."""
+    participant = open_fmu("one", folder / "typed.fmu")
+    for begin, step, stop in ((0.1, 0.2, 0.3), (0.7, 0.1, 0.8), (0.0, 1.1, 1.0)):
+        participant.start({}, 0.0, stop)
+        participant.step(begin, step)
+        wanted = begin + step if step > stop else min(begin + step, stop)
+        assert participant.get("time") == wanted
+        participant.close()
 
 
 @pytest.mark.parametrize("ends_at, last", [(0.35, 0.3), (0.4, 0.4)])

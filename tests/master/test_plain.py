@@ -114,6 +114,7 @@ def crafted(header, blobs=b""):
         crafted({"bytes": [2**80, 1]}, b"abc"),
         crafted({"array": [0, 8], "dtype": "O", "shape": [1], "order": "C"}, bytes(8)),
         crafted({"array": [0, 8], "dtype": "f8", "shape": [2], "order": "C"}, bytes(8)),
+        crafted({"array": [0, 8], "dtype": "f8", "shape": [-1], "order": "C"}, bytes(8)),
         crafted({"array": [0, 8], "dtype": "f8,O", "shape": [1], "order": "C"}, bytes(8)),
         crafted({"dict": [[[1], 2]]}),
         crafted({"dict": 1}),

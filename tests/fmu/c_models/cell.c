@@ -1,9 +1,19 @@
 /* A first-order lag dx/dt = gain u - x by backward Euler as an FMI 2.0 FMU that keeps to the letter of the standard: its
    directional derivative is the partial derivative at the communication point, 0 for a state. With REFUSES it is not to
-   be instantiated; a step beyond `fails_at` and fmi2Terminate after it answer fmi2Error. */
+   be instantiated; a step beyond `fails_at` answers FAILS (default: fmi2Error), and fmi2Terminate answers ENDS. A call
+   that the standard forbids after a failure aborts. */
 
 #include <stdlib.h>
 #include <string.h>
+
+#ifndef FAILS
+#define FAILS 3
+#endif
+#ifndef ENDS
+#define ENDS i->m.fails_at < 0.5 ? 3 : 0
+#endif
+
+static int dead; /* no instance is to be called after fmi2Fatal */
 
 typedef struct { double u, x, gain, x0, fails_at; } Model;
 typedef unsigned Reference;
@@ -30,8 +40,9 @@ int fmi2DoStep(Instance *i, double time, double step, int last)
     (void)last;
     if (time + step > i->m.fails_at) {
         i->failed = 1;
+        dead = FAILS == 4;
         i->log(i->environment, "cell", 3, "error", "the cell has burst");
-        return 3;
+        return FAILS;
     }
     i->m.x = (i->m.x + step * i->m.gain * i->m.u) / (1 + step);
     return 0;
@@ -39,11 +50,18 @@ int fmi2DoStep(Instance *i, double time, double step, int last)
 
 int fmi2Terminate(Instance *i)
 {
-    if (i->failed)
-        abort(); /* the standard forbids the call after an error */
-    if (i->m.fails_at < 0.5)
+    if (i->failed || dead)
+        abort();
+    if (ENDS)
         i->log(i->environment, "cell", 3, "error", "the cell will not end");
-    return i->m.fails_at < 0.5 ? 3 : 0;
+    return ENDS;
+}
+
+void fmi2FreeInstance(Instance *i)
+{
+    if (dead)
+        abort();
+    free(i);
 }
 
 int fmi2SetReal(Instance *i, const Reference *r, size_t n, const double *v)
@@ -76,5 +94,13 @@ int fmi2GetFMUstate(Instance *i, void **s)
 }
 
 int fmi2SetFMUstate(Instance *i, const void *s) { memcpy(&i->m, s, sizeof(Model)); return 0; }
-int fmi2FreeFMUstate(Instance *i, void **s) { (void)i; free(*s); *s = NULL; return 0; }
+int fmi2FreeFMUstate(Instance *i, void **s)
+{
+    (void)i;
+    if (dead)
+        abort();
+    free(*s);
+    *s = NULL;
+    return 0;
+}
 int fmi2ExitInitializationMode(Instance *i) { i->m.x = i->m.x0; return 0; }

@@ -1,5 +1,5 @@
 /* Every type of FMI 3.0 handed on in a step, an array as long as a structural parameter says, events that end a step early,
-   and an end that the FMU asks for. */
+   and an end that the FMU asks for. With ANNOUNCES events do not end a step early: a step beyond the next one fails. */
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -42,7 +42,14 @@ int fmi3DoStep(Model *m, double time, double step, bool keeps, bool *event, bool
     double end = time + step, next = m->grain * (m->events + 1);
     if (m->mode != STEP)
         return 3;
-    *event = next <= end, *early = next < end, *terminate = m->ends_at <= end;
+#ifdef ANNOUNCES
+    if (end > next + 1e-12)
+        return 3;
+    *early = false, *event = false;
+#else
+    *event = next <= end, *early = next < end;
+#endif
+    *terminate = m->ends_at <= end;
     if (*early)
         end = next;
     if (*terminate && m->ends_at < end)
@@ -60,8 +67,11 @@ int fmi3UpdateDiscreteStates(Model *m, bool *again, bool *end, bool *nominals, b
 {
     if (m->mode != EVENT)
         return 3;
-    m->events += m->time >= m->grain * (m->events + 1);
+    m->events += m->time >= m->grain * (m->events + 1) - 1e-12;
     *again = *end = *nominals = *values = *defined = false, *next = 0;
+#ifdef ANNOUNCES
+    *defined = true, *next = m->grain * (m->events + 1);
+#endif
     return 0;
 }
 
