@@ -138,7 +138,8 @@ def _held_wire(table, source, target, where, faults):
             f"{where}: expected a wire of real numbers for {', '.join(said)}, got type "
             f"{source.type}{' to a clocked input' if getattr(target, 'clocked', False) else ''}"
         )
-    return HeldWire(port_of(table.source), port_of(table.target))
+    clocked = getattr(target, "clocked", False)
+    return HeldWire(port_of(table.source), port_of(table.target), clocked)
 
 
 def common_unit(table, participants):

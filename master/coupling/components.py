@@ -7,15 +7,18 @@ Components step one after the other, each with what those before it say at the e
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from ..fmi.errors import Discard, Ticked
 from .interface import Interface
 from .methods import Explicit, MacroStep, Method, NotConverged, Solution
+from .settling import solve_settled
 from .vector import largest
-from .wiring import Port, System, Wire, port_of
+from .wiring import HeldWire, Port, System, Wire, port_of
+
+AnyWire = TypeVar("AnyWire", Wire, HeldWire)
 
 UPSTREAM = ""
 """Name of the participant that stands for all components before; no participant has this name."""
@@ -44,14 +47,15 @@ def components(system: System) -> list[Component]:
 
     No component depends on a later one. Components that do not depend on each other keep the order
     of the system. Neighbours without a loop are one component if all or none of them can restore a
-    saved state: then isolated participants step at the same time. Wires that are carried at the
-    beginning of a step (`System.held`) join nothing.
+    saved state: then isolated participants step at the same time. Wires to clocked inputs join
+    nothing, because they are carried at the beginning of a step.
     """
     index = {name: k for k, name in enumerate(system.order)}
     able = {name: getattr(system.participants[name], "can_redo", True) for name in index}
     reaches = np.eye(len(index), dtype=bool)
-    looped = {wire.source[0] for wire in system.wires if wire.source[0] == wire.target[0]}
-    for wire in system.wires:
+    wires = (*system.wires, *system.discrete)
+    looped = {wire.source[0] for wire in wires if wire.source[0] == wire.target[0]}
+    for wire in wires:
         reaches[index[wire.source[0]], index[wire.target[0]]] = True
     for k in range(len(index)):
         reaches |= np.outer(reaches[:, k], reaches[k])
@@ -162,15 +166,16 @@ def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Pa
     """
     chosen = [k for k, wire in enumerate(whole.wires) if wire.target[0] in one.names]
     wires = [_from_upstream(whole.wires[k], one.names) for k in chosen]
+    discrete = [_from_upstream(w, one.names) for w in whole.discrete if w.target[0] in one.names]
     participants: dict[str, Any] = {name: whole.participants[name] for name in one.names}
-    if any(wire.source[0] == UPSTREAM for wire in wires):
+    if any(wire.source[0] == UPSTREAM for wire in (*wires, *discrete)):
         participants = {UPSTREAM: Upstream(whole.participants)} | participants
     indices = np.arange(whole.size)
     elements = [indices[whole.parts[k]] for k in chosen]
     given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
     return Part(
         one,
-        Interface(participants, wires, parallel and one.is_loop),
+        Interface(participants, wires, parallel and one.is_loop, discrete),
         np.array(chosen, int),
         np.concatenate([*elements, np.zeros(0, int)]),
         np.concatenate([*given, np.zeros(0, bool)]),
@@ -213,6 +218,7 @@ class Componentwise:
         if self._whole is not whole:
             self._whole = whole
             self._parts = [part(whole, one, self.method, self.parallel) for one in self.components]
+        whole.late.clear()  # that of the parts counts
         x, held = guess.copy(), guess.copy()
         solutions: list[Solution] = []
         trails: list[tuple[np.ndarray, list[list[float]]]] = []
@@ -253,7 +259,7 @@ class Componentwise:
             given = part.given if component.is_iterated else slice(None)
             first[given] = interface.read()[given]
         try:
-            return part.method.solve(own, first, memory)
+            return solve_settled(part.method, own, first, memory)
         except Ticked:
             raise
         except (NotConverged, Discard):
@@ -267,6 +273,7 @@ class Componentwise:
         half = own.step / 2
         for name, one in members.items():
             one.restore(own.saved[name])
+        own.interface.hold(own.interface.late)
         memory = part.method.memory()
         begun = self._solved(part, own._replace(step=half), guess, memory, halvings)
         middle = {name: one.save() for name, one in members.items()}
@@ -288,7 +295,7 @@ class Componentwise:
             own.interface.spent = dict.fromkeys(own.interface.spent, 0.0)
 
 
-def _from_upstream(wire: Wire, names: Iterable[str]) -> Wire:
+def _from_upstream(wire: AnyWire, names: Iterable[str]) -> AnyWire:
     """Return the wire, which begins at `Upstream` if it comes from another component."""
     if wire.source[0] in names:
         return wire

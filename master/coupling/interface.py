@@ -1,6 +1,6 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE
 from ..participants.participant import Participant, derive_each, read_each, write_each
 from .vector import Evaluation, largest
-from .wiring import Wire, is_unknown, layout_of
+from .wiring import HeldWire, Wire, is_unknown, layout_of
 
 SMALL = 16
 """Scalar wires up to which a loop in Python is faster than operations on arrays."""
@@ -129,6 +129,9 @@ class Interface:
     wires : sequence of Wire
     parallel : bool
         Jacobi's order: every participant reads the iterate alone, all wires are unknowns.
+    discrete : sequence of HeldWire
+        Wires of values that are not real numbers. Along the stepping order they carry the result
+        of the evaluation, against it `late`, which changes only between solves (`unsettled`).
 
     Participants that wait for no other one's output of the same evaluation form a stage; those of
     them that `runs_apart`, in a process of their own, step at the same time.
@@ -143,9 +146,18 @@ class Interface:
         participants: Mapping[str, Participant],
         wires: Sequence[Wire],
         parallel: bool = False,
+        discrete: Sequence[HeldWire] = (),
     ):
         self.participants = participants
         self.wires = wires
+        self.discrete = discrete
+        self.discrete_inputs: dict[str, list[HeldWire]] = {}
+        for one in discrete:
+            self.discrete_inputs.setdefault(one.target[0], []).append(one)
+        self._against = [w for w in discrete if is_unknown(w, list(participants), parallel)]
+        self.late: dict[HeldWire, Any] = {}
+        self.reported: set[HeldWire] = set()
+        self._carried: dict[HeldWire, Any] = {}
         self.spent = dict.fromkeys((*participants, "transport"), 0.0)
         self.relative = any(w.relative_tolerance for w in wires)
         self.begin()
@@ -189,6 +201,11 @@ class Interface:
                 for wire, back in zip(self.wires, against)
                 if wire.target[0] == name and not back
             ]
+            sources += [
+                wire.source[0]
+                for wire in self.discrete_inputs.get(name, ())
+                if wire not in self._against
+            ]
             depth[name] = max((depth[source] + 1 for source in sources), default=0)
         return [
             [name for name in self.participants if depth[name] == k]
@@ -198,6 +215,20 @@ class Interface:
     def begin(self) -> None:
         """Begin an attempt at a macro step."""
         self.trail: list[list[float]] = []
+        self.hold(self._against)
+
+    def hold(self, wires: Iterable[HeldWire]) -> None:
+        """Set the `late` values of discrete wires to the present ones of their sources."""
+        for wire in wires:
+            self.late[wire] = self.participants[wire.source[0]].get(wire.source[1])
+
+    def unsettled(self) -> list[HeldWire]:
+        """Return the discrete wires whose source differs from their `late` value."""
+        changed: list[HeldWire] = []
+        for wire, value in self.late.items():
+            if not np.array_equal(self.participants[wire.source[0]].get(wire.source[1]), value):
+                changed.append(wire)
+        return changed
 
     def read(self) -> np.ndarray:
         """Return the vector of the present outputs."""
@@ -248,6 +279,8 @@ class Interface:
                 if saved is not None:
                     self.participants[name].restore(saved[name])
                 self.ends[name].feed(used)
+                if name in self.discrete_inputs:
+                    self._carry(name)
             fed = perf_counter()
             act(stage)
             acted = perf_counter()
@@ -256,6 +289,15 @@ class Interface:
             self.spent["transport"] += fed - begun + perf_counter() - acted
         # an element that is fed back was used as in x, another one as in y
         return Evaluation(used, y, y - x)
+
+    def _carry(self, name: str) -> None:
+        """Set the inputs of a participant that are not real numbers."""
+        for wire in self.discrete_inputs[name]:
+            owner, variable = wire.source
+            late = wire in self.late
+            value = self.late[wire] if late else self.participants[owner].get(variable)
+            self.participants[name].set(wire.target[1], value)
+            self._carried[wire] = value
 
     def _step(self, stage: Sequence[str], time: float, step: float) -> None:
         """Step the participants of a stage, the isolated ones in parallel.
@@ -315,7 +357,8 @@ class Interface:
             if not (ends.inputs and ends.outputs):
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
-            if participant.has_derivatives or name in self.apart or self._last is None:
+            apart = name in self.apart and name not in self.discrete_inputs
+            if participant.has_derivatives or apart or self._last is None:
                 ends.differentiate(seen, result)
             else:
                 result[ends.out] = self._difference(name, self._last, seen[ends.into])
@@ -343,6 +386,8 @@ class Interface:
         share = DIFFERENCE / largest
         self.participants[name].restore(last.saved[name])
         ends.write(ends.inputs, given + share * change)
+        for wire in self.discrete_inputs.get(name, ()):
+            self.participants[name].set(wire.target[1], self._carried[wire])
         self.participants[name].step(last.time, last.step)
         moved = np.empty(self.size)
         ends.collect(moved)

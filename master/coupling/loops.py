@@ -72,7 +72,12 @@ def loops(system: System) -> list[Loop]:
         name: _restarted(system, name) if name in fixed else participant
         for name, participant in system.participants.items()
     }
-    whole = Interface({name: known[name] for name in system.order}, system.wires, system.parallel)
+    whole = Interface(
+        {name: known[name] for name in system.order},
+        system.wires,
+        system.parallel,
+        system.discrete,
+    )
     return [
         _loop(part(whole, one, Explicit(), system.parallel), system) if one.is_loop else Loop(one)
         for one in found
@@ -96,6 +101,8 @@ def _loop(own: Part, system: System) -> Loop:
     secants = unknowns > FEW_UNKNOWNS and not has_derivatives
     method = "explicit" if own.component.fixed else "iqn_ils" if secants else "newton"
     one = replace(one, method=method)
+    if not unknowns:
+        return replace(one, why="not measured: its unknowns are not real numbers")
     if unknowns > MOST_UNKNOWNS:
         return replace(one, why=f"not measured: more than {MOST_UNKNOWNS} unknowns")
     try:

@@ -12,9 +12,10 @@ from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
 from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
+from .settling import solve_settled
 from .step_control import StepControl
 from .vector import extrapolate, moved
-from .wiring import HeldWire, System, carry
+from .wiring import HeldWire, System
 
 Judge = Callable[[float, Solution], None]
 
@@ -108,7 +109,7 @@ class Stepper:
     control : StepControl, optional
         Divides what `advance` is asked for; without it every step is as long as asked.
     held : sequence of HeldWire
-        Carried at the beginning of every macro step.
+        Those of the system.
     begin : float
         Where the participants stand [s].
     judge : callable(time, solution), optional
@@ -135,10 +136,10 @@ class Stepper:
             {name: system.participants[name] for name in system.order},
             system.wires,
             system.parallel,
+            [wire for wire in held if not wire.clocked],
         )
-        self.held = held
         self.events = Events(self.interface.participants, held, clocks)
-        self.method = method if self.interface.size else Explicit()
+        self.method = method if self.interface.size or self.interface.discrete else Explicit()
         self.halvings = halvings
         self.observer = observer or Observer()
         self.judge: Judge = judge or (lambda time, solution: None)
@@ -241,7 +242,6 @@ class Stepper:
     def _save(self) -> dict[str, Any]:
         self.interface.begin()
         begun = perf_counter()
-        carry(self.interface.participants, self.held)
         saved = {name: p.save() for name, p in self.interface.participants.items()}
         self.interface.spent["transport"] += perf_counter() - begun
         return saved
@@ -296,4 +296,5 @@ class Stepper:
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
         guess = moved(self.interface.layout, start, self.predictor(time + step) - start)
-        return self.method.solve(MacroStep(self.interface, time, step, saved), guess, self.memory)
+        macro_step = MacroStep(self.interface, time, step, saved)
+        return solve_settled(self.method, macro_step, guess, self.memory)

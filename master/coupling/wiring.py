@@ -24,11 +24,13 @@ def port_of(text: str) -> Port:
 class HeldWire:
     """Wire that carries no real numbers, or ends at a clocked input.
 
-    The target holds the value of the source at the beginning of a macro step.
+    clocked : whether it does. Then the target gets the value of the source at the beginning of a
+    macro step, otherwise in each evaluation (`Interface`).
     """
 
     source: Port
     target: Port
+    clocked: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def is_unknown(wire: Wire, order: Sequence[str], parallel: bool) -> bool:
+def is_unknown(wire: Wire | HeldWire, order: Sequence[str], parallel: bool) -> bool:
     """Return whether a wire runs against the stepping order and so carries unknowns."""
     return parallel or order.index(wire.target[0]) <= order.index(wire.source[0])
 
@@ -121,6 +123,11 @@ class System:
     masks: Mapping[str, list[list[int]]] = field(default_factory=dict[str, list[list[int]]])
     clocks: tuple[HeldWire, ...] = ()
     record_interval: float = 0.0
+
+    @property
+    def discrete(self) -> list[HeldWire]:
+        """Wires of values that are not real numbers."""
+        return [wire for wire in self.held if not wire.clocked]
 
 
 def carry(participants: Mapping[str, Participant], held: Iterable[HeldWire]) -> None:

@@ -3,7 +3,7 @@
 They run alone, have their own names and units, save no states, or have wires of every type.
 
 Eq. (X5):  x_n = x_0 / (1 + H k)^n                  a lag alone, backward Euler
-Eq. (X6):  sum over n steps of k = n (n - 1) / 2    a counter read at the beginning of each step
+Eq. (X6):  sum over n steps of k = n (n + 1) / 2    a counter read in each step
 """
 
 import zipfile
@@ -50,8 +50,9 @@ def refused(folder, text):
     return "\n".join(refusal.value.faults)
 
 
+@pytest.mark.parametrize("own", ["", "isolated = true"])
 @pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
-def test_wires_of_all_types_hold_what_was_said_at_the_beginning_of_the_step(folder, method):
+def test_wires_of_all_types_carry_values_in_the_step(folder, method, own):
     typed = [
         ("a.n", "b.number", ""),
         ("a.odd", "b.truth", ""),
@@ -59,14 +60,15 @@ def test_wires_of_all_types_hold_what_was_said_at_the_beginning_of_the_step(fold
         ("a.words", "b.heard", ""),
     ]
     summary, _ = solved(
-        folder, case_text([*LOOP, *typed], method=method, a="k = 2.0", more=f"[summary]\n{LAST}")
+        folder,
+        case_text([*LOOP, *typed], method, a="k = 2.0", more=f"[summary]\n{LAST}", own=own),
     )
-    counted = range(STEPS)
+    counted = range(1, STEPS + 1)
     assert method == "explicit" or summary["mean_iterations"] > 1  # they survive being taken back
-    assert summary["number_sum"] == STEPS * (STEPS - 1) / 2  # Eq. (X6)
+    assert summary["number_sum"] == STEPS * (STEPS + 1) / 2  # Eq. (X6)
     assert summary["truth_sum"] == sum(k % 2 for k in counted)
     assert summary["phase_sum"] == sum(1 + k % 3 for k in counted)
-    assert summary["heard_length"] == len("step 9")
+    assert summary["heard_length"] == len("step 10")
 
 
 @pytest.mark.parametrize(
