@@ -27,6 +27,7 @@ def open_participant(name, case, build, folder, progress=lambda text: None, nati
     if sizes := _sizes(opened, table.parameters):
         opened = open_with(sizes)
     in_contract_units(opened, table.role)
+    opened.check_library()
     timeout = duration("timeout", table.timeout)
     if not table.isolated:
         return opened

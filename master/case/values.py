@@ -1,10 +1,11 @@
 """Values of parameters: texts with units to numbers of an FMU, with the key of each fault."""
 
+from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from ..fmi.errors import unknown
+from ..fmi.errors import names_of, unknown
 from ..fmi.quantities import to_si
 from .keys import SETTABLE
 
@@ -15,8 +16,8 @@ def given_values(participant, given, faults):
     for name, text in given.items():
         where = f"participants.{participant.name}.parameters.{name}"
         field = participant.fields.get(name)
-        if field is None or field.causality not in SETTABLE:
-            settable = [f.name for f in participant.fields.values() if f.causality in SETTABLE]
+        if field is None or not is_settable(field):
+            settable = [f.name for f in participant.fields.values() if is_settable(f)]
             faults.append(f"{where}: {unknown('parameter or input', name, settable)}")
             continue
         try:
@@ -24,6 +25,11 @@ def given_values(participant, given, faults):
         except ValueError as error:
             faults.append(f"{where}: {error}")
     return values
+
+
+def is_settable(field):
+    """Return whether a case can set a variable: a parameter, an input or another start value."""
+    return field.causality in SETTABLE or getattr(field, "has_start", False)
 
 
 def _array(field, rows):
@@ -53,6 +59,9 @@ def value_of(field, text):
         if text not in field.choices:
             raise ValueError(unknown("choice", text, field.choices))
         return field.choices[text]
+    if field.type == "Enumeration" and field.choices and text not in field.choices.values():
+        items = [f"{name!r} ({value})" for name, value in field.choices.items()]
+        raise ValueError(f"expected {names_of(items)}, got {text!r}")
     is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
     value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is not exact as a float
     fits = getattr(field, "whole_numbers", None) or (-inf, inf)
@@ -67,15 +76,26 @@ def value_of(field, text):
     return value if field.type == "Real" else int(value)
 
 
-def quantity_of(text, field):
-    """Convert a value to the FMU's unit, by the declared definition or by the unit's name."""
+def quantity_of(text, field, is_difference=False):
+    """Convert a value to the FMU's unit, by the declared definition or by the unit's name.
+
+    Differences, also those that the FMU declares with relativeQuantity, have no offset.
+    """
     definition = definition_of(field)
+    is_difference = is_difference or is_relative(field)
     if definition is None or (definition.factor == 1.0 and definition.offset == 0.0):
-        return to_si(text, field.unit)
+        return to_si(text, field.unit, is_difference)
+    if is_difference:
+        definition = replace(definition, offset=0.0)
     try:
-        return definition.from_base(to_si(text, definition.base))
+        return definition.from_base(to_si(text, definition.base, is_difference))
     except ValueError as error:
         raise ValueError(f"{error}; the unit of the FMU is {field.unit}") from None
+
+
+def is_relative(field):
+    """Return whether the values of a field are differences; False for other participants."""
+    return getattr(field, "relative", False)
 
 
 def definition_of(field):

@@ -6,9 +6,9 @@ from math import inf
 from ..coupling.wiring import HeldWire, Wire, is_unknown, port_of
 from ..fmi.errors import unknown
 from ..fmi.fields import base_of
-from ..fmi.quantities import is_known, pint_unit, registry, to_si
+from ..fmi.quantities import is_known, pint_unit, registry
 from ..participants.converted import Conversion, ConvertedParticipant
-from .values import definition_of, quantity_of
+from .values import definition_of, is_relative, quantity_of
 
 TOLERANCE = 1e-6
 """Tolerance of an unknown wire without a criterion, in nominal values."""
@@ -165,17 +165,17 @@ def conversions_of(tables, participants):
 def _conversion(source, target):
     """Return the conversion between the units of two fields.
 
-    It uses the declared definitions of the units, else their names. Raises `ValueError` if they
-    are not compatible.
+    It uses the declared definitions of the units, else their names. If a field is a difference,
+    there is no offset. Raises `ValueError` if they are not compatible.
     """
     first = definition_of(source)
     second = definition_of(target)
+    is_difference = is_relative(source) or is_relative(target)
     if first is not None and second is not None:
         if first.exponents != second.exponents:
             raise ValueError(f"; in base units {first.base} and {second.base}")
-        return Conversion(
-            first.factor / second.factor, (first.offset - second.offset) / second.factor
-        )
+        offset = 0.0 if is_difference else first.offset - second.offset
+        return Conversion(first.factor / second.factor, offset / second.factor)
     if source.unit == target.unit:
         return Conversion(1.0, 0.0)
     if "1" in (source.unit, target.unit):
@@ -187,7 +187,7 @@ def _conversion(source, target):
     if not unit.is_compatible_with(wanted):
         raise ValueError("")
     zero, one = (registry().Quantity(value, unit).to(wanted).magnitude for value in (0.0, 1.0))
-    return Conversion(float(one - zero), float(zero))
+    return Conversion(float(one - zero), 0.0 if is_difference else float(zero))
 
 
 def _nominal(source, target, conversion):
@@ -223,17 +223,11 @@ def _amount(given, key, nominal, named, where, faults):
     if given is None:
         return None
     try:
-        amount = given * nominal if isinstance(given, float) else _difference(given, named)
+        is_share = isinstance(given, float)
+        amount = given * nominal if is_share else quantity_of(given, named, is_difference=True)
     except ValueError as error:
         faults.append(f"{where}, {key}: {error}")
         return None
     if not amount > 0:
         faults.append(f"{where}, {key}: expected a positive value, got {given}")
     return amount
-
-
-def _difference(given, named):
-    """Convert a difference of values to a field's unit, without the unit's offset."""
-    if definition_of(named) is None:
-        return to_si(given, named.unit)
-    return quantity_of(given, replace(named, definition=replace(named.definition, offset=0.0)))

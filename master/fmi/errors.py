@@ -1,6 +1,7 @@
 """Errors of the user and of participants: bad input, discarded steps, stopped runs, faults."""
 
 import os
+import re
 import tomllib
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
@@ -28,11 +29,16 @@ class BadInput(ValueError):
 
 @contextmanager
 def collecting(faults: list[str], before: str = "") -> Generator[None, None, None]:
-    """Append the faults of a `BadInput` to a list, each with a prefix, instead of raising it."""
+    """Append the faults of a `BadInput` to a list, instead of raising it.
+
+    Each fault gets the prefix `before`, unless it begins with the same key.
+    """
+    key = before.rstrip(".")
     try:
         yield
     except BadInput as error:
-        faults += [f"{before}{line}" for line in error.faults]
+        has_key = key and re.compile(rf"{re.escape(key)}\b").match
+        faults += [n if has_key and has_key(n) else f"{before}{n}" for n in error.faults]
 
 
 def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:

@@ -64,7 +64,9 @@ class Field:
     the first element ("1" and None if the FMU declares none). `derivative_of` names the field
     whose time derivative this is. `definition` is the declared unit. `choices` are the items of
     an enumeration, name to value. `native` is the FMI 3 type. `clocked` means that the value
-    changes only at clock ticks.
+    changes only at clock ticks. `tunable` parameters may change between steps. `has_start` means
+    that a start value may be set before the initialization. `relative` values are differences,
+    which have no offset ("5 degC" is 5 K).
     """
 
     name: str
@@ -83,6 +85,9 @@ class Field:
     choices: dict[str, int] = field(default_factory=dict[str, int])
     native: str | None = None
     clocked: bool = False
+    tunable: bool = False
+    has_start: bool = False
+    relative: bool = False
 
     @cached_property
     def size(self) -> int:
@@ -125,7 +130,13 @@ def gather_fields(
     -------
     dict of str to Field
         In the order of first appearance.
+
+    Raises
+    ------
+    ValueError
+        With names that occur twice, or the first invalid unit, dimension or enumeration.
     """
+    _check_names(description.modelVariables)
     units = {unit.name: _definition(unit.baseUnit) for unit in description.unitDefinitions}
     if description.fmiVersion.startswith("3"):
         events = bool(description.coSimulation and description.coSimulation.hasEventMode)
@@ -155,6 +166,16 @@ def gather_fields(
     return fields
 
 
+def _check_names(variables: Sequence[Any]) -> None:
+    """Raise `ValueError` with all names that several variables have, and their lines."""
+    lines: dict[str, list[str]] = {}
+    for variable in variables:
+        lines.setdefault(variable.name, []).append(str(variable.sourceline))
+    twice = [f"{n!r} in lines {' and '.join(rows)}" for n, rows in lines.items() if len(rows) > 1]
+    if twice:
+        raise ValueError(f"expected variables with different names, got {', '.join(twice)}")
+
+
 def base_of(name: str) -> str:
     """Return the array's name of an element "name[i,j]"; the name itself of any other variable."""
     match = ELEMENT.match(name)
@@ -182,7 +203,7 @@ def _shape(indices: Sequence[tuple[int, ...]], variables: Sequence[Any]) -> tupl
         return () if len(indices) == 1 else None
     if len({len(index) for index in indices}) > 1:
         return None
-    if len({(v.type, v.causality, v.unit, v.relativeQuantity) for v in variables}) > 1:
+    if len({(v.type, v.causality, v.unit, bool(v.relativeQuantity)) for v in variables}) > 1:
         return None
     first = min(map(min, indices))
     shape = tuple(max(axis) + 1 - first for axis in zip(*indices))
@@ -242,13 +263,23 @@ def _described(
         _derivative_of(first, shape),
         definition,
         _choices(first) if kind == "Enumeration" else {},
+        tunable=first.causality == "parameter" and first.variability == "tunable",
+        has_start=first.variability != "constant" and first.initial in ("exact", "approx"),
+        relative=bool(first.relativeQuantity),
     )
 
 
 def _choices(variable: Any) -> dict[str, int]:
     """Return the items of an enumeration, name to value; empty if the FMU declares no type."""
     items = variable.declaredType.items if variable.declaredType else ()
-    return {item.name: int(item.value) for item in items or ()}
+    try:
+        return {item.name: int(item.value) for item in items or ()}
+    except (TypeError, ValueError):
+        got = ", ".join(f"{item.name!r} with value {item.value!r}" for item in items)
+        raise ValueError(
+            f"{variable.declaredType.name}: expected an enumeration of names with whole numbers, "
+            f"got {got}"
+        ) from None
 
 
 def _derivative_of(variable: Any, shape: tuple[int, ...]) -> str | None:

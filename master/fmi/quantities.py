@@ -65,11 +65,11 @@ def _without_pint(value: Any, unit: str) -> float | None:
     return float(number) if name == unit and name in SI else None
 
 
-def to_si(value: object, unit: str) -> float:
+def to_si(value: object, unit: str, is_difference: bool = False) -> float:
     """Convert a user's value to SI; see `_by_pint`."""
     plain = _without_pint(value, unit)
     if plain is None and not isinstance(value, bool) and isinstance(value, (str, int, float)):
-        plain = _by_pint(value, unit)
+        plain = _by_pint(value, unit, is_difference)
     if plain is None or not isfinite(plain):
         raise _not_a_quantity(value, unit)
     return plain
@@ -87,7 +87,7 @@ def _not_a_quantity(value: object, unit: str) -> ValueError:
 
 
 @cache
-def _by_pint(value: str | float, unit: str) -> float:
+def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> float:
     """Convert a user's value to SI.
 
     Parameters
@@ -96,6 +96,8 @@ def _by_pint(value: str | float, unit: str) -> float:
         "25 um". A bare number is valid only if `unit` is dimensionless.
     unit : str
         Required SI unit, as FMI or pint write it ("Pa.s", "1").
+    is_difference : bool
+        Whether the value is a difference, whose unit has no offset: "5 degC" is 5 K.
 
     Raises
     ------
@@ -114,7 +116,8 @@ def _by_pint(value: str | float, unit: str) -> float:
         compatible = False
     if not compatible:
         raise _not_a_quantity(value, unit)
-    return float(quantity.to(target).magnitude)
+    zero = ureg.Quantity(0.0, quantity.units).to(target).magnitude if is_difference else 0.0
+    return float(quantity.to(target).magnitude - zero)
 
 
 @cache

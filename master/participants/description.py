@@ -14,6 +14,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import fmpy
+from fmpy.model_description import ValidationError
 
 from ..fmi import fields
 from ..fmi.archive import check_archive
@@ -62,34 +63,68 @@ class DescribedFmu:
 
     def _read_description(self):
         """Read description and fields; raise `BadInput` if the file is no co-simulation FMU."""
-        one = f"participants.{self.name}: {self.path}"
+        key = f"fmu: {self.path}"
         try:
             with zipfile.ZipFile(self.path) as archive:
                 check_archive(archive, self.path)
+                if "modelDescription.xml" not in archive.namelist():
+                    raise BadInput(f"{key}: expected an FMU, got no modelDescription.xml in it")
+            self._check_kind(key)
             self.description: Any = fmpy.read_model_description(str(self.path), validate=False)
+            _complete(self.description, self._model_description)
         except BadInput:
             raise
         except OSError as error:
-            raise BadInput(f"participants.{self.name}: {file_fault(self.path, error)}") from None
+            raise BadInput(f"fmu: {file_fault(self.path, error)}") from None
         except zipfile.BadZipFile:
-            raise BadInput(f"{one}: expected an FMU, got another file") from None
-        except Exception:  # FMPy raises errors of many kinds
-            raise BadInput(
-                f"{one}: expected an FMU, got an invalid modelDescription.xml; "
-                "`fmpy validate` lists its faults"
-            ) from None
-        if self.description.coSimulation is None or not self.description.fmiVersion.startswith(
-            self.version
-        ):
-            raise BadInput(
-                f"{one}: expected an FMU for co-simulation of FMI {self.version}.0, got another"
-            )
+            raise BadInput(f"{key}: expected an FMU, got another file") from None
+        except Exception as error:  # FMPy raises errors of many kinds
+            got = f"{key}: expected a valid modelDescription.xml, got"
+            raise BadInput([f"{got} {text}" for text in _problems(self.path, error)]) from None
         try:
             self.fields = fields.gather_fields(self.description, self.sizes, self.elements)
         except ValueError as error:
-            raise BadInput(f"{one}: {error}") from None
+            raise BadInput(f"{key}: {error}") from None
         if self._is_cached:
             cache_description(self.path, self.description, self.fields)
+
+    def _check_kind(self, key):
+        """Raise `BadInput` if the FMU has another version of FMI, or no co-simulation."""
+        root = self._before_the_variables()
+        version = root.get("fmiVersion", "")
+        if not version.startswith(self.version):
+            got = f"FMI {version}" if version else "no fmiVersion"
+            raise BadInput(f"{key}: expected FMI 2.0 or 3.0, got {got}; export it with FMI 2.0")
+        if root.find("CoSimulation") is None:
+            kinds = {"ModelExchange": "Model Exchange", "ScheduledExecution": "Scheduled Execution"}
+            got = " and ".join(name for tag, name in kinds.items() if root.find(tag) is not None)
+            raise BadInput(
+                f"{key}: expected an FMU for co-simulation, got {got or 'no interface'}; export it "
+                "for co-simulation"
+            )
+
+    def check_library(self):
+        """Raise `BadInput` if the FMU has no library for this platform, with those that it has."""
+        platform = fmpy.platform if self.version == "2" else fmpy.platform_tuple
+        identifier = self.description.coSimulation.modelIdentifier
+        wanted = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
+        with zipfile.ZipFile(self.path) as archive:
+            names = archive.namelist()
+        if wanted in names:
+            return
+        files = [name.split("/") for name in names]
+        found = sorted({file[1] for file in files if file[0] == "binaries" and file[2:]})
+        if platform in found:
+            got = ", ".join(
+                n for n in names if n.startswith(f"binaries/{platform}/") and n[-1] != "/"
+            )
+        else:
+            got = f"libraries for {', '.join(found)} only" if found else "no library"
+        has_sources = any(file[0] == "sources" and file[1:] != [""] for file in files)
+        hint = f"export it for {platform}"
+        if has_sources:
+            hint = f"it has source code: compile it with `fmpy compile {self.path.name}`"
+        raise BadInput(f"fmu: {self.path}: expected {wanted}, got {got}; {hint}")
 
     @property
     def has_derivatives(self):
@@ -141,6 +176,55 @@ class DescribedFmu:
                 if node.tag == "ModelVariables":
                     break
         return root
+
+
+MOST_PROBLEMS = 5
+"""Maximum number of faults of a description in a message."""
+
+
+def _problems(path, error):
+    """Return the faults of a description that FMPy rejects with an error, with their lines."""
+    try:
+        fmpy.read_model_description(str(path))
+    except ValidationError as invalid:
+        listed = invalid.problems[:MOST_PROBLEMS]
+        return listed if len(listed) == len(invalid.problems) else [*listed, "further faults"]
+    except Exception as other:  # that of lxml has the line
+        error = other
+    is_explained = type(error) is Exception or isinstance(error, SyntaxError)
+    return [str(error) if is_explained else f"{type(error).__name__}: {error}"]
+
+
+OF_TYPES = ("unit", "min", "max", "nominal", "relativeQuantity")
+"""Attributes that a variable takes from its declared type, unless it has its own."""
+
+
+def _complete(description, root):
+    """Add to FMPy's variables the attributes of their declared types, and those that it drops.
+
+    FMPy never reads relativeQuantity of a variable, nor the range of unsigned integers.
+
+    root : callable that returns the root of the XML.
+    """
+    own = _dropped(root()) if description.modelVariables else {}
+    for variable in description.modelVariables:
+        for key, value in own.get((variable.alias or variable).name, {}).items():
+            setattr(variable, key, value in ("true", "1") if key == "relativeQuantity" else value)
+        for key in OF_TYPES if variable.declaredType else ():
+            if getattr(variable, key) is None:
+                setattr(variable, key, getattr(variable.declaredType, key))
+
+
+def _dropped(root):
+    """Return the attributes of `OF_TYPES` that FMPy drops, by the name of the variable."""
+    variables = root.find("ModelVariables")
+    return {
+        name: {key: node.get(key) for key in OF_TYPES if node.get(key) is not None}
+        for parent in (() if variables is None else variables)
+        if (name := parent.get("name")) is not None
+        for node in (parent, *parent)
+        if node.get("relativeQuantity") is not None or node.tag.startswith("UInt")
+    }
 
 
 def _reserved_references(root):

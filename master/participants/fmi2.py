@@ -83,6 +83,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
         In that mode, outputs follow the inputs that are set.
         """
+        self.check_library()
         guard_exit(self)
         self.started_with = parameters, start_time, stop_time
         self._stop = stop_time

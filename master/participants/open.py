@@ -9,6 +9,7 @@ from typing import Any
 
 from .substeps import Substeps
 
+THIRD = re.compile(rb"""fmiVersion\s*=\s*["']3""")
 EVENTS = re.compile(rb"""hasEventMode\s*=\s*["'](true|1)["']""")
 
 
@@ -50,7 +51,7 @@ def _kind(path, event_mode):
 
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
         text = archive.read("modelDescription.xml")
-        if b'fmiVersion="3' in text[:2000]:
+        if THIRD.search(text[: text.find(b"<ModelVariables")]):
             has_clocks = event_mode and b"<Clock" in text and EVENTS.search(text)
             return ClockedFmu3 if has_clocks else Fmu3Participant
     return FmuParticipant
