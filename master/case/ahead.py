@@ -165,6 +165,10 @@ def check_ports(case, participants, faults):
     outputs = ("output", "input", "parameter", "local")
     for port in case.record.fields:
         field = field_of(port, outputs, participants, "record.fields", faults)
+        if field is not None and 0 in field.shape:
+            faults.append(
+                f"record.fields: expected an array with elements, got {port} of shape {field.shape}"
+            )
         if field is not None and field.type in NO_NUMBERS:
             faults.append(f"record.fields: expected numbers, got {port} of type {field.type}")
     for where, port in _curves(case):

@@ -81,7 +81,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         raise BadInput(
             [
                 f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}: "
-                "expected real numbers inside one FMU, got another type"
+                "expected real inputs inside one FMU, got another type or a parameter"
                 for wire in system.held
             ]
         )

@@ -13,7 +13,10 @@ from .contract import in_contract_units
 from .values import value_of
 
 
-def open_participant(name, case, build, folder, progress=lambda text: None, native=False):
+def open_participant(
+    name, case, build, folder, progress=lambda text: None, native=False, earlier=()
+):
+    """Return a participant of a case; `earlier` are those that are already open."""
     table = case.participants[name]
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
@@ -29,7 +32,10 @@ def open_participant(name, case, build, folder, progress=lambda text: None, nati
     in_contract_units(opened, table.role)
     opened.check_library()
     timeout = duration("timeout", table.timeout)
-    if not table.isolated:
+    is_second = any(getattr(one, "only_once", None) == opened.only_once for one in earlier)
+    if opened.only_once and is_second and not table.isolated:
+        progress(f"{name}: runs isolated, because a process can instantiate its FMU only once")
+    elif not table.isolated:
         return opened
     return IsolatedParticipant(opened, timeout)
 

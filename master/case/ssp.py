@@ -75,8 +75,8 @@ def export_ssp(tree, system, path):
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
     mixed += [
-        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected real numbers in an SSP, got "
-        "another type"
+        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected real inputs in an SSP, got "
+        "another type or a parameter"
         for wire in system.held
     ]
     if mixed:

@@ -57,7 +57,7 @@ def open_system(
     if faults:
         raise BadInput(faults)
     declared = ahead(case, folder)
-    finished = open_finished(case, folder, declared, faults, own)
+    finished = open_finished(case, folder, declared, faults, progress, own)
     if faults:
         raise BadInput(faults)
     native, _ = native_choice(case, folder, declared.parameters)
@@ -69,9 +69,8 @@ def open_system(
     participants = {}
     for name in case.participants:
         with collecting(faults, f"participants.{name}."):
-            participants[name] = finished.get(name) or open_participant(
-                name, case, builds[name], folder, progress, name in native
-            )
+            how = builds[name], folder, progress, name in native, [*participants.values()]
+            participants[name] = finished.get(name) or open_participant(name, case, *how)
     if faults:
         raise BadInput(faults)
     parameters = {
@@ -130,6 +129,7 @@ def open_finished(
     folder: Path,
     declared: Ahead,
     faults: list[str],
+    progress: Callable[[str], object] = lambda text: None,
     own: Mapping[str, Callable[[], Any]] | None = None,
 ) -> dict[str, Any]:
     """Return the participants that need no build, by name; append every fault of them.
@@ -142,7 +142,8 @@ def open_finished(
         if make is None and (table.package or table.file):
             continue
         with collecting(faults, f"participants.{name}."):
-            opened[name] = make() if make else open_participant(name, case, {}, folder)
+            how = {}, folder, progress, False, [*opened.values()]
+            opened[name] = make() if make else open_participant(name, case, *how)
             given_values(opened[name], table.parameters, faults)
             if table.fmu and table.role in contract():
                 faults += [

@@ -14,16 +14,28 @@ TOLERANCE = 1e-6
 """Tolerance of an unknown wire without a criterion, in nominal values."""
 
 
+TUNABLE = "tunable parameter"
+
+
 def field_of(port, causalities, participants, where, faults):
+    """Return the field of a port with one of the causalities; append a fault if there is none."""
     owner, name = port_of(port)
-    field = participants[owner].fields.get(name)
-    known = [f.name for f in participants[owner].fields.values() if f.causality in causalities]
-    if field is None or field.causality not in causalities:
-        kind = "variable" if len(causalities) > 1 else causalities[0]
+    fields = participants[owner].fields
+    known = [
+        f.name for f in fields.values() if not {f.causality, kind_of(f)}.isdisjoint(causalities)
+    ]
+    field = fields[name] if name in known else None
+    if field is None:
+        kind = "variable" if len(causalities) > 2 else causalities[0]
         hint = "`piston-cosim fmu info` lists the variables"
         faults.append(f"{where}: {unknown(kind, port, (f'{owner}.{n}' for n in known), hint)}")
         return None
     return field
+
+
+def kind_of(field):
+    """Return the causality of a field, or `TUNABLE`."""
+    return TUNABLE if getattr(field, "tunable", False) else field.causality
 
 
 def type_of(port, participants):
@@ -80,7 +92,7 @@ def wire_of(table, participants, coupling, faults):
     """Return the wire of a case's table; append a fault and return None if an end is missing."""
     where = f"wire {table.source} -> {table.target}"
     source = field_of(table.source, ("output",), participants, where, faults)
-    target = field_of(table.target, ("input",), participants, where, faults)
+    target = field_of(table.target, ("input", TUNABLE), participants, where, faults)
     if source is None or target is None:
         return None
     if source.type != target.type:
@@ -93,15 +105,18 @@ def wire_of(table, participants, coupling, faults):
         )
     if source.type == "Clock" and _clock_kind(table.target, participants) != "triggered":
         faults.append(f"{where}: expected a triggered clock, got one with an interval")
-    if source.type != "Real" or getattr(target, "clocked", False):
-        return _held_wire(table, source, target, where, faults)
+    if 0 in source.shape:
+        return None  # there are no values to carry
     named = source
     conversion = None
     try:
-        named, conversion = common_unit(table, participants)
+        if source.type == "Real":
+            named, conversion = common_unit(table, participants)
     except ValueError as error:
         got = f"{source.unit} and {target.unit}"
         faults.append(f"{where}: expected units of one kind, got {got}{error}")
+    if _is_held(source, target):
+        return _held_wire(table, source, target, where, faults)
     nominal = _nominal(source, target, conversion)
     tolerance = _amount(table.tolerance, "tolerance", nominal, named, where, faults)
     local_error = _amount(table.local_error, "local_error", nominal, named, where, faults)
@@ -122,6 +137,11 @@ def wire_of(table, participants, coupling, faults):
     return replace(wire, tolerance=TOLERANCE * nominal if unknown else inf)
 
 
+def _is_held(source, target):
+    """Return whether a wire has no unknowns: of another type, to a parameter or clocked input."""
+    return source.type != "Real" or target.causality != "input" or getattr(target, "clocked", False)
+
+
 def _clock_kind(port, participants):
     """Return the kind of an input clock."""
     owner, name = port_of(port)
@@ -130,13 +150,15 @@ def _clock_kind(port, participants):
 
 
 def _held_wire(table, source, target, where, faults):
-    """Return a wire of a type other than Real, or to a clocked input."""
+    """Return a wire of a type other than Real, or to a tunable parameter or clocked input."""
     said = [key for key in OF_NUMBERS if getattr(table, key)]
     said += ["interpolation"] if table.interpolation not in (None, "held") else []
     if said:
+        end = " to a clocked input" if getattr(target, "clocked", False) else ""
+        end = f" to a {TUNABLE}" if kind_of(target) == TUNABLE else end
         faults.append(
             f"{where}: expected a wire of real numbers for {', '.join(said)}, got type "
-            f"{source.type}{' to a clocked input' if getattr(target, 'clocked', False) else ''}"
+            f"{source.type}{end}"
         )
     clocked = getattr(target, "clocked", False)
     return HeldWire(port_of(table.source), port_of(table.target), clocked)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from ..case.changes import value_at
@@ -54,7 +55,7 @@ def tell(text, markup=True):
 
 def say(text):
     """Print a message about progress."""
-    console.print(f"[dim]{text}[/]", soft_wrap=True)
+    console.print(f"[dim]{escape(text)}[/]", soft_wrap=True)
 
 
 def parse_change(text):

@@ -22,7 +22,7 @@ def port_of(text: str) -> Port:
 
 @dataclass(frozen=True)
 class HeldWire:
-    """Wire that carries no real numbers, or ends at a clocked input.
+    """Wire that carries no real numbers, or ends at a clocked input or tunable parameter.
 
     clocked : whether it does. Then the target gets the value of the source at the beginning of a
     macro step, otherwise in each evaluation (`Interface`).

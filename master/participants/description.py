@@ -127,6 +127,13 @@ class DescribedFmu:
         raise BadInput(f"fmu: {self.path}: expected {wanted}, got {got}; {hint}")
 
     @property
+    def only_once(self):
+        """Identity of an FMU that a process can instantiate only once; None for others."""
+        offered = self.description.coSimulation
+        identity = offered.modelIdentifier, self.description.guid
+        return identity if offered.canBeInstantiatedOnlyOncePerProcess else None
+
+    @property
     def has_derivatives(self):
         """True if the FMU has the standard derivative, or reserved references for one."""
         return self._standard_derivative or bool(self._reserved)

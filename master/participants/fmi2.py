@@ -1,6 +1,7 @@
 """FMI 2.0 FMU under the master: steps, saved states, derivatives, log."""
 
 import ctypes
+from collections import deque
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from math import inf, nextafter
@@ -17,12 +18,15 @@ from .exits import guard_exit
 from .participant import StartedInHalves, derive_each
 from .printf import Logger, printed
 from .transfer import FmuFields, Functions, block_of
+from .warned import LoggedWarnings
 
 WHOLE = 1e-9
 """Share of a step that counts as zero."""
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
+MOST_MESSAGES = 200
+"""Maximum number of messages of a call that are kept for its errors."""
 
 
 def step_within(time, step, stop):
@@ -63,7 +67,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
         self.folder = unpack(self.path)
-        self.log = []
+        self.log = deque(maxlen=MOST_MESSAGES)
+        self._warnings = LoggedWarnings()
+        self._warned_at = None
         self._derivative = {
             kind: block_of({name: self._reserved_field(name, k) for name, k in first.items()})
             for kind, first in self._reserved.items()
@@ -91,6 +97,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self._forget_inputs()
         self._begun = self._broken = False
         self._fatal.discard(self.folder)
+        self._warnings, self._warned_at = LoggedWarnings(), None
         with self._raise_logged():
             self._instantiate(start_time, stop_time)
             self._configure()
@@ -114,11 +121,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         return one
 
     def warned(self):
-        """Return the warnings that the FMU logged at its start, without duplicates.
-
-        Call it before the first step.
-        """
-        return list(dict.fromkeys(text for status, text in self.log if status == WARNING))
+        """Return the first warning of each kind since the start: `LoggedWarning`s."""
+        return self._warnings.all()
 
     @contextmanager
     def _raise_logged(self):
@@ -176,7 +180,18 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         return BadInput(lines) if lines else None
 
     def _note(self, _environment, _instance, status, _category, message, *arguments):
-        self.log.append((status, printed(message, arguments)))
+        self._keep(status, printed(message, arguments))
+
+    def _keep(self, status, text):
+        """Keep a message of the FMU for errors of this call, and count it if it is a warning."""
+        self.log.append((status, text))
+        if status == WARNING:
+            self._warnings.add(text, self._warned_at)
+
+    def _note_status(self, function):
+        """Count the warning that a call returns, if the FMU has logged none."""
+        if not any(status == WARNING for status, _ in self.log):
+            self._warnings.add(f"{function} returned a warning without a text", self._warned_at)
 
     def step(self, time, step):
         """Take a step [s].
@@ -190,6 +205,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         if time + step > self._stop:
             step = step_within(time, step, self._stop)
         self._last_step = (time, step)
+        self._warned_at = time
         try:
             self._do_step(time, step)
         except FMICallException as failure:

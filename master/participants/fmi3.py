@@ -40,7 +40,7 @@ class Fmu3Participant(FmuParticipant):
         self._functions = Functions(self._fmu)
 
     def _note_3(self, _environment, status, _category, message):
-        self.log.append((status, (message or b"").decode(errors="replace")))
+        self._keep(status, (message or b"").decode(errors="replace"))
 
     def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode(startTime=start_time, stopTime=stop_time)
@@ -54,9 +54,9 @@ class Fmu3Participant(FmuParticipant):
     def _access(self) -> dict[str, tuple]:
         one = self._fmu
         integers = [f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64)]
-        kinds = ["Float64", "Float32", *integers, "Boolean", "String", "Binary"]
+        kinds = ["Float64", "Float32", *integers, "Boolean", "Binary"]
         access = {kind: (getattr(one, f"get{kind}"), getattr(one, f"set{kind}")) for kind in kinds}
-        return access | {"Enumeration": access["Int64"]}
+        return access | {"Enumeration": access["Int64"], "String": self._texts}
 
     def _are_double(self, names):
         """Return whether one call can transfer several fields: all must have type Float64."""
@@ -92,15 +92,16 @@ class Fmu3Participant(FmuParticipant):
 
     @cached_property
     def _discrete(self):
-        """Inputs that may change in Event Mode only."""
+        """Discrete inputs and tunable parameters, which may change in Event Mode only."""
         return {
             v.name
             for v in self.description.modelVariables
-            if v.causality == "input" and v.variability == "discrete"
+            if (v.causality == "input" and v.variability == "discrete")
+            or self.fields[v.name].tunable
         }
 
     def set(self, name, value):
-        """Set a field; discrete inputs are set in Event Mode if the FMU has one."""
+        """Set a field; in an FMU with Event Mode, discrete inputs and parameters are set there."""
         event = self._begun and self._has_events and name in self._discrete
         if event:
             self._fmu.enterEventMode()
@@ -164,7 +165,8 @@ class Fmu3Participant(FmuParticipant):
         return finished
 
     def _listed(self, field):
-        return self._access()[field.native][0](list(field.references), field.size)
+        values = self._access()[field.native][0](list(field.references), field.size)
+        return [b"" if value is None else value for value in values]
 
     def _derive(self, known, unknown):
         self._fmu.fmi3GetDirectionalDerivative(

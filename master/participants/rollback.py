@@ -133,7 +133,7 @@ def _outputs(one: Any) -> dict[str, np.ndarray]:
     return {
         name: np.array(one.get(name), dtype=float)
         for name, field in one.fields.items()
-        if field.causality == "output" and field.type == "Real"
+        if field.causality == "output" and field.type == "Real" and 0 not in field.shape
     }
 
 

@@ -130,7 +130,7 @@ class FmuFields(DescribedFmu):
     def _listed(self, field):
         """Return the values of all elements of a field that is not real."""
         values = self._access()[field.type][0](list(field.references))
-        return [value.decode() if isinstance(value, bytes) else value for value in values]
+        return [bool(value) for value in values] if field.type == "Boolean" else values
 
     def write(self, names, values):
         """Set several real fields from their concatenated values."""
@@ -171,10 +171,20 @@ class FmuFields(DescribedFmu):
         """
         functions = self._functions
         status = functions[function](functions.component, *arguments)
-        if status > fmi2.fmi2Warning:
-            if status == fmi2.fmi2Fatal:
-                self._fatal.add(self.folder)
-            raise FMICallException(function, status)
+        if status:
+            self._judge(function, status)
+
+    def _judge(self, function, status):
+        """Note a warning; raise FMICallException for a failure."""
+        if status == fmi2.fmi2Warning:
+            self._note_status(function)
+            return
+        if status == fmi2.fmi2Fatal:
+            self._fatal.add(self.folder)
+        raise FMICallException(function, status)
+
+    def _note_status(self, function):
+        """Note that a call returns a warning."""
 
     def _access(self) -> dict[str, tuple]:
         """Return FMPy's getters and setters of lists, by type."""
@@ -184,8 +194,29 @@ class FmuFields(DescribedFmu):
             "Integer": (one.getInteger, one.setInteger),
             "Enumeration": (one.getInteger, one.setInteger),
             "Boolean": (one.getBoolean, one.setBoolean),
-            "String": (one.getString, one.setString),
+            "String": self._texts,
         }
+
+    @property
+    def _texts(self):
+        """Getter and setter of lists of texts; bytes that are not UTF-8 remain as surrogates."""
+
+        def call(verb, references, values):
+            sizes = (ctypes.c_size_t(len(values)),) * (self.version == "3")
+            known = (ctypes.c_uint * len(references))(*references)
+            count = ctypes.c_size_t(len(references))
+            self._call(f"fmi{self.version}{verb}String", known, count, values, *sizes)
+
+        def get(references, size=None):
+            values = (ctypes.c_char_p * (len(references) if size is None else size))()
+            call("Get", references, values)
+            return [(value or b"").decode(errors="surrogateescape") for value in values]
+
+        def put(references, texts):
+            encoded = [text.encode(errors="surrogateescape") for text in texts]
+            call("Set", references, (ctypes.c_char_p * len(encoded))(*encoded))
+
+        return get, put
 
     def get_many(self, names):
         """Return the values of several scalars by name, with one call for each type."""
@@ -223,7 +254,7 @@ class FmuFields(DescribedFmu):
 
         def listed():
             self._call(kind, *arguments)
-            return list(values)
+            return list(map(bool, values) if kind == "fmi2GetBoolean" else values)
 
         return listed
 

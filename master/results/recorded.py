@@ -56,6 +56,8 @@ def _span(values: np.ndarray, unit: str) -> str:
     """Return the shape and the range of values with their unit."""
     if not values.size:
         return "no values"
+    if values.dtype.kind == "O":
+        return f"{values.size} texts"
     shape = " x ".join(map(str, values.shape))
     return f"{shape} values from {values.min():.4g} to {values.max():.4g} {unit}".rstrip()
 
@@ -193,9 +195,13 @@ class Recorded:
         return json.loads(self.file.attrs["summary"]) if "summary" in self.file.attrs else None
 
     def series(self, port: str) -> Series:
-        """Return a scalar output over the macro steps: (values, unit, description)."""
+        """Return a scalar output over the macro steps: (values, unit, description).
+
+        Values are floats, 64-bit integers, or texts.
+        """
         dataset = self.file[dataset_path(port)]
-        values = dataset[self._since :]
+        is_text = h5py.check_string_dtype(dataset.dtype)
+        values = (dataset.asstr(errors="surrogateescape") if is_text else dataset)[self._since :]
         if port in self._turning and self._ahead:
             values = values - (dataset[self._ahead] - dataset[0])
         return Series(values, dataset.attrs["unit"], dataset.attrs["description"])
@@ -212,16 +218,27 @@ class Recorded:
 
     @cached_property
     def ports(self) -> list[str]:
-        """All scalar outputs, "participant.name", and "coupling.name"."""
-        names: list[str] = []
+        """All scalar outputs that are numbers, "participant.name", and "coupling.name"."""
+        return [name for name, is_text in self._scalars.items() if not is_text]
+
+    @property
+    def texts(self) -> list[str]:
+        """All scalar outputs that are texts, "participant.name"."""
+        return [name for name, is_text in self._scalars.items() if is_text]
+
+    @cached_property
+    def _scalars(self) -> dict[str, bool]:
+        """Whether each scalar output is a text."""
+        found: dict[str, bool] = {}
 
         def note(name, item):
             if isinstance(item, h5py.Dataset):
-                names.append(_port(name))
+                found[_port(name)] = h5py.check_string_dtype(item.dtype) is not None
 
         self.file.visititems(note)
+        del found["time"]
         groups = ("fields.", "envelopes.")
-        return [name for name in names if name != "time" and not name.startswith(groups)]
+        return {name: text for name, text in found.items() if not name.startswith(groups)}
 
     def structured(self) -> np.ndarray:
         """Return all scalar outputs in FMPy's format of results.
@@ -233,11 +250,10 @@ class Recorded:
             and
             `plot_result`.
         """
-        columns = [("time", float), *((port, float) for port in self.ports)]
-        table = np.empty(len(self.time), columns)
-        table["time"] = self.time
-        for port in self.ports:
-            table[port] = self.series(port).values
+        columns = {"time": self.time} | {port: self.series(port).values for port in self.ports}
+        table = np.empty(len(self.time), [(name, one.dtype) for name, one in columns.items()])
+        for name, values in columns.items():
+            table[name] = values
         return table
 
     @property

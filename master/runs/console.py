@@ -3,6 +3,7 @@
 import time as clock
 from contextlib import contextmanager
 
+from rich.markup import escape
 from rich.table import Table
 
 from ..fmi.phases import Phase
@@ -63,5 +64,7 @@ def print_summary(console, summaries):
     table = Table("", *summaries, box=None)
     for key in dict.fromkeys(key for summary in summaries.values() for key in summary):
         values = [summary.get(key, "") for summary in summaries.values()]
-        table.add_row(key, *(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values))
+        table.add_row(
+            key, *(f"{v:.6g}" if isinstance(v, float) else escape(str(v)) for v in values)
+        )
     console.print(table)

@@ -9,7 +9,8 @@ Layout
                             period), summary (JSON) and last_period (its beginning [s]), when
                             finished
     /time                   end of every macro step [s]
-    /<participant>/<name>   all scalar outputs, one value per step; attributes unit, description
+    /<participant>/<name>   all scalar outputs, one value per step; attributes unit, description;
+                            64-bit integers and texts have their own types, all others are floats
     /coupling/<name>        iterations, derivative_products, residual (largest residual / tolerance)
     /envelopes/<participant>/<name>   extreme value of every cell over the last period (its start
                             and all accepted steps), when finished; attribute kind, "min" or "max"
@@ -36,7 +37,6 @@ import numpy as np
 from ..case.contract import contract
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput, Stopped
-from ..fmi.fields import NO_NUMBERS
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
 from ..results.recorded import dataset_path, open_unfinished
 
@@ -51,7 +51,13 @@ INSTANTS = 20
 LONGEST_WAIT = 1.0
 """Longest time that a row stays in memory during the run [s]."""
 TEXT = h5py.string_dtype()
-"""Type of attributes."""
+"""Type of attributes and texts."""
+UNRECORDED = ("Binary", "Clock")
+"""Types that are not recorded."""
+LARGEST_CHARACTER = 4
+"""Bytes of the longest character in UTF-8."""
+EXACT = 2**53
+"""Largest range of integers that floats represent."""
 
 
 class CannotWrite(Stopped):
@@ -151,7 +157,7 @@ class Recorder:
             name: [
                 f
                 for f in p.fields.values()
-                if f.causality == "output" and not f.shape and f.type not in NO_NUMBERS
+                if f.causality == "output" and not f.shape and f.type not in UNRECORDED
             ]
             for name, p in participants.items()
         }
@@ -182,7 +188,8 @@ class Recorder:
         for name, fields in self.scalars.items():
             for field in fields:
                 path = dataset_path(f"{name}.{field.name}")
-                self._series(self.columns, path, field.unit, field.description)
+                kind = type_of(field)
+                self._series(self.columns, path, field.unit, field.description, kind=kind)
         for name, text in (
             ("iterations", "evaluations of the macro step"),
             ("derivative_products", "directional derivatives"),
@@ -198,7 +205,8 @@ class Recorder:
             owner, name = port_of(port)
             field = self.participants[owner].fields[name]
             path = f"fields/{dataset_path(port)}"
-            dataset = self._series(self.fields, path, field.unit, field.description, field.shape)
+            texts, kind = (field.unit, field.description), type_of(field)
+            dataset = self._series(self.fields, path, *texts, field.shape, kind)
             for k, one in enumerate(dimensions(self.case, port, field.shape), start=1):
                 dataset.dims[k].attach_scale(self._scale(distinct(sizes, one, owner)))
 
@@ -211,14 +219,14 @@ class Recorder:
             made.make_scale(dimension.name)
         return self.file[path]
 
-    def _series(self, those, name, unit, description, shape=()):
+    def _series(self, those, name, unit, description, shape=(), kind: Any = float):
         """Create a dataset along `time`, and add it to `those`."""
         chunk = (1, *shape) if shape else (CHUNK,)
         dataset = self.file.create_dataset(
             name,
             (0, *shape),
             maxshape=(None, *shape),
-            dtype=float,
+            dtype=kind,
             chunks=chunk,
             compression="lzf" if shape else None,
         )
@@ -278,12 +286,17 @@ class Recorder:
         """
         rows, instants = self._waiting, self._instants
         self._forget()
-        self._reserve(self.partial)
+        self._reserve(self.partial, LARGEST_CHARACTER * self._characters(rows))
         for dataset, column in zip(self.columns, zip(*rows)):
             _extend(dataset, column)
         for dataset, column in zip(self.fields, zip(*instants)):
             _extend(dataset, column)
         self.file.flush()
+
+    def _characters(self, rows):
+        """Return the number of characters in all texts of rows."""
+        texts = [k for k, one in enumerate(self.columns) if h5py.check_string_dtype(one.dtype)]
+        return sum(len(row[k]) for row in rows for k in texts)
 
     def _forget(self):
         """Clear the waiting rows."""
@@ -360,6 +373,16 @@ def recorded_ports(case, participants):
     return ports
 
 
+def type_of(field) -> Any:
+    """Return the HDF5 type of a variable: texts and integers beyond 2^53 keep their values."""
+    if field.type == "String":
+        return TEXT
+    low, high = getattr(field, "whole_numbers", None) or (0, 0)
+    if field.type != "Integer" or high - low < EXACT:
+        return float
+    return np.int64 if low else np.uint64
+
+
 def _describe(dataset, **texts):
     """Set attributes of a new dataset by HDF5's low-level calls.
 
@@ -376,7 +399,10 @@ def _extend(dataset, values):
 
     h5py takes three times as long for a few numbers, and there are about sixty datasets.
     """
-    rows = np.asarray(values, dtype=float)
+    kind = dataset.dtype
+    if h5py.check_string_dtype(kind):
+        values = [text.encode(errors="surrogateescape") for text in values]
+    rows = np.asarray(values, dtype=kind)
     one = dataset.id
     known, *shape = one.shape
     one.set_extent((known + len(rows), *shape))

@@ -4,6 +4,7 @@ import json
 import platform
 import time as clock
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -116,8 +117,8 @@ def run(
                 _check_resumable(begin_at, system, output)
             start(system)
             for name, participant in system.participants.items():
-                for text in getattr(participant, "warned", list)():
-                    say(f"{name}: {text}")
+                for warning in getattr(participant, "warned", list)():
+                    say(f"{name}: {warning.text}")
             if not begin_at:
                 distrusted = untrusted(system, case.coupling.method != "explicit")
                 for name, why in distrusted.items():
@@ -133,6 +134,9 @@ def run(
                 return active.go(heard)
             finally:
                 active.close()
+                for name, warning in logged_warnings(system):
+                    if warning.time is not None:
+                        say(f"{name}: warning at {warning.sentence}")
         except (StepFailed, ParticipantFault, CannotWrite) as stop:
             stop.add_note(checkpoint_message(output))
             raise
@@ -268,6 +272,8 @@ class ActiveRun(Observer):
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         if ended:
             summary["ended_early"] = ended
+        if logged := logged_warnings(self.system):
+            summary["warnings"] = [f"{name}: {warning.sentence}" for name, warning in logged]
         if self.account.repetition:
             summary |= self.account.repetition.summary()
         if count := sum(map(bool, self.objected.values())):
@@ -462,6 +468,15 @@ class ActiveRun(Observer):
         self.log.close()
         for observer in self.observers:
             observer.close()
+
+
+def logged_warnings(system):
+    """Return pairs of participant and `LoggedWarning`; none of a process that has ended."""
+    pairs = []
+    for name, participant in system.participants.items():
+        with suppress(ParticipantFault):
+            pairs += [(name, warning) for warning in getattr(participant, "warned", list)()]
+    return pairs
 
 
 def _step_control(system, coupling):

@@ -421,9 +421,9 @@ def test_texts_and_courses(toy):
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)
 def test_a_warning_of_native_code_and_scarce_memory(toy):
     started(toy, x0=-1.0)
-    assert toy.warned() == ["starts below 0"]
+    assert [warning.text for warning in toy.warned()] == ["starts below 0"]
     toy.step(0.0, 0.1)
-    assert toy.log == []  # once
+    assert not toy.log  # once
     toy.set("u", np.full(SHAPE, -1234.0))
     with pytest.raises(Discard, match="there is not enough memory for a step"):
         toy.step(0.1, 0.1)

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling.stepping import StepFailed
+from piston_cosim.master.participants.warned import LoggedWarning
 from piston_cosim.master.results.file import Results
 from piston_cosim.master.results.judgement import mean_over
 from piston_cosim.master.runs.checkpoint import Checkpoint, Interrupted
@@ -300,7 +301,8 @@ def test_summary_of_steps_by_local_error(affine, tmp_path):
 
 def test_warnings_of_the_start_are_told(toys, tmp_path):
     system = toys()
-    system.participants["plant"].warned = lambda: ["the tank leaks", "and is hot"]
+    texts = ["the tank leaks", "and is hot"]
+    system.participants["plant"].warned = lambda: [LoggedWarning(text, None, 1) for text in texts]
     said = []
     go(system, tmp_path / "run.h5", say=said.append)
     assert said[:2] == ["plant: the tank leaks", "plant: and is hot"]
