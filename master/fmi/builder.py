@@ -96,7 +96,7 @@ for code in CODES:
         continue
     sys.path.insert(0, str(folder_of(code)))
     try:
-        if lacking := import_module(f"{{code}}.master.fmi.requirements").missing():
+        if lacking := import_module(f"{{code}}.master.fmi.requirements").missing_in_host():
             raise ImportError(lacking)
         import_module(f"{{code}}.master.fmi.tree")
     finally:

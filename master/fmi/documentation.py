@@ -41,7 +41,9 @@ restored and serialised.</p>
 
 OF_PYTHON = """The FMU requires {hosts}, and Python 3.11 or newer with {packages}. If the host is
 not Python, the FMU starts the Python of the environment variable PISTON_COSIM_PYTHON. The next
-choices are that of VIRTUAL_ENV, the one that last built such an FMU on the machine, and python3. At
+choices are that of VIRTUAL_ENV, the one that last built such an FMU on the machine, and python3. If
+the host is a Python without the packages, they are those of PISTON_COSIM_PYTHON of the same
+version. At
 the first start the FMU compiles its code for about a minute and logs it. All FMUs of the same code
 share the compiled code in PISTON_COSIM_CACHE or in the user's cache."""
 

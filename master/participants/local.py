@@ -67,6 +67,8 @@ class LocalParticipant(StartedInHalves):
     def get(self, name):
         """Return an array of the field's shape, or a number."""
         self.slave.show_start()
+        if self.fields[name].type == "String":
+            return self.slave.string[self.slave.references[name]]
         view = self.slave.views[name]
         return view.copy() if self.fields[name].shape else view.item()
 
