@@ -68,6 +68,9 @@ SENTENCES = {
     "beyond_pressure_law": "pressure_viscosity_law: the film pressure exceeds the range of the "
     "law, in which viscosity rises to 1000 times that of low pressure; beyond it the viscosity is "
     "constant",
+    "below_pressure_law": "pressure_viscosity_law: expected more than {b} Pa relative to "
+    "cavitation_pressure, where roelands_1966 ends, got {a} Pa at [{i},{j}]; use barus_1893 or a "
+    "cavitation model other than full_film",
     "other_state": DAMAGED_STATE,
 }
 """Sentences of the faults; {i} and {j} are the cell, {a} to {c} numbers."""

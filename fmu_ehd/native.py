@@ -254,7 +254,7 @@ def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float):
         _input(real, tables, places.film_thickness, has_openings),
         _input(real, tables, places.sliding_velocity, has_openings),
         turning,
-        surroundings_of(x, chosen_from(setup.chosen), temperature),
+        surroundings_of(x, chosen_from(setup.chosen), temperature, tables.open_cells),
         length,
     )
 

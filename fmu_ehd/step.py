@@ -41,7 +41,13 @@ from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
 from .laws.contact import has_narrow_steps, profile_steps
-from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS, TruePressure, raised, true_pressure
+from .laws.piezoviscosity import (
+    PRESSURE_VISCOSITY_LAWS,
+    TruePressure,
+    check_suction,
+    raised,
+    true_pressure,
+)
 from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
 from .state import Fields, Inputs, LastStep, Memory, Scalars
@@ -251,24 +257,25 @@ def start(
     n_c, n_a = shape
     lower = inputs.around.edges.pressure[LOWER]
     upper = inputs.around.edges.pressure[UPPER]
-    unknown = np.full(shape, filled - 1.0)
+    domain = fixed.domain
+    flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
+    film = flow.quantities
     pressure = np.zeros(shape)
-    if filled >= 1.0:
-        for i in range(n_c):
-            for j in range(n_a):
+    content = np.zeros(shape)
+    for i in range(n_c):
+        for j in range(n_a):
+            if filled >= 1.0:
                 pressure[i, j] = lower + (upper - lower) * ((j + 0.5) / n_a)
-        unknown = pressure
+            if not domain.open_cells[i, j]:
+                content[i, j] = filled * film[STORED, i, j]
+    unknown = pressure if filled >= 1.0 else np.full(shape, filled - 1.0)
     fraction = np.full(shape, filled)
     still = np.zeros(shape)
-    flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
     under = true_pressure(inputs.around.pressure_law, pressure)
-    domain = fixed.domain
     rms = fixed.surfaces.contact.roughness_rms
     ring = domain.cells.ring
     steps = profile_steps(inputs.hard_film, domain.open_cells, rms, ring)
     acting = acting_of(fixed, inputs, ForceInputs(still, steps, flow, under, fraction), faults)
-    film = flow.quantities
-    content = fraction * film[STORED]
     no_flow = np.zeros((n_c, n_a + 1))
     before = parts.PreviousFilm(
         unknown,
@@ -286,7 +293,7 @@ def start(
     )
     layer = oil_layer.none_followed()
     if fixed.bore.supply.followed:
-        layer = oil_layer.start(fixed.bore, inputs.velocity)
+        layer = oil_layer.start(fixed.bore, inputs.velocity, domain.open_cells)
     oil = sum_of_products(content, fixed.surfaces.area)
     heat = acting.powers.friction
     ledger = parts.BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, oil, heat)
@@ -383,7 +390,7 @@ def _layer_left(
         spilled = spilled + begun.begin.start.length * solved.solution.spilled  # Eq. (T28)
     volumes = LayerVolumes(oil_layer.inflow(bore, passed), spilled)
     gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
-    mean = oil_layer.mean_of(inputs.velocity)
+    mean = oil_layer.mean_of(inputs.velocity, fixed.domain.open_cells)
     return oil_layer.left(bore, layer, memory.layer, volumes, gaps, mean, inputs.length)
 
 
@@ -406,6 +413,7 @@ def end(
     domain = fixed.domain
     length = inputs.length
     under = true_pressure(inputs.around.pressure_law, found.pressure)
+    check_suction(inputs.around.pressure_law, under.pressure, faults)
     seen = ForceInputs(solved.deflection, memory.steps, flow, under, found.film_fraction)
     if fixed.surfaces.compliance > 0.0:
         gap = inputs.hard_film + solved.deflection

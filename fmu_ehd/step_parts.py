@@ -31,8 +31,8 @@ class PreviousFilm(NamedTuple):
     unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
     starts the next one, so that a repeat takes the same path; pressure : at the end of the last
     step, above cavitation pressure [Pa]; content, growth, growth_before :
-    film fraction times stored film [m], and its growth over the last step and the one before
-    [m/s], `storage.ContentHistory`; deflection : of the coating [m];
+    film fraction times stored film, 0 in openings [m], and its growth over the last step and the
+    one before [m/s], `storage.ContentHistory`; deflection : of the coating [m];
     film, film_before : carriers of `films` at the end of the last two steps;
     passed, travel : volume that passed the axial faces [m3], and travel of the entrainment there
     [m], in the last step, `transport`; step : length of the last step [s], 0 at the start.
@@ -354,11 +354,10 @@ def passage(
     passed = np.empty((n_c, n_a + 1))
     for i in range(n_c):
         for j in range(n_a):
-            grown = (found.content[i, j] - before.content[i, j]) / step
-            growth[i, j] = 0.0 if domain.open_cells[i, j] else grown
+            growth[i, j] = (found.content[i, j] - before.content[i, j]) / step
         for j in range(n_a + 1):
             passed[i, j] = pace.share * before.passed[i, j] + length * found.axial_flow[i, j]
-    travel = transport.travelled(before.travel, pace, axial_velocity, length)
+    travel = transport.travelled(before.travel, pace, axial_velocity, domain.open_cells, length)
     return OilTransport(growth, passed, travel)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
 from ..master.fmi.noted import none_yet
-from .balance.grid import Array, Edges
+from .balance.grid import Array, Edges, Flags
 from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
 from .faults import raise_noted
 from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
@@ -59,17 +59,18 @@ def viscosity_by_temperature(x, chosen, temperature):
 
 
 @compiled
-def pressure_law_of(x, chosen, viscosity):
+def pressure_law_of(x, chosen, viscosity, open_cells):
     """Return `piezoviscosity.PressureLaw` of a film."""
     kind = int(chosen.pressure_viscosity_law) - 1
-    return pressure_law(kind, x.pressure_viscosity_coefficient, viscosity, np.zeros(TABLE))
+    alpha = x.pressure_viscosity_coefficient
+    return pressure_law(kind, alpha, viscosity, open_cells, np.zeros(TABLE))
 
 
 @compilable
-def surroundings_of(x: Any, chosen: Any, temperature: Array) -> Surroundings:
-    """Return `Surroundings` from numbers, choices and the temperature of every cell."""
+def surroundings_of(x: Any, chosen: Any, temperature: Array, open_cells: Flags) -> Surroundings:
+    """Return `Surroundings` from numbers, choices, temperatures and cells without a film."""
     viscosity = viscosity_by_temperature(x, chosen, temperature)
-    law = pressure_law_of(x, chosen, viscosity)
+    law = pressure_law_of(x, chosen, viscosity, open_cells)
     outside = outside_of(x, chosen)
     n_c, n_a = temperature.shape
     edges = edges_of(x, chosen, outside, law, (n_c, n_a))
@@ -106,4 +107,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
         temperature = np.full(parameters.shape, conditions["oil_temperature"], float)
     else:
         temperature = temperature_between_edges(x, parameters.shape)
-    return surroundings_of(x, chosen, temperature)
+    open_cells = parameters.open_cells
+    if open_cells is None:
+        open_cells = np.zeros(parameters.shape, dtype=bool)
+    return surroundings_of(x, chosen, temperature, open_cells)

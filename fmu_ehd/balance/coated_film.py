@@ -18,9 +18,17 @@ from ..laws.piezoviscosity import PressureLaw, true_pressure
 from ..solvers.blocks import Factors
 from ..solvers.sparse import LinearSolver
 from . import film_step
-from .film_step import BalanceInputs, Domain, FilmSolution, film_slopes, lift_along
+from .film_step import (
+    BalanceInputs,
+    Domain,
+    FilmSolution,
+    FullCells,
+    balance_pressure,
+    film_slopes,
+    lift_along,
+)
 from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
-from .grid import Array, Entrainment, Flags
+from .grid import Array, Entrainment, Flags, put
 from .reynolds import Filling
 from .tangent import BY_FILM
 
@@ -77,6 +85,7 @@ def softness(
     given: BalanceInputs,
     flow: FlowFilm,
     filling: Filling,
+    reduced: Array,
     domain: Domain,
 ):
     """`coating.Softness` about a film.
@@ -91,6 +100,9 @@ def softness(
         Whatever its film.
     flow : flow_film.FlowFilm
     filling : reynolds.Filling
+        With which the balance is solved.
+    reduced : ndarray, shape (n_c, n_a)
+        Reduced pressure that presses on the coating [Pa].
     domain : film_step.Domain
     """
     slopes = film_slopes(
@@ -111,10 +123,9 @@ def softness(
         layer.contact,
         domain.cells.ring,
     )
-    reduced = filling.pressure
     under = true_pressure(layer.pressure, reduced)
     weight, offset = coating.linear_deflection(
-        layer.compliance, deflection, touching, under, reduced
+        layer.compliance, deflection, touching, under, reduced, domain.open_cells
     )
     return Softness(slopes[BY_FILM], weight, offset)
 
@@ -148,15 +159,15 @@ def solve(
     hard_film, deflection, unknown, _, sheared = pressed
     full = unknown > 0.0
     guess = given.full
-    lift = lift_along(given.lift, given.entrainment.axial, domain.model)
+    lift = lift_along(given.lift, given.entrainment.axial, domain)
     factorisations = 0
     iteration = 0
     while True:
         film = hard_film + deflection  # Eq. (L2)
         flow = flow_film(film, sheared, layer.laws)
         reduced, deficit = cavitation.interpret(domain.model, unknown, full)
-        filling = Filling(reduced, 1.0 + deficit, lift)
-        soft = softness(pressed, deflection, layer, given, flow, filling, domain)
+        filling = Filling(balance_pressure(domain.model, unknown, reduced), 1.0 + deficit, lift)
+        soft = softness(pressed, deflection, layer, given, flow, filling, reduced, domain)
         now = BalanceInputs(
             flow.quantities, given.entrainment, given.edges, given.start, guess, soft, given.lift
         )
@@ -171,7 +182,21 @@ def solve(
                 refuse(
                     faults, FAULT.deflection_not_found, moved.i, moved.j, most, moved.change, 0.0
                 )
-            return StepSolution(deflection, flow, found, factorisations)
+            flow = flow_film(hard_film + moved.deflection, sheared, layer.laws)
+            now = BalanceInputs(
+                flow.quantities,
+                given.entrainment,
+                given.edges,
+                given.start,
+                guess,
+                soft,
+                given.lift,
+            )
+            equations = film_step.equations_of(now, domain)
+            put(equations.lift, found.lift)
+            cells = FullCells(found.unknown, found.full, factorisations, found.stencil)
+            solution = film_step.completed(cells, equations, solver, True)
+            return StepSolution(moved.deflection, flow, solution, factorisations)
         deflection = moved.deflection
         unknown = found.unknown
         full = found.full

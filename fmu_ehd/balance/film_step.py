@@ -71,7 +71,9 @@ class BalanceInputs(NamedTuple):
 class Equations(NamedTuple):
     """Eqs. (E1) to (E5) of one step, whatever cells are full.
 
-    lift : ndarray, shape (n_c, n_a + 1), as in `reynolds.Filling`.
+    lift : ndarray, shape (n_c, n_a + 1), as in `reynolds.Filling`;
+    follows_pattern : whether they depend on the pattern of full cells: in every model that
+    switches, and under a coating, which follows no pressure that is cut off.
     """
 
     faces: Faces
@@ -80,6 +82,7 @@ class Equations(NamedTuple):
     edges: Edges
     softness: Softness
     domain: Domain
+    follows_pattern: bool
 
 
 class FullCells(NamedTuple):
@@ -176,7 +179,7 @@ def assemble(equations: Equations, pattern: Flags):
 
     `pattern`, shape (n_c, n_a), says which cells are full.
     """
-    faces, lift, storage, edges, softness, domain = equations
+    faces, lift, storage, edges, softness, domain, _ = equations
     model = domain.model
     full = pattern
     if not model.conserving:
@@ -228,7 +231,7 @@ def full_cells(
         if found.switched < 0:
             refuse(faults, FAULT.not_finite, found.i, found.j, 0.0, 0.0, 0.0)
             return FullCells(unknown, full, iteration + 1, stencil)
-        if found.switched == 0 or not model.switching:  # Eq. (C1)
+        if found.switched == 0 or not equations.follows_pattern:  # Eq. (C1)
             return FullCells(unknown, full, iteration + 1, stencil)
         iteration += 1
         if iteration == cavitation.LIMIT:
@@ -258,21 +261,21 @@ def give_up_lift(lift: Array, unknown: Array, full: Flags):
 
 
 @compiled
-def lift_along(lift: Lift, axial_velocity: Array, model: Cavitation):
+def lift_along(lift: Lift, axial_velocity: Array, domain: Domain):
     """Return the lift of the film fraction at the axial faces, shape (n_c, n_a + 1).
 
     It holds for the velocity at the end of a step, and is 0 if cavities hold no oil.
     """
-    if lift.fraction.size == 0 or not model.conserving:
+    if lift.fraction.size == 0 or not domain.model.conserving:
         n_c, n_a = axial_velocity.shape
         return np.zeros((n_c, n_a + 1))
-    return transport.along(lift, axial_velocity)
+    return transport.along(lift, axial_velocity, domain.open_cells)
 
 
 @compiled
 def balance(unknown: Array, full: Flags, equations: Equations):
     """Pressure, and what `reynolds.balance` says, for a signed unknown."""
-    faces, lift, storage, edges, _, domain = equations
+    faces, lift, storage, edges, _, domain, _ = equations
     pressure, deficit = cavitation.interpret(domain.model, unknown, full)
     ring = domain.cells.ring
     return pressure, reynolds.balance(
@@ -286,25 +289,28 @@ def equations_of(given: BalanceInputs, domain: Domain):
     film = given.film
     if domain.has_openings:
         film = openings.freed(domain.open_cells, film)
-    faces = reynolds.faces(film, given.entrainment, domain.cells)
+    faces = reynolds.faces(film, given.entrainment, domain.open_cells, domain.cells)
     if domain.has_openings:
         openings.close(domain.open_cells, faces)
         openings.starve(domain.open_cells, faces, given.edges.limit)
-    lift = lift_along(given.lift, given.entrainment.axial, domain.model)
+    lift = lift_along(given.lift, given.entrainment.axial, domain)
     rate = domain.cells.dx * domain.cells.dy / given.start.length
     held = Storage(film[STORED], given.start.content, rate)
-    return Equations(faces, lift, held, given.edges, given.softness, domain)
+    model = domain.model
+    follows = model.switching or (model.clipping and given.softness.weight.size > 0)
+    return Equations(faces, lift, held, given.edges, given.softness, domain, follows)
 
 
 @compiled
-def first_guess(full: Flags, edges: Edges, domain: Domain):
+def first_guess(full: Flags, equations: Equations):
     """Pattern to start from: all cells where none ever switches, openings by their supply."""
+    _, _, _, edges, _, domain, follows_pattern = equations
     guess = full.copy()
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):
             if domain.open_cells[i, j]:
                 guess[i, j] = edges.film_fraction[OPENINGS] >= 1.0
-            if not domain.model.switching:
+            if not follows_pattern:
                 guess[i, j] = True
     return guess
 
@@ -358,19 +364,47 @@ def solve(
     FilmSolution
     """
     equations = equations_of(given, domain)
-    found = full_cells(equations, solver, first_guess(given.full, given.edges, domain), faults)
+    found = full_cells(equations, solver, first_guess(given.full, equations), faults)
     iterations = found.iterations
     while faults[0] == 0.0 and give_up_lift(equations.lift, found.unknown, found.full):
         found = full_cells(equations, solver, found.full, faults)
         iterations += found.iterations
+    whole = FullCells(found.unknown, found.full, iterations, found.stencil)
+    return completed(whole, equations, solver, given.softness.weight.size == 0)
+
+
+@compilable
+def completed(
+    found: FullCells, equations: Equations, solver: LinearSolver | Factors, refines: bool
+) -> FilmSolution:
+    """Return the film of an unknown, refined once if its round-off matters.
+
+    It matters if oil is conserved, and in a film at rest, whose friction is a difference of
+    pressures that are nearly equal. Pressures that are cut off leave a residual of their own.
+
+    Parameters
+    ----------
+    found : FullCells
+    equations : Equations
+    solver : sparse.LinearSolver or blocks.Factors
+        With the factorisation of `found`.
+    refines : bool
+        False for an iteration of a coating, which does not balance yet.
+
+    Returns
+    -------
+    FilmSolution
+    """
     unknown = found.unknown
     pressure, now = balance(unknown, found.full, equations)
-    hard = given.softness.weight.size == 0
-    if domain.model.conserving and hard and now.imbalance > REFINE_ABOVE:
+    conserving = equations.domain.model.conserving
+    lost = conserving and now.imbalance > REFINE_ABOVE
+    at_rest = now.resting and (conserving or (pressure == unknown).all())
+    if refines and (lost or at_rest):
         unknown = unknown + solution(solver, found.stencil, now.residual)
         pressure, now = balance(unknown, found.full, equations)
-    refined = FullCells(unknown, found.full, iterations, found.stencil)
-    return solved(refined, pressure, now, equations)
+    whole = FullCells(unknown, found.full, found.iterations, found.stencil)
+    return solved(whole, pressure, now, equations)
 
 
 def run(way: Any, *arguments: Any) -> Any:
@@ -388,9 +422,15 @@ def run(way: Any, *arguments: Any) -> Any:
 
 
 @compilable
+def balance_pressure(model: Cavitation, unknown: Array, pressure: Array) -> Array:
+    """Return the pressure with which a balance is solved [Pa], before it is cut off, Eq. (C4)."""
+    return unknown if model.clipping else pressure
+
+
+@compilable
 def solved_filling(found: FilmSolution, model: Cavitation) -> Filling:
     """Return the filling with which the balance of a step was solved."""
-    pressure = found.unknown if model.clipping else found.pressure
+    pressure = balance_pressure(model, found.unknown, found.pressure)
     return Filling(pressure, found.film_fraction, found.lift)
 
 
@@ -430,7 +470,7 @@ def film_slopes(
     lift = filling.lift
     if domain.has_openings:
         film = openings.freed(domain.open_cells, film)
-        faces = reynolds.faces(film, entrainment, cells)
+        faces = reynolds.faces(film, entrainment, domain.open_cells, cells)
         bounded = openings.starve(domain.open_cells, faces, edges.limit)
         lift = lift.copy()
         for i in range(lift.shape[0]):
@@ -444,6 +484,7 @@ def film_slopes(
         dentrainment,
         Filling(filling.pressure, filling.film_fraction, lift),
         edges,
+        domain.open_cells,
         cells,
         cells.dx * cells.dy / length,
     )

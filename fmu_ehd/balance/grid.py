@@ -60,6 +60,16 @@ class Entrainment(NamedTuple):
     axial: Array
 
 
+@compiled(inline="always")
+def face_shares(open_a: bool, open_b: bool):
+    """Return the shares of both cells in the velocity at their face, 0 of a cell without a film."""
+    if open_b:
+        return 1.0, 0.0
+    if open_a:
+        return 0.0, 1.0
+    return 0.5, 0.5
+
+
 @compilable
 def in_plenty(shape: tuple[int, int]) -> Array:
     """`Edges.limit` of a grid of that shape without a limit."""

@@ -72,7 +72,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
+from ...master.fmi.compiled import compilable, compiled
 from ..faults import FAULT, refuse
 from .grid import Array, Cells, Field, Flags, add, in_plenty, put, sum_of_products
 
@@ -202,17 +202,17 @@ def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
 
 
 @compilable
-def start(bore: Bore, velocity: Array) -> OilLayer:
+def start(bore: Bore, velocity: Array, open_cells: Flags) -> OilLayer:
     """Return an even layer on the bare bore, with no oil at the edges.
 
     Parameters
     ----------
     bore : Bore
-    velocity : ndarray, shape (n_c, n_a)
-        [m/s].
+    velocity, open_cells
+        As for `mean_of`.
     """
     layer = bore.supply.initial_layer * _bare(_exposed(bore, 0.0))
-    mean = mean_of(velocity)
+    mean = mean_of(velocity, open_cells)
     held = sum_of_products(layer, bore.area)
     nothing = np.zeros(bore.faces.shape)
     return OilLayer(layer, nothing, np.zeros(velocity.shape), 0.0, 0.0, mean, mean, 0.0, held)
@@ -225,10 +225,17 @@ def none_followed() -> OilLayer:
     return OilLayer(nothing, nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@compilable
-def mean_of(velocity: Array) -> float:
-    """V of the skirt [m/s]."""
-    return sum_of_products(velocity, np.ones(velocity.shape)) / velocity.size
+@compiled
+def mean_of(velocity: Array, open_cells: Flags):
+    """V of the skirt [m/s], the mean over its cells, shape (n_c, n_a), that have a film."""
+    total = 0.0
+    cells = 0
+    for i in range(velocity.shape[0]):
+        for j in range(velocity.shape[1]):
+            if not open_cells[i, j]:
+                total += velocity[i, j]
+                cells += 1
+    return total / max(cells, 1)
 
 
 @compilable

@@ -71,6 +71,7 @@ from .grid import (
     Entrainment,
     Field,
     Flags,
+    face_shares,
 )
 
 # share of the gross flows, and of the film volume a step, that the throughput of a film is taken
@@ -140,11 +141,13 @@ class Balance(NamedTuple):
     """Residual of Eq. (E1).
 
     film_fraction, content, residual : ndarray, shape (n_c, n_a)
-        f [-], content f s at the end of the step [m], inflow - growth [m3/s].
+        f [-], content f s at the end of the step [m], inflow - growth [m3/s]; both 0 in openings.
     edge_flow : ndarray, shape (4,)
         As `Outflow.edges`.
     imbalance : float
         |inflow - growth| / throughput of the whole film [-].
+    resting : bool
+        Whether next to nothing moves against what pressure at the edges could move.
     """
 
     film_fraction: Array
@@ -152,6 +155,7 @@ class Balance(NamedTuple):
     residual: Array
     edge_flow: Array
     imbalance: float
+    resting: bool
 
 
 @compiled(inline="always")
@@ -164,7 +168,7 @@ def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
 
 
 @compiled
-def faces(film: Array, entrainment: Entrainment, cells: Cells):
+def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells):
     """Conductances and transports of all faces, Eq. (E3).
 
     Parameters
@@ -172,6 +176,8 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
     film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`; conductivities and transported film > 0.
     entrainment : grid.Entrainment
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film, whose velocity has no effect.
     cells : grid.Cells
 
     Returns
@@ -194,12 +200,13 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
             above = min(i, n_c - 1)
         aspect = dy / dx if ring or 0 < i < n_c else 2.0 * dy / dx
         for j in range(n_a):
+            share_a, share_b = face_shares(open_cells[below, j], open_cells[above, j])
             k_c[i, j], t_c[i, j] = _face(
                 film[CONDUCTIVITY_C, below, j],
                 film[CONDUCTIVITY_C, above, j],
                 film[TRANSPORT, below, j],
                 film[TRANSPORT, above, j],
-                0.5 * (velocity_c[below, j] + velocity_c[above, j]),
+                share_a * velocity_c[below, j] + share_b * velocity_c[above, j],
                 aspect,
                 dy,
             )
@@ -208,12 +215,13 @@ def faces(film: Array, entrainment: Entrainment, cells: Cells):
             below = max(j - 1, 0)
             above = min(j, n_a - 1)
             aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
+            share_a, share_b = face_shares(open_cells[i, below], open_cells[i, above])
             k_a[i, j], t_a[i, j] = _face(
                 film[CONDUCTIVITY_A, i, below],
                 film[CONDUCTIVITY_A, i, above],
                 film[TRANSPORT, i, below],
                 film[TRANSPORT, i, above],
-                0.5 * (velocity_a[i, below] + velocity_a[i, above]),
+                share_a * velocity_a[i, below] + share_b * velocity_a[i, above],
                 aspect,
                 dx,
             )
@@ -507,19 +515,21 @@ def balance(
         throughput += abs(flow)
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
+            if open_cells[i, j]:
+                now[i, j] = 0.0
+                residual[i, j] = 0.0
+                inflow += out[i, j]
+                throughput += abs(out[i, j])
+                continue
             now[i, j] = fraction[i, j] * stored[i, j]
             growth = area_per_step * (stored[i, j] - content[i, j] + deficit[i, j] * stored[i, j])
             residual[i, j] = -out[i, j] - growth  # Eq. (E1)
             volume += stored[i, j]
-            if open_cells[i, j]:
-                residual[i, j] = 0.0
-                inflow += out[i, j]
-                throughput += abs(out[i, j])
-            else:
-                total += growth
-                throughput += abs(growth)
+            total += growth
+            throughput += abs(growth)
     # round-off of pressures and film fractions says nothing about a film in which next to nothing
     # moves
     floor = max(LEAST_THROUGHPUT * gross, LEAST_THROUGHPUT * area_per_step * volume, 1e-300)
     imbalance = abs(inflow - total) / max(throughput, floor)
-    return Balance(fraction, now, residual, edge_flow, imbalance)
+    resting = throughput < LEAST_THROUGHPUT * gross
+    return Balance(fraction, now, residual, edge_flow, imbalance, resting)

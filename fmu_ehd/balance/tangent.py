@@ -29,6 +29,8 @@ from .grid import (
     Cells,
     Edges,
     Entrainment,
+    Flags,
+    face_shares,
 )
 from .reynolds import Filling
 
@@ -40,13 +42,11 @@ BY_FILM, BY_VELOCITY = range(2)
 class Side(NamedTuple):
     """Quantities of the cell on one side of a face.
 
-    conductivity g [m3/(Pa s)], transport t [m], velocity U [m/s], pressure p [Pa], film_fraction f
-    [-].
+    conductivity g [m3/(Pa s)], transport t [m], pressure p [Pa], film_fraction f [-].
     """
 
     conductivity: float
     transport: float
-    velocity: float
     pressure: float
     film_fraction: float
 
@@ -55,7 +55,7 @@ class FlowSlopes(NamedTuple):
     """Derivatives of the face flow from cell a to cell b.
 
     g_a, g_b : to the conductivities [Pa]; t_a, t_b : to the transported films [m2/s];
-    velocity : to the entrainment velocity of either cell [m2].
+    velocity : to the entrainment velocity at the face [m2].
     """
 
     g_a: float
@@ -66,15 +66,14 @@ class FlowSlopes(NamedTuple):
 
 
 @compiled(inline="always")
-def _side(conductivity, transport, velocity, pressure, fraction, i, j):
+def _side(conductivity, transport, pressure, fraction, i, j):
     """Return the quantities of cell (i, j) that a face needs."""
-    return Side(conductivity[i, j], transport[i, j], velocity[i, j], pressure[i, j], fraction[i, j])
+    return Side(conductivity[i, j], transport[i, j], pressure[i, j], fraction[i, j])
 
 
 @compiled(inline="always")
-def _flow_slopes(a, b, aspect, width, lift=0.0):
+def _flow_slopes(a, b, velocity, aspect, width, lift=0.0):
     """Return the derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
-    velocity = 0.5 * (a.velocity + b.velocity)
     upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
     inverse = 1.0 / (a.conductivity + b.conductivity)
     share_a = a.conductivity * inverse
@@ -87,7 +86,7 @@ def _flow_slopes(a, b, aspect, width, lift=0.0):
         share_a * (share_a * driven - bend),
         moved * share_b,
         moved * share_a,
-        0.5 * width * upstream * (a.transport * share_b + b.transport * share_a),
+        width * upstream * (a.transport * share_b + b.transport * share_a),
     )
 
 
@@ -107,14 +106,14 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
 
 
 @compiled(inline="always")
-def _edge_slopes(cell, pressure, entering, sign, aspect, width, lift=0.0):
+def _edge_slopes(cell, velocity, pressure, entering, sign, aspect, width, lift=0.0):
     """Return the derivatives of the flow over an edge of a cell, whose film stands on both sides.
 
     sign : -1 if the flow counts into the cell, 1 if it counts out of it.
     """
-    beyond = Side(cell.conductivity, cell.transport, cell.velocity, pressure, entering)
+    beyond = Side(cell.conductivity, cell.transport, pressure, entering)
     a, b = (beyond, cell) if sign < 0.0 else (cell, beyond)
-    return _flow_slopes(a, b, aspect, width, lift)
+    return _flow_slopes(a, b, velocity, aspect, width, lift)
 
 
 @compiled(inline="always")
@@ -123,8 +122,8 @@ def _add_edge(q, sign, row, slopes, du, centre, i, j):
 
     sign : as in `_edge_slopes`; row : of the conductivity in `films`.
     """
-    g, t, velocity = q.g_a + q.g_b, q.t_a + q.t_b, 2.0 * q.velocity
-    of_film, of_velocity = _of_cell(g, t, velocity, row, slopes, du, i, j)
+    g, t = q.g_a + q.g_b, q.t_a + q.t_b
+    of_film, of_velocity = _of_cell(g, t, q.velocity, row, slopes, du, i, j)
     centre[BY_FILM, i, j] += sign * of_film
     centre[BY_VELOCITY, i, j] += sign * of_velocity
 
@@ -142,13 +141,14 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
     aspect = 2.0 * dx / dy
     for i in range(n_c):
         for edge, j, sign in ((LOWER, 0, -1.0), (UPPER, n_a - 1, 1.0)):
-            cell = _side(g, t, u, pressure, fraction, i, j)
+            cell = _side(g, t, pressure, fraction, i, j)
             entering = edges.film_fraction[edge]
             face = 0 if edge == LOWER else n_a
             if -sign * dx * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
                 entering = 0.0  # a given inflow follows neither film nor velocity
             leaving = lift[i, face]
-            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dx, leaving)
+            outside = edges.pressure[edge]
+            q = _edge_slopes(cell, u[i, j], outside, entering, sign, aspect, dx, leaving)
             _add_edge(q, sign, CONDUCTIVITY_A, slopes, du, centre, i, j)
     if ring:
         return
@@ -158,9 +158,9 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
     aspect = 2.0 * dy / dx
     for j in range(n_a):
         for edge, i, sign in ((FIRST, 0, -1.0), (LAST, n_c - 1, 1.0)):
-            cell = _side(g, t, u, pressure, fraction, i, j)
+            cell = _side(g, t, pressure, fraction, i, j)
             entering = edges.film_fraction[edge]
-            q = _edge_slopes(cell, edges.pressure[edge], entering, sign, aspect, dy)
+            q = _edge_slopes(cell, u[i, j], edges.pressure[edge], entering, sign, aspect, dy)
             _add_edge(q, sign, CONDUCTIVITY_C, slopes, du, centre, i, j)
 
 
@@ -190,6 +190,7 @@ def linearise(
     dentrainment: Entrainment,
     filling: Filling,
     edges: Edges,
+    open_cells: Flags,
     cells: Cells,
     area_per_step: float,
 ):
@@ -211,6 +212,8 @@ def linearise(
         Its derivatives to the sliding velocity [-].
     filling : reynolds.Filling
     edges : grid.Edges
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film, whose velocity has no effect.
     cells : grid.Cells
     area_per_step : float
         As in `reynolds.Storage`.
@@ -233,17 +236,17 @@ def linearise(
     t = film[TRANSPORT]
     g = film[CONDUCTIVITY_A]
     u = entrainment.axial
+    du = dentrainment.axial
     for i in range(n_c):
         for j in range(n_a - 1):
-            a = _side(g, t, u, pressure, fraction, i, j)
-            b = _side(g, t, u, pressure, fraction, i, j + 1)
-            q = _flow_slopes(a, b, dx / dy, dx, lift[i, j + 1])
-            here = _of_cell(
-                q.g_a, q.t_a, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j
-            )
-            there = _of_cell(
-                q.g_b, q.t_b, q.velocity, CONDUCTIVITY_A, slopes, dentrainment.axial, i, j + 1
-            )
+            a = _side(g, t, pressure, fraction, i, j)
+            b = _side(g, t, pressure, fraction, i, j + 1)
+            share_a, share_b = face_shares(open_cells[i, j], open_cells[i, j + 1])
+            velocity = share_a * u[i, j] + share_b * u[i, j + 1]
+            q = _flow_slopes(a, b, velocity, dx / dy, dx, lift[i, j + 1])
+            by_a, by_b = share_a * q.velocity, share_b * q.velocity
+            here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_A, slopes, du, i, j)
+            there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_A, slopes, du, i, j + 1)
             for m in range(2):
                 stencil[m, SOUTH, i, j + 1] = -here[m]
                 stencil[m, NORTH, i, j] = there[m]
@@ -254,11 +257,14 @@ def linearise(
     for i in range(n_c if ring else n_c - 1):
         k = (i + 1) % n_c
         for j in range(n_a):
-            a = _side(g, t, u, pressure, fraction, i, j)
-            b = _side(g, t, u, pressure, fraction, k, j)
-            q = _flow_slopes(a, b, dy / dx, dy)
-            here = _of_cell(q.g_a, q.t_a, q.velocity, CONDUCTIVITY_C, slopes, du, i, j)
-            there = _of_cell(q.g_b, q.t_b, q.velocity, CONDUCTIVITY_C, slopes, du, k, j)
+            a = _side(g, t, pressure, fraction, i, j)
+            b = _side(g, t, pressure, fraction, k, j)
+            share_a, share_b = face_shares(open_cells[i, j], open_cells[k, j])
+            velocity = share_a * u[i, j] + share_b * u[k, j]
+            q = _flow_slopes(a, b, velocity, dy / dx, dy)
+            by_a, by_b = share_a * q.velocity, share_b * q.velocity
+            here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_C, slopes, du, i, j)
+            there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_C, slopes, du, k, j)
             for m in range(2):
                 stencil[m, WEST, k, j] = -here[m]
                 stencil[m, EAST, i, j] = there[m]

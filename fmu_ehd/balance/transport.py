@@ -71,7 +71,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
-from .grid import LOWER, UPPER, Array, Cells, Edges, Flags
+from .grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares
 
 # cells of travel in a step between which there is a lift: below, nothing moves but round-off
 NEAREST, FARTHEST = 1e-9, 16.0
@@ -191,9 +191,11 @@ def _row_flow(content, i, way, steps, given, flow):
             continue
         beyond = 2 * up - down
         if beyond < 0:
-            before = supply[LOWER, i] * mobile[i, 0]
+            before = supply[LOWER, i] * mobile[i, up]
         elif beyond == n_a:
-            before = supply[UPPER, i] * mobile[i, n_a - 1]
+            before = supply[UPPER, i] * mobile[i, up]
+        elif resting[i, beyond] and not full[i, beyond]:
+            before = content[beyond] * mobile[i, up]
         else:
             before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
         filled = here * mobile[i, up]
@@ -308,6 +310,8 @@ def _explicit_steps(i, way, length):
     """Return the number of explicit steps of row i, 0 without a lift; length : of a cell [m]."""
     farthest = 0.0
     for j in range(way.mobile.shape[1]):
+        if way.resting[i, j] and not way.full[i, j]:
+            continue
         swept = max(abs(way.travel[i, j]), abs(way.travel[i, j + 1]))
         farthest = max(farthest, swept * way.mobile[i, j] / way.stored[i, j])
     courant = farthest / length
@@ -372,7 +376,8 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
         if supply[UPPER, i] < 1.0 and swept < 0.0:
             given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
         for j in range(n_a):
-            content[j] = past.content[i, j]
+            no_film = states.resting[i, j] and not states.full[i, j]
+            content[j] = edges.film_fraction[OPENINGS] if no_film else past.content[i, j]
             source[j] = max(states.gained[i, j], 0.0) * pace.ratio / steps
         for j in range(1, n_a):
             up = j - 1 if travel[i, j] > 0.0 else j
@@ -382,7 +387,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             swept = width * travel[i, j] * end.between[i, j]
             entering = _entering(1.0, edges.limit[i, j], step, abs(swept))
             if entering < 1.0:
-                content[up] = entering * way.stored[i, up]
+                content[up] = entering
                 given[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
         for _ in range(steps):
             _row_flow(content, i, way, steps, given, flow)
@@ -421,8 +426,17 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
     return Lift(fraction, travel)
 
 
+@compiled(inline="always")
+def _velocity_at(axial_velocity, open_cells, i, j):
+    """Entrainment velocity at axial face j of row i [m/s]."""
+    below = max(j - 1, 0)
+    above = min(j, axial_velocity.shape[1] - 1)
+    share_a, share_b = face_shares(open_cells[i, below], open_cells[i, above])
+    return share_a * axial_velocity[i, below] + share_b * axial_velocity[i, above]
+
+
 @compiled
-def along(lift: Lift, axial_velocity: Array):
+def along(lift: Lift, axial_velocity: Array, open_cells: Flags):
     """Lift at the faces where oil goes on in the direction that the lift holds for, else 0.
 
     Parameters
@@ -430,6 +444,8 @@ def along(lift: Lift, axial_velocity: Array):
     lift : Lift
     axial_velocity : ndarray, shape (n_c, n_a)
         Entrainment velocity of the step [m/s].
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film, whose velocity has no effect.
 
     Returns
     -------
@@ -439,14 +455,16 @@ def along(lift: Lift, axial_velocity: Array):
     n_c, n_a = axial_velocity.shape
     for i in range(n_c):
         for j in range(n_a + 1):
-            onward = axial_velocity[i, max(j - 1, 0)] + axial_velocity[i, min(j, n_a - 1)]
+            onward = _velocity_at(axial_velocity, open_cells, i, j)
             if onward * lift.travel[i, j] > 0.0:
                 fraction[i, j] = lift.fraction[i, j]
     return fraction
 
 
 @compiled
-def travelled(travel: Array, pace: StepRatios, axial_velocity: Array, length: float):
+def travelled(
+    travel: Array, pace: StepRatios, axial_velocity: Array, open_cells: Flags, length: float
+):
     """Travel of a step at the axial faces, Eq. (T15).
 
     Parameters
@@ -456,6 +474,8 @@ def travelled(travel: Array, pace: StepRatios, axial_velocity: Array, length: fl
     pace : StepRatios
     axial_velocity : ndarray, shape (n_c, n_a)
         U at the end of the step [m/s].
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        As in `along`.
     length : float
         H_e [s].
 
@@ -468,10 +488,8 @@ def travelled(travel: Array, pace: StepRatios, axial_velocity: Array, length: fl
     after = np.empty_like(travel)
     for i in range(n_c):
         for j in range(n_a + 1):
-            below = axial_velocity[i, max(j - 1, 0)]
-            above = axial_velocity[i, min(j, n_a - 1)]
-            # Eq. (T15)
-            after[i, j] = pace.share * travel[i, j] + length * 0.5 * (below + above)
+            moved = length * _velocity_at(axial_velocity, open_cells, i, j)
+            after[i, j] = pace.share * travel[i, j] + moved  # Eq. (T15)
     return after
 
 

@@ -147,9 +147,10 @@ def without_pressure(full: Flags, stencil: Array):
 def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: bool):
     """`PatternChange` of a pattern by its solution: of all cells that want to, or of the first."""
     highest_pressure = 0.0
-    for row in unknown:
-        for u in row:
-            highest_pressure = max(highest_pressure, u)
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if not fixed[i, j]:
+                highest_pressure = max(highest_pressure, unknown[i, j])
     tolerance = max(PRESSURE_ROUNDOFF * highest_pressure, PRESSURE_NEGLIGIBLE)
     over = FRACTION_ROUNDOFF if conserving else tolerance
     pattern = full.copy()

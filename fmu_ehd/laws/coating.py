@@ -87,7 +87,12 @@ def yielding(c: float, contact_slope: Array):
 
 @compiled
 def linear_deflection(
-    c: float, deflection: Array, contact: Contact, under: TruePressure, reduced: Array
+    c: float,
+    deflection: Array,
+    contact: Contact,
+    under: TruePressure,
+    reduced: Array,
+    open_cells: Flags,
 ):
     """Return the change of the deflection as a linear function of the pressure, Eq. (L3).
 
@@ -105,6 +110,8 @@ def linear_deflection(
         Last p, and dp/dq there.
     reduced : ndarray, shape (n_c, n_a)
         Last q [Pa].
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film, whose coating does not yield.
 
     Returns
     -------
@@ -113,10 +120,12 @@ def linear_deflection(
     """
     n_c, n_a = deflection.shape
     k = yielding(c, contact.pressure_slope)
-    weight = np.empty((n_c, n_a))
-    offset = np.empty((n_c, n_a))
+    weight = np.zeros((n_c, n_a))
+    offset = np.zeros((n_c, n_a))
     for i in range(n_c):
         for j in range(n_a):
+            if open_cells[i, j]:
+                continue
             ratio = under.ratio[i, j] if under.ratio.size > 0 else 1.0
             at_zero = under.pressure[i, j] - ratio * reduced[i, j]
             weight[i, j] = k[i, j] * c * ratio  # Eq. (L3)

@@ -9,7 +9,10 @@ Eq. (O6):  q = int_0^p mu_0/mu dp
 
 By Eq. (O4) it is q = (1 - exp(-alpha p)) / alpha; by Eq. (O5) a table with exact slopes, read in
 both directions. Eq. (O6) is exact where alpha and Z do not vary over the film; with a temperature
-field Z belongs to the mean of mu_0.
+field Z belongs to the mean of mu_0 over the cells with a film.
+
+Suction in a full film has p < 0. Eq. (O5) ends at p = -1.96e8 Pa, and a step that needs less is
+discarded. Below this end q goes on straight, so that trials of an iteration stay finite.
 
 A law holds up to mu/mu_0 = `LARGEST_RATIO`, the viscosity is constant beyond. Without the limit q
 would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q
@@ -27,7 +30,8 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, numbered
 from ..balance.films import COUETTE
-from ..balance.grid import Array, Field
+from ..balance.grid import Array, Field, Flags
+from ..faults import FAULT, refuse
 
 PRESSURE_VISCOSITY_LAWS = numbered("none", "barus_1893", "roelands_1966")
 
@@ -35,9 +39,10 @@ POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
 POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
 # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
 LARGEST_RATIO = 1e3
-TABLE_CELLS = 2000  # of Eq. (O6): interpolation error below 1 mPa
+TABLE_CELLS = 2000  # of Eq. (O6) above p = 0: interpolation error below 1 mPa
+SUCTION_CELLS = 200  # below p = 0, of equal change of (1 + p / 1.96e8)^Z: error below 1 Pa
 ROW = numbered("pressure", "reduced", "ratio")  # of the table
-TABLE = (len(ROW), TABLE_CELLS + 1)
+TABLE = (len(ROW), SUCTION_CELLS + TABLE_CELLS + 1)
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
 
 
@@ -47,7 +52,7 @@ class PressureLaw(NamedTuple):
     kind : number in `PRESSURE_VISCOSITY_LAWS`; alpha : slope of ln mu at p = 0 [1/Pa];
     level, z : ln mu_0 + 9.67 and Z of Eq. (O5) [-]; limit : pressure up to which it holds [Pa];
     most : its q [Pa];
-    table : ndarray, shape (3, 2001), p, q [Pa] and mu/mu_0 [-]; used by Eq. (O5) alone.
+    table : ndarray of shape `TABLE`, p, q [Pa] and mu/mu_0 [-]; used by Eq. (O5) alone.
     """
 
     kind: int
@@ -56,7 +61,7 @@ class PressureLaw(NamedTuple):
     z: float
     limit: float
     most: float
-    table: Annotated[Array, f"3, {TABLE_CELLS + 1}"]
+    table: Annotated[Array, f"{TABLE[0]}, {TABLE[1]}"]
 
 
 class TruePressure(NamedTuple):
@@ -73,7 +78,9 @@ class TruePressure(NamedTuple):
 
 
 @compilable
-def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> PressureLaw:
+def pressure_law(
+    kind: int, alpha: float, viscosity: Array, open_cells: Flags, table: Array
+) -> PressureLaw:
     """Return the pressure law of an oil.
 
     Parameters
@@ -84,7 +91,9 @@ def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> Pre
         [1/Pa].
     viscosity : ndarray, shape (n_c, n_a)
         Low-shear mu_0 [Pa s]; its mean is that of Eq. (O5).
-    table : ndarray, shape (3, 2001)
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film, which the mean omits.
+    table : ndarray of shape `TABLE`
         Overwritten by the table of Eq. (O5).
 
     Returns
@@ -94,7 +103,7 @@ def pressure_law(kind: int, alpha: float, viscosity: Array, table: Array) -> Pre
     if kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return _barus_1893(alpha, table)
     if kind == PRESSURE_VISCOSITY_LAWS.roelands_1966:
-        return _roelands_1966(alpha, viscosity, table)
+        return _roelands_1966(alpha, viscosity, open_cells, table)
     return PressureLaw(PRESSURE_VISCOSITY_LAWS.none, alpha, 0.0, 0.0, np.inf, np.inf, table)
 
 
@@ -106,19 +115,22 @@ def _barus_1893(alpha, table):
 
 
 @compiled
-def _roelands_1966(alpha, viscosity, table):
+def _roelands_1966(alpha, viscosity, open_cells, table):
     total = 0.0
+    cells = 0
     for i in range(viscosity.shape[0]):
         for j in range(viscosity.shape[1]):
-            total += viscosity[i, j]
+            if not open_cells[i, j]:
+                total += viscosity[i, j]
+                cells += 1
     kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
-    level = np.log(total / viscosity.size) + POLE_LOGARITHM
+    level = np.log(total / max(cells, 1)) + POLE_LOGARITHM
     z = alpha * POLE_PRESSURE / level
     growth = np.log(LARGEST_RATIO) / level + 1.0
     limit = POLE_PRESSURE * (growth ** (1.0 / z) - 1.0)
     law = PressureLaw(kind, alpha, level, z, limit, 0.0, table)
     _fill_table(law)
-    most = table[ROW.reduced, TABLE_CELLS]
+    most = table[ROW.reduced, -1]
     return PressureLaw(kind, alpha, level, z, limit, most, table)
 
 
@@ -126,18 +138,30 @@ def _roelands_1966(alpha, viscosity, table):
 def _fill_table(law):
     """Fill the table of Eq. (O5), with q by Gauss points in each cell."""
     step = law.limit / TABLE_CELLS
-    half = 0.5 * step
     reduced = 0.0
     for k in range(TABLE_CELLS + 1):
         pressure = law.limit if k == TABLE_CELLS else k * step
-        law.table[ROW.pressure, k] = pressure
+        reduced = _fill_node(law, SUCTION_CELLS + k, pressure, reduced, 0.5 * step)
+    above = 0.0
+    reduced = 0.0
+    for k in range(SUCTION_CELLS - 1, -1, -1):
+        pressure = POLE_PRESSURE * ((k / SUCTION_CELLS) ** (1.0 / law.z) - 1.0)
+        reduced -= _fill_node(law, k, pressure, 0.0, 0.5 * (above - pressure))
         law.table[ROW.reduced, k] = reduced
-        law.table[ROW.ratio, k], _ = _ratio_below(law, pressure)
-        part = 0.0
-        for m in range(GAUSS_NODES.size):
-            at, _ = _ratio_below(law, pressure + half * (1.0 + GAUSS_NODES[m]))
-            part += half * GAUSS_WEIGHTS[m] / at
-        reduced += part  # Eq. (O6)
+        above = pressure
+
+
+@compiled
+def _fill_node(law, k, pressure, reduced, half):
+    """Fill node k of the table, and return q at the end of the cell of length 2 `half` above it."""
+    law.table[ROW.pressure, k] = pressure
+    law.table[ROW.reduced, k] = reduced
+    law.table[ROW.ratio, k], _ = _ratio_below(law, pressure)
+    part = 0.0
+    for m in range(GAUSS_NODES.size):
+        at, _ = _ratio_below(law, pressure + half * (1.0 + GAUSS_NODES[m]))
+        part += half * GAUSS_WEIGHTS[m] / at
+    return reduced + part  # Eq. (O6)
 
 
 # ---- below the limit
@@ -149,7 +173,9 @@ def _ratio_below(law, pressure):
     if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         ratio = np.exp(law.alpha * pressure)  # Eq. (O4)
         return ratio, law.alpha * ratio
-    base = max(1.0 + pressure / POLE_PRESSURE, 1e-3)
+    base = 1.0 + pressure / POLE_PRESSURE
+    if base <= 0.0:
+        return np.exp(-law.level), 0.0
     ratio = np.exp(law.level * (base**law.z - 1.0))  # Eq. (O5)
     return ratio, ratio * law.level * law.z / POLE_PRESSURE * base ** (law.z - 1.0)
 
@@ -172,12 +198,12 @@ def _pressure_below(law, reduced):
 
 @compiled
 def _read(table, given, wanted, x):
-    """Cubic Hermite interpolation between nodes that need not be equally spaced."""
+    """Cubic Hermite interpolation between nodes, straight below the first one."""
     low = 0
     high = table.shape[1] - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if table[given, middle] < x:
+        if table[given, middle] <= x:
             low = middle
         else:
             high = middle
@@ -192,6 +218,8 @@ def _read(table, given, wanted, x):
     rise = table[wanted, high] - table[wanted, low]
     m0 *= step
     m1 *= step
+    if t < 0.0:
+        return table[wanted, low] + t * m0
     third = m0 + m1 - 2.0 * rise
     return table[wanted, low] + t * (m0 + t * (3.0 * rise - 2.0 * m0 - m1 + t * third))
 
@@ -259,6 +287,18 @@ def _true_pressure(law, reduced):
             pressure[i, j] = p
             ratio[i, j], slope[i, j] = viscosity_ratio(law, p)
     return TruePressure(pressure, ratio, slope)
+
+
+@compiled
+def check_suction(law: PressureLaw, pressure: Array, faults: Array):
+    """Note the first cell whose pressure [Pa] is below the end of the law, the pole of Eq. (O5)."""
+    if law.kind != PRESSURE_VISCOSITY_LAWS.roelands_1966:
+        return
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            if pressure[i, j] <= -POLE_PRESSURE:
+                refuse(faults, FAULT.below_pressure_law, i, j, pressure[i, j], -POLE_PRESSURE, 0.0)
+                return
 
 
 @compilable

@@ -168,7 +168,9 @@ def wedge(shape, squeezed, sliding):
     viscosity = np.full(shape, p.oil.viscosity)
     quantities, _ = smooth_film(film, viscosity, p.minimum_flow_film)
     still = np.zeros(shape)
-    faces = reynolds.faces(quantities, Entrainment(still, still), model.fixed.domain.cells)
+    domain = model.fixed.domain
+    at_rest = Entrainment(still, still)
+    faces = reynolds.faces(quantities, at_rest, domain.open_cells, domain.cells)
 
     def drops(pressure):
         """Pressure drops over the axial faces [Pa]."""

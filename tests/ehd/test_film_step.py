@@ -34,7 +34,8 @@ def test_every_cell_balances(ring):
         flow_film(film, 0.01), entrainment, edges, EulerStep(content, 1e-4), content >= film
     )
     assert 0 < np.count_nonzero(solution.full) < film.size  # both kinds of cells are there
-    faces = reynolds.faces(flow_film(film, 0.01), entrainment, grid.cells)
+    no_opening = np.zeros(film.shape, dtype=bool)
+    faces = reynolds.faces(flow_film(film, 0.01), entrainment, no_opening, grid.cells)
     filling = Filling(solution.pressure, solution.film_fraction, NO_LIFT)
     out, edge_flow, _ = reynolds.outflow(filling, faces, edges, ring)
     growth = grid.cell_area / 1e-4 * (solution.content - content)

@@ -39,7 +39,8 @@ LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 def law(request):
     """Return a pressure law with alpha = 20 1/GPa."""
     kind = getattr(PRESSURE_VISCOSITY_LAWS, request.param)
-    return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), np.zeros(TABLE))
+    no_opening = np.zeros((1, 1), dtype=bool)
+    return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), no_opening, np.zeros(TABLE))
 
 
 def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):

@@ -250,7 +250,7 @@ def bore_by_hand(**others):
 
 
 def begun(bore, velocity):
-    return oil_layer.start(bore, np.full((4, 4), velocity))
+    return oil_layer.start(bore, np.full((4, 4), velocity), np.zeros((4, 4), dtype=bool))
 
 
 def moved(bore, *given):

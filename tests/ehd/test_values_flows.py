@@ -69,7 +69,7 @@ def test_one_cell_between_four_edges():
     """
     pressure = np.array([1e5, 3e5, 7e5, 2e5])  # lower, upper, first, last
     still = Entrainment(np.zeros((1, 1)), np.zeros((1, 1)))
-    faces = reynolds.faces(parallel((1, 1))[0], still, CELLS)
+    faces = reynolds.faces(parallel((1, 1))[0], still, np.zeros((1, 1), dtype=bool), CELLS)
     full = np.ones((1, 1), dtype=bool)
     edges = Edges(pressure, FLOODED, in_plenty((1, 1)))
     stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, False)
@@ -93,7 +93,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     shape = (2, 1)
     edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]), in_plenty(shape))
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
-    faces = reynolds.faces(parallel(shape)[0], stream, CELLS)
+    faces = reynolds.faces(parallel(shape)[0], stream, np.zeros(shape, dtype=bool), CELLS)
     cavitated = np.zeros(shape, dtype=bool)
     stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, False)
     matrix = np.array(
@@ -123,7 +123,8 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     follow = Entrainment(np.zeros(shape), np.ones(shape))
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
     edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
-    stencil = tangent.linearise(film, slopes, stream, follow, filling, edges, CELLS, 0.0)
+    covered = np.zeros(shape, dtype=bool)
+    stencil = tangent.linearise(film, slopes, stream, follow, filling, edges, covered, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
     assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)
 
@@ -212,6 +213,6 @@ def test_layer_and_asperities_are_springs_in_series():
     touching = Contact(2e7 * one, 0.0 * one, 0.0 * one, -8e13 * shares, 0.0 * shares, 0.0 * one)
     assert coating.yielding(c, touching.pressure_slope) == near(np.full((1, 1), 1.0 / 3.0))
     still = TruePressure(0.0 * one, np.zeros((0, 0)), np.zeros((0, 0)))
-    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, still, 0.0 * one)
+    weight, offset = coating.linear_deflection(c, 2e-7 * one, touching, still, 0.0 * one, one < 0.0)
     assert weight == near(c / 3.0 * one)
     assert offset == near(1e-7 * one)

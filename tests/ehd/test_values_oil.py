@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
-    TABLE_CELLS,
+    TABLE,
     pressure_law,
     reduced_pressure,
     viscosity_ratio,
@@ -171,7 +171,8 @@ def test_pressure_makes_oil_thick(law):
 def test_beyond_its_limit_an_oil_is_a_thousand_times_as_thick(kind):
     """mu = 1000 mu_0 and dmu/dp = 0; dq/dp is 1/1000."""
     number = getattr(PRESSURE_VISCOSITY_LAWS, kind)
-    law = pressure_law(number, 2e-8, np.full((2, 2), 0.02), np.zeros((3, TABLE_CELLS + 1)))
+    no_opening = np.zeros((2, 2), dtype=bool)
+    law = pressure_law(number, 2e-8, np.full((2, 2), 0.02), no_opening, np.zeros(TABLE))
     ratio, slope = viscosity_ratio(law, 0.999 * law.limit)
     assert 900.0 < ratio < 1000.0 and slope > 0.0
     assert viscosity_ratio(law, 1.5 * law.limit) == pytest.approx((1000.0, 0.0), rel=1e-9)
