@@ -131,6 +131,53 @@ def softness(
 
 
 @compilable
+def balanced(
+    deflection: Array,
+    flow: FlowFilm,
+    last: BalanceInputs,
+    found: FilmSolution,
+    factorisations: int,
+    domain: Domain,
+    solver: LinearSolver | Factors,
+) -> StepSolution:
+    """Return the film of a step with the flows under its last deflection.
+
+    Parameters
+    ----------
+    deflection : ndarray, shape (n_c, n_a)
+        [m].
+    flow : flow_film.FlowFilm
+        Under this deflection.
+    last : film_step.BalanceInputs
+        Of the last iteration.
+    found : film_step.FilmSolution
+        Of the last iteration.
+    factorisations : int
+    domain : film_step.Domain
+    solver : sparse.LinearSolver or blocks.Factors
+        With the factorisation of `found`.
+
+    Returns
+    -------
+    StepSolution
+    """
+    now = BalanceInputs(
+        flow.quantities,
+        last.entrainment,
+        last.edges,
+        last.start,
+        last.full,
+        last.softness,
+        last.lift,
+    )
+    equations = film_step.equations_of(now, domain)
+    put(equations.lift, found.lift)
+    cells = FullCells(found.unknown, found.full, factorisations, found.stencil)
+    solution = film_step.completed(cells, equations, solver, True)
+    return StepSolution(deflection, flow, solution, factorisations)
+
+
+@compilable
 def solve(
     pressed: CoatedInputs,
     layer: Layer,
@@ -182,21 +229,8 @@ def solve(
                 refuse(
                     faults, FAULT.deflection_not_found, moved.i, moved.j, most, moved.change, 0.0
                 )
-            flow = flow_film(hard_film + moved.deflection, sheared, layer.laws)
-            now = BalanceInputs(
-                flow.quantities,
-                given.entrainment,
-                given.edges,
-                given.start,
-                guess,
-                soft,
-                given.lift,
-            )
-            equations = film_step.equations_of(now, domain)
-            put(equations.lift, found.lift)
-            cells = FullCells(found.unknown, found.full, factorisations, found.stencil)
-            solution = film_step.completed(cells, equations, solver, True)
-            return StepSolution(moved.deflection, flow, solution, factorisations)
+            ended = flow_film(hard_film + moved.deflection, sheared, layer.laws)
+            return balanced(moved.deflection, ended, now, found, factorisations, domain, solver)
         deflection = moved.deflection
         unknown = found.unknown
         full = found.full

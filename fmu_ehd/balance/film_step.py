@@ -29,6 +29,7 @@ from .storage import EulerStep
 from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
+EVEN = 1e-9  # differences over the highest pressure up to which they may be round-off
 HARD = Softness(np.zeros((0, 0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
 NO_LIFT = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
 
@@ -379,8 +380,8 @@ def completed(
 ) -> FilmSolution:
     """Return the film of an unknown, refined once if its round-off matters.
 
-    It matters if oil is conserved, and in a film at rest, whose friction is a difference of
-    pressures that are nearly equal. Pressures that are cut off leave a residual of their own.
+    It matters if oil is conserved, and under an even pressure, whose differences are friction.
+    Pressures that are cut off leave a residual of their own.
 
     Parameters
     ----------
@@ -399,8 +400,9 @@ def completed(
     pressure, now = balance(unknown, found.full, equations)
     conserving = equations.domain.model.conserving
     lost = conserving and now.imbalance > REFINE_ABOVE
-    at_rest = now.resting and (conserving or (pressure == unknown).all())
-    if refines and (lost or at_rest):
+    highest = pressure.max()
+    even = highest > 0.0 and highest - pressure.min() <= EVEN * highest
+    if refines and (lost or (even and (conserving or (pressure == unknown).all()))):
         unknown = unknown + solution(solver, found.stencil, now.residual)
         pressure, now = balance(unknown, found.full, equations)
     whole = FullCells(unknown, found.full, found.iterations, found.stencil)

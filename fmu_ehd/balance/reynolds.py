@@ -146,8 +146,6 @@ class Balance(NamedTuple):
         As `Outflow.edges`.
     imbalance : float
         |inflow - growth| / throughput of the whole film [-].
-    resting : bool
-        Whether next to nothing moves against what pressure at the edges could move.
     """
 
     film_fraction: Array
@@ -155,7 +153,6 @@ class Balance(NamedTuple):
     residual: Array
     edge_flow: Array
     imbalance: float
-    resting: bool
 
 
 @compiled(inline="always")
@@ -531,5 +528,4 @@ def balance(
     # moves
     floor = max(LEAST_THROUGHPUT * gross, LEAST_THROUGHPUT * area_per_step * volume, 1e-300)
     imbalance = abs(inflow - total) / max(throughput, floor)
-    resting = throughput < LEAST_THROUGHPUT * gross
-    return Balance(fraction, now, residual, edge_flow, imbalance, resting)
+    return Balance(fraction, now, residual, edge_flow, imbalance)

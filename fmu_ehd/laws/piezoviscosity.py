@@ -39,8 +39,10 @@ POLE_PRESSURE = 1.96e8  # [Pa], Eq. (O5)
 POLE_LOGARITHM = 9.67  # -ln(6.31e-5 Pa s), Eq. (O5)
 # mu/mu_0 up to which a pressure law holds: beyond it the oil is next to a glass
 LARGEST_RATIO = 1e3
-TABLE_CELLS = 2000  # of Eq. (O6) above p = 0: interpolation error below 1 mPa
-SUCTION_CELLS = 200  # below p = 0, of equal change of (1 + p / 1.96e8)^Z: error below 1 Pa
+# cells of the table of Eq. (O6), above p = 0 of equal change of (1 + p / 1.96e8)^Z, below it of
+# 1 + p / 1.96e8 to the power 1 / `TOWARDS_POLE`; interpolation error of p below 1e-5
+TABLE_CELLS, SUCTION_CELLS = 2000, 400
+TOWARDS_POLE = 1.5
 ROW = numbered("pressure", "reduced", "ratio")  # of the table
 TABLE = (len(ROW), SUCTION_CELLS + TABLE_CELLS + 1)
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)  # in each cell of the table
@@ -126,42 +128,32 @@ def _roelands_1966(alpha, viscosity, open_cells, table):
     kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
     level = np.log(total / max(cells, 1)) + POLE_LOGARITHM
     z = alpha * POLE_PRESSURE / level
-    growth = np.log(LARGEST_RATIO) / level + 1.0
-    limit = POLE_PRESSURE * (growth ** (1.0 / z) - 1.0)
-    law = PressureLaw(kind, alpha, level, z, limit, 0.0, table)
-    _fill_table(law)
-    most = table[ROW.reduced, -1]
-    return PressureLaw(kind, alpha, level, z, limit, most, table)
-
-
-@compiled
-def _fill_table(law):
-    """Fill the table of Eq. (O5), with q by Gauss points in each cell."""
-    step = law.limit / TABLE_CELLS
-    reduced = 0.0
-    for k in range(TABLE_CELLS + 1):
-        pressure = law.limit if k == TABLE_CELLS else k * step
-        reduced = _fill_node(law, SUCTION_CELLS + k, pressure, reduced, 0.5 * step)
-    above = 0.0
-    reduced = 0.0
+    growth = np.log(LARGEST_RATIO) / level
+    law = PressureLaw(kind, alpha, level, z, np.inf, 0.0, table)
+    for k in range(table.shape[1]):
+        power = 1.0 + growth * ((k - SUCTION_CELLS) / TABLE_CELLS)
+        base = power ** (1.0 / z) if k >= SUCTION_CELLS else (k / SUCTION_CELLS) ** TOWARDS_POLE
+        pressure = POLE_PRESSURE * (base - 1.0)
+        table[ROW.pressure, k] = pressure
+        table[ROW.ratio, k], _ = _ratio_below(law, pressure)
+    table[ROW.reduced, SUCTION_CELLS] = 0.0
+    for k in range(SUCTION_CELLS, table.shape[1] - 1):
+        table[ROW.reduced, k + 1] = table[ROW.reduced, k] + _part(law, k)
     for k in range(SUCTION_CELLS - 1, -1, -1):
-        pressure = POLE_PRESSURE * ((k / SUCTION_CELLS) ** (1.0 / law.z) - 1.0)
-        reduced -= _fill_node(law, k, pressure, 0.0, 0.5 * (above - pressure))
-        law.table[ROW.reduced, k] = reduced
-        above = pressure
+        table[ROW.reduced, k] = table[ROW.reduced, k + 1] - _part(law, k)
+    limit = table[ROW.pressure, -1]
+    return PressureLaw(kind, alpha, level, z, limit, table[ROW.reduced, -1], table)
 
 
 @compiled
-def _fill_node(law, k, pressure, reduced, half):
-    """Fill node k of the table, and return q at the end of the cell of length 2 `half` above it."""
-    law.table[ROW.pressure, k] = pressure
-    law.table[ROW.reduced, k] = reduced
-    law.table[ROW.ratio, k], _ = _ratio_below(law, pressure)
+def _part(law, k):
+    """Integral of Eq. (O6) over cell k of the table by Gauss points [Pa]."""
+    half = 0.5 * (law.table[ROW.pressure, k + 1] - law.table[ROW.pressure, k])
     part = 0.0
     for m in range(GAUSS_NODES.size):
-        at, _ = _ratio_below(law, pressure + half * (1.0 + GAUSS_NODES[m]))
-        part += half * GAUSS_WEIGHTS[m] / at
-    return reduced + part  # Eq. (O6)
+        at, _ = _ratio_below(law, law.table[ROW.pressure, k] + half * (1.0 + GAUSS_NODES[m]))
+        part += half * GAUSS_WEIGHTS[m] / at  # Eq. (O6)
+    return part
 
 
 # ---- below the limit

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import piston_cosim as pc
 from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.oil import Oil
@@ -200,6 +201,68 @@ def test_a_coated_film_survives_jumps():
             film, velocity = motored_film(SHAPE, n * DEGREE)
             film = 0.2 * film * rng.uniform(0.7, 1.3, SHAPE)
             state, _ = model.advance(state, film, velocity, DEGREE)
+
+
+@pytest.mark.parametrize("cavitation", ["jfo", "reynolds", "gumbel", "full_film"])
+def test_a_coated_film_is_the_hard_film_of_its_thickness(cavitation):
+    """A coating under w = c (p + p_a) carries what a hard film of h + w carries.
+
+    Tangent: third derivative x (1e-5)^2.
+    """
+    rng = np.random.default_rng(5)
+    options = dict(
+        cavitation_model=cavitation,
+        cavitation_pressure=-5e4,
+        pressure_lower_edge=3e5,
+        pressure_upper_edge=4e5,
+        roughness_rms=3e-7,
+    )
+    soft = pc.Film(SHAPE, coating_thickness=1.4e-5, coating_modulus=1e9, **options)
+    hard = pc.Film(SHAPE, **options)
+    begun = 2e-6 * (1.0 + rng.random(SHAPE))
+    ended = begun * (1.0 + 0.1 * rng.standard_normal(SHAPE))
+    for film in (soft, hard):
+        film.start(begun, sliding_velocity=3.0)
+    state = soft.state
+    direction = 2e-7 * rng.standard_normal(SHAPE)
+    forces = []
+    for share in (1e-5, -1e-5):
+        soft.state = state
+        moved = soft.step(ended + share * direction, 1e-5, sliding_velocity=3.0)
+        forces.append(moved["nodal_pressure_force"])
+    soft.state = state
+    outputs = soft.step(ended, 1e-5, sliding_velocity=3.0)
+    assert soft.state is not None
+    yielded = soft.state.film.deflection
+    pressure = outputs["pressure"] + 5e4 + outputs["asperity_pressure"]
+    assert np.abs(yielded - 1.04e-14 * pressure).max() <= 1e-10 * yielded.max()  # E, nu by hand
+    expected = hard.step(ended + yielded, 1e-5, sliding_velocity=3.0)["nodal_pressure_force"]
+    force = outputs["nodal_pressure_force"]
+    assert np.abs(force - expected).max() <= 1e-10 * np.abs(expected).max()
+    difference = (forces[0] - forces[1]) / 2e-5
+    change = soft.tangent(direction)[0]
+    assert np.abs(change - difference).max() <= 1e-6 * np.abs(change).max()
+    assert cavitation != "jfo" or outputs["mass_imbalance"] <= 1e-12  # round-off
+
+
+def test_a_film_at_rest_has_an_even_pressure_and_no_friction():
+    """Edges at 0.7 bar above the cavity: the same bits in every cell, whatever the film."""
+    film = pc.Film(SHAPE, cavitation_pressure=-7e4, viscosity=0.3)
+    thickness = 1e-6 * (1.0 + np.random.default_rng(1).random(SHAPE))
+    film.start(thickness, sliding_velocity=0.0)
+    outputs = film.step(thickness, 1e-2, sliding_velocity=0.0)
+    assert np.ptp(outputs["pressure"]) == 0.0
+    assert not outputs["nodal_friction_force"].any()
+
+
+def test_suction_below_the_end_of_a_law_discards_the_step():
+    """Plates of 20 mm that part at 20 m/s would need gigapascals of suction."""
+    film = pc.Film(SHAPE, cavitation_model="full_film", pressure_viscosity_law="roelands_1966")
+    film.start(5e-6, sliding_velocity=0.0)
+    before = film.state
+    with pytest.raises(pc.Discard, match=r"-1.96e\+08 Pa .* roelands_1966 ends, got -\d"):
+        film.step(1e-5, 2.5e-7, sliding_velocity=0.0)
+    assert film.state is before
 
 
 def test_a_refused_step_has_no_tangent():

@@ -2,7 +2,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from scipy.integrate import trapezoid
+from scipy.integrate import quad, trapezoid
 
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
@@ -49,6 +49,27 @@ def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):
     assert np.all(np.diff(pressure) > 0.0)
     assert [reduced_pressure(law, p) for p in pressure] == pytest.approx(reduced, rel=1e-9)
     assert viscosity_ratio(law, pressure[-1]) == (pytest.approx(1e3), 0.0)  # LARGEST_RATIO
+
+
+@pytest.mark.parametrize("alpha, mu", [(1.6e-10, 0.3), (2e-8, 0.01), (9e-8, 0.05)])
+def test_reduced_pressure_is_the_integral_of_the_law_also_under_suction(alpha, mu):
+    """q = int_0^p mu_0/mu dp by quadrature with mu_0/mu of Roelands' law, and back; 1e-5: table."""
+    kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
+    cells = np.zeros((1, 1), dtype=bool)
+    law = pressure_law(kind, alpha, np.full((1, 1), mu), cells, np.zeros(TABLE))
+    level = np.log(mu) + 9.67
+    z = alpha * 1.96e8 / level
+    for p in (-1.9e8, -5e7, -1e5, 1e5, 3e7):
+        exact, _ = quad(lambda x: np.exp(level * (1.0 - (1.0 + x / 1.96e8) ** z)), 0.0, p)
+        assert reduced_pressure(law, p) == pytest.approx(exact, rel=1e-5)
+        assert pressure_of(law, exact) == pytest.approx(p, rel=1e-5)
+
+
+def test_the_mean_of_roelands_omits_openings():
+    kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
+    viscosity, cells = np.array([[0.01, 0.03, 9.0]]), np.array([[False, False, True]])
+    law = pressure_law(kind, 2e-8, viscosity, cells, np.zeros(TABLE))
+    assert law.level == pytest.approx(np.log(0.02) + 9.67, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", LIBRARY)

@@ -1,8 +1,13 @@
 """Cells without a film."""
 
+from functools import partial
+from typing import Any
+
 import numpy as np
+import pytest
 from scipy.ndimage import distance_transform_edt
 
+import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance.openings import nearest, starve
 from piston_cosim.fmu_ehd.balance.reynolds import Faces
 
@@ -34,6 +39,47 @@ def test_of_two_films_at_one_distance_the_lower_and_the_one_before_are_taken():
     open_cells[:, 0] = [True, True, False, True]
     assert nearest(open_cells, 1.0, 9.0)[0, 0] == 3 * 2 + 0  # two cells away, by the row before
     assert nearest(open_cells, 1.0, 0.1)[0, 0] == 3 * 0 + 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        dict(pressure_viscosity_law="roelands_1966", coating_thickness=1.4e-5, roughness_rms=3e-7),
+        dict(oil_supply="bore", initial_oil_layer=3e-6, stroke=0.1),
+        dict(surface="bearing", film_fraction_lower_edge=0.7, initial_film_fraction=0.4),
+    ],
+    ids=["coated", "oil on the bore", "bearing"],
+)
+def test_no_film_depends_on_what_openings_show(options):
+    """Openings show the nearest cell with a film, or any other one: the film has the same bits.
+
+    One opening is one cell from the edge.
+    """
+    cells = np.zeros((8, 9), dtype=bool)
+    cells[2:4, 7] = cells[5, 2:5] = True
+    answers = []
+    for seed in range(3):
+        film = pc.Film(cells.shape, open_cells=cells, **options)
+        if seed > 0:
+            other = np.random.default_rng(seed).choice(np.flatnonzero(~cells), cells.sum())
+            film.model._tables.beside[cells] = other
+        rng = np.random.default_rng(0)
+        turning = dict(circumferential_velocity=4.0) if film.model._bearing else {}
+        outputs: dict[str, Any] = {}
+        for n in range(12):
+            thickness = 5e-6 * (1.0 + 0.2 * rng.random(cells.shape))
+            moved = dict(sliding_velocity=9.0 + rng.random(cells.shape), **turning)
+            kelvin = rng.uniform(350.0, 360.0, cells.shape)
+            call = partial(film.step, step=1e-4) if n else film.start
+            outputs = call(thickness, oil_temperature=kelvin, **moved)
+        changes = film.tangent(
+            *1e-7 * rng.standard_normal((1, *cells.shape)), dsliding_velocity=kelvin
+        )
+        fields = [x for x in outputs.values() if np.ndim(x) == 2]
+        scalars = [x for x in outputs.values() if np.ndim(x) == 0]
+        answers.append([x[~cells] for x in (*fields, *changes)] + scalars)
+    for answer in answers[1:]:
+        assert all(np.array_equal(a, b) for a, b in zip(answers[0], answer))
 
 
 def test_where_there_is_no_film_at_all_each_cell_is_its_own():
