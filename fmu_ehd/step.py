@@ -345,7 +345,7 @@ def solve(
     solver: LinearSolver | Factors,
     faults: Array,
 ) -> StepSolution:
-    """Film of a step; a fault is noted where there is none."""
+    """Film of a step; a fault is noted where there is none, or where surfaces overlap too far."""
     before = memory.film
     nothing = np.zeros((0, 0))
     sheared = sheared_of(inputs)
@@ -366,7 +366,10 @@ def solve(
         pressed = CoatedInputs(
             inputs.hard_film, before.deflection, before.unknown, memory.steps, sheared
         )
-        return solve_coated(pressed, layer, given, fixed.domain, solver, faults)
+        solved = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
+        gap = inputs.hard_film + solved.deflection
+        parts.check_overlap(gap, surfaces, 0.0, FAULT.overlap_of_coating, faults)
+        return solved
     found = solve_bare(given, fixed.domain, solver, faults)
     return StepSolution(before.deflection, flow, found, found.iterations)
 
@@ -405,7 +408,7 @@ def end(
 ) -> StepResult:
     """Return the forces of a step and the memory for the next one.
 
-    A fault is noted if they are not finite, or if surfaces overlap too far under a coating.
+    A fault is noted if they are not finite.
     """
     before = memory.film
     found = solved.solution
@@ -415,9 +418,6 @@ def end(
     under = true_pressure(inputs.around.pressure_law, found.pressure)
     check_suction(inputs.around.pressure_law, under.pressure, faults)
     seen = ForceInputs(solved.deflection, memory.steps, flow, under, found.film_fraction)
-    if fixed.surfaces.compliance > 0.0:
-        gap = inputs.hard_film + solved.deflection
-        parts.check_overlap(gap, fixed.surfaces, 0.0, FAULT.overlap_of_coating, faults)
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
     law = inputs.around.pressure_law
@@ -438,15 +438,10 @@ def end(
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
+    share, received = account.boundary_share, account.received_power
     outflow = parts.leaving_above(found.axial_flow)
     ledger = parts.BalanceScalars(
-        account.boundary_share,
-        account.received_power,
-        flows,
-        outflow,
-        found.mass_imbalance,
-        account.oil,
-        account.heat,
+        share, received, flows, outflow, found.mass_imbalance, account.oil, account.heat
     )
     after = parts.PreviousFilm(
         found.unknown,

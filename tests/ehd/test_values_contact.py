@@ -157,7 +157,8 @@ def test_contact_on_lands_does_not_see_the_grooves(cells, tilt, barrel):
 
     The lands are flat, tilted by up to one sigma in a cell, or also barrelled. The reference is the
     sum over the exact profile with 64 points in the smallest cell.
-    1e-5: the Gauss points of a cell. 0.4 %: at its two ends a land is straight within the cell, without the barrel's curvature.
+    2e-4: Gauss points in a cell that is tilted by sigma. 0.4 %: at its two ends a land is straight
+    within the cell, without the barrel's curvature.
     """
     y, fine = ((np.arange(n) + 0.5) / n for n in (cells, 64 * 160))
     film = np.tile(stepped_gap(y, tilt, barrel) * SIGMA, (4, 1))
@@ -167,7 +168,7 @@ def test_contact_on_lands_does_not_see_the_grooves(cells, tilt, barrel):
     overlap = -2.5 * gaussian_integral(1.5, 0.0) * np.minimum(gap, 0.0)  # along the tangent
     exact = (gaussian_integral(2.5, np.maximum(gap, 0.0)) + overlap).mean()
     found = o["asperity_pressure"].mean() / flat["asperity_pressure"][0, 0]
-    assert found == near(exact / gaussian_integral(2.5, 1.0), rel=1e-5 if barrel == 0.0 else 4e-3)
+    assert found == near(exact / gaussian_integral(2.5, 1.0), rel=2e-4 if barrel == 0.0 else 4e-3)
 
 
 def test_a_step_is_steeper_than_twice_the_gap_beside_it():
