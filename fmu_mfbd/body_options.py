@@ -83,6 +83,10 @@ def _mode_count(value: Any) -> int | float:
     return error
 
 
+WITH_REDUCED = {"reduced", "modes", "pin_offset", "profiles", "orders"}
+"""Options that have an effect on a reduced body of a file. `modes` is the number in the file."""
+
+
 ModeCount = Annotated[
     int | float,
     PlainValidator(_mode_count),
@@ -256,6 +260,11 @@ class Body(PlacedMesh):
             raise ValueError("expected one of mesh, reduced and rigid, got none or several")
         if self.rigid:
             self._complete_sheet()
+        if self.reduced and (unused := self.model_fields_set - WITH_REDUCED):
+            keys = sorted(unused)
+            raise ValueError(
+                "\n".join(f"{key}: expected nothing with reduced, got a value" for key in keys)
+            )
         if (self.basis == "trained") != (self.train_on is not None):
             raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
         if isinstance(self.modes, float) and self.basis not in PRIOR_BASES:

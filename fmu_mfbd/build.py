@@ -430,7 +430,7 @@ def _body(
             return _carried(name, body)
         if options.reduced:
             path = Path(options.reduced)
-            _check_own(path, ReducedPiston if isinstance(options, Piston) else ReducedBlock, grid)
+            _check_own(path, options, grid)
             if bosses:
                 _check_bosses(path, bosses)
             return path
@@ -451,11 +451,14 @@ def _skirt(piston: Path) -> list[list[int]] | None:
     return None if skirt is None or skirt.all() else skirt.astype(int).tolist()
 
 
-def _check_own(
-    path: Path, kind: type[ReducedPiston] | type[ReducedBlock], grid: tuple[int, int]
-) -> None:
-    """Raise ValueError unless a user's file holds a body of this kind for this film grid."""
+def _check_own(path: Path, options: Piston | Block, grid: tuple[int, int]) -> None:
+    """Raise ValueError unless a user's file holds a body of these options for this film grid."""
+    kind = kind_of(options)
     body = load(kind, path)
+    if "modes" in options.model_fields_set and options.modes != len(body.omega):
+        raise ValueError(
+            f"modes: expected {len(body.omega)}, the number in {path.name}, got {options.modes:g}"
+        )
     for part in (Anatomy, MeshProperties):
         names = {one.name for one in fields(part)}
         with np.load(path) as file:

@@ -63,7 +63,6 @@ from .dynamics.step import (
     crank_at_start,
     has_pins,
     instant_of,
-    is_gas_twice,
     is_started,
     linearised,
     modes_of,
@@ -71,6 +70,7 @@ from .dynamics.step import (
     response_to,
     result_of,
     set_damping,
+    warning_of,
 )
 from .dynamics.system import RingForce, StepProblem
 from .geometry.film import Limits, NodalForces
@@ -477,8 +477,7 @@ def solve(real, integer, memory, c, before, crank, time):
     given = setup_from(parts.given)
     model = model_from(parts.model)
     inputs = inputs_of(real, given.places)
-    if is_gas_twice(model, inputs):
-        remark(faults, FAULT.gas_twice)
+    remark(faults, warning_of(model, inputs))
     others = others_at(model, inputs, crank)
     step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
     instant = instant_of(model, step, inputs)

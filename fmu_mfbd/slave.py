@@ -24,7 +24,6 @@ from .dynamics.model import (
 )
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
-    GAS_TWICE,
     TUNABLE,
     AxisParameters,
     Damping,
@@ -50,7 +49,7 @@ class Mfbd(FieldSlave):
         "Flexible piston and cylinder block on a rigid slider-crank, reduced from finite elements"
     )
     state_type = PistonState
-    _gas_told = False
+    _warned: str = ""
 
     @cached_property
     def built(self) -> BuildOptions:
@@ -96,7 +95,7 @@ class Mfbd(FieldSlave):
         Returns (state, outputs).
         """
         options = self.built
-        self._gas_told = False
+        self._warned = ""
         parameters = _taken(Parameters, values)
         pin = options.floating_pin
         films = options.crank_surfaces()
@@ -134,13 +133,6 @@ class Mfbd(FieldSlave):
                 Fmi2Status.warning,
             )
 
-    def _tell_of_gas(self, values: dict[str, Any]) -> None:
-        """Log once that input and table both give the gas pressure, unless that was chosen."""
-        twice = self.built.gas and values["gas_pressure"] and values["gas_source"] == "either"
-        if twice and not self._gas_told:
-            self._gas_told = True
-            self.log(GAS_TWICE, Fmi2Status.warning)
-
     def _begin(
         self, model: PistonInBore, parameters: Parameters, values: dict[str, Any]
     ) -> tuple[PistonState, dict[str, Any]]:
@@ -163,13 +155,16 @@ class Mfbd(FieldSlave):
         self, state: PistonState, values: dict[str, Any], time: float, step: float
     ) -> tuple[PistonState, dict[str, Any]]:
         """Take a step; returns (state, outputs)."""
-        self._tell_of_gas(values)
+        inputs = self._inputs(values)
+        if (warning := self.model.warning(inputs)) not in ("", self._warned):
+            self._warned = warning
+            self.log(warning, Fmi2Status.warning)
         damping = Damping(*(values[name] for name in TUNABLE))
         if damping != self._damping:
             self._damping = damping
             self.model.damp(damping)
         try:
-            return self.model.advance(state, self._inputs(values), step)
+            return self.model.advance(state, inputs, step)
         except MotionNotSolved as error:
             raise Discard(str(error)) from None
 

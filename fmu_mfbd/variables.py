@@ -139,7 +139,8 @@ OTHER_INPUTS = (
     input_variable(
         "load_torque",
         "N.m",
-        "Load torque on a free crank against its direction of rotation, at the end of the step",
+        "Load torque on a free crank against its direction of rotation, at the end of the step; "
+        "without effect on a crank of prescribed speed",
         0.0,
         10.0,
         limits=(-1e7, 1e7),

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.noted import DAMAGED_STATE, numbers_of, refuse
-from .parameters import GAS_TWICE, NO_GAS_TABLE, Parameters, Settings
+from .parameters import GAS_TWICE, NO_GAS_TABLE, TORQUE_UNUSED, Parameters, Settings
 
 PIN_SHARE = 0.25
 """Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
@@ -44,6 +44,7 @@ SENTENCES = {
     "no_pin_mass": "pin_mass: expected more than 0 kg with a floating pin, got 0 kg",
     "no_gas_table": NO_GAS_TABLE,
     "gas_twice": GAS_TWICE,
+    "torque_unused": TORQUE_UNUSED,
     "friction_of_pin": OTHER_FRICTION.format(name="pin_friction_coefficient"),
     "friction_speed": OTHER_FRICTION.format(name="pin_friction_speed"),
     "friction_damping": OTHER_FRICTION.format(name="pin_friction_damping"),

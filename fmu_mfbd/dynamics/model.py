@@ -1,12 +1,13 @@
 """Model of the bodies: a flexible piston on its crank in a flexible bore, by implicit steps."""
 
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Any, cast
 
 import numpy as np
 
+from ...master.fmi.errors import BadInput
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
@@ -14,6 +15,7 @@ from .block_force import force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
+from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .modal_damping import modal_springs
 from .parameters import Damping, Parameters
@@ -42,6 +44,7 @@ from .step import (
     response_to,
     result_of,
     set_damping,
+    warning_of,
 )
 from .system import NO_RINGS, RingForce, StepProblem
 
@@ -126,6 +129,9 @@ class PistonInBore:
     outside : OutsideBore, optional
         How a bore is read whose deflection comes from outside.
     """
+
+    IN_SPACE = False
+    """Whether the piston also moves across the plane of the crank."""
 
     def __init__(self, model: BodyModel, options: BuildOptions, outside: OutsideBore | None = None):
         self.model = model
@@ -264,6 +270,7 @@ class PistonInBore:
         inputs: Inputs,
     ) -> tuple[PistonState, dict]:
         """Return state and outputs that solve the equations of motion a step after `before`."""
+        self._reject_unused(inputs)
         given = _stacked(inputs)
         others = others_at(self.model, given, crank)
         step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
@@ -287,6 +294,26 @@ class PistonInBore:
                 "force_on_deck": others.gas,
             }
         return result.state, outputs
+
+    def warning(self, inputs: Inputs) -> str:
+        """Return the warning about inputs that add up or have no effect, empty without one."""
+        number = warning_of(self.model, _stacked(inputs))
+        return FAULTS[int(number)] if number >= 0.0 else ""
+
+    def _reject_unused(self, inputs: Inputs) -> None:
+        """Raise BadInput for inputs that this mechanism would ignore."""
+        faults = []
+        if inputs.carrier != FIXED and (self.IN_SPACE or self.pins):
+            faults.append(
+                "carrier: expected a fixed block with a floating pin or motion in space, got "
+                f"{inputs.carrier}"
+            )
+        if len(inputs.pins) != len(self.pins):
+            faults.append(f"pins: expected {len(self.pins)} films, got {len(inputs.pins)}")
+        if inputs.bore_deflection.any() and not self.outside:
+            faults.append("bore_deflection: expected none without bore_from_outside, got a field")
+        if faults:
+            raise BadInput(faults)
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
         """Return everything at the end of a step."""
@@ -369,7 +396,9 @@ class PistonInBore:
             By output.
         """
         model, last = self.model, self._last
-        seeds = _stacked(Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins))
+        given = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
+        self._reject_unused(replace(given, carrier=Carrier(*carried)))
+        seeds = _stacked(given)
         found = self._response(seeds, carried)
         change = found.change
         products = {

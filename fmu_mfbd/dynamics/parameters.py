@@ -24,6 +24,8 @@ GAS_TWICE = (
     "table, input or sum"
 )
 """Warning of a body whose gas pressure is given twice without a choice."""
+TORQUE_UNUSED = "load_torque: it has no effect on a crank of prescribed speed; set crank_free = 1"
+"""Warning of a load torque on a crank that does not follow it."""
 TUNABLE = (
     "damping_ratio",
     "high_frequency_damping_ratio",

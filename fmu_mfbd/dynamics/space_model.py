@@ -127,6 +127,8 @@ class PistonInSpace(PistonInBore):
     bodies : motion_in_space.Bodies
     """
 
+    IN_SPACE = True
+
     def __init__(self, planar: PistonInBore, bodies: SpaceBodies):
         vars(self).update(vars(planar))
         self.coordinates = COORDINATES

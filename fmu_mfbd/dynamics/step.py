@@ -12,6 +12,7 @@ from ..geometry.surfaces import pins_of
 from .account import EnergyAccount, account
 from .block_force import BlockForce, force_at
 from .carrier import Carrier, carrier_from
+from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
 from .elimination import no_factors
 from .gas_on_bore import WallPressures
@@ -218,10 +219,18 @@ def crank_after(model: BodyModel, state: PistonState, step: float, speed: float)
 
 
 @compilable
-def is_gas_twice(model: BodyModel, inputs: StepInputs) -> bool:
-    """Return whether input and table both give the gas pressure, although none was chosen."""
+def warning_of(model: BodyModel, inputs: StepInputs) -> float:
+    """Return the number of a warning in `contradictions.FAULTS`, -1 without one.
+
+    Input and table may both give the gas pressure, although none was chosen. A load torque has no
+    effect on a crank of prescribed speed.
+    """
     both = len(model.gas.angle) > 0 and inputs.gas_pressure != 0.0
-    return both and model.settings.gas_source == GAS.either
+    if both and model.settings.gas_source == GAS.either:
+        return FAULT.gas_twice
+    if inputs.load_torque != 0.0 and model.settings.crank_free == 0.0:
+        return FAULT.torque_unused
+    return -1.0
 
 
 @compilable

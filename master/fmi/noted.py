@@ -59,11 +59,11 @@ def take_over(faults: np.ndarray, others: np.ndarray, first: float):
 
 @compiled
 def remark(faults: np.ndarray, number: float):
-    """Note a warning: a sentence without numbers.
+    """Note a warning: a sentence without numbers. A negative number is no warning.
 
     It is stored as a negative number at the first fault, and the count of faults stays 0.
     """
-    if faults[0] == 0.0:
+    if faults[0] == 0.0 and number >= 0.0:
         faults[1] = -1.0 - number
 
 

@@ -160,6 +160,8 @@ def ledgered(refused=0, share=0.049, made=0.0):
         (missed(0.021, block=1e-4), "truncation", "amber"),
         (missed(0.11, piston=1e-4), "truncation", "red"),
         (missed(None, piston=1e-4), "truncation", "amber"),
+        (missed(0.01, piston=0.01) | {"odd_part_film": 0.019}, "symmetry", "green"),
+        (missed(0.01, piston=0.01) | {"odd_part_film": 0.021}, "symmetry", "red"),
         ({"truncation_error": "unknown: recorded once"}, "truncation", "amber"),
     ],
 )
@@ -174,6 +176,8 @@ def test_what_the_modes_of_each_body_miss(tmp_path):
         "(limit 2 %). It is 0.4 % of the piston deflection and 1.8 % of the block deflection. "
         "Increase piston.modes and block.modes."
     )
+    edge = judged(tmp_path, **missed(0.01, piston=0.004, edge=0.18))["truncation"].said
+    assert edge.endswith("Under a narrow patch at an edge of the skirt, the modes miss up to 18 %.")
     other = judged(tmp_path, **missed(None, block=0.0175))["truncation"].said
     assert "Record film_thickness of the bodies (record.fields)" in other
 

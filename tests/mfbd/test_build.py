@@ -173,6 +173,14 @@ def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):
     for table, words in (
         (of_file("own.npz") | {"grid": [12, 12]}, r"expected 144 rows of .* in own\.npz, got"),
         (of_file("old.npz"), r"reduced: expected skirt in old\.npz, got nothing; run"),
+        (
+            small | {"piston": {"reduced": str(tmp_path / "own.npz"), "modes": 0}},
+            r"piston\.modes: expected 4, the number in own\.npz, got 0",
+        ),
+        (
+            small | {"piston": {"reduced": str(tmp_path / "own.npz"), "tie": "rbe3"}},
+            r"piston\.tie: expected nothing with reduced, got a value",
+        ),
         (of_file("poor.npz"), r"piston\.reduced: expected S, I0, .* in poor\.npz, got nothing"),
         (small | {"piston": {"modes": 3}}, "piston: expected one of mesh, reduced and rigid, got"),
     ):
