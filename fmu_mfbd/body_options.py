@@ -102,10 +102,6 @@ ModeCount = Annotated[
 """Number of modes, or the error that chooses it, as a float."""
 
 
-PRIOR_BASES = ("smooth_pressure_modes", "trained")
-"""Bases that follow from the expected pressures of a film."""
-
-
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
@@ -267,7 +263,7 @@ class Body(PlacedMesh):
             )
         if (self.basis == "trained") != (self.train_on is not None):
             raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
-        if isinstance(self.modes, float) and self.basis not in PRIOR_BASES:
+        if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
             raise ValueError(
                 f"modes: expected a number of modes with basis = '{self.basis}', got "
                 f"{self.modes:g}; "
@@ -275,11 +271,6 @@ class Body(PlacedMesh):
             )
         if self.modes_from is not None:
             self._check_selection(self.modes_from)
-        elif self.symmetric_film and self.modes and self.basis not in PRIOR_BASES:
-            raise ValueError(
-                f"symmetric_film: expected false with basis = '{self.basis}' and no modes_from, "
-                "got true"
-            )
         if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
             what = "a body of matrices"
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")

@@ -54,7 +54,7 @@ from .reduction.reduced_body import (
 )
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.store import kept_body
-from .symmetry import IMAGES, asymmetries, asymmetries_of_bodies, claims, kind_of
+from .thrust_symmetry import IMAGES, asymmetries, asymmetries_of_bodies, claims, kind_of
 from .variables import inputs, parameters, signals
 
 Given = TypeVar("Given")

@@ -49,7 +49,7 @@ from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, loa
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
 from .reduction.symmetry import mirror_image
-from .symmetry import claims
+from .thrust_symmetry import claims
 
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""

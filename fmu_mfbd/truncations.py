@@ -20,7 +20,7 @@ from .reduction.film_loads import (
 )
 from .reduction.reduced_body import MissingShapes, ReducedBlock, ReducedPiston, load
 from .reduction.truncation import Truncation, share_of_film, static_modes, truncation
-from .symmetry import claims
+from .thrust_symmetry import claims
 
 
 class Truncations(NamedTuple):

@@ -7,7 +7,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...master.fmi.errors import BadInput
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
@@ -301,7 +300,7 @@ class PistonInBore:
         return FAULTS[int(number)] if number >= 0.0 else ""
 
     def _reject_unused(self, inputs: Inputs) -> None:
-        """Raise BadInput for inputs that this mechanism would ignore."""
+        """Raise ValueError for inputs that this mechanism would ignore."""
         faults = []
         if inputs.carrier != FIXED and (self.IN_SPACE or self.pins):
             faults.append(
@@ -313,7 +312,7 @@ class PistonInBore:
         if inputs.bore_deflection.any() and not self.outside:
             faults.append("bore_deflection: expected none without bore_from_outside, got a field")
         if faults:
-            raise BadInput(faults)
+            raise ValueError("\n".join(faults))
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
         """Return everything at the end of a step."""

@@ -28,6 +28,7 @@ OUTER = {
     "alone.py",
     "preview.py",
     "preview_remarks.py",
+    "thrust_symmetry.py",
     "truncations.py",
 }
 

@@ -15,7 +15,6 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
 from piston_cosim.fmu_mfbd.slave import Mfbd
-from piston_cosim.master.fmi.errors import BadInput
 
 from .conftest import quiet, sheets
 
@@ -196,13 +195,13 @@ def test_a_body_load_by_the_carrier_acts_or_is_rejected(kind, tmp_path):
         assert model.directional_derivative(cells, cells, carried=np.array(way))
     else:
         model.advance(state, usual, 1e-4)
-        with pytest.raises(BadInput, match=r"carrier: expected a fixed block .* ay=9\.81"):
+        with pytest.raises(ValueError, match=r"carrier: expected a fixed block .* ay=9\.81"):
             model.advance(state, gravity, 1e-4)
-        with pytest.raises(BadInput, match="carrier: expected a fixed block"):
+        with pytest.raises(ValueError, match="carrier: expected a fixed block"):
             model.directional_derivative(cells, cells, carried=np.array(way), pins=pins)
     one_more = Inputs(**given, pins=(*pins, rest))
-    with pytest.raises(BadInput, match=f"pins: expected {len(pins)} films, got"):
+    with pytest.raises(ValueError, match=f"pins: expected {len(pins)} films, got"):
         model.advance(state, one_more, 1e-4)
     bore = Inputs(**given, pins=pins, bore_deflection=np.ones((2, 2)))
-    with pytest.raises(BadInput, match="bore_deflection: expected none"):
+    with pytest.raises(ValueError, match="bore_deflection: expected none"):
         model.advance(state, bore, 1e-4)

@@ -7,14 +7,13 @@ import meshio
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.preview import preview
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
-from piston_cosim.fmu_mfbd.symmetry import asymmetries_of_bodies, mirror_error, only_even
+from piston_cosim.fmu_mfbd.thrust_symmetry import asymmetries_of_bodies, mirror_error, only_even
 from piston_cosim.master.fmi.errors import BadInput
 
 from .conftest import quiet
@@ -110,10 +109,3 @@ def test_the_fmu_rejects_a_tilted_pin(even):
         (replace(options, symmetric_film=False), tilted),
     ):
         assert not any("pin_tilt" in one for one in faults(bodies, given, parameters))
-
-
-def test_a_basis_that_does_not_use_the_symmetry_rejects_it():
-    sheet = {"mesh": "a.msh", "density": "2700 kg/m^3", "young": "70 GPa", "poisson": 0.3}
-    with pytest.raises(ValueError, match="symmetric_film: expected false with basis = 'craig"):
-        Piston(**sheet, basis="craig_bampton", symmetric_film=True)
-    assert Piston(**sheet, basis="craig_bampton", symmetric_film=True, modes=0)
