@@ -83,8 +83,8 @@ def _mode_count(value: Any) -> int | float:
     return error
 
 
-WITH_REDUCED = {"reduced", "modes", "pin_offset", "profiles", "orders"}
-"""Options that have an effect on a reduced body of a file. `modes` is the number in the file."""
+WITH_REDUCED = {"reduced", "modes", "tie", "pin_offset", "profiles", "orders"}
+"""Options of a reduced body of a file. `modes` is the number in it, and bosses need `tie`."""
 
 
 ModeCount = Annotated[

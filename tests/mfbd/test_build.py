@@ -178,8 +178,8 @@ def test_a_body_already_reduced(coarse, tmp_path, monkeypatch):
             r"piston\.modes: expected 4, the number in own\.npz, got 0",
         ),
         (
-            small | {"piston": {"reduced": str(tmp_path / "own.npz"), "tie": "rbe3"}},
-            r"piston\.tie: expected nothing with reduced, got a value",
+            small | {"piston": {"reduced": str(tmp_path / "own.npz"), "basis": "trained"}},
+            r"piston\.basis: expected nothing with reduced, got a value",
         ),
         (of_file("poor.npz"), r"piston\.reduced: expected S, I0, .* in poor\.npz, got nothing"),
         (small | {"piston": {"modes": 3}}, "piston: expected one of mesh, reduced and rigid, got"),
