@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("couple")
     (folder / "script.py").write_text("\n".join(blocks("python")))
     (folder / "case.toml").write_text(blocks("toml")[0])
-    run = ["-m", "piston_cosim", "run", "case.toml", "--output", "results", "--no-plots"]
+    run = ["-m", "piston_cosim", "run", "case.toml", "--output", "results"]
     said = [
         subprocess.run(
             [sys.executable, *words], cwd=folder, check=True, capture_output=True, text=True
