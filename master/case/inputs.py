@@ -76,11 +76,21 @@ def slopes(case, participants, wires, step):
 
 
 def with_one_way(case, participants, faults):
-    """Return the participants, with wrappers for those that cannot save their state.
+    """Return the participants, with wrappers for those that cannot or must not be restored.
 
     If a local error determines the steps, these are faults.
     """
-    unable = [name for name, participant in participants.items() if not participant.can_redo]
+    unable = [
+        name
+        for name, participant in participants.items()
+        if not participant.can_redo or case.participants[name].rollback is False
+    ]
+    faults += [
+        f"participants.{name}.rollback: expected an FMU that saves its state, got "
+        f"{participants[name].path.name}"
+        for name in unable
+        if case.participants[name].rollback
+    ]
     if any(wire.local_error is not None for wire in case.wires):
         faults += [
             f"participants.{name}: expected an FMU that saves its state with local_error, got "

@@ -93,6 +93,10 @@ class ParticipantTable(Table):
     """Use Event Mode and the clocks that an FMI 3.0 FMU declares. Set false for an FMU that rejects
     them.
     """
+    rollback: bool | None = None
+    """Use the saved states of this FMU in iterations. Default: if a restored step reproduces the
+    outputs to 1 %.
+    """
     build: dict[str, Any] = {}
     """Options that are fixed when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}

@@ -121,6 +121,7 @@ def open_system(
         masks(case, builds, folder),
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, angular_speed(case, parameters)),
+        frozenset(name for name, table in case.participants.items() if table.rollback),
     )
 
 

@@ -160,6 +160,8 @@ class Interface:
         self._carried: dict[HeldWire, Any] = {}
         self.spent = dict.fromkeys((*participants, "transport"), 0.0)
         self.relative = any(w.relative_tolerance for w in wires)
+        # an error of the noise over the difference: both parts of a derivative's error are equal
+        self.difference = max((DIFFERENCE, *(w.noise**0.5 for w in wires)))
         self.begin()
         sizes = [int(np.prod(wire.shape)) for wire in wires]
         self.parts = _slices(sizes)
@@ -358,6 +360,7 @@ class Interface:
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
             apart = name in self.apart and name not in self.discrete_inputs
+            apart = apart and self.difference == DIFFERENCE
             if participant.has_derivatives or apart or self._last is None:
                 ends.differentiate(seen, result)
             else:
@@ -383,7 +386,7 @@ class Interface:
         )
         if largest == 0.0:
             return 0.0
-        share = DIFFERENCE / largest
+        share = self.difference / largest
         self.participants[name].restore(last.saved[name])
         ends.write(ends.inputs, given + share * change)
         for wire in self.discrete_inputs.get(name, ()):

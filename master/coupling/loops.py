@@ -13,7 +13,7 @@ from .components import Component, Part, components, part
 from .interface import Interface
 from .methods import Explicit, MacroStep
 from .methods.probing import jacobian
-from .negotiation import untrusted, without_rollback
+from .negotiation import trials, tried
 from .wiring import System
 
 MOST_UNKNOWNS = 200
@@ -65,7 +65,7 @@ def loops(system: System) -> list[Loop]:
     Gain and condition are those of one macro step from the start, by differences. FMUs without
     saved states are started again for each. The participants are no longer to be run afterwards.
     """
-    system = without_rollback(system, untrusted(system))
+    system = tried(system, trials(system))
     found = components(system)
     fixed = {name for one in found for name in one.fixed}
     known: dict[str, Any] = {

@@ -1,55 +1,112 @@
 """Checks of the participants' saved states and derivatives at the start of a run."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 
 from ..fmi.errors import BadInput, collecting
 from ..participants.derivatives import Differenced, objection
 from ..participants.one_way import OneWayParticipant
-from ..participants.rollback import rollback_fault
-from .components import rolled_back
+from ..participants.rollback import LARGEST_NOISE, RollbackTrial, rollback_trial
+from .components import components, rolled_back
 from .methods import Method, Newton
-from .wiring import System
+from .wiring import System, Wire
+
+MARGIN = 10.0
+"""Tolerance of a wire in a loop, in noises of a restored step."""
 
 
-def untrusted(system: System, iterates: bool = True) -> dict[str, str]:
-    """Return why the saved states of a participant are not used, by participant.
+def trials(system: System, iterates: bool = True) -> dict[str, RollbackTrial]:
+    """Return the trials of saved states, by participant.
 
-    Participants whose steps are never repeated are not checked: some FMUs go on differently from a
+    Participants whose steps are never repeated are not tried: some FMUs go on differently from a
     state that is restored. `iterates` tells whether the method iterates loops.
 
     Raises
     ------
     BadInput
-        If there is one where the length of all steps follows from a local error, and if instances
-        of an FMU disturb one another.
+        If saved states that the case insists on, or that step control by a local error needs,
+        cannot be used, and if instances of an FMU disturb one another.
     """
-    reasons: dict[str, str] = {}
+    found: dict[str, RollbackTrial] = {}
     faults: list[str] = []
     for name in rolled_back(system, iterates):
         inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
         with collecting(faults):
-            fault = rollback_fault(system.participants[name], inputs, system.step, system.begin)
-            if fault:
-                reasons[name] = fault
+            one = rollback_trial(system.participants[name], inputs, system.step, system.begin)
+            found[name] = one
+            if one.fault and name in system.trusted:
+                faults.append(
+                    f"participants.{name}.rollback: expected saved states, got {one.fault}"
+                )
     if any(wire.local_error is not None for wire in system.wires):
         faults += [
-            f"participants.{name}: expected a restored state with local_error, got {why}"
-            for name, why in reasons.items()
+            f"participants.{name}: expected a restored state with local_error, got "
+            f"{one.fault or one.message}"
+            for name, one in found.items()
+            if _is_rejected(system, name, one)
         ]
     if faults:
         raise BadInput(faults)
-    return reasons
+    return found
 
 
-def without_rollback(system: System, reasons: dict[str, str]) -> System:
-    """Return the system in which participants with a reason are never restored."""
+def _is_rejected(system: System, name: str, one: RollbackTrial) -> bool:
+    """Return whether a participant is treated as one without saved states."""
+    return bool(one.fault) or (one.is_noisy and name not in system.trusted)
+
+
+def tried(system: System, found: Mapping[str, RollbackTrial]) -> System:
+    """Return the system in which only participants that passed their trial are restored.
+
+    The wires of a loop of which a participant is noisy get a tolerance of MARGIN times that noise.
+    """
+    participants = {
+        name: OneWayParticipant(participant)
+        if name in found and _is_rejected(system, name, found[name])
+        else participant
+        for name, participant in system.participants.items()
+    }
+    system = replace(system, participants=participants)
+    noise: dict[str, float] = {}
+    for one in components(system):
+        if one.is_iterated:
+            noises = [found[name].noise for name in one.names if name in found]
+            largest = max((n for n in noises if n < LARGEST_NOISE), default=0.0)
+            noise |= dict.fromkeys(one.names, largest)
     return replace(
         system,
-        participants={
-            name: OneWayParticipant(participant) if name in reasons else participant
-            for name, participant in system.participants.items()
-        },
+        wires=tuple(
+            _raised(wire, noise[wire.source[0]], found[wire.source[0]].sizes)
+            if noise.get(wire.source[0]) and wire.tolerance < inf
+            else wire
+            for wire in system.wires
+        ),
     )
+
+
+def _raised(wire: Wire, noise: float, sizes: Mapping[str, float]) -> Wire:
+    """Return a wire with a tolerance of MARGIN times the relative noise of its loop."""
+    absolute = MARGIN * noise * sizes.get(wire.source[1], 0.0)
+    return replace(
+        wire,
+        tolerance=max(wire.tolerance, absolute),
+        relative_tolerance=max(wire.relative_tolerance, MARGIN * noise),
+        noise=noise,
+    )
+
+
+def trial_sentences(system: System, found: Mapping[str, RollbackTrial]) -> list[str]:
+    """Return the messages about the trials."""
+    lines: list[str] = []
+    for name, one in found.items():
+        if _is_rejected(system, name, one):
+            how = "it is treated as an FMU without saved states"
+            hint = "" if one.fault else f"; participants.{name}.rollback = true iterates it"
+            lines.append(f"{name}: {one.fault or one.message}; {how}{hint}")
+        elif one.noise:
+            lines.append(f"{name}: {one.message}; its loop is iterated to {MARGIN:g} times this")
+    return lines
 
 
 def objections(system: System, method: Method) -> dict[str, str]:

@@ -37,7 +37,8 @@ class HeldWire:
 class Wire:
     """Wire in SI.
 
-    tolerance : infinite if the wire is not measured, 0 if only a relative criterion counts.
+    tolerance : infinite if the wire is not measured, 0 if only a relative criterion counts; noise :
+    error of its values after a restored step, relative to their size.
     """
 
     source: Port
@@ -49,6 +50,7 @@ class Wire:
     largest_decrease: float | None
     relative_tolerance: float = 0.0
     local_error: float | None = None
+    noise: float = 0.0
 
     def allowed(self, values: np.ndarray) -> float:
         """Return the residual that counts as converged, by element, for outputs of the wire."""
@@ -104,7 +106,8 @@ class System:
     others said in the evaluation before; held : wires that carry no real numbers, or end at clocked
     inputs; clocks : wires from clock to clock; period : of the machine [s], 0 where it is unknown;
     earliest : where the run may end [s], `stop` unless it ends once periodic; masks : participant
-    -> rows of the cells of its fields, 1 where there is one, 0 where not.
+    -> rows of the cells of its fields, 1 where there is one, 0 where not; trusted : participants
+    that are restored whatever the error.
     """
 
     participants: Mapping[str, Any]
@@ -123,6 +126,7 @@ class System:
     masks: Mapping[str, list[list[int]]] = field(default_factory=dict[str, list[list[int]]])
     clocks: tuple[HeldWire, ...] = ()
     record_interval: float = 0.0
+    trusted: frozenset[str] = frozenset()
 
     @property
     def discrete(self) -> list[HeldWire]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -12,14 +12,37 @@ from .derivatives import put_back
 
 STEPS = 2
 """Number of steps to compare. A missing part of the state may affect only the second one."""
-TOLERANCE = 1e-12
-"""Largest difference of an output, relative to its size: round-off of a step."""
+ROUND_OFF = 1e-12
+"""Difference of an output, relative to its size, that counts as round-off of a step."""
+LARGEST_NOISE = 1e-2
+"""Difference of an output, relative to its size, from which saved states are not used."""
+SMALLEST_SIZE = 1e-5
+"""Smallest size of an output, in nominals: LARGEST_NOISE of it is a tenth of a wire's tolerance."""
 
 
-def rollback_fault(
+class RollbackTrial(NamedTuple):
+    """Result of the trial of a participant's saved states.
+
+    fault : why they cannot be used, or empty; noise : largest difference of an output after a
+    restored step, relative to its size, 0 for round-off; message : about that output; sizes :
+    largest value of each output.
+    """
+
+    fault: str = ""
+    noise: float = 0.0
+    message: str = ""
+    sizes: dict[str, float] = {}
+
+    @property
+    def is_noisy(self) -> bool:
+        """Return whether the noise is too large for an iteration."""
+        return self.noise >= LARGEST_NOISE
+
+
+def rollback_trial(
     participant: Any, inputs: Sequence[str], step: float, begin: float = 0.0
-) -> str | None:
-    """Return why the saved states of a started participant are not reliable; else None.
+) -> RollbackTrial:
+    """Return whether the saved states of a started participant are reliable.
 
     Two steps are taken, and again with each step repeated from a saved state. If the FMU allows a
     second instance, that one is used. The state of the participant is restored.
@@ -36,8 +59,8 @@ def rollback_fault(
 
     Returns
     -------
-    str or None
-        None also if the FMU does not take these steps, which the run then reports.
+    RollbackTrial
+        Without a fault also if the FMU does not take these steps, which the run then reports.
 
     Raises
     ------
@@ -48,7 +71,7 @@ def rollback_fault(
     one = _second_instance(participant, inputs)
     if one is not None:
         try:
-            fault = _compare(one, inputs, step, begin)
+            trial = _compare(one, inputs, step, begin)
         finally:
             with suppress(ParticipantFault):
                 one.close()
@@ -60,17 +83,17 @@ def rollback_fault(
                 f"participants.{participant.name}: expected independent instances, got outputs "
                 "that a second instance changes; set isolated = true"
             )
-        return fault
+        return trial
     try:
         saved = participant.save()
     except (FMICallException, ParticipantFault) as error:
-        return f"its state cannot be saved: {error}"
+        return RollbackTrial(f"its state cannot be saved: {error}")
     values = {name: participant.get(name) for name in inputs}
-    fault = _compare(participant, inputs, step, begin)
+    trial = _compare(participant, inputs, step, begin)
     with suppress(FMICallException, ParticipantFault):
         put_back(participant, saved, values)
         participant.free(saved)
-    return fault
+    return trial
 
 
 def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
@@ -92,25 +115,25 @@ def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
     return one
 
 
-def _compare(one: Any, inputs: Sequence[str], step: float, begin: float) -> str | None:
-    """Return the difference between steps with and without saved states, or None."""
+def _compare(one: Any, inputs: Sequence[str], step: float, begin: float) -> RollbackTrial:
+    """Return the difference between steps with and without saved states."""
     values = {name: one.get(name) for name in one.fields.keys() & inputs}
     try:
         first = one.save()
     except (FMICallException, ParticipantFault) as error:
-        return f"its state cannot be saved: {error}"
+        return RollbackTrial(f"its state cannot be saved: {error}")
     times = [begin + k * step for k in range(STEPS)]
     try:
         plain = [_step_outputs(one, time, step) for time in times]
     except (Discard, ParticipantFault, Finished):
-        return None
+        return RollbackTrial()
     try:
         put_back(one, first, values)
         repeated = [_repeat(one, time, step, values) for time in times]
         one.free(first)
     except (FMICallException, Discard, ParticipantFault, Finished) as error:
-        return f"a step from a saved state fails: {error}"
-    return _difference(plain, repeated)
+        return RollbackTrial(f"a step from a saved state fails: {error}")
+    return _difference(one, plain, repeated)
 
 
 def _repeat(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
@@ -138,20 +161,27 @@ def _outputs(one: Any) -> dict[str, np.ndarray]:
 
 
 def _difference(
-    plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
-) -> str | None:
-    """Return a message about the output that differs most, or None."""
-    worst, words = TOLERANCE, None
+    one: Any, plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
+) -> RollbackTrial:
+    """Return the trial with the output that differs most."""
+    worst, message = ROUND_OFF, ""
+    sizes = {
+        name: max(
+            SMALLEST_SIZE * (one.fields[name].nominal or 1.0),
+            *(float(np.nanmax(np.abs(row[name]), initial=0.0)) for row in (*plain, *repeated)),
+        )
+        for name in plain[0]
+    }
     for k, (before, after) in enumerate(zip(plain, repeated), 1):
         for name, value in before.items():
             other = after[name]
             is_equal = (value == other) | (np.isnan(value) & np.isnan(other))
-            apart = float(np.max(np.where(is_equal, 0.0, np.abs(other - value))))
-            share = apart / float(max(np.max(np.abs(value)), np.max(np.abs(other)))) if apart else 0
+            apart = float(np.max(np.where(is_equal, 0.0, np.abs(other - value)), initial=0.0))
+            share = apart / sizes[name]
             if not share <= worst:
                 worst = share
-                words = (
+                message = (
                     f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
                     "states are saved and restored"
                 )
-    return words
+    return RollbackTrial("", worst if message else 0.0, message, sizes)

@@ -22,8 +22,9 @@ from ..coupling.negotiation import (
     by_differences,
     objections,
     sentences,
-    untrusted,
-    without_rollback,
+    trial_sentences,
+    trials,
+    tried,
 )
 from ..coupling.starting import closing, start
 from ..coupling.step_control import step_control
@@ -119,11 +120,10 @@ def run(
             for name, participant in system.participants.items():
                 for warning in getattr(participant, "warned", list)():
                     say(f"{name}: {warning.text}")
-            if not begin_at:
-                distrusted = untrusted(system, case.coupling.method != "explicit")
-                for name, why in distrusted.items():
-                    say(f"{name}: {why}; it is treated as an FMU without saved states")
-                system = without_rollback(system, distrusted)
+            found = trials(system, case.coupling.method != "explicit")
+            for line in trial_sentences(system, found):
+                say(line)
+            system = tried(system, found)
             objected = objections(system, method_of(case.coupling))
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)

@@ -73,7 +73,7 @@ def advanced(one, method):
 
 @pytest.mark.parametrize("method", METHODS[:2])
 def test_a_loop_without_real_numbers_settles(method):
-    """Each of a plant that sees itself: on = y > 0.5 of the plant, whose start is 0."""
+    """Both wires of the loop carry values at once, as those of integers do."""
     one = system(True)
     one = replace(one, wires=(), held=(*one.held, HeldWire(("plant", "y"), ("switch", "y"))))
     assert advanced(one, method) == ([[2.0, 1.0]] * 2, [2, 1])

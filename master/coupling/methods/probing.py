@@ -7,11 +7,6 @@ import numpy as np
 from ..interface import Evaluation
 from .solution import Tried
 
-PROBE = 1e-5
-"""Largest element of a probe, in nominals: far above round-off, far below what bends the step
-map.
-"""
-
 
 class ProbedStep:
     """Macro step whose derivative is a difference of two evaluations; each calls `learn`."""
@@ -38,7 +33,7 @@ class ProbedStep:
         feedback = self.interface.feedback
         nominal = self.interface.nominal
         largest = np.max(np.abs(change[feedback] / nominal[feedback]), initial=0.0)
-        share = PROBE / max(largest, np.finfo(float).tiny)
+        share = self.interface.difference / max(largest, np.finfo(float).tiny)
         moved, result, _ = self.macro_step.evaluate(np.where(feedback, used + share * change, used))
         steps = (moved - used) / share
         products = (result - y) / share

@@ -6,7 +6,8 @@
    UNDOES    takes its last step back where it is told that an earlier state may be restored
    DEAF      answers 0 if its input is read
    SAVES=0   saves no states
-   FORGETS   a state that is restored makes it start its integrator anew: x is off by 1e-4 of itself
+   FORGETS   a state that is restored makes it start its integrator anew: x is off by this share of itself
+   NOISE     y is off by 0 to 4 times this share of itself, as often as states were restored
    SHARES    all instances share their memory
 
    STEP and OUTPUT know x, u, the length H and begin t of the step. The integer output n counts steps, and 1000 less for
@@ -28,12 +29,16 @@
 typedef struct { double x, y, u, before, begun; } Model; /* references 0 to 2: x, y, u */
 typedef struct { Model m; int n; } Instance;
 typedef unsigned Reference;
+static int restored;
 
 static void say(Model *m)
 {
     double x = m->x, u = m->u, t = m->begun;
     (void)x, (void)u, (void)t;
     m->y = OUTPUT;
+#ifdef NOISE
+    m->y *= 1 + NOISE * (restored % 5);
+#endif
 }
 
 void *fmi2Instantiate(const char *a, int b, const char *c, const char *d, const void *e, int g, int h)
@@ -107,9 +112,9 @@ int fmi2SetFMUstate(Instance *i, const void *s)
         return 3;
     memcpy(&i->m, s, sizeof(Model));
 #ifdef FORGETS
-    i->m.x *= 1 + 1e-4;
+    i->m.x *= 1 + FORGETS;
 #endif
-    i->n -= 1000;
+    i->n -= 1000, restored++;
     return 0;
 }
 
