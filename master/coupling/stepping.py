@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import Discard, Stopped, Ticked
+from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import Interface
 from .methods import MacroStep, Method, NotConverged, Solution
@@ -283,7 +283,11 @@ class Stepper:
         said = str(failure)
         if is_final and isinstance(failure, NotConverged):
             said = failure.explained()
-        self._roll_back(time, step, saved, failure)
+        try:
+            self._roll_back(time, step, saved, failure)
+        except ParticipantFault as fault:
+            if not getattr(failure, "is_final", False):
+                raise ParticipantFault(f"{failure}; {fault}") from None
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
         self.predictor.clear()
         self.memory = self.method.memory()

@@ -38,6 +38,8 @@ FLAGS = {
     "clock": ("-DOUTPUT=t",),
     "short": ("-DSTEP=if (H > 0.006) return 2; x = (x + H * u) / (1 + H)", "-DOUTPUT=0.5*x"),
     "minus_three": (*DIRECT, "-DOUTPUT=1-3*u"),
+    "minus_three_one_way": ("-DSTEP=(void)H", "-DOUTPUT=1-3*u", "-DSAVES=0"),
+    "doubles": ("-DSTEP=x = 2 * x; (void)H",),
     "plus_half": (*DIRECT, "-DOUTPUT=1+0.5*u"),
     "follows": ("-DSTEP=x = u + 0 * H",),
     "strong": ("-DSTEP=x = (x + H * 200 * u) / (1 + H)",),
@@ -276,6 +278,24 @@ def test_the_first_row_is_consistent(coupled, method):
     # u = 1 + (1 - 3 u)/2 at u = 0.6; differences over 1e-5 of numbers near 1 are good to 1e-10
     for port, value in (("a.y", -0.8), ("b.y", 0.6)):
         assert results.series(port).values == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "first, method", [("minus_three", "explicit"), ("minus_three_one_way", "newton")]
+)
+def test_an_explicit_loop_whose_changes_double_ten_times_stops(coupled, first, method):
+    """The gain is -3: each change is three times the last one, and the first one counts."""
+    participants = {"a": first, "b": "same"}
+    coupled(participants, LOOP, stop="90 ms", method=method)
+    words = "residual that grew .*-fold .*; explicit exchange is unstable"
+    with pytest.raises(StepFailed, match=words) as failure:
+        coupled(participants, LOOP, stop="0.1 s", method=method)
+    assert "cannot save" not in str(failure.value)
+
+
+def test_a_signal_that_doubles_outside_of_a_loop_is_no_divergence(coupled):
+    results = coupled({"b": "same", "a": "doubles"}, ["a.y -> b.u"], "0.2 s", method="explicit")
+    assert last(results, "b.y") == 2.0**19
 
 
 def test_an_explicit_loop_that_diverges_stops(coupled):

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..interface import Evaluation, Interface
+from ..wiring import Wire
 from .solution import NotConverged, Solution, Tried, check_finite
 
 RISES = 10
-"""Successive macro steps in which the residual must grow before the run stops."""
+"""Successive macro steps in which the residual must grow before the run stops, by LARGEST_GROWTH
+or twofold in each of them.
+"""
 LARGEST_GROWTH = 1e9
 """Growth of the residual, at least of one tolerance, that an exchange may have."""
 UNRESOLVED = 0.5
@@ -28,6 +31,8 @@ class Growth:
         The same where the residual began to grow, at least 1.
     rises : int
         Successive macro steps in which it has grown.
+    doublings : int
+        Successive macro steps in which it has at least doubled.
     early : float
         Largest of the first RISES macro steps, at least 1.
     steps : int
@@ -39,6 +44,7 @@ class Growth:
     last: float = 0.0
     base: float = 1.0
     rises: int = 0
+    doublings: int = 0
     early: float = 1.0
     steps: int = 0
     warned: bool = False
@@ -46,6 +52,7 @@ class Growth:
     def note(self, residual: float) -> None:
         """Note the residual / tolerance of a macro step."""
         self.steps += 1
+        self.doublings = self.doublings + 1 if residual >= 2.0 * self.last and residual else 0
         if self.steps > 1 and residual > self.last:
             self.rises += 1
         else:
@@ -70,7 +77,8 @@ class Explicit:
 
     Stable only where the coupling is weak. The run stops if the residual, which is the change of
     the wires against the order, grows in RISES successive macro steps by LARGEST_GROWTH and is
-    more than half of the values. If it grows by as much with breaks, the run warns once.
+    more than half of the values, or in a loop doubles in each of them. If it grows by as much as
+    LARGEST_GROWTH with breaks, the run warns once.
     """
 
     def memory(self) -> Growth:
@@ -85,7 +93,7 @@ class Explicit:
         else:
             check_finite(interface, at, history)
             memory.note(_residual(interface, at) if interface.relative else history[0])
-            if memory.last > LARGEST_GROWTH:
+            if memory.last > LARGEST_GROWTH or memory.doublings >= RISES:
                 _check_growth(interface, at, history, memory)
         return Solution(at.outputs, history, held=at.used)
 
@@ -105,7 +113,8 @@ def _check_growth(
     name = f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}"
     hint = 'explicit exchange is unstable here; use method = "newton" or a shorter macro step'
     values = float(np.max(np.abs(at.outputs / interface.nominal)))
-    if memory.is_unstable and sizes[element] > UNRESOLVED * values:
+    doubles = memory.doublings >= RISES and _closes_loop(interface, wire)
+    if doubles or (memory.is_unstable and sizes[element] > UNRESOLVED * values):
         growth = memory.last / memory.base
         raise NotConverged(
             f"{name}: expected an exchange that stays bounded, got a residual that grew "
@@ -123,3 +132,11 @@ def _check_growth(
             f"stay bounded, {hint}",
             stacklevel=2,
         )
+
+
+def _closes_loop(interface: Interface, wire: Wire) -> bool:
+    """Return whether the source of a wire depends on its target."""
+    reached = {wire.target[0]}
+    for _ in interface.participants:
+        reached |= {one.target[0] for one in interface.wires if one.source[0] in reached}
+    return wire.source[0] in reached
