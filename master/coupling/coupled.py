@@ -12,6 +12,7 @@ import numpy as np
 from ..fmi.errors import Discard
 from ..fmi.slave import FieldSlave, Fmi2Status
 from ..fmi.variables import Variable
+from ..participants.derivatives import NEGLIGIBLE
 from ..participants.local import LocalParticipant
 from .freezing import freeze, thaw
 from .methods import method_of
@@ -253,7 +254,7 @@ class Coupled(FieldSlave):
             if v.name in seeds
         ]
         largest = max(shares)
-        if largest == 0.0:
+        if largest <= NEGLIGIBLE:
             return {name: np.zeros(self.views[name].shape) for name in self.derivative_outputs}
         length = NUDGE / largest
         moved = {name: last.values[name] + length * seed for name, seed in seeds.items()}

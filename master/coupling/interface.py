@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
-from ..participants.derivatives import DIFFERENCE
+from ..participants.derivatives import DIFFERENCE, NEGLIGIBLE
 from ..participants.participant import Participant, derive_each, read_each, write_each
 from .vector import Evaluation, largest
 from .wiring import HeldWire, Wire, is_unknown, layout_of
@@ -384,7 +384,7 @@ class Interface:
             size / (field.nominal or value or 1.0)
             for field, size, value in zip(ends.fields, sizes.tolist(), values.tolist())
         )
-        if largest == 0.0:
+        if largest <= NEGLIGIBLE:
             return 0.0
         share = self.difference / largest
         self.participants[name].restore(last.saved[name])

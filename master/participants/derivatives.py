@@ -30,6 +30,8 @@ AGREES = 0.1
 """Tolerance relative to the difference. With this error, Newton's residual still falls to a
 tenth in every iteration, which is cheaper than differences. The standard's derivative of a state
 has an error of 1."""
+NEGLIGIBLE = 1e-290
+"""Relative change of inputs that counts as none: quotients by a denormal number overflow."""
 ROUND_OFF = 1e-12
 """Round-off relative to an output's largest value. Changes below ten times this are ignored."""
 INSTANTS = 2
@@ -79,7 +81,7 @@ def difference(
     largest = max(
         (float(np.max(np.abs(value))) / scale[name] for name, value in seeds.items()), default=0.0
     )
-    if largest == 0.0:
+    if largest <= NEGLIGIBLE:
         return {name: np.zeros_like(before[name]) for name in products}
     end = participant.save()
     size = share / largest

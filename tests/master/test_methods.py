@@ -110,3 +110,28 @@ def test_what_is_not_finite_never_converges(given, bad):
 def test_nan_is_never_accepted():
     with pytest.raises(NotConverged, match=r"^mass.film\[1\]: expected a finite output, got nan"):
         solve(Newton(), load=np.nan)
+
+
+class Link(Toy):
+    """y = 1 + u / 1000, without derivatives."""
+
+    has_derivatives = False
+
+    def _advance(self, step):
+        self.values["y"] = 1.0 + 1e-3 * self.values["u"]
+
+
+def test_a_long_ring_of_weak_couplings_is_solved():
+    """A change fades by 1e-3 in each of 150 links, to 1e-450."""
+    fields = {"u": variable("u", "input"), "y": variable("y", "output")}
+    start = {"u": np.array(0.0), "y": np.array(0.0)}
+    links = {f"l{k}": Link(f"l{k}", fields, np.zeros(0), dict(start)) for k in range(150)}
+    names = list(links)
+    wires = [
+        Wire((a, "y"), (b, "u"), (), "1", 1.0, 1e-9, None)
+        for a, b in zip(names, [*names[1:], names[0]])
+    ]
+    saved = {name: link.save() for name, link in links.items()}
+    step = MacroStep(Interface(links, wires), 0.0, 1.0, saved)
+    solution = Newton().solve(step, np.zeros(len(wires)), Newton().memory())
+    assert solution.x == pytest.approx(1 / 0.999, abs=1e-9)
