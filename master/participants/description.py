@@ -5,6 +5,7 @@ third of a second.
 """
 
 import pickle
+import re
 import zipfile
 from contextlib import suppress
 from functools import cache
@@ -69,6 +70,7 @@ class DescribedFmu:
                 check_archive(archive, self.path)
                 if "modelDescription.xml" not in archive.namelist():
                     raise BadInput(f"{key}: expected an FMU, got no modelDescription.xml in it")
+                _check_encoding(archive.read("modelDescription.xml"), key)
             self._check_kind(key)
             self.description: Any = fmpy.read_model_description(str(self.path), validate=False)
             _complete(self.description, self._model_description)
@@ -183,6 +185,22 @@ class DescribedFmu:
                 if node.tag == "ModelVariables":
                     break
         return root
+
+
+ENCODING = re.compile(rb"""^[^>]*encoding\s*=\s*["'](?!utf-8)""", re.IGNORECASE)
+"""Declaration of another encoding than UTF-8."""
+
+
+def _check_encoding(text, key):
+    """Raise `BadInput` if XML without another encoding has bytes that are not UTF-8."""
+    try:
+        text.decode()
+    except UnicodeDecodeError as wrong:
+        if not ENCODING.match(text):
+            line = len(text[: wrong.start].splitlines())
+            raise BadInput(
+                f"{key}: expected modelDescription.xml in UTF-8, got other bytes in line {line}"
+            ) from None
 
 
 MOST_PROBLEMS = 5

@@ -1,7 +1,9 @@
 """FMUs of the C models beside: compiled, and packed with a description."""
 
 import subprocess
+import tempfile
 import zipfile
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -62,7 +64,7 @@ def _element(one, version):
     return f"<{one.kind} {shared} {one.attributes}>{one.inside}</{one.kind}>"
 
 
-def describe(version, identifier, variables, flags="", states=True, before=""):
+def describe(version, identifier, variables, flags="", states=True, before="", varies=True):
     """Return a modelDescription.xml.
 
     Parameters
@@ -76,6 +78,8 @@ def describe(version, identifier, variables, flags="", states=True, before=""):
         Further capabilities, and elements before the variables.
     states : bool
         Whether the FMU saves its state.
+    varies : bool
+        Whether its steps may differ in length.
     """
     outputs = [one for one in enumerate(variables, 1) if one[1].causality == "output"]
     if version == "2.0":
@@ -95,10 +99,55 @@ def describe(version, identifier, variables, flags="", states=True, before=""):
         rows = "".join(f'<Output valueReference="{one.reference}"/>' for _, one in outputs)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="{version}" modelName="{identifier}" {head}>
-  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"
+  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="{str(varies).lower()}"
     {state}="{str(states).lower()}" {flags}/>
   {before}
   <ModelVariables>{"".join(_element(one, version) for one in variables)}</ModelVariables>
   <ModelStructure>{rows}{known}</ModelStructure>
 </fmiModelDescription>
 """
+
+
+THIRD = {"Real": "Float64", "Integer": "Int32"}
+"""FMI 3.0 types of FMI 2.0 types."""
+
+
+@cache
+def _reported(parts):
+    """Return the library of c_models/reported.c with its parts, compiled once."""
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / "odd.so"
+        flags = [f"-D{name}={text}" for name, text in parts]
+        compile_model(MODELS / "reported.c", library, "-Wno-unused", "-pthread", *flags)
+        return library.read_bytes()
+
+
+def make_reported(path, version, variables, *, files=(), states=True, **described):
+    """Write an FMU of c_models/reported.c.
+
+    Parameters
+    ----------
+    path : path-like
+    version : str
+        Of FMI, "2.0" or "3.0".
+    variables : sequence of Variable
+        With types of FMI 2.0; reals, integers, Booleans and texts count from 0, 100, 200 and 300.
+    files : dict of str to text
+        Further files in the FMU.
+    states : bool
+        See `describe`.
+    **described
+        Parts of the model in capital letters, and parameters of `describe`.
+    """
+    parts = {name: text for name, text in described.items() if name.isupper()}
+    how = {name: value for name, value in described.items() if name not in parts}
+    if version == "3.0":
+        variables = [one._replace(kind=THIRD.get(one.kind, one.kind)) for one in variables]
+    text = describe(version, "odd", variables, states=states, **how)
+    place = "x86_64-linux" if version == "3.0" else "linux64"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        archive.writestr(f"binaries/{place}/odd.so", _reported(tuple(parts.items())))
+        for name, content in dict(files).items():
+            archive.writestr(name, content)
+    return Path(path)

@@ -1,0 +1,650 @@
+"""Situations that users of other tools have reported, each with its right value.
+
+FMUs of c_models/reported.c show the behaviour.
+"""
+
+import os
+import resource
+import subprocess
+import sys
+import zipfile
+from math import ulp
+from pathlib import Path
+
+import pytest
+
+import piston_cosim as pc
+from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
+
+from ..command import call
+from .c_fmus import Variable, make_reported
+
+AWAITED = pytest.mark.xfail(strict=True, reason="the coupling does not do this yet")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CALLS", str(tmp_path / "calls.txt"))
+    return tmp_path
+
+
+def real(name, reference, causality="output", attributes="", variability=""):
+    start = (
+        ' start="0"' if causality in ("input", "parameter") and "start" not in attributes else ""
+    )
+    return Variable(name, reference, causality, "Real", attributes + start, variability)
+
+
+def integer(name, reference, causality="output", attributes=""):
+    start = ' start="0"' if causality == "input" else ""
+    return Variable(name, reference, causality, "Integer", attributes + start)
+
+
+Y = real("y", 1)
+
+
+def fmu(name, variables=(Y,), version="2.0", **parts):
+    return make_reported(f"{name}.fmu", version, variables, **parts)
+
+
+def run(participants, wires=(), stop="1 s", step="0.1 s", changes=None, **how):
+    case = pc.couple(participants, list(wires), stop=stop, step=step, **how)
+    return (case.changed(changes) if changes else case).run("o.h5")
+
+
+def last(results, *names):
+    values = [results.series(name).values[-1] for name in names]
+    return values if len(names) > 1 else values[0]
+
+
+def calls(word):
+    lines = Path("calls.txt").read_text().splitlines()
+    return [line.split()[1:] for line in lines if line.startswith(f"{word} ") or line == word]
+
+
+def refused(*arguments, **how):
+    with pytest.raises(BadInput) as refusal:
+        run(*arguments, **how)
+    return "\n".join(refusal.value.faults)
+
+
+# types ----------------------------------------------------------------------------------------
+
+TYPED = [
+    real("u", 0, "input"),
+    integer("ui", 100, "input"),
+    Variable("ub", 200, "input", "Boolean", 'start="false"'),
+    Variable("us", 300, "input", "String", 'start=""'),
+    Y,
+    integer("yi", 101),
+    Variable("yb", 201, "output", "Boolean"),
+    Variable("ys", 301, "output", "String"),
+]
+
+
+@AWAITED
+def test_in_a_chain_all_types_arrive_in_the_same_step():
+    out = 'm->r[1]=m->t;m->i[1]=m->steps;m->b[1]=m->steps%2;sprintf(m->s[1],"t=%d",m->steps)'
+    echo = "m->r[1]=m->r[0];m->i[1]=m->i[0];m->b[1]=m->b[0];memcpy(m->s[1],m->s[0],80)"
+    wires = [f"a.y{kind} -> b.u{kind}" for kind in ("", "i", "b", "s")]
+    results = run({"a": fmu("a", TYPED, OUT=out), "b": fmu("b", TYPED, OUT=echo)}, wires)
+    for kind in ("", "i", "b", "s"):
+        both = [results.series(f"{name}.y{kind}").values.tolist() for name in "ab"]
+        assert both[0] == both[1]
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_a_boolean_other_than_0_is_1(isolated):
+    a = fmu("a", [Variable("yb", 201, "output", "Boolean")], OUT="m->b[1]=255")
+    b = fmu("b", [TYPED[2], Y], OUT="m->r[1]=m->b[0]")
+    results = run({"a": a, "b": b}, ["a.yb -> b.ub"], changes={"participants.a.isolated": isolated})
+    assert last(results, "a.yb", "b.y") == [1, 1]
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_texts_are_recorded_and_handed_on_as_they_are(version):
+    """NULL is an empty text; bytes that are not UTF-8 remain."""
+    out, null = 'strcpy(m->s[1],"gr\\374n")', "if(m->steps==5)v[k]=0"
+    a = fmu("a", [TYPED[-1]], version, OUT=out, GETS=null)
+    b = fmu("b", [TYPED[3], Y], version, OUT="m->r[1]=strlen(m->s[0])")
+    results = run({"a": a, "b": b}, ["a.ys -> b.us"])
+    texts = results.series("a.ys").values
+    assert texts[4] == b"gr\374n".decode(errors="surrogateescape") and texts[5] == ""
+    assert sorted(results.series("b.y").values) == [0] + 10 * [4]
+    assert results.texts == ["a.ys"] and "a.ys" not in results.ports
+
+
+def test_integers_of_64_bits_are_recorded_as_they_are():
+    out = "m->i[0]=9007199254740993LL+m->steps;m->i[1]=-1;m->i[2]=m->steps"
+    variables = [
+        Variable("large", 100, "output", "Int64"),
+        Variable("largest", 101, "output", "UInt64"),
+        integer("n", 102),
+    ]
+    results = run({"a": fmu("a", variables, "3.0", OUT=out)})
+    assert last(results, "a.large", "a.largest", "a.n") == [2**53 + 11, 2**64 - 1, 10]
+    assert results.structured()["a.large"][-1] == 2**53 + 11
+
+
+MODE = """<TypeDefinitions><SimpleType name="Mode"><Enumeration>{}</Enumeration></SimpleType>
+</TypeDefinitions>"""
+ITEMS = '<Item name="off" value="1"/><Item name="full power" value="5"/>'
+
+
+def test_an_enumeration_has_its_items_only():
+    attributes = 'declaredType="Mode"'
+    variables = [
+        Variable("mode", 100, "parameter", "Enumeration", f'{attributes} start="1"'),
+        Variable("y", 101, "output", "Enumeration", attributes),
+    ]
+    a = fmu("a", variables, OUT="m->i[1]=m->i[0]", before=MODE.format(ITEMS))
+    for value in (5, "full power"):
+        assert last(run({"a": a}, parameters={"a": {"mode": value}}), "a.y") == 5
+    words = refused({"a": a}, parameters={"a": {"mode": 2}})
+    assert words.endswith("parameters.mode: expected one of 'off' (1), 'full power' (5), got 2")
+    b = fmu("b", variables, before=MODE.format('<Item name="off"/>'))
+    assert "Mode: expected an enumeration of names with whole numbers" in refused({"b": b})
+
+
+def test_arrays_without_elements():
+    """Nothing is carried along their wires; they are not recorded."""
+    none = '<Dimension start="0"/>'
+    size, out = "a == 10 || a == 11 ? 0 : 1", "m->r[1]=m->t"
+    variables = [
+        Variable("u", 10, "input", "Real", 'start=""', inside=none),
+        Variable("z", 11, "output", inside=none),
+        Y,
+    ]
+    a, b = (fmu(name, variables, "3.0", SIZE=size, OUT=out) for name in "ab")
+    wires = ["a.z -> b.u", "b.z -> a.u"]
+    assert last(run({"a": a, "b": b}, wires), "a.y") == pytest.approx(1.0)
+    words = "record.fields: expected an array with elements, got a.z of shape (0,)"
+    assert words in refused({"a": a}, record=["a.z"])
+
+
+# time -----------------------------------------------------------------------------------------
+
+
+def test_steps_begin_where_the_last_one_ended():
+    check = "static double end;if(t>0)m->r[1]=fmax(m->r[1],fabs(t-end));end=t+H;"
+    check += "m->r[2]=fmax(m->r[2],fabs(H-1e-3))"
+    results = run({"a": fmu("a", [Y, real("change", 2)], STEP=check)}, stop="10 s", step="1 ms")
+    # a communication point is rounded once, a step is the difference of two of them
+    assert last(results, "a.y") <= ulp(10.0) and last(results, "a.change") <= 2 * ulp(10.0)
+
+
+def test_a_fixed_step_stays_fixed():
+    a = fmu("a", varies=False, STEP="m->r[1]=t+H")
+    assert last(run({"a": a}, step="0.25 s"), "a.y") == 1.0
+    assert {length for _, length in calls("step")} == {"0.25"}
+    assert "expected a multiple of time.step = 0.3 s" in refused({"a": a}, step="0.3 s")
+
+
+def test_a_fixed_step_is_not_halved():
+    part = "m->r[1]=m->r[0]+(t>0.45&&t<0.55?1e9:1)*0.1*m->r[0]*m->r[0]+1"
+    variables = [real("u", 0, "input"), Y]
+    a = fmu("a", variables, varies=False, STEP=part)
+    b = fmu("b", variables, STEP="m->r[1]=-0.5*m->r[0]")
+    with pytest.raises(pc.StepFailed, match="expected a multiple of 0.1 s, got a step of"):
+        run({"a": a, "b": b}, ["a.y -> b.u", "b.y -> a.u"])
+
+
+def test_a_run_that_starts_later():
+    a = fmu("a", [Y, real("begin", 2), real("end", 3)], OUT="m->r[2]=m->start;m->r[3]=m->stop")
+    results = run({"a": a}, stop="12 s", step="0.5 s", changes={"time.start": "10 s"})
+    assert (results.time[0], results.time[-1]) == (10.0, 12.0)
+    assert calls("step")[0] == ["10", "0.5"] and last(results, "a.begin", "a.end") == [10.0, 12.0]
+
+
+# instances ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_second_instance_of_an_fmu_that_allows_one_runs_isolated(version):
+    once = 'canBeInstantiatedOnlyOncePerProcess="true"'
+    part = "kept+=H*m->r[0];m->r[1]=kept"
+    a = fmu("a", [real("u", 0, "input"), Y], version, flags=once, states=False, STEP=part)
+    values = {"one": {"u": 1.0}, "two": {"u": 10.0}}
+    results = run({"one": a, "two": a}, parameters=values)
+    assert last(results, "one.y", "two.y") == pytest.approx([1.0, 10.0], rel=1e-14)  # ten sums
+
+
+def test_a_crash_when_an_isolated_fmu_is_freed_leaves_the_results():
+    a = fmu("a", FREE="abort()")
+    with pytest.raises(ParticipantFault, match="its process has ended"):
+        run({"a": a}, changes={"participants.a.isolated": True})
+    assert len(pc.Results("o.h5").time) == 11
+
+
+@AWAITED
+def test_an_asynchronous_step_is_not_supported():
+    a = fmu("a", flags='canRunAsynchronuously="true"', STEP="return 5", STATUS="*value=0;return 0")
+    with pytest.raises((ParticipantFault, pc.StepFailed), match="fmi2Pending"):
+        run({"a": a})
+
+
+def test_every_run_frees_its_instances():
+    a = fmu("a", STEP="m->r[1]+=H")
+    for _ in range(3):
+        assert last(run({"a": a}), "a.y") == pytest.approx(1.0)
+    assert len(calls("free")) == len(calls("instantiate")) >= 3
+
+
+def test_messages_may_come_from_another_thread():
+    thread = "pthread_t p;pthread_create(&p,0,messages,I);pthread_join(p,0);m->r[1]=t+H"
+    results = run({"a": fmu("a", STEP=thread)})
+    assert last(results, "a.y") == 1.0
+    assert results.summary["warnings"] == ["a: t = 0 s, 20000 times: from a thread"]
+
+
+# places ---------------------------------------------------------------------------------------
+
+
+def test_resources_in_folders_with_unusual_names(folder):
+    """The URI of FMI 2.0 is encoded, the path of FMI 3.0 is not and ends with a separator."""
+    script = (
+        "import sys, piston_cosim as pc\n"
+        "pc.couple({'a': sys.argv[1]}, [], stop='1 s', step='1 s').run('o.h5')"
+    )
+    for version in ("2.0", "3.0"):
+        path = make_reported(f"größe 1%20 {version}.fmu", version, [Y], files={"resources/y": "42"})
+        cache = str(folder / "cache ü %41 {y}")
+        settings = os.environ | {"PISTON_COSIM_CACHE": cache}
+        subprocess.run([sys.executable, "-c", script, path], env=settings, check=True)
+    two, three = (" ".join(words) for words in calls("instantiate"))
+    assert "cache%20%C3%BC%20%2541%20%7By%7D/unpacked/gr%C3%B6%C3%9Fe%201%2520" in two
+    assert two.startswith("file:///") and two.endswith("/resources")
+    assert three.startswith(f"{cache}/unpacked/größe 1%20") and three.endswith("/resources/")
+    assert Path(three, "y").read_text() == "42"
+
+
+def test_an_fmu_without_resources_has_their_uri():
+    run({"a": fmu("a")})
+    assert calls("instantiate")[0][0].startswith("file:///")
+
+
+# units and ranges -----------------------------------------------------------------------------
+
+UNITS = (
+    '<UnitDefinitions><Unit name="K"><BaseUnit K="1"/></Unit>'
+    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
+    '<Unit name="bar"><BaseUnit kg="1" m="-1" s="-2" factor="1e5"/></Unit>'
+    '<Unit name="Pa"><BaseUnit kg="1" m="-1" s="-2"/></Unit></UnitDefinitions>'
+)
+TYPES = {
+    "Bar": 'unit="bar"',
+    "Pascal": 'unit="Pa" nominal="1e5"',
+    "Rise": 'unit="degC" relativeQuantity="true"',
+    "Kelvins": 'unit="K" relativeQuantity="true"',
+    "Narrow": 'unit="K" min="0" max="2"',
+}
+
+
+def typed_head(version):
+    if version == "3.0":
+        types = [f'<Float64Type name="{name}" {text}/>' for name, text in TYPES.items()]
+    else:
+        types = [
+            f'<SimpleType name="{name}"><Real {text}/></SimpleType>' for name, text in TYPES.items()
+        ]
+    return f"{UNITS}<TypeDefinitions>{''.join(types)}</TypeDefinitions>"
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_unit_range_and_kind_of_a_declared_type(version):
+    def typed(name, reference, causality, kind):
+        return real(name, reference, causality, f'declaredType="{kind}"')
+
+    outputs = [typed("p", 3, "output", "Bar"), typed("rise", 2, "output", "Rise")]
+    inputs = [typed("p", 6, "input", "Pascal"), typed("rise", 5, "input", "Kelvins")]
+    more = [typed("q", 7, "parameter", "Narrow"), Y, real("y2", 2)]
+    head = typed_head(version)
+    a = fmu("a", outputs, version, before=head, OUT="m->r[2]=5;m->r[3]=2")
+    b = fmu("b", inputs + more, version, before=head, OUT="m->r[1]=m->r[6];m->r[2]=m->r[5]")
+    results = run({"a": a, "b": b}, ["a.p -> b.p", "a.rise -> b.rise"])
+    assert last(results, "b.y", "b.y2") == [2e5, 5.0]
+    words = refused({"b": b}, parameters={"b": {"q": "7 K"}})
+    assert words == "participants.b.parameters.q: expected 0 to 2 K, got 7 K"
+    info = call("fmu", "info", b, "--all").stdout
+    assert [row.split() for row in info.splitlines() if " p " in row] == [
+        ["input", "p", "Pa", "0", "100000"]
+    ]
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_the_variables_own_attributes_replace_those_of_its_type(version):
+    own = 'declaredType="Rise" unit="K" relativeQuantity="false"'
+    a = fmu("a", [real("p", 2, "parameter", own), Y], version, before=typed_head(version))
+    field = pc.open_fmu(a).fields["p"]
+    assert field.unit == "K" and not field.relative
+
+
+def test_a_difference_has_no_offset():
+    variables = [
+        real("T", 4, "parameter", 'unit="K"'),
+        real("dT", 5, "parameter", 'unit="K" relativeQuantity="true"'),
+        Y,
+        real("rise", 2),
+    ]
+    a = fmu("a", variables, before=UNITS, OUT="m->r[1]=m->r[4];m->r[2]=m->r[5]")
+    for rise in ("5 K", "5 degC", "5 delta_degC", "9 delta_degF"):
+        results = run({"a": a}, parameters={"a": {"T": "20 degC", "dT": rise}})
+        assert last(results, "a.y", "a.rise") == pytest.approx([293.15, 5.0], rel=1e-15)
+
+
+def test_the_range_of_unsigned_integers():
+    limited = Variable("p", 101, "parameter", "UInt64", 'start="1" max="2"')
+    a = fmu("a", [limited, Y], "3.0")
+    assert "p: expected 0 to 2, got 3" in refused({"a": a}, parameters={"a": {"p": 3}})
+
+
+RPM = '<Unit name="rpm"><BaseUnit s="-1" factor="0.1"/></Unit>'
+KINDS = (
+    '<UnitDefinitions><Unit name="furlong"><BaseUnit m="1" factor="201.168"/></Unit>'
+    f'<Unit name="m"><BaseUnit m="1"/></Unit><Unit name="s"><BaseUnit s="1"/></Unit>{RPM}'
+    '<Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit></UnitDefinitions>'
+)
+
+
+@pytest.mark.parametrize(
+    "first, second, right",
+    [
+        ("A", "A", 2.0),  # named, but not defined
+        ("furlong", "furlong", 2.0),
+        ("furlong", "m", 402.336),
+        ("m", "s", "expected units of one kind, got m and s"),
+        ("rpm", "rad/s", "expected units of one kind, got rpm and rad/s"),
+    ],
+)
+def test_units_of_both_ends(first, second, right):
+    a = fmu("a", [real("y", 1, attributes=f'unit="{first}"')], before=KINDS, OUT="m->r[1]=2")
+    inlet = real("u", 4, "input", f'unit="{second}"')
+    b = fmu("b", [inlet, Y], before=KINDS, OUT="m->r[1]=m->r[4]")
+    participants, wires = {"a": a, "b": b}, ["a.y -> b.u"]
+    if isinstance(right, str):
+        assert right in refused(participants, wires)
+    else:
+        assert last(run(participants, wires), "b.y") == pytest.approx(right, rel=1e-15)
+
+
+# start values and parameters ------------------------------------------------------------------
+
+
+def test_a_calculated_parameter_follows_and_cannot_be_set():
+    variables = [
+        real("p", 2, "parameter", 'start="1"'),
+        Variable("c", 3, "calculatedParameter"),
+        Y,
+    ]
+    a = fmu("a", variables, ENTER="m->r[3]=2*m->r[2]", OUT="m->r[1]=m->r[3]")
+    assert last(run({"a": a}, parameters={"a": {"p": 4.0}}), "a.y") == 8.0
+    words = "parameters.c: expected p, got unknown parameter or input 'c'"
+    assert words in refused({"a": a}, parameters={"a": {"c": 4.0}})
+
+
+def test_an_input_without_a_wire_has_the_fmus_start_value():
+    a = fmu("a", [real("u", 0, "input", 'start="3"'), Y], START="m->r[0]=3", OUT="m->r[1]=m->r[0]")
+    assert last(run({"a": a}), "a.y") == 3.0
+    assert last(run({"a": a}, parameters={"a": {"u": 7.0}}), "a.y") == 7.0
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_the_exact_start_of_a_local_variable_can_be_set(version):
+    state = Variable("x", 2, "local", "Real", 'start="1"', 'continuous" initial="exact')
+    calculated = Variable("z", 3, "local", "Real", "", "continuous")
+    a = fmu(
+        "a",
+        [state, calculated, Y],
+        version,
+        START="m->r[2]=1",
+        STEP="m->r[2]*=2",
+        OUT="m->r[1]=m->r[2]",
+    )
+    assert last(run({"a": a}, parameters={"a": {"x": 3.0}}), "a.y") == 3.0 * 2**10
+    words = "parameters.z: expected x, got unknown parameter or input 'z'"
+    assert words in refused({"a": a}, parameters={"a": {"z": 3.0}})
+
+
+def tunable(name="p", attributes='start="1"'):
+    return real(name, 2, "parameter", attributes, "tunable")
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_tunable_parameter_is_fed_between_steps(version):
+    """In Event Mode if the FMU has one. Its units are converted."""
+    Path("p.csv").write_text("time [s], p [bar]\n0, 1\n0.55, 1\n0.5500001, 3\n2, 3\n")
+    attributes = 'start="1e5" unit="bar"'
+    part = {"START": "m->r[2]=1e5", "STEP": "m->r[1]+=H*m->r[2]"}
+    events = 'hasEventMode="true"' if version == "3.0" else ""
+    a = fmu("a", [tunable("p", attributes), Y], version, flags=events, before=UNITS, **part)
+    results = run({"t": "p.csv", "a": a}, ["t.p -> a.p"])
+    # between the value at the beginning of each step (6 + 4 x 3) and that at its end (5 + 5 x 3)
+    assert 1.8 - 1e-12 <= last(results, "a.y") <= 2.0 + 1e-12
+    lines = Path("calls.txt").read_text().splitlines()
+    before = {lines[k - 1] for k, line in enumerate(lines) if line.startswith("set 2 3")}
+    assert before == ({"event mode"} if events else before)
+
+
+def test_a_parameter_that_is_not_tunable_is_not_fed():
+    a = fmu("a", [real("p", 2, "parameter"), Y])
+    words = "wire a.y -> a.p: expected no input, got 'a.p'"
+    assert words in refused({"a": a}, ["a.y -> a.p"])
+    b = fmu("b", [tunable(), Y])
+    wire = {"from": "b.y", "to": "b.p", "tolerance": 1.0}
+    words = "expected a wire of real numbers for tolerance, got type Real to a tunable parameter"
+    assert words in refused({"b": b}, [wire])
+
+
+def test_two_names_of_one_value():
+    a = fmu("a", [Y, real("alias", 1), Variable("z", 1, "local")], STEP="m->r[1]=t+H")
+    b = fmu("b", [real("u", 4, "input"), Y, real("seen", 4)], OUT="m->r[1]=m->r[4]")
+    results = run({"a": a, "b": b}, ["a.alias -> b.u"], record=["a.alias"])
+    assert last(results, "a.y", "a.alias", "b.y", "b.seen") == [1.0] * 4
+
+
+def test_wires_between_other_variables():
+    variables = [
+        real("u", 0, "input"),
+        Y,
+        Variable("z", 2, "local"),
+        real("p", 3, "parameter"),
+    ]
+    a = fmu("a", variables, STEP="m->r[1]=0.5*m->r[0]+1")
+    assert last(run({"a": a, "b": a}, ["a.y -> a.u"]), "a.y") == pytest.approx(2.0, rel=1e-6)
+    for wire, words in {
+        "a.z -> b.u": "expected a.y, got unknown output 'a.z'",
+        "a.p -> b.u": "expected a.y, got unknown output 'a.p'",
+        "a.u -> b.u": "expected a.y, got unknown output 'a.u'",
+        "a.y -> b.y": "expected b.u, got unknown input 'b.y'",
+        "a.y -> b.p": "expected b.u, got unknown input 'b.p'",
+    }.items():
+        assert words in refused({"a": a, "b": a}, [wire])
+
+
+# events ---------------------------------------------------------------------------------------
+
+EVENTS = 'hasEventMode="true" mightReturnEarlyFromDoStep="true"'
+COUNTED = [Y, integer("n", 101)]
+
+
+def test_an_event_inside_a_step():
+    early = "if(t<0.33&&t+H>0.33){*last=0.33;*event=*early=true;}"
+    slope = "m->r[1]+=t<0.329?(t+H>0.33?0.33-t:H):2*H"
+    a = fmu("a", COUNTED, "3.0", flags=EVENTS, DOSTEP=early, STEP=slope, UPDATE="m->i[1]++")
+    # slope 1 up to the event, then 2: 0.33 + 2 x 0.67
+    assert last(run({"a": a}), "a.y", "a.n") == pytest.approx([1.67, 2], rel=1e-14)
+
+
+@AWAITED
+def test_a_step_ends_at_an_announced_event():
+    next_one = "*announced=m->t<0.35;*next=0.35;if(fabs(m->t-0.35)<1e-9)m->i[1]=1"
+    a = fmu("a", COUNTED, "3.0", flags='hasEventMode="true"', UPDATE=next_one)
+    assert last(run({"a": a}), "a.n") == 1
+    spans = [(float(t), float(t) + float(length)) for t, length in calls("step")]
+    assert not any(begin < 0.35 - 1e-9 and end > 0.35 + 1e-9 for begin, end in spans)
+
+
+def test_no_events_where_the_case_does_not_use_them():
+    a = fmu("a", version="3.0", flags=EVENTS)
+    run({"a": a}, changes={"participants.a.event_mode": False})
+    assert calls("events") == [["0"]]
+
+
+# descriptions ---------------------------------------------------------------------------------
+
+
+def test_booleans_written_as_0_and_1():
+    switch = Variable("b", 200, "parameter", "Boolean", 'start="1"')
+    a = fmu("a", [switch, Y], START="m->b[0]=1", OUT="m->r[1]=m->b[0]")
+    assert last(run({"a": a}), "a.y") == 1.0
+    for value in (False, True):
+        assert last(run({"a": a}, parameters={"a": {"b": value}}), "a.y") == value
+
+
+def repacked(name, text=None, library="binaries/linux64/odd.so", more=()):
+    """Return a copy of an FMU with another description (function of the text) or library."""
+    source = fmu("source")
+    with zipfile.ZipFile(source) as archive, zipfile.ZipFile(name, "w") as target:
+        described = archive.read("modelDescription.xml")
+        target.writestr("modelDescription.xml", text(described) if text else described)
+        target.writestr(library, archive.read("binaries/linux64/odd.so"))
+        for one in more:
+            target.writestr(one, "x")
+    return name
+
+
+def replaced(old, new):
+    return lambda text: text.replace(old, new)
+
+
+TWICE = b'<ScalarVariable name="y" valueReference="2" causality="output"><Real/></ScalarVariable>'
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        (replaced(b'"2.0"', b'"1.0"'), "expected FMI 2.0 or 3.0, got FMI 1.0"),
+        (
+            replaced(b"CoSimulation", b"ModelExchange"),
+            "expected an FMU for co-simulation, got Model Exchange",
+        ),
+        (
+            replaced(b'"output" variability="continuous"', b'"parameter" variability="continuous"'),
+            'got Variable "y" (line 6) has an illegal combination of causality="parameter" and '
+            'variability="continuous"',
+        ),
+        (
+            replaced(b"</ModelVariables>", TWICE + b"</ModelVariables>"),
+            "expected variables with different names, got 'y' in lines 6 and 6",
+        ),
+        (
+            replaced(b'modelName="odd"', 'modelName="größe"'.encode("latin-1")),
+            "expected modelDescription.xml in UTF-8, got other bytes in line 2",
+        ),
+        (replaced(b"<Real", b"<Double"), "got ERROR (line 6, column 0)"),
+        (lambda text: b"", "expected a valid modelDescription.xml, got"),
+    ],
+)
+def test_faults_of_a_description_have_a_cause_and_a_line(text, words):
+    faults = refused({"a": repacked("a.fmu", text)})
+    assert words in faults and faults.startswith("participants.a.fmu: ")
+    assert faults.count("participants.a") == len(faults.splitlines())
+
+
+@pytest.mark.parametrize(
+    "library, more, words",
+    [
+        (
+            "binaries/win64/odd.dll",
+            (),
+            "expected binaries/linux64/odd.so, got libraries for win64 only; export it for linux64",
+        ),
+        (
+            "sources/odd.c",
+            (),
+            "got no library; it has source code: compile it with `fmpy compile a.fmu`",
+        ),
+        (
+            "binaries/linux64/other.so",
+            ("binaries/win64/odd.dll",),
+            "expected binaries/linux64/odd.so, got binaries/linux64/other.so",
+        ),
+    ],
+)
+def test_an_fmu_without_a_library_for_this_machine(library, more, words):
+    a = repacked("a.fmu", library=library, more=more)
+    assert words in refused({"a": a})
+    assert call("fmu", "info", a).returncode == 0
+    with pytest.raises(BadInput, match="expected binaries/linux64/odd.so"):
+        pc.open_fmu(a).start({}, 0.0, 1.0)
+
+
+def test_further_files_in_an_fmu():
+    terminals = '<fmiTerminalsAndIcons fmiVersion="3.0"/>'
+    files = {
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals,
+        "extra/org.x/a.txt": "x",
+        "binaries/win64/odd.dll": "x",
+        "documentation/index.html": "<script>alert(1)</script>",
+    }
+    assert last(run({"a": fmu("a", files=files, STEP="m->r[1]=1")}), "a.y") == 1.0
+
+
+# warnings and saved states --------------------------------------------------------------------
+
+
+def test_a_flood_of_warnings_is_counted_in_little_memory():
+    flood = 'for(int k=0;k<200000;k++)logged(I,1,"value clipped to the table")'
+    run({"a": fmu("a")})  # what every run needs
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    results = run({"a": fmu("a", STEP=flood)}, step="1 s")
+    assert results.summary["warnings"] == ["a: t = 0 s, 200000 times: value clipped to the table"]
+    # all texts together take 20 MB
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 10_000  # kB
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+@pytest.mark.parametrize("isolated", [False, True])
+def test_warnings_are_in_summary_and_log(version, isolated, caplog):
+    part = (
+        'if(t>0.45)logged(I,1,t<0.55?"left its range at 0.5":"left its range at 0.6");'
+        'if(t>0.65&&t<0.75)logged(I,1,"[/red] is no colour");return t>0.45'
+    )
+    fmu("a", version=version, STEP=part)
+    Path("case.toml").write_text(
+        'title = "warnings"\nwires = []\n[time]\nstop = "1 s"\nstep = "0.1 s"\n'
+        f'[participants.a]\nfmu = "a.fmu"\nisolated = {str(isolated).lower()}\n'
+        '[coupling]\norder = ["a"]\n'
+    )
+    done = call(
+        "run", "case.toml", "--no-plots", "--output", ".", "--summary-json", "s.json", "--verbose"
+    )
+    assert done.returncode == 0, done.stderr
+    listed = [
+        "a: t = 0.5 s, 5 times: left its range at 0.5",
+        "a: t = 0.7 s, 1 time: [/red] is no colour",
+    ]
+    assert pc.Results("base.h5").summary["warnings"] == listed
+    words = " ".join((done.stdout + done.stderr).split())
+    for line in listed:
+        assert f"a: warning at {line.removeprefix('a: ')}" in words
+
+
+def test_a_warning_without_a_text_is_counted():
+    results = run({"a": fmu("a", STEP="return 1")})
+    assert results.summary["warnings"] == [
+        "a: t = 0 s, 10 times: fmi2DoStep returned a warning without a text"
+    ]
+
+
+@AWAITED
+def test_a_loop_of_an_fmu_that_restores_its_state_with_noise_is_iterated():
+    """x = 1 - 3 x by iteration; without it the loop diverges."""
+    noisy = "m->r[1]=(1-3*m->r[0])*(1+1e-7*(restored%5))"
+    variables = [real("u", 0, "input"), Y]
+    a = fmu("a", variables, STEP=noisy)
+    b = fmu("b", variables, STEP="m->r[1]=m->r[0]")
+    results = run({"a": a, "b": b}, ["a.y -> b.u", "b.y -> a.u"])
+    # ten times the noise, and a tolerance of 1e-6
+    assert last(results, "a.y") == pytest.approx(0.25, abs=1e-5)
