@@ -100,7 +100,7 @@ class ParticipantTable(Table):
     build: dict[str, Any] = {}
     """Options that are fixed when the FMU is built."""
     parameters: dict[str, str | bool | float | int | list] = {}
-    """Parameters of the FMU and start values of its inputs."""
+    """Parameters of the FMU, and start values of its inputs and other variables."""
     role: str | None = None
     """Role in the interface contract, bodies or lubrication. Another FMU of the same role can
     replace the participant.
@@ -113,7 +113,9 @@ class ParticipantTable(Table):
     single keys.
     """
     isolated: bool = False
-    """Run the FMU in a separate process."""
+    """Run the FMU in a separate process. A process that can hold only one instance of an FMU never
+    gets a second one.
+    """
     timeout: str = "120 s"
     """Response timeout of an isolated FMU."""
 
@@ -150,7 +152,7 @@ class WireTable(Table):
     source: Port = Field(alias="from")
     """Source output, "participant.variable"."""
     target: Port = Field(alias="to")
-    """Target input, "participant.variable"."""
+    """Target input or tunable parameter, "participant.variable"."""
     tolerance: str | float | None = None
     """Largest difference between output and input in a converged step. It is a string with a unit,
     or a multiple of the nominal value.

@@ -44,7 +44,7 @@ def missing_in_host():
     return "%s%s" % (lacking, why) if lacking else ""
 
 
-def _borrow(other):
+def _borrow(other: str) -> str:
     """Add the packages of another Python to the path; return why that is not possible, or ""."""
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     try:

@@ -99,7 +99,8 @@ def describe(version, identifier, variables, flags="", states=True, before="", v
         rows = "".join(f'<Output valueReference="{one.reference}"/>' for _, one in outputs)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="{version}" modelName="{identifier}" {head}>
-  <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="{str(varies).lower()}"
+  <CoSimulation modelIdentifier="{identifier}"
+    canHandleVariableCommunicationStepSize="{str(varies).lower()}"
     {state}="{str(states).lower()}" {flags}/>
   {before}
   <ModelVariables>{"".join(_element(one, version) for one in variables)}</ModelVariables>

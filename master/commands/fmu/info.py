@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from ...case.keys import range_of
+from ...case.wires import TUNABLE, kind_of
 from ...fmi.variables import END
 from ...participants.open import open_fmu
 from ..common import tell, wide_console
@@ -77,6 +78,8 @@ def summary(participant, fmu):
         yield f"inputs     values at the {END}{known}"
     for head, causality in (("connect", "input"), ("", "output"), ("set", "parameter")):
         yield f"{head:10s} {_listed([f for f in fields if f.causality == causality], causality)}"
+    if tunable := [f for f in fields if kind_of(f) == TUNABLE]:
+        yield f"{'feed':10s} {_listed(tunable, TUNABLE)}"
     yield "details    --all prints all variables"
 
 
@@ -101,7 +104,7 @@ def print_table(fields):
     table.columns[1].no_wrap = True  # a name in two lines cannot be copied
     for field in fields:
         table.add_row(
-            field.causality,
+            kind_of(field),
             field.name,
             "x".join(map(str, field.shape)),
             field.unit,
