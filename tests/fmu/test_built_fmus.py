@@ -149,7 +149,7 @@ REJECTED = {
         (
             {"film_thickness": THICK - 1e-3},
             None,
-            r"film_thickness\[\d+,\d+\]: expected more than 0 m, got -0\.\d+ m",
+            r"film_thickness\[\d+,\d+\]: expected more than -4.5e-06 m, got -0\.\d+ m",
         ),
         ({"film_thickness": HOLE}, None, r"film_thickness\[1,1\]: expected a finite value"),
         ({"film_thickness": THICK * np.inf}, None, r"film_thickness\[1,1\]: expected a finite"),
