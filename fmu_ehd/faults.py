@@ -15,7 +15,7 @@ AXIAL = {edge: EDGES[edge] for edge in ("lower", "upper")}
 TOO_LOW = "expected more than {b} m, got {a} m; the contact law ends at -1.5 roughness_rms"
 SENTENCES = {
     "overlap": f"film_thickness[{{i}},{{j}}]: {TOO_LOW}",
-    "overlap_of_coating": f"film_thickness[{{i}},{{j}}] and deflection of the coating: {TOO_LOW}",
+    "overlap_of_coating": f"film_thickness[{{i}},{{j}}] plus deflection of the coating: {TOO_LOW}",
     "not_finite": "the film solution is not finite, first at [{i},{j}]: film thickness or "
     "viscosity out of all proportion",
     "still_switching": "cavitation did not converge in {a} iterations: {b} cells still switch, "

@@ -136,7 +136,9 @@ def check_film(film_thickness: Array, surfaces: Surfaces, faults: Array):
 
 
 @compiled
-def check_overlap(film_thickness: Array, surfaces: Surfaces, layer: float, fault: int, faults):
+def check_overlap(
+    film_thickness: Array, surfaces: Surfaces, layer: float, fault: int, faults: Array
+):
     """Note a fault where surfaces overlap farthest, beyond Eq. (A14).
 
     layer : thickness of a coating whose deflection is not part of the film thickness [m].
