@@ -23,7 +23,9 @@ def interpolating(case, participants, reals, faults):
         if kind != "mean" and not participants[target].can_interpolate:
             faults.append(
                 f"{where}: expected an FMU with canInterpolateInputs, got "
-                f"{participants[target].path.name}; write mean or held"
+                f"{participants[target].path.name}"
+                + ", which reads inputs at the end of a step" * getattr(participants[target], "reads_ends", False)
+                + "; write mean or held"
             )
         if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(

@@ -54,7 +54,7 @@ class DescribedFmu:
         root = self._before_the_variables()
         self._reserved = _reserved_references(root)
         needs = root.find(NEEDS)
-        self._reads_ends = needs is not None and "inputs" in needs.attrib
+        self.reads_ends = needs is not None and "inputs" in needs.attrib
         offered = root.find("CoSimulation")
         flag = None if offered is None else offered.get(self.derivative_flag)
         self._standard_derivative = flag in ("true", "1")
@@ -161,7 +161,7 @@ class DescribedFmu:
 
         An FMU of this tool that extrapolates them to the end of the step is none of these.
         """
-        return bool(self.description.coSimulation.canInterpolateInputs) and not self._reads_ends
+        return bool(self.description.coSimulation.canInterpolateInputs) and not self.reads_ends
 
     @property
     def declares_units(self):

@@ -24,27 +24,26 @@ BLOCK = re.compile(r"(?ms)^```[^\n]*\n(.*?)^```$")
 SPAN = re.compile(r"`([^`\n]+)`")
 COMMAND = re.compile(r"(?:^|[ /])piston-cosim (\S.*)")
 
+SLOW = (
+    *("run numerical_example*", "run fired_motorcycle*", "run ring_pack", "run grooved_skirt*"),
+    *("run floating_pin*", "run yielding_bosses*", "run crank_bearings*", "run journal_bearing*"),
+    *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
+    *("run data_sheet --set native=true", "run data_sheet * --bodies *"),
+    *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
+    *("sweep my_engine *", "study numerical_example *", "study fired_motorcycle *"),
+    *("study elastic_tube *", "reduce numerical_example*", "verify*"),
+    *("results noise results/*", "results recover results/*"),
+    *("fmu build * --native *", "fmu build * --case *", "fmu export * --native *"),
+    *("fmu export my_engine *", "fmu export numerical_example *", "fmu export *.ssp*"),
+)
 QUICK = (
     *("list", "--help", "--version", "* --help", "keys*", "new *", "check *"),
     *("run my_engine*", "run data_sheet*", "run case.toml*", "run two_mass_oscillator"),
     *("results plot *", "results report *", "results scalars *", "results fields *"),
     *("results snapshot *", "results movie *", "resume *"),
     *("fmu info *", "fmu check *", "fmu build my_film.py*", "fmu build models/*"),
-    *(
-        "fmu build ehd --grid *",
-        "fmu build ehd --output *",
-        "fmu export data_sheet --output engine.fmu",
-    ),
-)
-SLOW = (
-    *("run numerical_example*", "run fired_motorcycle*", "run ring_pack", "run grooved_skirt*"),
-    *("run floating_pin*", "run yielding_bosses*", "run crank_bearings*", "run journal_bearing*"),
-    *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
-    *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
-    *("sweep my_engine *", "study numerical_example *", "study fired_motorcycle *"),
-    *("study elastic_tube *", "reduce numerical_example*", "verify*"),
-    *("results noise results/*", "results recover results/*"),
-    *("fmu build ehd *", "fmu build bodies *", "fmu build mfbd *", "fmu export *"),
+    *("fmu build ehd --grid *", "fmu build ehd --output *"),
+    "fmu export data_sheet --output engine.fmu",
 )
 NOT_RUN = {
     "--install-completion": "changes the shell of the user",
@@ -80,7 +79,7 @@ def commands(page):
 
 def kind(command):
     """Return the list of a command: the first one with a pattern that it matches."""
-    lists = {"not run": NOT_RUN, "quick": QUICK, "slow": SLOW}
+    lists = {"not run": NOT_RUN, "slow": SLOW, "quick": QUICK}
     for word, name in WRITTEN.items():
         command = command.replace(word, name) if command != "study my_engine NAME" else command
     return next((k for k, one in lists.items() if any(fnmatchcase(command, p) for p in one)), None)

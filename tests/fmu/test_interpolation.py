@@ -3,8 +3,6 @@
 The tests check exact polynomials, the call of the standard, and messages for unsupported cases.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy import fmi2
@@ -15,16 +13,13 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.system import open_system
 from piston_cosim.master.fmi.builder import build_fmu_of_file
-from piston_cosim.master.fmi.errors import BadInput, Discard
+from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.fmi2 import FmuParticipant
 from piston_cosim.master.participants.interpolated import hermite, linear
 
-from ..master.front_toy import SHAPE
 from .runs import run_tree, stopped
 
 PATH = find_case("two_mass_oscillator")
-TOY = Path(__file__).parents[1] / "master/front_toy.py"
-U = np.linspace(-2.0, 3.0, 6).reshape(SHAPE)
 
 
 @pytest.fixture(scope="module")
@@ -85,29 +80,6 @@ def test_an_order_that_does_not_exist_is_an_error(oscillator):
     assert failure.value.status == fmi2.fmi2Error
     assert "no derivative of order 4" in participant.log[-1][1]
     participant.close()
-
-
-def test_other_models_get_their_inputs_extrapolated_to_the_end_of_the_step():
-    """Eq. (Y1) at the end of a step of 0.5 s: (1 + 1 + 3/4 - 1/2) U/8, with x' = u at the end.
-
-    A discarded step takes the input back, and the next step has no derivatives.
-    """
-    toy = FmuParticipant("toy", build_fmu_of_file(f"{TOY}:Toy", {}))
-    assert toy.description.coSimulation.canInterpolateInputs and not toy.can_interpolate
-    assert toy.fields["u"].description == "Input.; its value at the end of the step"
-    toy.start({"gain": 1.0}, 0.0, 9.0)
-    end = 2.25 * U / 8
-    toy.set_course("u", np.array([U, 2 * U, 6 * U, -24 * U]) / 8)
-    toy.step(0.0, 0.5)
-    np.testing.assert_allclose(toy.get("x"), 0.5 * end, rtol=1e-15)  # all in powers of 2
-    toy.step(0.5, 0.5)
-    np.testing.assert_allclose(toy.get("x"), end, rtol=1e-15)
-    toy.set_course("u", np.array([U, 80 * U]) / 8)
-    with pytest.raises(Discard, match="too fast"):
-        toy.step(1.0, 0.5)
-    toy.step(1.0, 0.5)
-    np.testing.assert_allclose(toy.get("x"), end + 0.5 * U / 8, rtol=1e-15)
-    toy.close()
 
 
 def result_of(folder, *changes):
