@@ -21,11 +21,11 @@ def interpolating(case, participants, reals, faults):
         kinds.setdefault(target, {})[inlet] = kind
         where = f"wire {wire.source} -> {wire.target}, interpolation"
         if kind != "mean" and not participants[target].can_interpolate:
+            at_end = getattr(participants[target], "reads_ends", False)
+            why = ", which reads its inputs at the end of a step" if at_end else ""
             faults.append(
                 f"{where}: expected an FMU with canInterpolateInputs, got "
-                f"{participants[target].path.name}"
-                + ", which reads inputs at the end of a step" * getattr(participants[target], "reads_ends", False)
-                + "; write mean or held"
+                f"{participants[target].path.name}{why}; write mean or held"
             )
         if wire.interpolation == "hermite" and not _slope_output(participants[owner], name):
             faults.append(
