@@ -145,12 +145,15 @@ def open_finished(
         with collecting(faults, f"participants.{name}."):
             how = {}, folder, progress, False, [*opened.values()]
             opened[name] = make() if make else open_participant(name, case, *how)
-            given_values(opened[name], table.parameters, faults)
             if table.fmu and table.role in contract():
                 faults += [
                     f"participants.{name}.{line}" for line in unable_to_iterate(opened[name])
                 ]
+    if opened.keys() == case.participants.keys():
+        return opened  # nothing is built, so that all further faults are found together
     known = declared.participants | opened
+    for name, participant in opened.items():
+        given_values(participant, case.participants[name].parameters, faults)
     declared_wires(case, known, faults)
     if opened and known.keys() == case.participants.keys():
         check_ports(case, known, faults)
