@@ -169,6 +169,7 @@ class Interface:
         self.layout = layout_of(wires, list(participants), parallel)
         self.nominal, self.tolerance = self.layout.nominal, self.layout.tolerance
         self.unknowns = self.layout.unknowns
+        self.is_limited = bool(np.isfinite(self.layout.largest_decrease).any())
         against = [is_unknown(wire, list(participants), parallel) for wire in wires]
         self.feedback = np.repeat(np.array(against, bool), np.array(sizes, int))
         self.feedback_wires = _slices([size for size, back in zip(sizes, against) if back])
@@ -256,10 +257,7 @@ class Interface:
             None if the participants are in the right state.
         """
 
-        def act(stage: Sequence[str]) -> None:
-            self._step(stage, time, step)
-
-        at = self.answer(x, act, saved)
+        at = self.answer(x, partial(self._step, time, step), saved)
         self._last = None if saved is None else LastEvaluation(at, time, step, saved)
         return at
 
@@ -275,8 +273,9 @@ class Interface:
         """
         used = x.copy()
         y = np.empty(self.size)
+        spent = self.spent
+        now = perf_counter()
         for stage in self.stages:
-            begun = perf_counter()
             for name in stage:
                 if saved is not None:
                     self.participants[name].restore(saved[name])
@@ -288,7 +287,10 @@ class Interface:
             acted = perf_counter()
             for name in stage:
                 self.ends[name].hear(used, y)
-            self.spent["transport"] += fed - begun + perf_counter() - acted
+            begun, now = now, perf_counter()
+            spent["transport"] += fed - begun + now - acted
+            if not self.apart:
+                spent[stage[0]] += acted - fed
         # an element that is fed back was used as in x, another one as in y
         return Evaluation(used, y, y - x)
 
@@ -301,17 +303,13 @@ class Interface:
             self.participants[name].set(wire.target[1], value)
             self._carried[wire] = value
 
-    def _step(self, stage: Sequence[str], time: float, step: float) -> None:
+    def _step(self, time: float, step: float, stage: Sequence[str]) -> None:
         """Step the participants of a stage, the isolated ones in parallel.
 
         A discarded step or a fault is raised after all of them have answered.
         """
-        if len(stage) == 1 and stage[0] not in self.apart:
-            begun = perf_counter()
-            try:
-                self.participants[stage[0]].step(time, step)
-            finally:
-                self.spent[stage[0]] += perf_counter() - begun
+        if not self.apart:  # one participant, of which `answer` takes the time
+            self.participants[stage[0]].step(time, step)
             return
         participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
         apart = [name for name in stage if name in self.apart]

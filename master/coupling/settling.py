@@ -24,14 +24,13 @@ def solve_settled(
     of the macro step, with a warning. `Explicit` solves once.
     """
     interface = macro_step.interface
+    if not interface.late or isinstance(method, Explicit):
+        return method.solve(macro_step, guess, memory)
     begin = dict(interface.late)
     held: set[HeldWire] = set()
     solution = method.solve(macro_step, guess, memory)
     solves = 1
-    while not isinstance(method, Explicit):
-        changed = [wire for wire in interface.unsettled() if wire not in held]
-        if not changed:
-            break
+    while changed := [wire for wire in interface.unsettled() if wire not in held]:
         interface.hold(changed)
         if solves >= MOST_SOLVES:
             held.update(changed)

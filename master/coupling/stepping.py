@@ -48,10 +48,11 @@ class Counters:
     energy_refused_steps: int = 0
 
     def accept(self, solution: Solution) -> None:
+        iterations = len(solution.history)
         self.steps += 1
-        self.iterations.append(solution.iterations)
+        self.iterations.append(iterations)
         self.unconverged_steps += solution.history[-1] > 1.0
-        self.residual_evaluations += solution.iterations + solution.probes
+        self.residual_evaluations += iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
 
@@ -299,6 +300,10 @@ class Stepper:
 
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
-        guess = moved(self.interface.layout, start, self.predictor(time + step) - start)
+        guess = self.predictor(time + step)
+        if self.interface.is_limited:
+            guess = moved(self.interface.layout, start, guess - start)
+        else:
+            guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)

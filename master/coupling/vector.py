@@ -106,12 +106,13 @@ def step_length(layout: Layout, x: Array, change: Array):
     for w in range(len(layout.ends)):
         end = layout.ends[w]
         limit = layout.largest_decrease[w]
-        values, moves = x[begin:end], change[begin:end]
-        down = moves < 0.0
-        if limit < np.inf and down.any():
-            smallest = np.min(values)
-            floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
-            share = min(share, np.min((values[down] - floor) / -moves[down]))
+        if limit < np.inf:
+            values, moves = x[begin:end], change[begin:end]
+            down = moves < 0.0
+            if down.any():
+                smallest = np.min(values)
+                floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
+                share = min(share, np.min((values[down] - floor) / -moves[down]))
         begin = end
     return share
 
@@ -131,5 +132,5 @@ def extrapolate(times: Sequence[float], past: Sequence[Array], time: float):
         for b in range(len(times)):
             if times[b] != times[a]:
                 weight *= (time - times[b]) / (times[a] - times[b])
-        guess = guess + past[a] * weight
+        guess += past[a] * weight
     return guess

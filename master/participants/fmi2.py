@@ -252,7 +252,10 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         noSetFMUStatePriorToCurrentPoint is true, because the master never restores a state
         before `time`. If it is false, FMUs may repeat their last step.
         """
-        self._call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), TRUE)
+        functions = self._functions
+        times = ctypes.c_double(time), ctypes.c_double(step)
+        if status := functions.fmi2DoStep(functions.component, *times, TRUE):
+            self._check("fmi2DoStep", status)
 
     def _message(self, failure):
         """Return the FMU's log of the failed call, or the call's name and status."""
@@ -261,7 +264,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     def save(self):
         """Return a handle of the FMU's state; `free` it after use."""
         state = ctypes.c_void_p()
-        self._call("fmi2GetFMUstate", ctypes.byref(state))
+        functions = self._functions
+        if status := functions.fmi2GetFMUstate(functions.component, ctypes.byref(state)):
+            self._check("fmi2GetFMUstate", status)
         return state
 
     def restore(self, saved):
@@ -270,10 +275,12 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self._set_state(saved)
 
     def _set_state(self, saved):
-        self._call("fmi2SetFMUstate", saved)
+        functions = self._functions
+        if status := functions.fmi2SetFMUstate(functions.component, saved):
+            self._check("fmi2SetFMUstate", status)
 
     def free(self, saved):
-        if self.folder not in self._fatal:
+        if not (self._fatal and self.folder in self._fatal):
             self._call("fmi2FreeFMUstate", ctypes.byref(saved))
 
     def serialise(self, saved):

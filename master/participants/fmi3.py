@@ -190,7 +190,7 @@ class Fmu3Participant(FmuParticipant):
         self._fmu.setFMUState(handle)
 
     def free(self, saved):
-        if self.folder not in self._fatal:
+        if not (self._fatal and self.folder in self._fatal):
             self._fmu.freeFMUState(saved[0])
 
     def serialise(self, saved):

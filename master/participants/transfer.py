@@ -159,10 +159,12 @@ class FmuFields(DescribedFmu):
         return True
 
     def _write(self, block):
-        self._call("fmi2SetReal", *block.arguments)
+        if status := self._functions.fmi2SetReal(self._functions.component, *block.arguments):
+            self._check("fmi2SetReal", status)
 
     def _read(self, block):
-        self._call("fmi2GetReal", *block.arguments)
+        if status := self._functions.fmi2GetReal(self._functions.component, *block.arguments):
+            self._check("fmi2GetReal", status)
 
     def _call(self, function, *arguments):
         """Call the FMU without FMPy's layers, which take longer than a small FMU.
@@ -170,12 +172,11 @@ class FmuFields(DescribedFmu):
         All arguments are ctypes objects, so nothing is converted.
         """
         functions = self._functions
-        status = functions[function](functions.component, *arguments)
-        if status:
-            self._judge(function, status)
+        if status := getattr(functions, function)(functions.component, *arguments):
+            self._check(function, status)
 
-    def _judge(self, function, status):
-        """Note a warning; raise FMICallException for a failure."""
+    def _check(self, function, status):
+        """Note a warning; raise `FMICallException` for a failure."""
         if status == fmi2.fmi2Warning:
             self._note_status(function)
             return
@@ -223,6 +224,9 @@ class FmuFields(DescribedFmu):
         names = tuple(names)
         if (getters := self._chosen.get(names)) is None:
             getters = self._chosen[names] = self._getters(names)
+        if len(getters) == 1:
+            chosen, getter = getters[0]
+            return dict(zip(chosen, getter()))
         values = {}
         for chosen, getter in getters:
             values |= zip(chosen, getter())
@@ -245,7 +249,15 @@ class FmuFields(DescribedFmu):
         kind : type, or the FMU's function that reads integers.
         """
         if kind in ("Real", "Float64"):
-            return lambda: self.read(names).tolist()
+            if not self._are_double(names):
+                return lambda: self.read(names).tolist()
+            block = self._pair(names)
+
+            def numbers():
+                self._read(block)
+                return block.values.tolist()
+
+            return numbers
         if kind not in self._whole_numbers.values():
             return partial(self._access()[kind][0], references)
         count = len(references)
@@ -295,16 +307,16 @@ class TransferBlock:
         return self.references, ctypes.c_size_t(self.count), self.pointer
 
 
-class Functions(dict):
-    """Functions of an FMU's library by name, without declared types, and its instance."""
+class Functions:
+    """Functions of an FMU's library as attributes, without declared types, and its instance."""
 
     def __init__(self, fmu):
-        super().__init__()
         self.library = fmu.dll
         self.component = ctypes.c_void_p(fmu.component)
 
-    def __missing__(self, name):
-        self[name] = function = self.library[name]
+    def __getattr__(self, name):
+        function = self.library[name]
+        setattr(self, name, function)
         return function
 
 

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 ATTEMPT = "{:>6} {:>22} {:>22} {:>10} {:>15} {:>9}"
+ROW = "%6d %22r %22r %10d %15d %9d"
 HEADER = ("Window", "Time[s]", "Step[s]", "Iterations", "TotalIterations", "Converged")
 
 
@@ -49,9 +50,7 @@ class CouplingLog:
         window = self.windows + 1
         for k, shares in enumerate(trail):
             self.convergence.write(self.row % (window, k + 1, *shares))
-        line = ATTEMPT.format(
-            window, repr(time), repr(step), len(trail), self.total, int(failure is None)
-        )
+        line = ROW % (window, time, step, len(trail), self.total, failure is None)
         self.iterations.write(f"{line}  {failure}\n" if failure else f"{line}\n")
         self.windows += failure is None
 

@@ -305,19 +305,17 @@ class Recorder:
 
     def write(self, time, solution=None):
         """Add a row for `time` [s] from the current outputs; the next `flush` writes it."""
-        values = {
-            name: self.participants[name].get_many(names)
-            for name, names in self.names.items()
-            if names
-        }
+        values = {}
         row = [time]
-        for name, found in values.items():
-            row += map(found.__getitem__, self.names[name])
-        row += (
-            (solution.iterations, solution.products, solution.history[-1])
-            if solution
-            else (0, 0, 0.0)
-        )
+        for name, names in self.names.items():
+            if names:
+                values[name] = found = self.participants[name].get_many(names)
+                row += map(found.__getitem__, names)
+        if solution:
+            history = solution.history
+            row += len(history), solution.products, history[-1]
+        else:
+            row += 0, 0, 0.0
         self._waiting.append(row)
         instant = self.schedule.instant(self.rows, time)
         if instant is not None:
