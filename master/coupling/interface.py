@@ -72,22 +72,16 @@ class Ends:
         if self.inputs:
             self.write(self.inputs, used[self.into])
 
-    def collect(self, y: np.ndarray) -> None:
-        """Write the outputs into their part of `y`."""
-        if self.outputs:
-            self._place(self.read(self.outputs), y)
-
     def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
         """Write the change of the outputs for a change of the inputs."""
-        self._place(self.derive(self.inputs, seen[self.into], self.outputs), result)
-
-    def _place(self, values: np.ndarray, y: np.ndarray) -> None:
-        """Write the values of the distinct outputs into their part of `y`."""
-        y[self.out] = values if self.said is None else values[self.said]
+        values = self.derive(self.inputs, seen[self.into], self.outputs)
+        result[self.out] = values if self.said is None else values[self.said]
 
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs; later participants use those of wires along the order."""
-        self.collect(y)
+        if self.outputs:
+            values = self.read(self.outputs)
+            y[self.out] = values if self.said is None else values[self.said]
         if self.forward is not None:
             used[self.forward] = y[self.forward]
 
@@ -237,7 +231,7 @@ class Interface:
         """Return the vector of the present outputs."""
         y = np.empty(self.size)
         for ends in self.ends.values():
-            ends.collect(y)
+            ends.hear(y, y)
         return y
 
     def evaluate(
@@ -273,7 +267,7 @@ class Interface:
         """
         used = x.copy()
         y = np.empty(self.size)
-        spent = self.spent
+        spent, transport = self.spent, 0.0
         now = perf_counter()
         for stage in self.stages:
             for name in stage:
@@ -283,14 +277,14 @@ class Interface:
                 if name in self.discrete_inputs:
                     self._carry(name)
             fed = perf_counter()
+            transport += fed - now
             act(stage)
-            acted = perf_counter()
+            now = perf_counter()
+            if not self.apart:
+                spent[stage[0]] += now - fed
             for name in stage:
                 self.ends[name].hear(used, y)
-            begun, now = now, perf_counter()
-            spent["transport"] += fed - begun + now - acted
-            if not self.apart:
-                spent[stage[0]] += acted - fed
+        spent["transport"] += transport + perf_counter() - now
         # an element that is fed back was used as in x, another one as in y
         return Evaluation(used, y, y - x)
 
@@ -391,7 +385,7 @@ class Interface:
             self.participants[name].set(wire.target[1], self._carried[wire])
         self.participants[name].step(last.time, last.step)
         moved = np.empty(self.size)
-        ends.collect(moved)
+        ends.hear(moved, moved)
         return (moved[ends.out] - last.at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:

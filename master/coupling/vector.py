@@ -127,9 +127,10 @@ def moved(layout: Layout, x: Array, change: Array):
 def extrapolate(times: Sequence[float], past: Sequence[Array], time: float):
     """Return the polynomial through vectors of distinct times at `time` [s] (Lagrange)."""
     guess = np.zeros(len(past[0]))
-    for a in range(len(times)):
+    count = len(times)
+    for a in range(count):
         weight = 1.0
-        for b in range(len(times)):
+        for b in range(count):
             if times[b] != times[a]:
                 weight *= (time - times[b]) / (times[a] - times[b])
         guess += past[a] * weight

@@ -281,7 +281,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def free(self, saved):
         if not (self._fatal and self.folder in self._fatal):
-            self._call("fmi2FreeFMUstate", ctypes.byref(saved))
+            functions = self._functions
+            if status := functions.fmi2FreeFMUstate(functions.component, ctypes.byref(saved)):
+                self._check("fmi2FreeFMUstate", status)
 
     def serialise(self, saved):
         """Return the saved state as bytes."""

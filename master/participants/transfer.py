@@ -36,7 +36,11 @@ class FmuFields(DescribedFmu):
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
         self._vectors: dict[str, TransferBlock] = {}
-        self._pairs: dict[tuple[str, tuple[str, ...]], TransferBlock] = {}
+        self._blocks: dict[str, dict[tuple[str, ...], TransferBlock]] = {
+            "read": {},
+            "written": {},
+            "seeds": {},
+        }
         self._input_values: dict[str, np.ndarray] = {}
         self._written: TransferBlock | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
@@ -134,7 +138,7 @@ class FmuFields(DescribedFmu):
 
     def write(self, names, values):
         """Set several real fields from their concatenated values."""
-        block = self._pairs.get(("written", names))
+        block = self._blocks["written"].get(names)
         if block is None:
             if not self._are_double(names):
                 write_each(self, names, values)
@@ -142,11 +146,12 @@ class FmuFields(DescribedFmu):
             block = self._pair(names, "written")
         block.values[:] = values
         self._write(block)
-        self._remember(block)
+        if block is not self._written:
+            self._remember(block)
 
     def read(self, names):
         """Return several real fields, concatenated; the next call overwrites the array."""
-        block = self._pairs.get(("read", names))
+        block = self._blocks["read"].get(names)
         if block is None:
             if not self._are_double(names):
                 return read_each(self, names)
@@ -276,9 +281,10 @@ class FmuFields(DescribedFmu):
 
     def _pair(self, names, use="read"):
         """Return the block of several fields, created once for each use."""
-        if (use, names) not in self._pairs:
-            self._pairs[use, names] = block_of({name: self.fields[name] for name in names})
-        return self._pairs[use, names]
+        blocks = self._blocks[use]
+        if names not in blocks:
+            blocks[names] = block_of({name: self.fields[name] for name in names})
+        return blocks[names]
 
     def _cut(self, block):
         return {

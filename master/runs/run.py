@@ -289,8 +289,9 @@ class ActiveRun(Observer):
         """Run the rest of a period; return which participant ends the run, or ""."""
         account = self.account
         end = self._end_of_period
+        after = self._time(account.steps_done)
         for k in range(account.steps_done, end):
-            before, after = self._time(k), self._time(k + 1)
+            before, after = after, self._time(k + 1)
             if ended := self._advance(before, after - before):
                 return ended
             account.steps_done = k + 1
@@ -371,8 +372,10 @@ class ActiveRun(Observer):
             self.stepper.advance(time, step)
         except Finished as wish:
             return str(wish)
-        wishes = (getattr(p, "ended", "") for p in self.system.participants.values())
-        return next(filter(None, wishes), "")
+        for participant in self.system.participants.values():
+            if ended := getattr(participant, "ended", ""):
+                return ended
+        return ""
 
     def is_due(self, steps):
         """Return whether a checkpoint is due after this number of macro steps."""
