@@ -35,5 +35,9 @@ def test_an_evaluation_needs_few_calls(tmp_path, count, method, most):
     fmu = make(tmp_path)
     ours = partial(run, fmu, count, tmp_path, method)
     evaluations = ours(200)["residual_evaluations"] / 200
-    own, bare = (per_step(calls, action, 200) for action in (ours, Bare(fmu, count).run))
+    # the first run imports modules, and a run that waits for the processor flushes more rows
+    own, bare = (
+        min(per_step(calls, action, 200) for _ in range(3))
+        for action in (ours, Bare(fmu, count).run)
+    )
     assert own / evaluations <= most * bare
