@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fmpy import fmi2
 
+from piston_cosim.master.fmi import requirements
 from piston_cosim.master.fmi.compiler import compiler_of
 
 STEP, STEPS = 5e-5, 3
@@ -138,6 +139,34 @@ def test_missing_packages_are_a_clean_refusal_with_the_pip_line(host, film, tmp_
     code, _, errors = ask(host, film, **settings)
     assert code == 1
     assert LACKING.format(bare) in errors
+
+
+@pytest.mark.parametrize(
+    "version, words",
+    [
+        (None, ""),
+        ("3.9", "PISTON_COSIM_PYTHON: expected Python {} as in this process, got 3.9"),
+        ("", "PISTON_COSIM_PYTHON: expected a Python, got "),
+    ],
+)
+def test_a_python_host_without_packages_takes_those_it_is_told(tmp_path, version, words):
+    """If both have the same version. An empty version stands for a file that is no Python."""
+    other = Path(sys.executable)
+    if version is not None:
+        other = tmp_path / "other"
+        other.write_text(f"#!/bin/sh\necho {version}\nexit {int(not version)}\n")
+        other.chmod(0o755)
+    script = "import requirements; print(requirements.missing_in_host()); import numba"
+    done = subprocess.run(
+        [bare_python(tmp_path / "bare"), "-c", script],
+        capture_output=True,
+        text=True,
+        cwd=Path(requirements.__file__).parent,
+        env=os.environ | {"PISTON_COSIM_PYTHON": str(other)},
+    )
+    assert (done.returncode == 0) == (version is None)
+    here = "{}.{}".format(*sys.version_info)
+    assert words.format(here) in done.stdout and ("missing" in done.stdout) == bool(words)
 
 
 @pytest.mark.parametrize("name", ["with blank", "Kolben-Öl-油", "per%20cent"])
