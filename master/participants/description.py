@@ -209,15 +209,17 @@ MOST_PROBLEMS = 5
 
 def _problems(path, error):
     """Return the faults of a description that FMPy rejects with an error, with their lines."""
+    own = [str(error)] if type(error) is Exception else []  # FMPy's own names the variable
     try:
         fmpy.read_model_description(str(path))
     except ValidationError as invalid:
-        listed = invalid.problems[:MOST_PROBLEMS]
-        return listed if len(listed) == len(invalid.problems) else [*listed, "further faults"]
+        more = ["further faults"] * (len(invalid.problems) > MOST_PROBLEMS)
+        return [*own, *invalid.problems[:MOST_PROBLEMS], *more]
     except Exception as other:  # that of lxml has the line
         error = other
-    is_explained = type(error) is Exception or isinstance(error, SyntaxError)
-    return [str(error) if is_explained else f"{type(error).__name__}: {error}"]
+    return own or [
+        str(error) if isinstance(error, SyntaxError) else f"{type(error).__name__}: {error}"
+    ]
 
 
 OF_TYPES = ("unit", "min", "max", "nominal", "relativeQuantity")
