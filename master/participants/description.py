@@ -187,8 +187,8 @@ class DescribedFmu:
         return root
 
 
-ENCODING = re.compile(rb"""^[^>]*encoding\s*=\s*["'](?!utf-8)""", re.IGNORECASE)
-"""Declaration of another encoding than UTF-8."""
+ENCODING = re.compile(rb"""^[^>]*encoding\s*=\s*["'](?!utf-8)|^\xff\xfe|^\xfe\xff""", re.IGNORECASE)
+"""Declaration of another encoding than UTF-8, or the first bytes of UTF-16."""
 
 
 def _check_encoding(text, key):
