@@ -3,13 +3,14 @@
 Units are converted here; the model inside is that of the FMU.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..master.fmi.errors import BadInput, Discard, unknown
-from ..master.fmi.quantities import to_si
+from ..master.fmi.errors import BadInput, Discard, collecting, unknown
 from ..master.fmi.variables import Variable
 from . import journal
 from .balance.grid import Array, Flags
@@ -18,7 +19,9 @@ from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .parameters import SURFACES, faults, parameters_of
 from .state import Memory
-from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES
+from .surroundings import changed_numbers
+from .user_input import cells_of, openings_of, read
+from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES, variables
 
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
 """Every parameter of a film, as its FMU declares it."""
@@ -26,7 +29,22 @@ KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABL
 LONGEST, SHORTEST, AFTERWARDS = 1e9, 1e-9, 1e-6
 """Lengths of the steps to a steady film, and of the one whose outputs `steady` returns [s]."""
 MOST_STEPS = 100
+LIFTS = np.append(0.5 ** np.arange(1, 9), 0.0)  # of thicker films, over the largest thickness
 SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
+SLOW = 1e3  # length of a step of slow motion over the time in which oil goes once around
+NO_SUPPLY = (
+    "oil supply: expected an edge or opening that feeds a steady film, got none; it drains. Set "
+    "pressure_lower_edge or pressure_upper_edge above cavitation_pressure, add an opening with oil "
+    "(open_cells), or set cavitation_pressure below ambient"
+)
+NEEDED = {
+    "skirt": ("sliding_velocity", "skirt minus bore"),
+    "bearing": ("circumferential_velocity", "journal minus shell"),
+}
+"""Velocity that each surface needs, and its meaning."""
+MOTIONS = ("film_thickness", "sliding_velocity", "circumferential_velocity")
+LENGTH = Variable("step", "s", "input", "Length of a step")
+LOAD = Variable("load", "N", "input", "Force on a journal along x and y", shape=(2,))
 
 
 class Film:
@@ -44,9 +62,17 @@ class Film:
         Where there is no skirt, and no film.
     surface : str
         "skirt", or "bearing": a journal in its shell, on which the grid rests then.
+    oil : str, optional
+        Oil of the library, as in a case: `piston-cosim keys oil` lists them. Its values are the
+        defaults of `parameters`.
     **parameters
         Parameters of the lubrication FMU by their names: text with a unit, or a number in SI;
         `Film.parameters()` lists them.
+
+    Warns
+    -----
+    UserWarning
+        For what the FMU logs as a warning, such as a land of one cell. Each is issued once.
 
     Raises
     ------
@@ -77,17 +103,26 @@ class Film:
         *,
         open_cells: Flags | None = None,
         surface: str = "skirt",
+        oil: str | None = None,
         **parameters: str | float,
     ):
         if surface not in SURFACES:
             raise BadInput(f"surface: {unknown('surface', surface, SURFACES)}")
-        values = _read(parameters)
-        cells = _cells(grid, open_cells)
-        chosen = parameters_of(values, shape=_grid(grid), open_cells=cells, surface=surface)
+        values = _library_oil(oil) | read(parameters, KNOWN, "parameter")
+        shape = cells_of(grid)
+        cells = openings_of(shape, open_cells)
+        chosen = parameters_of(values, shape=shape, open_cells=cells, surface=surface)
         if contradictions := faults(chosen):
             raise BadInput(contradictions)
         self.grid = chosen.shape
         self.model = LubricationModel(chosen)
+        self._inputs = {
+            v.name: v
+            for v in variables(self.grid, ("oil_temperature",), surface=surface)
+            if v.causality == "input" or v.tunable
+        }
+        self._remark = ""  # of the last start
+        self._warned: set[str] = set()
         self.state: Memory | None = None
         """All that the next step needs of the past; setting it back repeats a step, bit for bit."""
 
@@ -102,26 +137,27 @@ class Film:
 
     def start(
         self,
-        film_thickness: Array | float,
+        film_thickness: Array | float | str,
         *,
-        sliding_velocity: Array | float | None = None,
-        circumferential_velocity: Array | float | None = None,
+        sliding_velocity: Array | float | str | None = None,
+        circumferential_velocity: Array | float | str | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
         """Begin with a full film at rest.
 
         Parameters
         ----------
-        film_thickness : float or ndarray, shape `grid`
+        film_thickness : float, str or ndarray, shape `grid`
             Bore minus skirt [m].
-        sliding_velocity : float or ndarray, shape `grid`
+        sliding_velocity : float, str or ndarray, shape `grid`
             Axial velocity of skirt minus bore [m/s]. A skirt needs it; default of a bearing: 0.
-        circumferential_velocity : float or ndarray, shape `grid`
+        circumferential_velocity : float, str or ndarray, shape `grid`
             Velocity of journal minus shell, positive with ascending i [m/s]. A bearing needs it; a
             skirt has none.
         **conditions
-            What holds at the edges, in place of the parameter of that name [SI], and
-            `oil_temperature` [K], a number or of shape `grid`.
+            Conditions at the edges and of the oil, which replace the parameter of that name, and
+            `oil_temperature` [K], a number or of shape `grid`. These are the inputs and tunable
+            parameters of the FMU. Text has a unit, and numbers are in SI.
 
         Returns
         -------
@@ -132,24 +168,19 @@ class Film:
         Raises
         ------
         BadInput
-            If the velocity that the surface needs is missing, an array has another shape, or what
-            holds at the edges is impossible.
+            With every input that is unknown, missing, of another unit or shape, or out of its
+            range, or if the conditions at the edges contradict each other.
         """
-        film = self._field(film_thickness)
-        sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
-        try:
-            self.state, outputs = self.model.start(film, sliding, turning, **conditions)
-        except NotConverged as trouble:
-            raise BadInput(str(trouble)) from None
-        return outputs
+        inputs = self._read(film_thickness, sliding_velocity, circumferential_velocity, conditions)
+        return self._warn(self._start(inputs))
 
     def step(
         self,
-        film_thickness: Array | float,
-        step: float,
+        film_thickness: Array | float | str,
+        step: float | str,
         *,
-        sliding_velocity: Array | float | None = None,
-        circumferential_velocity: Array | float | None = None,
+        sliding_velocity: Array | float | str | None = None,
+        circumferential_velocity: Array | float | str | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
         """One step of length `step` [s] to the given film and velocity; otherwise as `start`.
@@ -157,30 +188,27 @@ class Film:
         Raises
         ------
         BadInput
-            Before `start`, for another shape, or a step that is not positive.
+            As `start`, before `start`, or for a step that is not positive.
         Discard
             If the film has no solution; the state is as before then.
         """
         if self.state is None:
             raise BadInput("film: expected a call of start before step, got none")
-        if not 0.0 < step < np.inf:
-            raise BadInput(f"step: expected a positive finite time, got {step:g} s")
-        film = self._field(film_thickness)
-        sliding, turning = self._velocities(sliding_velocity, circumferential_velocity)
+        length = read(dict(step=step), dict(step=LENGTH), "input")["step"]
+        if not length > 0.0:
+            raise BadInput(f"step: expected a positive finite time, got {length:g} s")
+        inputs = self._read(film_thickness, sliding_velocity, circumferential_velocity, conditions)
         try:
-            self.state, outputs = self.model.advance(
-                self.state, film, sliding, float(step), turning, **conditions
-            )
+            return self._warn(self._step(inputs, length))
         except NotConverged as trouble:
             raise Discard(str(trouble)) from None
-        return outputs
 
     def steady(
         self,
-        film_thickness: Array | float,
+        film_thickness: Array | float | str,
         *,
-        sliding_velocity: Array | float | None = None,
-        circumferential_velocity: Array | float | None = None,
+        sliding_velocity: Array | float | str | None = None,
+        circumferential_velocity: Array | float | str | None = None,
         tolerance: float = 1e-9,
         **conditions: Any,
     ) -> dict[str, Any]:
@@ -221,28 +249,22 @@ class Film:
         >>> bool(outputs["pressure"].max() > 1e5)
         True
         """
-        self._check_steady()
+        inputs = self._read(film_thickness, sliding_velocity, circumferential_velocity, conditions)
+        self._check_steady(inputs)
         before = self.state
-        velocities: dict[str, Any] = dict(
-            sliding_velocity=sliding_velocity, circumferential_velocity=circumferential_velocity
-        )
         try:
-            outputs = self.start(film_thickness, **velocities, **conditions)
-            self._settle(outputs, tolerance, film_thickness, velocities | conditions)
-            assert self.state is not None
-            totals = self.state.totals._replace(friction_work=0.0, boundary_work=0.0)
-            self.state = self.state._replace(totals=totals)
-            return self.step(film_thickness, AFTERWARDS, **velocities, **conditions)
-        except Discard:
+            self._approach(inputs, tolerance)
+            return self._warn(self._at_rest(inputs))
+        except NotConverged as trouble:
             self.state = before
-            raise
+            raise Discard(str(trouble)) from None
 
     def equilibrium(
         self,
         load: tuple[float, float] | Array | None,
-        clearance: Array | float,
+        clearance: Array | float | str,
         *,
-        circumferential_velocity: Array | float,
+        circumferential_velocity: Array | float | str,
         shells: Sequence[journal.ElasticShell] = (),
         tolerance: float = 1e-9,
         **conditions: Any,
@@ -255,10 +277,10 @@ class Film:
 
         Parameters
         ----------
-        load : (float, float), or None
+        load : (float or str, float or str), or None
             Force on the journal along x, to the cell i = 0, and y, a quarter of a revolution
             further [N]. None: the journal does not move, and only its shells yield.
-        clearance : float or ndarray, shape `grid`
+        clearance : float, str or ndarray, shape `grid`
             Film thickness of a centred journal and rigid shells [m]. If `load` is None, of the
             journal in its position.
         shells : sequence of ElasticShell
@@ -272,13 +294,16 @@ class Film:
         Returns
         -------
         dict
-            Outputs as those of `steady`, `position` of the journal [m], its `stiffness`, shape
-            (2, 2) [N/m], `deflection` of the shells [m], and `film_thickness` [m].
+            Outputs as those of `steady`, which are in balance, and `position` of the journal [m],
+            its `stiffness` [N/m] and `damping` [N s/m] in slow motion, shape (2, 2), Eq. (E18),
+            `squeeze_damping` [N s/m] in fast motion, Eq. (E19), `deflection` of the shells [m],
+            and `film_thickness` [m].
 
         Raises
         ------
         BadInput
-            As `steady`, for a skirt, a partial bearing, a load of zero, or shells without modes.
+            As `steady`, for a skirt, a partial bearing, a load of zero, shells without modes, or a
+            smooth journal at rest under one pressure.
         Discard
             If no position carries the load. The state remains as it was.
 
@@ -295,7 +320,91 @@ class Film:
         >>> bool(y < 0.0 < x)
         True
         """
-        self._check_steady()
+        self._check_bearing(shells)
+        if load is not None and np.shape(load) != (2,):
+            raise BadInput(f"load: expected two forces [N], got {load!r}")
+        wanted = {} if load is None else dict(load=load)
+        gap = replace(self._inputs["film_thickness"], name="clearance")
+        values = read(dict(clearance=clearance) | wanted, dict(clearance=gap, load=LOAD), "input")
+        free, force = values["clearance"], values.get("load")
+        if force is not None and not np.any(force):
+            raise BadInput("load: expected two forces [N] that are not both 0, got 0 and 0 N")
+        if not free.min() > 0.0:
+            raise BadInput(f"clearance: expected more than 0 m, got {free.min():g} m")
+        sliding = conditions.pop("sliding_velocity", None)
+        inputs = self._read(free, sliding, circumferential_velocity, conditions)
+        self._check_steady(inputs)
+        if force is not None and self._is_idle(inputs):
+            raise BadInput(
+                "circumferential_velocity: expected another value than 0 m/s for a smooth journal "
+                "under one pressure, got 0 m/s; its film carries no load"
+            )
+        before = self.state
+        try:
+            return self._warn(self._balance(inputs, force, shells, tolerance))
+        except NotConverged as trouble:
+            self.state = before
+            raise Discard(str(trouble)) from None
+
+    def _balance(
+        self,
+        inputs: dict[str, Any],
+        load: Array | None,
+        shells: Sequence[journal.ElasticShell],
+        tolerance: float,
+    ) -> dict[str, Any]:
+        """Return the outputs of `equilibrium`; the film thickness of `inputs` is the clearance."""
+        clearance = inputs["film_thickness"]
+        shapes = journal.shapes_of(shells, self.grid, load)
+        still = np.zeros(self.grid)
+        first = self._start(inputs)
+
+        def tangent(film_thickness: Array) -> tuple[Array, ...]:
+            return self.model.tangent(film_thickness, still, still)
+
+        def by_shapes() -> Array:
+            return journal.by_shapes(tangent, shapes, self.grid)
+
+        def settled(film_thickness: Array, state: Memory) -> journal.SettledFilm:
+            self.state = state
+            now = inputs | dict(film_thickness=film_thickness)
+            self._settle(first, tolerance, now)
+            steady, by_shape = self._memory, by_shapes()
+            return journal.SettledFilm(self._at_rest(now), by_shape, steady)
+
+        rms = self.model.parameters.roughness_rms
+        search = journal.Search(settled, shapes, clearance, rms, tolerance)
+        at = search.balance(self._memory)
+        now = inputs | dict(film_thickness=at.thickness)
+        rates = [(1.0 / LONGEST, journal.condensed(at.film.by_shape, shapes))]
+        for length in self._slow_steps(inputs):
+            self.state = at.film.state
+            self._step(now, length)
+            rates.append((1.0 / length, journal.condensed(by_shapes(), shapes)))
+        self.state = at.film.state
+        outputs = self._at_rest(now)
+        free = shapes.stiffness == 0.0
+        squeezed = (at.film.by_shape - by_shapes())[np.ix_(free, free)]
+        return outputs | dict(
+            position=at.coordinates[free],
+            stiffness=rates[0][1],
+            damping=journal.damping(*rates),
+            squeeze_damping=squeezed * AFTERWARDS,
+            deflection=shapes.thickness(np.where(free, 0.0, at.coordinates), self.grid),
+            film_thickness=at.thickness,
+        )
+
+    def _slow_steps(self, inputs: dict[str, Any]) -> tuple[float, float]:
+        """Return the lengths of two steps of slow motion, `journal.damping` [s]."""
+        speed = max(
+            np.abs(inputs[f"{name}_velocity"]).max() for name in ("sliding", "circumferential")
+        )
+        around = 2.0 * np.pi * self.model.parameters.bore_radius
+        time = 2.0 * around / speed if speed > 0.0 else 1.0  # oil goes with half the speed
+        return SLOW * time, 2.0 * SLOW * time
+
+    def _check_bearing(self, shells: Sequence[journal.ElasticShell]) -> None:
+        """Raise BadInput unless the surface is a whole bearing, and the shells are on its grid."""
         surface, sector = self.model.parameters.surface, self.model.parameters.sector_angle
         if not self._is_bearing:
             raise BadInput(f"surface: expected bearing for an equilibrium, got {surface}")
@@ -303,11 +412,6 @@ class Film:
             raise BadInput(
                 f"sector_angle: expected a full revolution for an equilibrium, got {sector:.4g} rad"
             )
-        wanted = None if load is None else np.asarray(load, dtype=float)
-        if wanted is not None and (
-            wanted.shape != (2,) or not 0.0 < np.hypot.reduce(wanted) < np.inf
-        ):
-            raise BadInput(f"load: expected two finite forces [N] that are not both 0, got {load}")
         for shell in shells:
             if not all(hasattr(shell, name) for name in ("omega", "outward", "onward")):
                 raise BadInput(
@@ -318,70 +422,72 @@ class Film:
                 raise BadInput(
                     f"shells: expected modes on {self.grid} cells, got {shell.outward.shape}"
                 )
-        free = self._field(clearance)
-        if not free.min() > 0.0:
-            raise BadInput(f"clearance: expected more than 0 m, got {free.min():g} m")
-        inputs: dict[str, Any] = conditions | dict(
-            circumferential_velocity=circumferential_velocity
-        )
-        before = self.state
-        try:
-            outputs = self.start(free, **inputs)
 
-            def settled(film_thickness: Array) -> dict[str, Any]:
-                return self._settle(outputs, tolerance, film_thickness, inputs)
-
-            rms = self.model.parameters.roughness_rms
-            shapes = journal.shapes_of(shells, self.grid, wanted)
-            carried = journal.carrying(settled, self.tangent, shapes, free, rms, tolerance)
-            thickness = free + carried.deflection
-            if wanted is not None:
-                thickness = journal.gap(thickness, carried.position, self.grid)
-            outputs = self.steady(thickness, tolerance=tolerance, **inputs)
-        except (Discard, NotConverged) as trouble:
-            self.state = before
-            raise Discard(str(trouble)) from None
-        return outputs | carried._asdict() | dict(film_thickness=thickness)
-
-    def _check_steady(self) -> None:
-        """Raise BadInput if the oil supply follows the stroke."""
+    def _check_steady(self, inputs: dict[str, Any]) -> None:
+        """Raise BadInput if the oil supply follows the stroke, or if there is none."""
         supply = self.model.parameters.oil_supply
         if supply != "edges":
             raise BadInput(f"oil_supply: expected edges for a steady film, got {supply}")
+        if not self.model.is_fed(**inputs):
+            raise BadInput(NO_SUPPLY)
 
-    def _settle(
-        self,
-        outputs: dict[str, Any],
-        tolerance: float,
-        film_thickness: Array | float,
-        inputs: dict[str, Any],
-    ) -> dict[str, Any]:
-        """Step until the film stays, and return its outputs; Discard if it does not."""
+    def _is_idle(self, inputs: dict[str, Any]) -> bool:
+        """Return whether smooth surfaces at rest have the same pressure on all sides."""
+        named = {name: value for name, value in inputs.items() if name not in MOTIONS}
+        x, _ = changed_numbers(self.model.parameters, named)
+        at_rest = not any(np.any(inputs[name]) for name in MOTIONS[1:])
+        pressures = {x.pressure_lower_edge, x.pressure_upper_edge}
+        if self.model.parameters.opening_supply == "own" and self.model.fixed.domain.has_openings:
+            pressures.add(x.pressure_openings)
+        return at_rest and x.roughness_rms == 0.0 and len(pressures) == 1
+
+    def _approach(self, inputs: dict[str, Any], tolerance: float) -> None:
+        """Settle a film from its start, or from thicker ones if that fails."""
+        try:
+            self._settle(self._start(inputs), tolerance, inputs)
+        except NotConverged as trouble:
+            thickness = inputs["film_thickness"]
+            first = self._start(inputs)
+            try:
+                for lift in LIFTS * float(np.abs(thickness).max()):
+                    now = inputs | dict(film_thickness=thickness + lift)
+                    self._settle(first, tolerance, now)
+            except NotConverged:
+                raise trouble from None
+
+    def _settle(self, outputs: dict[str, Any], tolerance: float, inputs: dict[str, Any]) -> None:
+        """Step until the film stays; NotConverged if it does not."""
         length, change = LONGEST, np.inf
         for _ in range(MOST_STEPS):
             last = outputs
             try:
-                outputs = self.step(film_thickness, length, **inputs)
-            except Discard as trouble:
+                outputs = self._step(inputs, length)
+            except NotConverged as trouble:
                 length /= 1e3
                 if length < SHORTEST:
-                    raise Discard(f"the film does not become steady: {trouble}") from None
+                    raise NotConverged(f"the film does not become steady: {trouble}") from None
                 continue
             change = _change(last, outputs)
             if change <= tolerance and length == LONGEST:
-                return outputs
+                return
             length = min(10.0 * length, LONGEST)
-        raise Discard(
+        raise NotConverged(
             f"the film does not become steady: expected a change of at most {tolerance:g}, got "
             f"{change:g} in the last of {MOST_STEPS} steps; try a larger tolerance or another grid"
         )
 
+    def _at_rest(self, inputs: dict[str, Any]) -> dict[str, Any]:
+        """Return the outputs of a steady film, whose work counts from now on."""
+        totals = self._memory.totals._replace(friction_work=0.0, boundary_work=0.0)
+        self.state = self._memory._replace(totals=totals)
+        return self._step(inputs, AFTERWARDS)
+
     def tangent(
         self,
-        dfilm_thickness: Array | float,
+        dfilm_thickness: Array | float | str,
         *,
-        dsliding_velocity: Array | float = 0.0,
-        dcircumferential_velocity: Array | float | None = None,
+        dsliding_velocity: Array | float | str = 0.0,
+        dcircumferential_velocity: Array | float | str | None = None,
     ) -> tuple[Array, ...]:
         """Return the exact change of the nodal forces for a change of the inputs of the last step.
 
@@ -391,40 +497,69 @@ class Film:
         turning = dcircumferential_velocity
         if turning is None and self._is_bearing:
             turning = 0.0
-        velocities = self._velocities(dsliding_velocity, turning)
-        return self.model.tangent(self._field(dfilm_thickness), *velocities)
+        changes = self._read(dfilm_thickness, dsliding_velocity, turning, {})
+        return self.model.tangent(*changes.values())
 
     @property
     def _is_bearing(self) -> bool:
         return self.model.parameters.surface == "bearing"
 
-    def _velocities(
-        self, sliding: Array | float | None, turning: Array | float | None
-    ) -> tuple[Array, Array | None]:
-        """Axial and circumferential velocity; BadInput unless they fit the surface."""
-        if self._is_bearing:
-            if turning is None:
-                raise BadInput(
-                    "circumferential_velocity: expected the velocity of journal minus shell [m/s], "
-                    "got nothing; a journal at rest has 0.0"
-                )
-            return self._field(0.0 if sliding is None else sliding), self._field(turning)
-        if sliding is None:
-            raise BadInput(
-                "sliding_velocity: expected the velocity of skirt minus bore [m/s], got nothing"
-            )
-        if turning is not None:
-            raise BadInput("circumferential_velocity: expected nothing for a skirt, got a value")
-        return self._field(sliding), None
+    @property
+    def _memory(self) -> Memory:
+        """State of a film that has started."""
+        assert self.state is not None
+        return self.state
 
-    def _field(self, values: Array | float) -> Array:
-        """Return an array of the grid."""
-        array = np.asarray(values, dtype=float)
-        if array.shape not in ((), self.grid):
-            raise BadInput(f"array: expected shape {self.grid}, got {array.shape}")
-        if not np.isfinite(array).all():
-            raise BadInput("array: expected finite values, got others")
-        return np.ascontiguousarray(np.broadcast_to(array, self.grid))
+    def _read(
+        self, film: Any, sliding: Any, turning: Any, conditions: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Return the inputs of a step in SI; BadInput with every fault."""
+        faults: list[str] = []
+        given: dict[str, Any] = dict(film_thickness=film)
+        if self._is_bearing:
+            given["sliding_velocity"] = 0.0 if sliding is None else sliding
+            given["circumferential_velocity"] = turning
+        else:
+            given["sliding_velocity"] = sliding
+            if turning is not None:
+                faults.append("circumferential_velocity: expected nothing for a skirt, got a value")
+        missing, meaning = NEEDED[self.model.parameters.surface]
+        if given[missing] is None:
+            faults.append(f"{missing}: expected the velocity of {meaning} [m/s], got nothing")
+            del given[missing]
+        for name, value in conditions.items():
+            if name in self._inputs or name not in KNOWN:
+                given[name] = value
+            else:
+                faults.append(f"{name}: expected a condition, got a parameter; pass it to pc.Film")
+        with collecting(faults):
+            values = read(given, self._inputs, "condition")
+            named = {name: values[name] for name in conditions if name in values}
+            faults += changed_numbers(self.model.parameters, named)[1] if named else []
+            if not faults:
+                return values
+        raise BadInput(faults)
+
+    def _start(self, inputs: dict[str, Any]) -> dict[str, Any]:
+        """Return the outputs at the start; BadInput if its numbers are out of all proportion."""
+        try:
+            self.state, outputs = self.model.start(**inputs)
+        except NotConverged as trouble:
+            raise BadInput(str(trouble)) from None
+        self._remark = self.model.remark
+        return outputs
+
+    def _step(self, inputs: dict[str, Any], length: float) -> dict[str, Any]:
+        """Return the outputs of a step; NotConverged if there is no solution."""
+        self.state, outputs = self.model.advance(self._memory, length=length, **inputs)
+        return outputs
+
+    def _warn(self, outputs: dict[str, Any]) -> dict[str, Any]:
+        """Return outputs after the warnings of the last start and step, each once."""
+        for text in {self._remark, self.model.remark} - {"", *self._warned}:
+            self._warned.add(text)
+            warnings.warn(text, stacklevel=3)
+        return outputs
 
 
 def _change(before: Mapping[str, Any], after: Mapping[str, Any]) -> float:
@@ -434,40 +569,14 @@ def _change(before: Mapping[str, Any], after: Mapping[str, Any]) -> float:
     return max(pressure, np.abs(after["film_fraction"] - before["film_fraction"]).max())
 
 
-def _read(parameters: Mapping[str, str | float]) -> dict[str, Any]:
-    """Parameters in SI; BadInput with every fault."""
-    values, sentences = {}, []
-    for name, given in parameters.items():
-        variable = KNOWN.get(name)
-        if variable is None:
-            sentences.append(f"{name}: {unknown('parameter', name, KNOWN)}")
-            continue
-        try:
-            is_quantity = isinstance(given, str) and not variable.choices
-            values[name] = to_si(given, variable.unit) if is_quantity else given
-        except ValueError as error:
-            sentences.append(f"{name}: {error}")
-            continue
-        if fault := variable.fault(values[name]):
-            sentences.append(fault)
-    if sentences:
-        raise BadInput(sentences)
+def _library_oil(name: str | None) -> dict[str, Any]:
+    """Return the parameters of an oil of the library in SI; BadInput if it is unknown."""
+    if name is None:
+        return {}
+    from .build import library_oil  # it imports pydantic
+
+    faults: list[str] = []
+    values: dict[str, Any] = library_oil(name, faults)
+    if faults:
+        raise BadInput(faults)
     return values
-
-
-def _grid(grid: tuple[int, int]) -> tuple[int, int]:
-    """Numbers of cells, checked."""
-    if len(grid) != 2 or not all(isinstance(n, (int, np.integer)) and n >= 1 for n in grid):
-        raise BadInput(f"grid: expected two numbers of cells, around and along, got {grid}")
-    around, along = grid
-    return int(around), int(along)
-
-
-def _cells(grid: tuple[int, int], open_cells: Flags | None) -> Flags | None:
-    """Cut-outs, checked."""
-    if open_cells is None:
-        return None
-    cells = np.asarray(open_cells, dtype=bool)
-    if cells.shape != tuple(grid):
-        raise BadInput(f"open_cells: expected shape {tuple(grid)}, got {cells.shape}")
-    return cells

@@ -107,7 +107,7 @@ def prepare(
     """
     chosen = validated(CaseOptions, options)
     faults = []
-    oil = _oil(chosen.oil, faults)
+    oil = library_oil(chosen.oil, faults)
     mask = _mask(chosen, Path(folder), faults)
     if faults:
         raise BadInput(faults)
@@ -152,7 +152,7 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
     return Symmetry(reasons)
 
 
-def _oil(name: str | None, faults: list[str]) -> dict[str, float | str]:
+def library_oil(name: str | None, faults: list[str]) -> dict[str, float | str]:
     """Start values of the chosen oil in SI, {} without one."""
     if name is None:
         return {}

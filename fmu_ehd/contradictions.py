@@ -12,7 +12,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable
-from .balance.grid import LOWER, UPPER, Array, Edges, in_plenty
+from .balance.grid import (
+    FIRST,
+    LAST,
+    LOWER,
+    OPENINGS,
+    UPPER,
+    Array,
+    Edges,
+    Entrainment,
+    Flags,
+    in_plenty,
+)
 from .faults import FAULT, refuse
 from .laws.cavitation import CAVITATION, Cavitation
 from .laws.piezoviscosity import PressureLaw, reduced_at_edges
@@ -145,3 +156,44 @@ def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults:
         refuse(faults, FAULT.viscosities_reversed, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
     if rough and x.roughness_rms <= 0.0:
         refuse(faults, FAULT.factors_without_roughness, 0, 0, 0.0, 0.0, 0.0)
+
+
+def is_fed(edges: Edges, entrainment: Entrainment, open_cells: Flags, ring: bool) -> bool:
+    """Return whether oil enters a film from an edge or an opening.
+
+    Oil enters if the pressure there is above cavitation, or if oil there moves into the film. A
+    steady film that conserves oil without any of both has drained.
+
+    Parameters
+    ----------
+    edges : grid.Edges
+    entrainment : grid.Entrainment
+        [m/s].
+    open_cells : ndarray of bool, shape (n_c, n_a)
+        Cells without a film.
+    ring : bool
+        False for a sector.
+    """
+    around, along = entrainment
+    film = ~open_cells
+    row, column = np.indices(film.shape)
+    ends = (
+        (LOWER, column == 0, along > 0.0),
+        (UPPER, column == film.shape[1] - 1, along < 0.0),
+        (FIRST, (row == 0) & (not ring), around > 0.0),
+        (LAST, (row == film.shape[0] - 1) & (not ring), around < 0.0),
+        (OPENINGS, np.roll(open_cells, 1, 0), around > 0.0),
+        (OPENINGS, np.roll(open_cells, -1, 0), around < 0.0),
+        (OPENINGS, np.roll(open_cells, 1, 1) & (column > 0), along > 0.0),
+        (OPENINGS, np.roll(open_cells, -1, 1) & (column < film.shape[1] - 1), along < 0.0),
+    )
+    return any(
+        bool(
+            (
+                film
+                & beside
+                & ((edges.pressure[k] > 0.0) | inward & (edges.film_fraction[k] > 0.0))
+            ).any()
+        )
+        for k, beside, inward in ends
+    )

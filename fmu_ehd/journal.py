@@ -18,10 +18,32 @@ r_max is the largest r so far. This is a step of dq/dt = R whose length grows as
 [Kelley1998]. Without damping, soft shells can end in a balance that they do not reach from rest, or
 in none.
 
+If that fails, the search starts again at other positions, because a journal near an opening can end
+at the wall.
+
+Stiffness and damping are those of slow motion about the balance, with the condensed shells, without
+their inertia:
+
+Eq. (E18):  F(x + dx) = F(x) - K dx - D d(dx)/dt,   K + s D = Z(s) for s -> 0
+
+Z(s) is the change of force of a small displacement that grows as exp(s t). The exact tangent of a
+film step of length 1/s returns it. Oil is conserved in the cavities, and their boundaries move with
+the journal. Slow means that oil goes around in a small part of a period. In fast motion cavities
+keep their oil and shells do not move:
+
+Eq. (E19):  D' = Z(s)/s for s -> infinity
+
+D' is symmetric. It is the damping of [Lund1978], whose boundaries rest. D is equal to D' in a full
+film, and if the film reforms at grooves only. Otherwise a change of the oil that enters a cavity
+arrives with a delay where the film reforms. D contains this delay and can be far from symmetric.
+
 References
 ----------
 [Kelley1998] C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM
 J. Numerical Analysis 35 (1998) 508.
+[Lund1978] J. W. Lund, K. K. Thomsen, A calculation method and data for the dynamic coefficients of
+oil-lubricated journal bearings, Topics in Fluid Film Bearing and Rotor Bearing System Design and
+Optimization, ASME 1978, 1-28.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,12 +53,24 @@ import numpy as np
 
 from .balance.grid import Array
 from .laws.cavitation import NotConverged
+from .state import Memory
 
 MOST_POSITIONS = 60
 START = 0.5  # of the clearance, along the load
 NEARER = 0.3  # of the thinnest film, by which an iteration may lower it
 FARTHEST = 0.3  # of the clearance, largest displacement of an iteration
+NOT_CARRIED = "no position of the journal carries the load"
 DAMPING = 4.0  # largest damping of the shells over their stiffness, Eq. (E17)
+OTHER_STARTS = (
+    (0.3, 0.25),
+    (0.3, -0.25),
+    (0.9, 0.0),
+    (0.3, 0.5),
+    (0.3, -0.5),
+    (0.8, 0.25),
+    (0.8, -0.25),
+)
+"""Further starts: eccentricity over the clearance, and angle from the load over pi."""
 
 
 class ElasticShell(Protocol):
@@ -75,17 +109,32 @@ class Shapes(NamedTuple):
         return pressure.ravel() @ self.outward - circumferential.ravel() @ self.onward
 
 
-class Carried(NamedTuple):
-    """A journal under a load.
+class SettledFilm(NamedTuple):
+    """Steady film of a film thickness.
 
-    position : ndarray, shape (2,), x, y [m];
-    stiffness : ndarray, shape (2, 2), -dF/d(x, y) of the steady film and its shells [N/m];
-    deflection : ndarray, shape (n_c, n_a), by which the shells open the film [m].
+    outputs : of a short step about it, by name;
+    by_shape : ndarray, shape (m, m), derivative of the forces on the shapes to their coordinates;
+    state : of the film before the short step.
     """
 
-    position: Array
-    stiffness: Array
-    deflection: Array
+    outputs: dict[str, Any]
+    by_shape: Array
+    state: Memory
+
+
+class Balance(NamedTuple):
+    """Coordinates of the shapes, their film, and the forces out of balance.
+
+    coordinates, push, missing : ndarray, shape (m,), of the shapes, force of the film, and R;
+    thickness : ndarray, shape (n_c, n_a), film thickness [m];
+    film : SettledFilm.
+    """
+
+    coordinates: Array
+    push: Array
+    missing: Array
+    thickness: Array
+    film: SettledFilm
 
 
 def outward(n: int) -> Array:
@@ -191,6 +240,18 @@ def by_shapes(
     return np.transpose(columns) - np.diag(shapes.stiffness)
 
 
+def condensed(by_shape: Array, shapes: Shapes) -> Array:
+    """Return -dF/d(x, y) of a journal whose shells yield, shape (2, 2), from all derivatives."""
+    free = shapes.stiffness == 0.0
+    stiff = -by_shape[np.ix_(free, free)]
+    if free.all():
+        return stiff
+    coupled = by_shape[np.ix_(free, ~free)]
+    return stiff + coupled @ np.linalg.solve(
+        by_shape[np.ix_(~free, ~free)], by_shape[np.ix_(~free, free)]
+    )
+
+
 def stiffness(tangent: Callable[[Array], tuple[Array, ...]], shape: tuple[int, int]) -> Array:
     """Return -dF/d(x, y) of the last step of a film in a rigid shell, shape (2, 2) [N/m].
 
@@ -199,81 +260,111 @@ def stiffness(tangent: Callable[[Array], tuple[Array, ...]], shape: tuple[int, i
     return -by_shapes(tangent, shapes_of((), shape, np.zeros(2)), shape)
 
 
-def carrying(
-    steady: Callable[[Array], dict[str, Any]],
-    tangent: Callable[[Array], tuple[Array, ...]],
-    shapes: Shapes,
-    clearance: Array,
-    roughness_rms: float,
-    tolerance: float,
-) -> Carried:
-    """Return the position of a journal and the deflection of its shells, Eq. (E16).
+def damping(*rates: tuple[float, Array]) -> Array:
+    """Return D of Eq. (E18), shape (2, 2) [N s/m], from Z at three small rates.
 
     Parameters
     ----------
-    steady : callable
-        Outputs of the steady film of a film thickness.
-    tangent : callable
-        As for `by_shapes`, of that film.
-    shapes : Shapes
-        As `shapes_of` returns them.
-    clearance : ndarray, shape (n_c, n_a)
-        C of each cell [m].
-    roughness_rms : float
-        Replaces a thinner film in the limit of an iteration [m], because contact lets surfaces
-        overlap.
-    tolerance : float
-        Largest |F + W| over |W|, and of the shells the root of the energy out of balance over that
-        of the load.
-
-    Returns
-    -------
-    Carried
-
-    Raises
-    ------
-    NotConverged
-        If no position carries the load.
+    *rates : (float, ndarray)
+        s [1/s], in the order of their size, and Z(s) of shape (2, 2) [N/m]. The first one is that
+        of the steady film. The error is of second order in s.
     """
-    shape = clearance.shape
-    size = np.hypot.reduce(shapes.load)
-    free = shapes.stiffness == 0.0
-    coordinates = START * clearance.min() * shapes.load / (size or 1.0)
-    missing = shapes.load
-    most = np.finfo(float).tiny
-    for _ in range(MOST_POSITIONS):
-        thickness = clearance + shapes.thickness(coordinates, shape)
-        outputs = steady(thickness)
-        forces = outputs["nodal_pressure_force"], outputs["nodal_circumferential_force"]
+    (s, z), (s_1, z_1), (s_2, z_2) = rates
+    first = (z_1 - z) / (s_1 - s)
+    second = ((z_2 - z_1) / (s_2 - s_1) - first) / (s_2 - s)
+    return first - (s_1 - s) * second  # Eq. (E18)
+
+
+class Search(NamedTuple):
+    """Search for the balance of a journal and its shells, Eq. (E16).
+
+    settled : callable, `SettledFilm` of a film thickness, which continues from a state;
+    shapes : of `shapes_of`;
+    clearance : ndarray, shape (n_c, n_a), C of each cell [m];
+    roughness_rms : replaces a thinner film in the limit of an iteration [m], because contact lets
+    surfaces overlap;
+    tolerance : largest |F + W| over |W|, and of the shells the root of the energy out of balance
+    over that of the load.
+    """
+
+    settled: Callable[[Array, Memory], SettledFilm]
+    shapes: Shapes
+    clearance: Array
+    roughness_rms: float
+    tolerance: float
+
+    def balance(self, state: Memory) -> Balance:
+        """Return the balance, from a state of the film.
+
+        Raises
+        ------
+        NotConverged
+            If no position carries the load; that of the first search.
+        """
+        starts = ((START, 0.0), *OTHER_STARTS) if np.any(self.shapes.load) else ((START, 0.0),)
+        troubles: list[NotConverged] = []
+        for eccentricity, angle in starts:
+            try:
+                return self._by_newton(eccentricity, np.pi * angle, state)
+            except NotConverged as trouble:
+                troubles.append(trouble)
+            except np.linalg.LinAlgError:
+                troubles.append(NotConverged(f"{NOT_CARRIED}: the film has no stiffness"))
+        raise troubles[0]
+
+    def _by_newton(self, eccentricity: float, angle: float, state: Memory) -> Balance:
+        """Return the balance by Eq. (E17) from a position of the journal."""
+        shapes = self.shapes
+        elastic = shapes.stiffness > 0.0
+        size = np.hypot.reduce(shapes.load) or 1.0
+        coordinates = eccentricity * self.clearance.min() * shapes.load / size
+        if angle != 0.0:
+            x, y = coordinates[:2]
+            coordinates[:2] = (
+                x * np.cos(angle) - y * np.sin(angle),
+                x * np.sin(angle) + y * np.cos(angle),
+            )
+        at = self._at(coordinates, state)
+        most = np.finfo(float).tiny
+        for _ in range(MOST_POSITIONS):
+            if self._unbalanced(at) <= self.tolerance:
+                return at
+            unbalanced = float(np.linalg.norm(at.missing[elastic]))
+            most = max(most, unbalanced)
+            damping = DAMPING * unbalanced / most * shapes.stiffness
+            damped = at.film.by_shape - np.diag(damping)
+            change = np.linalg.solve(damped, -at.missing)  # Eq. (E17)
+            part = self._part(at, change)
+            at = self._at(at.coordinates + part * change, at.film.state)
+        free = shapes.stiffness == 0.0
+        raise NotConverged(
+            f"{NOT_CARRIED}: forces {at.missing[free]} N remain at {at.coordinates[free]} m"
+        )
+
+    def _at(self, coordinates: Array, state: Memory) -> Balance:
+        """Return the film of given coordinates, and the forces out of balance."""
+        shapes = self.shapes
+        thickness = self.clearance + shapes.thickness(coordinates, self.clearance.shape)
+        film = self.settled(thickness, state)
+        forces = (film.outputs[f"nodal_{name}_force"] for name in ("pressure", "circumferential"))
         push = shapes.push(*forces)
         missing = push + shapes.load - shapes.stiffness * coordinates
-        by_shape = by_shapes(tangent, shapes, shape)
-        bound = tolerance * np.where(free, size, np.linalg.norm(push[~free]))
-        if all(
-            np.linalg.norm(missing[one]) <= bound[one].max(initial=0.0) for one in (free, ~free)
-        ):
-            stiff = -by_shape[np.ix_(free, free)]
-            if not free.all():
-                coupled = by_shape[np.ix_(free, ~free)]
-                yielding = np.linalg.solve(
-                    by_shape[np.ix_(~free, ~free)], by_shape[np.ix_(~free, free)]
-                )
-                stiff = stiff + coupled @ yielding
-            deflection = shapes.thickness(np.where(free, 0.0, coordinates), shape)
-            return Carried(coordinates[free], stiff, deflection)
-        unbalanced = float(np.linalg.norm(missing[~free]))
-        most = max(most, unbalanced)
-        damping = DAMPING * unbalanced / most * shapes.stiffness
-        damped = by_shape - np.diag(damping)  # Eq. (E17)
-        change = np.asarray(np.linalg.solve(damped, -missing), dtype=float)  # Eq. (E16)
-        opened = shapes.thickness(change, shape)
-        coordinates = coordinates + change * _part(
-            thickness, opened, clearance.min(), roughness_rms
+        return Balance(coordinates, push, missing, thickness, film)
+
+    def _unbalanced(self, at: Balance) -> float:
+        """Return the larger share of a load out of balance, of the journal and its shells [-]."""
+        free = self.shapes.stiffness == 0.0
+        sizes = np.linalg.norm(self.shapes.load), np.linalg.norm(at.push[~free])
+        tiny = np.finfo(float).tiny
+        return max(
+            float(np.linalg.norm(at.missing[one])) / max(float(size), tiny)
+            for one, size in zip((free, ~free), sizes)
         )
-    raise NotConverged(
-        f"no position of the journal carries the load: forces {missing[free]} N remain at "
-        f"{coordinates[free]} m"
-    )
+
+    def _part(self, at: Balance, change: Any) -> float:
+        """Return the part of a change of the coordinates that an iteration may take, 0 to 1."""
+        opened = self.shapes.thickness(change, self.clearance.shape)
+        return _part(at.thickness, opened, self.clearance.min(), self.roughness_rms)
 
 
 def _part(thickness: Array, opened: Array, clearance: float, roughness_rms: float) -> float:

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
 from . import constants, step, step_tangent
-from .balance.grid import Array
+from .balance.grid import Array, Entrainment
+from .contradictions import is_fed
 from .faults import FAULTS, raise_noted
 from .parameters import Parameters, chosen_of, is_of, numbers_of
 from .solvers.sparse import linear_solver
@@ -182,6 +183,25 @@ class LubricationModel:
         step_tangent.changes(self.fixed, last, self._linear, directions, self.solver, right, forces)
         given = np.shape(dfilm_thickness)
         return tuple(forces[k].reshape(given) for k in range(len(forces)))
+
+    def is_fed(
+        self,
+        film_thickness: Array,
+        sliding_velocity: Array,
+        circumferential_velocity: Array | None = None,
+        **conditions: Any,
+    ) -> bool:
+        """Return whether a steady film has oil: it does not conserve oil, or oil enters it.
+
+        The inputs are those of `advance`.
+        """
+        domain, share = self.fixed.domain, self.fixed.share
+        motion = film_thickness, sliding_velocity, circumferential_velocity
+        inputs = self._inputs(motion, 0.0, conditions)
+        moved = Entrainment(share * inputs.turning, share * inputs.velocity)
+        return not domain.model.conserving or is_fed(
+            inputs.around.edges, moved, domain.open_cells, domain.cells.ring
+        )
 
     # ---- what goes in and out
 

@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
-from ..master.fmi.noted import none_yet
+from ..master.fmi.noted import none_yet, sentences_of
 from .balance.grid import Array, Edges, Flags
 from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
-from .faults import raise_noted
+from .faults import FAULTS
+from .laws.cavitation import NotConverged
 from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
 from .oil import low_shear_viscosity
-from .parameters import Parameters, chosen_of, numbers_of
+from .parameters import Numbers, Parameters, chosen_of, numbers_of
 
 
 class Surroundings(NamedTuple):
@@ -77,6 +78,20 @@ def surroundings_of(x: Any, chosen: Any, temperature: Array, open_cells: Flags) 
     return Surroundings(edges, outside, temperature, viscosity, law, x.oil_ring_layer, x.oil_splash)
 
 
+def changed_numbers(
+    parameters: Parameters, conditions: Mapping[str, Any]
+) -> tuple[Numbers, list[str]]:
+    """Return the numbers of a step, and the faults of the oil supply, `contradictions`.
+
+    Parameters and conditions are those of `surroundings`.
+    """
+    numbers = {n: float(v) for n, v in conditions.items() if n != "oil_temperature"}
+    x = numbers_of(parameters)._replace(**numbers)
+    noted = none_yet()
+    check_supply(x, chosen_of(parameters), noted)
+    return x, sentences_of(noted, FAULTS)
+
+
 def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
     """Return edges, temperature and viscosity of a step.
 
@@ -97,12 +112,9 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     cavitation.NotConverged
         If the oil supply at an edge is impossible, `contradictions`.
     """
-    numbers = {n: float(v) for n, v in conditions.items() if n != "oil_temperature"}
-    x = numbers_of(parameters)._replace(**numbers)
-    chosen = chosen_of(parameters)
-    noted = none_yet()
-    check_supply(x, chosen, noted)
-    raise_noted(noted)
+    x, faults = changed_numbers(parameters, conditions)
+    if faults:
+        raise NotConverged("; ".join(faults))
     if "oil_temperature" in conditions:
         temperature = np.full(parameters.shape, conditions["oil_temperature"], float)
     else:
@@ -110,4 +122,4 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     open_cells = parameters.open_cells
     if open_cells is None:
         open_cells = np.zeros(parameters.shape, dtype=bool)
-    return surroundings_of(x, chosen, temperature, open_cells)
+    return surroundings_of(x, chosen_of(parameters), temperature, open_cells)

@@ -298,7 +298,7 @@ def test_a_film_asks_for_what_it_needs():
     film = pc.Film((8, 4))
     with pytest.raises(pc.BadInput, match="film: expected a call of start before step,"):
         film.step(1e-5, 1e-4, sliding_velocity=0.0)
-    with pytest.raises(pc.BadInput, match=r"array: expected shape \(8, 4\), got \(4, 8\)"):
+    with pytest.raises(pc.BadInput, match=r"film_thickness: expected shape \(8, 4\), got \(4, 8\)"):
         film.start(np.full((4, 8), 1e-5), sliding_velocity=0.0)
     film.start(1e-5, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match="expected a positive"):

@@ -16,6 +16,7 @@ NAMES = {"piston_cosim", "models", *PARTS}
 OF_KERNELS = {f"master.fmi.{name}" for name in ("compiled", "block", "noted")}
 """What kernels are made with, which knows nothing of FMI either."""
 OUTER = {
+    "user_input.py",
     "declaration.py",
     "slave.py",
     "native.py",
