@@ -305,7 +305,7 @@ def test_a_film_asks_for_what_it_needs():
         film.step(1e-5, 0.0, sliding_velocity=0.0)
     with pytest.raises(pc.BadInput, match="expected finite values"):
         film.step(np.nan, 1e-4, sliding_velocity=0.0)
-    with pytest.raises(pc.Discard, match="there is no film"):
+    with pytest.raises(pc.Discard, match=r"1,1.: expected more than 0 m, got -1e-05 m"):
         film.step(-1e-5, 1e-4, sliding_velocity=0.0)
 
 
