@@ -72,9 +72,8 @@ def test_no_film_depends_on_what_openings_show(options):
             kelvin = rng.uniform(350.0, 360.0, cells.shape)
             call = partial(film.step, step=1e-4) if n else film.start
             outputs = call(thickness, oil_temperature=kelvin, **moved)
-        changes = film.tangent(
-            *1e-7 * rng.standard_normal((1, *cells.shape)), dsliding_velocity=kelvin
-        )
+        direction = 1e-7 * rng.standard_normal(cells.shape)
+        changes = film.tangent(direction, dsliding_velocity=rng.random(cells.shape))
         fields = [x for x in outputs.values() if np.ndim(x) == 2]
         scalars = [x for x in outputs.values() if np.ndim(x) == 0]
         answers.append([x[~cells] for x in (*fields, *changes)] + scalars)
