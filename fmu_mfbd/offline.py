@@ -69,7 +69,7 @@ class BodyReport:
     modes : list of ModeRow
     errors : str
         Missing share of the deflection under smooth and narrow pressures, as a sentence without a
-        subject; empty for a rigid body.
+        subject; empty for a rigid body, and for a file of an earlier version.
     """
 
     name: str
@@ -378,8 +378,16 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
         seconds=properties.seconds,
         peak_memory=properties.peak_memory,
         modes=table,
-        errors=load(MissingShapes, path).errors_in_words() if table else "",
+        errors=_errors(path) if table else "",
     )
+
+
+def _errors(path: Path) -> str:
+    """Return the errors of the modes in words; empty for a file of an earlier version."""
+    try:
+        return load(MissingShapes, path).errors_in_words()
+    except ValueError:
+        return ""
 
 
 def _write_table(table: Sequence[ModeRow], path: Path) -> None:

@@ -79,6 +79,7 @@ def print_body(body):
         )
     if body.modes:
         console.print(table)
+    if body.errors:
         console.print(f"the modes {body.errors}", highlight=False)
     for file in body.files:
         tell(f"file  {file}")

@@ -6,14 +6,18 @@ Tests cover reading, Lame's tube, modes compared with the whole mesh and rejecte
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault
 from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
+from piston_cosim.fmu_mfbd.options import _faults_of_bosses as bosses_faults
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
+from piston_cosim.fmu_mfbd.reduction.reduce import reduce_piston
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
+from piston_cosim.models import MODELS
 
-from .conftest import mean_held
+from .conftest import mean_held, quiet
 
 INNER, OUTER, HALF = 8e-3, 14e-3, 20e-3
 YOUNG, POISSON = 75e9, 0.33
@@ -97,3 +101,22 @@ def test_a_film_longer_than_its_boss_and_a_boss_that_is_not_there_are_told(pipe)
     beside = pipe.points + [1e-3, 0.0, 0.0]
     with pytest.raises(MeshFault, match="beside a cylinder about the pin's axis"):
         boss_readings(pipe, beside, ShellFilm(GRID, 16e-3, 0))
+
+
+def test_an_error_needs_boss_modes_with_a_floating_pin():
+    """The skirt gets modes by the error, and the bosses get theirs in addition."""
+    given = Piston(mesh="a.msh", density=2700, young=7e10, poisson=0.3, modes="1 %", tie="rbe3")
+    assert bosses_faults(given, 24) == []
+    assert bosses_faults(given, 0) == [
+        "floating_pin.boss_modes: expected at least 1 with piston.modes, got 0"
+    ]
+
+
+@pytest.mark.slow
+def test_boss_modes_are_added_to_those_of_an_error():
+    """The piston of yielding_bosses has the modes of its skirt, and four more for its bosses."""
+    material = dict(density=2680, young=7.8e10, poisson=0.33, tie="rbe3", modes="20 %")
+    piston = Piston(mesh=str(MODELS / "fired_motorcycle/piston.msh.xz"), **material)
+    films = None, ShellFilm((24, 4), 16e-3, 4)
+    counts = [len(reduce_piston(piston, (16, 12), quiet, bosses=f).body.omega) for f in films]
+    assert counts[1] == counts[0] + 4

@@ -4,6 +4,7 @@ Tests cover one body or both, files, printed lines and continuing after a stop.
 """
 
 import csv
+import re
 from functools import partial
 
 import numpy as np
@@ -59,6 +60,10 @@ modes = 3
     done = call(*words, folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "degrees of freedom" in done.stdout and "results/bodies/bodies/block.npz" in done.stdout
+    said = " ".join(done.stdout.split())
+    assert re.search(
+        r"the modes miss up to [\d.e+]+ % .* smooth pressure, [\d.e+]+ % under a", said
+    )
     [block] = pc.reduce_bodies(tmp_path / "bodies.toml", tmp_path / "again", {"block.modes": 2})
     assert len(block.modes) == 2 and (tmp_path / "again" / "block.npz").is_file()
     assert f"mass {block.mass:.6g} kg" in done.stdout
