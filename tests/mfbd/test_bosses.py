@@ -22,6 +22,7 @@ from .conftest import mean_held, quiet
 INNER, OUTER, HALF = 8e-3, 14e-3, 20e-3
 YOUNG, POISSON = 75e9, 0.33
 GRID = (48, 8)
+SHEET = {"density": "2680 kg/m^3", "young": "78 GPa", "poisson": 0.33}
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +106,7 @@ def test_a_film_longer_than_its_boss_and_a_boss_that_is_not_there_are_told(pipe)
 
 def test_an_error_needs_boss_modes_with_a_floating_pin():
     """The skirt gets modes by the error, and the bosses get theirs in addition."""
-    given = Piston(mesh="a.msh", density=2700, young=7e10, poisson=0.3, modes="1 %", tie="rbe3")
+    given = Piston(mesh="a.msh", **SHEET, modes="1 %", tie="rbe3")
     assert bosses_faults(given, 24) == []
     assert bosses_faults(given, 0) == [
         "floating_pin.boss_modes: expected at least 1 with piston.modes, got 0"
@@ -115,8 +116,8 @@ def test_an_error_needs_boss_modes_with_a_floating_pin():
 @pytest.mark.slow
 def test_boss_modes_are_added_to_those_of_an_error():
     """The piston of yielding_bosses has the modes of its skirt, and four more for its bosses."""
-    material = dict(density=2680, young=7.8e10, poisson=0.33, tie="rbe3", modes="20 %")
-    piston = Piston(mesh=str(MODELS / "fired_motorcycle/piston.msh.xz"), **material)
+    mesh = str(MODELS / "fired_motorcycle/piston.msh.xz")
+    piston = Piston(mesh=mesh, **SHEET, tie="rbe3", modes="20 %")
     films = None, ShellFilm((24, 4), 16e-3, 4)
     counts = [len(reduce_piston(piston, (16, 12), quiet, bosses=f).body.omega) for f in films]
     assert counts[1] == counts[0] + 4
