@@ -28,7 +28,7 @@ SLOW = (
     *("run numerical_example*", "run fired_motorcycle*", "run ring_pack", "run grooved_skirt*"),
     *("run floating_pin*", "run yielding_bosses*", "run crank_bearings*", "run journal_bearing*"),
     *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
-    *("run data_sheet --set native=true", "run data_sheet * --bodies *"),
+    *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
     *("sweep my_engine *", "study numerical_example *", "study fired_motorcycle *"),
     *("study elastic_tube *", "reduce numerical_example*", "verify*"),

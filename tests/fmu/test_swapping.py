@@ -177,6 +177,17 @@ def test_a_film_of_stock_pythonfmu_runs_at_the_first_attempt(tmp_path, monkeypat
         case.run(tmp_path / "plain.h5", lubrication=plain)
 
 
+def test_the_body_takes_the_grid_of_a_film_and_the_modes_that_it_resolves():
+    """The reduction of the fired piston allows at most 72 of its 112 modes on 16 x 8 cells."""
+    fmu = build_fmu_of_file(f"{TEMPLATE}:AxialFilm", {"grid": [16, 8]})
+    told = []
+    tree, _ = swap(read_tree(find_case("fired_motorcycle")), "ehd", fmu, told.append)
+    build = tree["participants"]["bodies"]["build"]
+    assert (build["grid"], build["piston"]["modes"], build["block"]["modes"]) == ([16, 8], 72, 112)
+    lines = "participants.bodies.build.grid = [16, 8], participants.bodies.build.piston.modes = 72"
+    assert told == [f"{lines}: the grid of the FMU of ehd"]
+
+
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
     role, breaches, remarks = check_fmu(template)
     assert (role, breaches) == ("lubrication", [])
