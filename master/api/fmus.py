@@ -131,11 +131,11 @@ def _of_case(
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
     declared = ahead(checked, folder)
-    given = checked.participants[participant].parameters
-    if given and participant not in declared.parameters:
+    table: Any = checked.participants[participant]
+    if table.parameters and participant not in declared.parameters:
         declared.faults.append(
             f"participants.{participant}.parameters: expected a package with declared_variables, "
-            f"got {checked.participants[participant].package}"
+            f"got {table.package}"
         )
     if faults := declared.faults + symmetry_faults(checked, folder, declared):
         raise BadInput(faults)
@@ -143,10 +143,9 @@ def _of_case(
         name: np.ravel(value).tolist()
         for name, value in declared.parameters.get(participant, {}).items()
     }
-    package: Any = checked.participants[participant].package
+    package: Any = table.package
     if platforms:  # before other participants are reduced for their build options
-        own = checked.participants[participant].build
-        builder_native.check_native(package, own, folder, say, platforms)
+        builder_native.check_native(package, table.build, folder, say, platforms)
     build = build_options(checked, folder, say)[participant]
     make = (
         partial(builder_native.build_native_fmu, platforms=platforms)

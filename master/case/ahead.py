@@ -37,7 +37,7 @@ class Ahead(NamedTuple):
     faults: list[str]
 
 
-def ahead(case, folder) -> Ahead:
+def ahead(case: Any, folder: Path) -> Ahead:
     """Return what the parts of a case declare."""
     declared = {}
     faults: list[str] = []

@@ -515,21 +515,22 @@ def swap(
 
 def _with_grid_of(tree, name, fields, say):
     """Return the tree with a body on the grid of an FMU that replaces its film."""
-    role = next((one for one in contract() if name in players(tree, one)), None)
-    other = interface(tree.get("wires", ()), name, role) if role else None
-    body = tree["participants"][other.owner] if other else {}
-    key = contract()[role].grids.get(other.surface) if other and body.get("package") else None
-    shapes = {list(contract()[role].inputs["field"])[0]} & fields.keys() if key else ()
-    for grid in (list(fields[one].shape) for one in shapes):
-        build = body.get("build", {})
-        on_grid = part_function(body["package"], "on_grid")
-        if on_grid is None or build.get(key) == grid:
+    for role, terms in contract().items():
+        other = (
+            interface(tree.get("wires", ()), name, role) if name in players(tree, role) else None
+        )
+        field = fields.get(next(iter(terms.inputs["field"])))
+        if other is None or field is None or other.surface not in terms.grids:
+            continue
+        body, key, grid = tree["participants"][other.owner], terms.grids[other.surface], field.shape
+        build, on_grid = body.get("build", {}), part_function(body.get("package"), "on_grid")
+        if on_grid is None or len(grid) != 2 or build.get(key) == [*grid]:
             continue
         changed = on_grid(build, key, grid)
         lines = ", ".join(_changes(build, changed, f"participants.{other.owner}.build"))
         say(f"{lines}: the grid of the FMU of {name}")
-        body = body | {"build": changed}
-        tree = tree | {"participants": tree["participants"] | {other.owner: body}}
+        tables = {other.owner: body | {"build": changed}}
+        tree = tree | {"participants": tree["participants"] | tables}
     return tree
 
 

@@ -119,7 +119,7 @@ class FieldSlave(Fmi2Slave):
         if not self.interpolates_inputs:
             table = [v.at_the_end() for v in table]
         file = self.resources / STARTS
-        starts = json.loads(file.read_text()) if file.exists() else {}
+        starts: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
         return [v.starting(starts[v.name]) if v.name in starts else v for v in table]
 
     # methods of the participant

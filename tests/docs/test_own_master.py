@@ -25,7 +25,7 @@ def test_the_program_of_the_page_gives_what_run_gives(tmp_path):
     """
     _, program = re.findall(r"(?ms)^```(python)\n(.*?)^```$", PAGE.read_text())[0]
     (tmp_path / "own_master.py").write_text(program)
-    changes = dict(coarse(("viscosity", "12 mPa s"), ("crank_speed", "5000 rpm"), modes=None))
+    changes = dict(coarse(("viscosity", "12 mPa s"), ("crank_speed", "5000 rpm")))
     asked = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
     for name, file in (("ehd", "film.fmu"), ("bodies", "bodies.fmu")):
         words = ["numerical_example", "--variant", "rigid", *asked, "--output", file]

@@ -1,6 +1,6 @@
 """`piston-cosim fmu build`."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -54,7 +54,8 @@ def command(
     if ".py" in source:
         if set_ or only:
             raise BadInput("--set, --only: expected a participant of a case, got a single file")
-        origin, grid = (source,), grid or "40x40"
+        origin: tuple[Any, ...] = (source,)
+        grid = grid or "40x40"
     else:
         changed = open_case(case, dict(parse_changes(set_)), only)
         origin = changed, {"mfbd": "bodies"}.get(source, source)
