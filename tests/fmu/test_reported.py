@@ -15,14 +15,9 @@ import pytest
 
 import piston_cosim as pc
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
-from piston_cosim.master.participants import fmi2
 
 from ..command import call
 from .c_fmus import Variable, make_reported
-
-AWAITED = pytest.mark.xfail(
-    not hasattr(fmi2, "step_within"), strict=True, reason="the coupling does not do this yet"
-)
 
 
 @pytest.fixture(autouse=True)
@@ -86,7 +81,6 @@ TYPED = [
 ]
 
 
-@AWAITED
 def test_in_a_chain_all_types_arrive_in_the_same_step():
     out = 'm->r[1]=m->t;m->i[1]=m->steps;m->b[1]=m->steps%2;sprintf(m->s[1],"t=%d",m->steps)'
     echo = "m->r[1]=m->r[0];m->i[1]=m->i[0];m->b[1]=m->b[0];memcpy(m->s[1],m->s[0],80)"
@@ -220,7 +214,6 @@ def test_a_crash_when_an_isolated_fmu_is_freed_leaves_the_results():
     assert len(pc.Results("o.h5").time) == 11
 
 
-@AWAITED
 def test_an_asynchronous_step_is_not_supported():
     a = fmu("a", flags='canRunAsynchronuously="true"', STEP="return 5", STATUS="*value=0;return 0")
     with pytest.raises((ParticipantFault, pc.StepFailed), match="fmi2Pending"):
@@ -413,7 +406,6 @@ def tunable(name="p", attributes='start="1"'):
     return real(name, 2, "parameter", attributes, "tunable")
 
 
-@AWAITED
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_a_tunable_parameter_is_fed_between_steps(version):
     """In Event Mode if the FMU has one. Its units are converted."""
@@ -480,7 +472,6 @@ def test_an_event_inside_a_step():
     assert last(run({"a": a}), "a.y", "a.n") == pytest.approx([1.67, 2], rel=1e-14)
 
 
-@AWAITED
 def test_a_step_ends_at_an_announced_event():
     next_one = "*announced=m->t<0.35;*next=0.35;if(fabs(m->t-0.35)<1e-9)m->i[1]=1"
     a = fmu("a", COUNTED, "3.0", flags='hasEventMode="true"', UPDATE=next_one)
@@ -542,7 +533,6 @@ def test_a_warning_without_a_text_is_counted():
     ]
 
 
-@AWAITED
 def test_a_loop_of_an_fmu_that_restores_its_state_with_noise_is_iterated():
     """x = 1 - 3 x by iteration; without it the loop diverges."""
     noisy = "m->r[1]=(1-3*m->r[0])*(1+1e-7*(restored%5))"
