@@ -31,7 +31,6 @@ LONGEST, SHORTEST, AFTERWARDS = 1e9, 1e-9, 1e-6
 MOST_STEPS = 100
 LIFTS = np.append(0.5 ** np.arange(1, 9), 0.0)  # of thicker films, over the largest thickness
 SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
-SLOW = 1e3  # length of a step of slow motion over the time in which oil goes once around
 NO_SUPPLY = (
     "oil supply: expected an edge or opening that feeds a steady film, got none; it drains. Set "
     "pressure_lower_edge or pressure_upper_edge above cavitation_pressure, add an opening with oil "
@@ -295,9 +294,8 @@ class Film:
         -------
         dict
             Outputs as those of `steady`, which are in balance, and `position` of the journal [m],
-            its `stiffness` [N/m] and `damping` [N s/m] in slow motion, shape (2, 2), Eq. (E18),
-            `squeeze_damping` [N s/m] in fast motion, Eq. (E19), `deflection` of the shells [m],
-            and `film_thickness` [m].
+            its `stiffness` [N/m] and `damping` [N s/m], shape (2, 2), Eq. (E18), `deflection` of
+            the shells [m], and `film_thickness` [m].
 
         Raises
         ------
@@ -375,33 +373,18 @@ class Film:
         rms = self.model.parameters.roughness_rms
         search = journal.Search(settled, shapes, clearance, rms, tolerance)
         at = search.balance(self._memory)
-        now = inputs | dict(film_thickness=at.thickness)
-        rates = [(1.0 / LONGEST, journal.condensed(at.film.by_shape, shapes))]
-        for length in self._slow_steps(inputs):
-            self.state = at.film.state
-            self._step(now, length)
-            rates.append((1.0 / length, journal.condensed(by_shapes(), shapes)))
         self.state = at.film.state
-        outputs = self._at_rest(now)
+        outputs = self._at_rest(inputs | dict(film_thickness=at.thickness))
+        by_shape = at.film.by_shape
+        squeezed = AFTERWARDS * (by_shape - by_shapes())
         free = shapes.stiffness == 0.0
-        squeezed = (at.film.by_shape - by_shapes())[np.ix_(free, free)]
         return outputs | dict(
             position=at.coordinates[free],
-            stiffness=rates[0][1],
-            damping=journal.damping(*rates),
-            squeeze_damping=squeezed * AFTERWARDS,
+            stiffness=journal.condensed(-by_shape, by_shape, shapes),
+            damping=journal.condensed(squeezed, by_shape, shapes),
             deflection=shapes.thickness(np.where(free, 0.0, at.coordinates), self.grid),
             film_thickness=at.thickness,
         )
-
-    def _slow_steps(self, inputs: dict[str, Any]) -> tuple[float, float]:
-        """Return the lengths of two steps of slow motion, `journal.damping` [s]."""
-        speed = max(
-            np.abs(inputs[f"{name}_velocity"]).max() for name in ("sliding", "circumferential")
-        )
-        around = 2.0 * np.pi * self.model.parameters.bore_radius
-        time = 2.0 * around / speed if speed > 0.0 else 1.0  # oil goes with half the speed
-        return SLOW * time, 2.0 * SLOW * time
 
     def _check_bearing(self, shells: Sequence[journal.ElasticShell]) -> None:
         """Raise BadInput unless the surface is a whole bearing, and the shells are on its grid."""

@@ -21,21 +21,18 @@ in none.
 If that fails, the search starts again at other positions, because a journal near an opening can end
 at the wall.
 
-Stiffness and damping are those of slow motion about the balance, with the condensed shells, without
-their inertia:
+Stiffness and damping refer to a small motion about the balance, with shells that follow:
 
-Eq. (E18):  F(x + dx) = F(x) - K dx - D d(dx)/dt,   K + s D = Z(s) for s -> 0
+Eq. (E18):  F(x + dx) = F(x) - K dx - D d(dx)/dt
 
-Z(s) is the change of force of a small displacement that grows as exp(s t). The exact tangent of a
-film step of length 1/s returns it. Oil is conserved in the cavities, and their boundaries move with
-the journal. Slow means that oil goes around in a small part of a period. In fast motion cavities
-keep their oil and shells do not move:
+All shapes have the stiffness K_f of film and shells, and the damping D_f of a squeeze. The shells
+follow by S = -K_ee^-1 K_ef, without inertia:
 
-Eq. (E19):  D' = Z(s)/s for s -> infinity
+Eq. (E19):  K = L K_f R,   D = L D_f R,   R = [I, S],   L = [I, -K_fe K_ee^-1]
 
-D' is symmetric. It is the damping of [Lund1978], whose boundaries rest. D is equal to D' in a full
-film, and if the film reforms at grooves only. Otherwise a change of the oil that enters a cavity
-arrives with a delay where the film reforms. D contains this delay and can be far from symmetric.
+K_f is that of the steady film, and D_f is symmetric, because cavities keep their oil and their
+boundaries rest. These are the coefficients of [Lund1978]. In motion that is slow against a
+revolution, the oil of a cavity follows too, if the film does not reform at grooves.
 
 References
 ----------
@@ -240,16 +237,28 @@ def by_shapes(
     return np.transpose(columns) - np.diag(shapes.stiffness)
 
 
-def condensed(by_shape: Array, shapes: Shapes) -> Array:
-    """Return -dF/d(x, y) of a journal whose shells yield, shape (2, 2), from all derivatives."""
+def condensed(matrix: Array, by_shape: Array, shapes: Shapes) -> Array:
+    """Return a matrix of all shapes for a journal whose shells follow, Eq. (E19).
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (m, m)
+        K_f [N/m] or D_f [N s/m].
+    by_shape : ndarray, shape (m, m)
+        -K_f, as `by_shapes` returns it.
+    shapes : Shapes
+
+    Returns
+    -------
+    ndarray, shape (2, 2)
+    """
     free = shapes.stiffness == 0.0
-    stiff = -by_shape[np.ix_(free, free)]
-    if free.all():
-        return stiff
-    coupled = by_shape[np.ix_(free, ~free)]
-    return stiff + coupled @ np.linalg.solve(
-        by_shape[np.ix_(~free, ~free)], by_shape[np.ix_(~free, free)]
-    )
+    elastic = by_shape[np.ix_(~free, ~free)]
+    rows, columns = np.zeros((2, len(free), np.count_nonzero(free)))
+    rows[free] = columns[free] = np.eye(np.count_nonzero(free))
+    columns[~free] = -np.linalg.solve(elastic, by_shape[np.ix_(~free, free)])
+    rows[~free] = -np.linalg.solve(elastic.T, by_shape[np.ix_(free, ~free)].T)
+    return rows.T @ matrix @ columns  # Eq. (E19)
 
 
 def stiffness(tangent: Callable[[Array], tuple[Array, ...]], shape: tuple[int, int]) -> Array:
@@ -258,21 +267,6 @@ def stiffness(tangent: Callable[[Array], tuple[Array, ...]], shape: tuple[int, i
     `tangent` and `shape` are those of `by_shapes`.
     """
     return -by_shapes(tangent, shapes_of((), shape, np.zeros(2)), shape)
-
-
-def damping(*rates: tuple[float, Array]) -> Array:
-    """Return D of Eq. (E18), shape (2, 2) [N s/m], from Z at three small rates.
-
-    Parameters
-    ----------
-    *rates : (float, ndarray)
-        s [1/s], in the order of their size, and Z(s) of shape (2, 2) [N/m]. The first one is that
-        of the steady film. The error is of second order in s.
-    """
-    (s, z), (s_1, z_1), (s_2, z_2) = rates
-    first = (z_1 - z) / (s_1 - s)
-    second = ((z_2 - z_1) / (s_2 - s_1) - first) / (s_2 - s)
-    return first - (s_1 - s) * second  # Eq. (E18)
 
 
 class Search(NamedTuple):
