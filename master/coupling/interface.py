@@ -77,11 +77,15 @@ class Ends:
         values = self.derive(self.inputs, seen[self.into], self.outputs)
         result[self.out] = values if self.said is None else values[self.said]
 
+    def values(self) -> np.ndarray:
+        """Return the outputs by their ends; the next call overwrites the array."""
+        values = self.read(self.outputs)
+        return values if self.said is None else values[self.said]
+
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs; later participants use those of wires along the order."""
         if self.outputs:
-            values = self.read(self.outputs)
-            y[self.out] = values if self.said is None else values[self.said]
+            y[self.out] = self.values()
         if self.forward is not None:
             used[self.forward] = y[self.forward]
 
@@ -368,12 +372,11 @@ class Interface:
         """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
         ends = self.ends[name]
         given = last.at.used[ends.into]
-        sizes, values = np.abs(change), np.abs(given)
+        sizes, values = change, given
         if len(ends.fields) < len(given):
-            sizes = np.maximum.reduceat(sizes, ends.starts)
-            values = np.maximum.reduceat(values, ends.starts)
+            sizes, values = (np.maximum.reduceat(np.abs(v), ends.starts) for v in (sizes, values))
         largest = max(
-            size / (field.nominal or value or 1.0)
+            abs(size) / (field.nominal or abs(value) or 1.0)
             for field, size, value in zip(ends.fields, sizes.tolist(), values.tolist())
         )
         if largest <= NEGLIGIBLE:
@@ -384,9 +387,7 @@ class Interface:
         for wire in self.discrete_inputs.get(name, ()):
             self.participants[name].set(wire.target[1], self._carried[wire])
         self.participants[name].step(last.time, last.step)
-        moved = np.empty(self.size)
-        ends.hear(moved, moved)
-        return (moved[ends.out] - last.at.outputs[ends.out]) / share  # Eq. (P1)
+        return (ends.values() - last.at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
         """Return the residual that counts as converged, by element, for given values."""

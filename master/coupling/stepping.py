@@ -74,6 +74,8 @@ class Predictor:
 
     def __call__(self, time: float) -> np.ndarray:
         """Return the guess at `time` [s]."""
+        if len(self.past) == 1:
+            return self.past[0][1] + 0.0  # as `extrapolate`, which has no -0
         times, vectors = zip(*self.past)
         return extrapolate(times, vectors, time)
 
@@ -148,6 +150,10 @@ class Stepper:
         self.counters = Counters()
         self.failures: list[str] = []
         self.memory = self.method.memory()
+        # a step that is neither iterated nor halved needs no saved state
+        self._saves = not isinstance(self.method, Explicit) or bool(
+            halvings or control or self.events
+        )
         self._was_not_finite = False
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
@@ -243,14 +249,19 @@ class Stepper:
     def _save(self) -> dict[str, Any]:
         self.interface.begin()
         begun = perf_counter()
-        saved = {name: p.save() for name, p in self.interface.participants.items()}
+        saved: dict[str, Any] = {}
+        for name, p in self.interface.participants.items():
+            if self._saves:
+                saved[name] = p.save()
+            elif begin_here := getattr(p, "begin_here", None):
+                begin_here()
         self.interface.spent["transport"] += perf_counter() - begun
         return saved
 
     def _free(self, saved: Mapping[str, Any]) -> None:
         begun = perf_counter()
-        for name, p in self.interface.participants.items():
-            p.free(saved[name])
+        for name, state in saved.items():
+            self.interface.participants[name].free(state)
         self.interface.spent["transport"] += perf_counter() - begun
 
     def _accept(self, time: float, step: float, solution: Solution) -> None:
@@ -265,8 +276,8 @@ class Stepper:
     ) -> None:
         self.observer.attempted(time, step, self.interface.trail, reason)
         self.counters.residual_evaluations += len(self.interface.trail)
-        for name, p in self.interface.participants.items():
-            p.restore(saved[name])
+        for name, state in saved.items():
+            self.interface.participants[name].restore(state)
 
     def _give_up(
         self,
@@ -303,7 +314,7 @@ class Stepper:
         guess = self.predictor(time + step)
         if self.interface.is_limited:
             guess = moved(self.interface.layout, start, guess - start)
-        else:
+        elif len(self.predictor.past) > 1:
             guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)

@@ -163,6 +163,11 @@ class Recorder:
         }
         self.rows = rows
         self.names = {name: tuple(f.name for f in fields) for name, fields in self.scalars.items()}
+        self._readers = [
+            (name, names, participants[name].get_many)
+            for name, names in self.names.items()
+            if names
+        ]
         self.crank = self._crank()
         self._make_datasets()
         self._forget()
@@ -307,10 +312,9 @@ class Recorder:
         """Add a row for `time` [s] from the current outputs; the next `flush` writes it."""
         values = {}
         row = [time]
-        for name, names in self.names.items():
-            if names:
-                values[name] = found = self.participants[name].get_many(names)
-                row += map(found.__getitem__, names)
+        for name, names, get_many in self._readers:
+            values[name] = found = get_many(names)
+            row += map(found.__getitem__, names)
         if solution:
             history = solution.history
             row += len(history), solution.products, history[-1]
@@ -320,7 +324,7 @@ class Recorder:
         instant = self.schedule.instant(self.rows, time)
         if instant is not None:
             crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
-            fields = [self.participants[a].get(b) for a, b in map(port_of, self.ports)]
+            fields = (self.participants[a].get(b) for a, b in map(port_of, self.ports))
             self._instants.append([instant, *crank, *fields])
         self.rows += 1
         full = len(self._instants) >= self.flush_every or len(self._waiting) >= CHUNK

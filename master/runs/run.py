@@ -397,7 +397,8 @@ class ActiveRun(Observer):
         """Record an accepted step, and report it."""
         begin, account = clock.perf_counter(), self.account
         values = self.recorder.write(time, solution)
-        account.envelopes.add(self.system.participants)
+        if account.envelopes.values:
+            account.envelopes.add(self.system.participants)
         if account.repetition:
             account.repetition.note(self.system.participants)
         for reduction in account.reductions:

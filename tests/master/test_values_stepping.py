@@ -12,6 +12,7 @@ import pytest
 
 from piston_cosim.master.coupling.methods import (
     Ageing,
+    Explicit,
     LeastSquares,
     MultiVector,
     Newton,
@@ -147,6 +148,22 @@ def test_halves_are_halved_again_and_nothing_is_stepped_twice(affine):
         "t = 0 s, step 0.5 s: echo: refused on purpose",
         "t = 0.5 s, step 0.5 s: echo: refused on purpose",
     ]
+
+
+@pytest.mark.parametrize(
+    "method, halvings, count", [(Explicit(), 0, 0), (Explicit(), 1, 2), (PLAIN, 0, 2)]
+)
+def test_states_are_saved_where_a_step_may_be_repeated(
+    affine, monkeypatch, method, halvings, count
+):
+    system = affine([[0.0]], square, FINE)
+    saves = []
+    for participant in system.participants.values():
+        save = participant.save
+        monkeypatch.setattr(participant, "save", lambda save=save: saves.append(1) or save())
+    Watched(system, method, halvings).advance(0.0, 1.0)
+    assert len(saves) == count
+    assert [float(p.state[0]) for p in system.participants.values()] == [1.0, 1.0]
 
 
 def test_so_many_halvings_and_no_more(affine):
