@@ -167,8 +167,8 @@ class Case:
         tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
         checked = check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
-        watch = _telling(progress, system.begin) if progress else lambda *_: None
-        summary = run_system(system, checked, tree, output, watch, say=log.info, log=log.info)
+        watch = (_telling(progress, system.begin),) if progress else ()
+        summary = run_system(system, checked, tree, output, *watch, say=log.info, log=log.info)
         if summary.get("loops_stepped_explicitly"):
             log.warning(
                 "%s: loops with an FMU that cannot restore a saved state step without "

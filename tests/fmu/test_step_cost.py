@@ -28,10 +28,10 @@ def calls(action):
 
 
 @pytest.mark.parametrize(
-    "count, method, most", [(2, "explicit", 5.0), (8, "explicit", 3.0), (2, "newton", 6.0)]
+    "count, method, most", [(2, "explicit", 4.4), (8, "explicit", 2.5), (2, "newton", 5.1)]
 )
 def test_an_evaluation_needs_few_calls(tmp_path, count, method, most):
-    """Measured: 4.7, 2.5 and 5.2 times as many as a bare loop, whose calls take longer each."""
+    """Measured: 4.15, 2.38 and 4.94 times as many as a bare loop, whose calls take longer each."""
     fmu = make(tmp_path)
     ours = partial(run, fmu, count, tmp_path, method)
     evaluations = ours(200)["residual_evaluations"] / 200
