@@ -315,20 +315,28 @@ def test_explicit_coupling_hands_on_what_the_last_step_gave(affine):
 
 
 def test_explicit_coupling_that_diverges_stops_and_names_the_wire(affine):
-    """x = -50 x + 3: the residual grows 50-fold a step; ten rises are enough to stop."""
+    """x = -50 x + 3: the residual grows 50-fold a step; the tenth is enough to stop."""
     system = affine([[-50.0]], lambda t: 3.0, 1e-6)
     stepper = Stepper(system, Explicit(), 6, order=0)
     with pytest.raises(StepFailed, match=r"wire echo.w0 -> plant.u0: .* residual that grew"):
         for k in range(30):
             stepper.advance(float(k), 1.0)
-    # the first step has no rise behind it, and no shorter step is tried
-    assert (stepper.counters.steps, len(stepper.failures)) == (10, 1)
+    # the first change, from 0, counts as a doubling, and no shorter step is tried
+    assert (stepper.counters.steps, len(stepper.failures)) == (9, 1)
 
 
-def test_explicit_coupling_that_grows_slowly_warns_once(affine):
-    """x = 1.3 x + 3: a tenth of a decade a step; it may be meant, so that the run goes on."""
-    stepper = Stepper(affine([[1.3]], lambda t: 3.0, 1e-6), Explicit(), 0, order=0)
-    with pytest.warns(UserWarning, match="the residual grew 1.*e.09-fold since the start") as seen:
+@pytest.mark.parametrize(
+    "gain, words",
+    [
+        # a tenth of a decade a step; it may be meant, so that the run goes on
+        (1.3, "1.*e.09-fold since the start"),
+        (-1.05, "1.6-fold in 10 macro steps"),  # 1.05^10; it swings by more than its values
+    ],
+)
+def test_explicit_coupling_that_grows_slowly_warns_once(affine, gain, words):
+    """x = gain x + 3."""
+    stepper = Stepper(affine([[gain]], lambda t: 3.0, 1e-6), Explicit(), 0, order=0)
+    with pytest.warns(UserWarning, match=f"the residual grew {words}") as seen:
         for k in range(100):
             stepper.advance(float(k), 1.0)
     assert len(seen) == 1

@@ -62,6 +62,11 @@ class Growth:
         self.last = residual
 
     @property
+    def is_due(self) -> bool:
+        """Return whether the residual has grown or doubled in RISES macro steps since a check."""
+        return self.doublings >= RISES or self.rises % RISES == 0 < self.rises
+
+    @property
     def is_unstable(self) -> bool:
         """Return whether the residual has grown without a break by more than it may."""
         return self.rises >= RISES and self.last > LARGEST_GROWTH * self.base
@@ -77,8 +82,8 @@ class Explicit:
 
     Stable only where the coupling is weak. The run stops if the residual, which is the change of
     the wires against the order, grows in RISES successive macro steps by LARGEST_GROWTH and is
-    more than half of the values, or in a loop doubles in each of them. If it grows by as much as
-    LARGEST_GROWTH with breaks, the run warns once.
+    more than half of the values, or in a loop doubles in each of them. The run warns once if it
+    grows by as much as LARGEST_GROWTH with breaks, or less in a loop without a break.
     """
 
     def memory(self) -> Growth:
@@ -93,7 +98,7 @@ class Explicit:
         else:
             check_finite(interface, at, history)
             memory.note(_residual(interface, at) if interface.relative else history[0])
-            if memory.last > LARGEST_GROWTH or memory.doublings >= RISES:
+            if memory.last > LARGEST_GROWTH or memory.is_due:
                 _check_growth(interface, at, history, memory)
         return Solution(at.outputs, history, held=at.used)
 
@@ -113,8 +118,9 @@ def _check_growth(
     name = f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}"
     hint = 'explicit exchange is unstable here; use method = "newton" or a shorter macro step'
     values = float(np.max(np.abs(at.outputs / interface.nominal)))
-    doubles = memory.doublings >= RISES and _closes_loop(interface, wire)
-    if doubles or (memory.is_unstable and sizes[element] > UNRESOLVED * values):
+    is_loop, unresolved = _closes_loop(interface, wire), sizes[element] > UNRESOLVED * values
+    doubles = memory.doublings >= RISES and is_loop
+    if doubles or (memory.is_unstable and unresolved):
         growth = memory.last / memory.base
         raise NotConverged(
             f"{name}: expected an exchange that stays bounded, got a residual that grew "
@@ -124,11 +130,13 @@ def _check_growth(
             history,
             is_final=True,
         )
-    if not memory.warned and memory.last > LARGEST_GROWTH * memory.early:
+    swings = memory.rises >= RISES and is_loop and unresolved
+    if not memory.warned and (swings or memory.last > LARGEST_GROWTH * memory.early):
         memory.warned = True
-        growth = memory.last / memory.early
+        growth = memory.last / (memory.base if swings else memory.early)
+        span = f"in {memory.rises} macro steps" if swings else "since the start"
         warnings.warn(
-            f"{name}: the residual grew {growth:.2g}-fold since the start; if the values should "
+            f"{name}: the residual grew {growth:.2g}-fold {span}; if the values should "
             f"stay bounded, {hint}",
             stacklevel=2,
         )
