@@ -1,7 +1,8 @@
 """Trust check of an FMU's saved states before the run: steps with and without restoring them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,13 +26,14 @@ class RollbackTrial(NamedTuple):
 
     fault : why they cannot be used, or empty; noise : largest difference of an output after a
     restored step, relative to its size, 0 for round-off; message : about that output; sizes :
-    largest value of each output.
+    largest value of each output; outputs : real outputs after the last step.
     """
 
     fault: str = ""
     noise: float = 0.0
     message: str = ""
     sizes: dict[str, float] = {}
+    outputs: dict[str, np.ndarray] = {}
 
     @property
     def is_noisy(self) -> bool:
@@ -40,7 +42,11 @@ class RollbackTrial(NamedTuple):
 
 
 def rollback_trial(
-    participant: Any, inputs: Sequence[str], step: float, begin: float = 0.0
+    participant: Any,
+    inputs: Sequence[str],
+    step: float,
+    begin: float = 0.0,
+    changes: Mapping[str, Any] = MappingProxyType({}),
 ) -> RollbackTrial:
     """Return whether the saved states of a started participant are reliable.
 
@@ -56,6 +62,8 @@ def rollback_trial(
         Macro step [s].
     begin : float
         Current time of the participant [s].
+    changes : mapping of str to value
+        Inputs that have another value during the trial.
 
     Returns
     -------
@@ -71,7 +79,7 @@ def rollback_trial(
     one = _second_instance(participant, inputs)
     if one is not None:
         try:
-            trial = _compare(one, inputs, step, begin)
+            trial = _compare(one, inputs, step, begin, changes)
         finally:
             with suppress(ParticipantFault):
                 one.close()
@@ -89,7 +97,7 @@ def rollback_trial(
     except (FMICallException, ParticipantFault) as error:
         return RollbackTrial(f"its state cannot be saved: {error}")
     values = {name: participant.get(name) for name in inputs}
-    trial = _compare(participant, inputs, step, begin)
+    trial = _compare(participant, inputs, step, begin, changes)
     with suppress(FMICallException, ParticipantFault):
         put_back(participant, saved, values)
         participant.free(saved)
@@ -115,8 +123,12 @@ def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
     return one
 
 
-def _compare(one: Any, inputs: Sequence[str], step: float, begin: float) -> RollbackTrial:
+def _compare(
+    one: Any, inputs: Sequence[str], step: float, begin: float, changes: Mapping[str, Any]
+) -> RollbackTrial:
     """Return the difference between steps with and without saved states."""
+    for name, value in changes.items():
+        one.set(name, value)
     values = {name: one.get(name) for name in one.fields.keys() & inputs}
     try:
         first = one.save()
@@ -184,4 +196,4 @@ def _difference(
                     f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
                     "states are saved and restored"
                 )
-    return RollbackTrial("", worst if message else 0.0, message, sizes)
+    return RollbackTrial("", worst if message else 0.0, message, sizes, plain[-1])
