@@ -116,9 +116,10 @@ def run(
         try:
             if begin_at:
                 _check_resumable(begin_at, system, output)
-            start(system)
-            for name, participant in system.participants.items():
-                for warning in getattr(participant, "warned", list)():
+            try:
+                start(system)
+            finally:
+                for name, warning in logged_warnings(system):
                     say(f"{name}: {warning.text}")
             found = trials(system, case.coupling.method != "explicit")
             for line in trial_sentences(system, found):

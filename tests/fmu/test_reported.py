@@ -526,6 +526,15 @@ def test_warnings_are_in_summary_and_log(version, isolated, caplog):
         assert f"a: warning at {line.removeprefix('a: ')}" in words
 
 
+@pytest.mark.parametrize("isolated", [False, True])
+def test_warnings_before_a_failed_start_are_reported(isolated, caplog):
+    part = 'void*I=m;logged(I,1,"licence ends");logged(I,3,"no file");return 3'
+    own = {"participants.a.isolated": isolated}
+    with caplog.at_level("INFO", logger="piston_cosim"):
+        assert refused({"a": fmu("a", ENTER=part)}, changes=own) == "participants.a, no file"
+    assert "a: licence ends" in caplog.text
+
+
 def test_a_warning_without_a_text_is_counted():
     results = run({"a": fmu("a", STEP="return 1")})
     assert results.summary["warnings"] == [
