@@ -212,7 +212,7 @@ def check_code(checkpoint, say):
 
 
 def fingerprints(participants):
-    """Return the SHA-256 of the content of every participant's FMU, by participant."""
+    """Return the SHA-256 of the content of every participant's FMU or table, by participant."""
     paths = {name: getattr(p, "path", None) for name, p in participants.items()}
     return {name: _content_hash(path) for name, path in paths.items() if path is not None}
 
@@ -222,7 +222,12 @@ def _hash(path):
 
 
 def _content_hash(path):
-    """Return the hash of names and contents; file times differ after a rebuild."""
+    """Return the hash of names and contents; file times differ after a rebuild.
+
+    A table is a single file.
+    """
+    if not zipfile.is_zipfile(path):
+        return _hash(path)
     digest = sha256()
     with zipfile.ZipFile(path) as archive:
         for name in sorted(archive.namelist()):

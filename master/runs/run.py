@@ -147,7 +147,7 @@ def _check_resumable(checkpoint, system, output):
     """Raise `BadInput` if the FMUs differ from the checkpoint's or the results are lost."""
     now = fingerprints(system.participants)
     faults = [
-        f"{Checkpoint.path(output)}: expected the FMU of {name} that began the run, got another "
+        f"{Checkpoint.path(output)}: expected the file of {name} that began the run, got another "
         "content; run again from the start"
         for name in sorted(now.keys() | checkpoint.fmus.keys())
         if now.get(name) != checkpoint.fmus.get(name)

@@ -64,6 +64,23 @@ def test_resumed_the_bits_are_the_same(folder, method):
     assert {key: summary[key] for key in same} == {key: other.summary[key] for key in same}
 
 
+def test_a_run_with_a_table_is_resumed_and_another_table_is_rejected(folder):
+    text = case_text([("b.u", "a.u", "")], stop="3 s", more="[record]\ncheckpoint_every = 5\n")
+    path, table, output = (folder / name for name in ("table.toml", "b.csv", "table.h5"))
+    path.write_text(text.replace('fmu = "b.fmu"', 'table = "b.csv"'))
+    rows = "time [s], u\n0, 1\n3, 4\n"
+    table.write_text(rows)
+    run_tree(path, read_tree(path), whole := folder / "whole.h5")
+    stopped(path, read_tree(path), output, 1.55)
+    table.write_text(rows.replace("4", "5"))
+    code, text = resumed(Checkpoint.path(output))
+    assert code == 2 and "expected the file of b that began the run" in text
+    table.write_text(rows)
+    assert resumed(Checkpoint.path(output)) == (0, "")
+    one, other = (Results(file).series("a.x").values for file in (whole, output))
+    assert np.array_equal(one, other)
+
+
 def test_its_size_does_not_grow_with_the_run(folder):
     sizes = [
         Checkpoint.path(interrupted(folder, at)[0]).stat().st_size for at in (2.05, 4.05, 8.05)
