@@ -40,7 +40,6 @@ typedef struct {
     int was_saved;                      /* whether a state was saved or restored since the last step */
     uint64_t remarked;                  /* logged warnings, one bit each */
     char refused[LONGEST];              /* why there is no state, empty if there is one */
-    Pool *pool;
     Sums sums;                          /* of the file */
 } Native;
 
@@ -342,7 +341,7 @@ static int run(Native *N, Entering *entry, double step, double time, char *text,
 {
     double numbers[4] = {step, time, N->was_saved, 0.0};
     N->memory[N->first_fault] = N->memory[N->first_fault + 1] = 0.0;
-    if (pool_run(N->pool, entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
+    if (pool_run(entry, N->real, N->integer, N->memory, numbers, N->lengths)) {
         append(text, "there is not enough memory for a step");
         return 0;
     }
@@ -495,6 +494,7 @@ static const char *make(Instance *I)
     snprintf(path, sizeof path, "%s/slave.bin", I->resources);
     if (!N)
         return "asks for more memory than there is";
+    pool_open();
     const char *lacking = lay_out(N, path, I->token);
     if (lacking)
         return lacking;
@@ -502,12 +502,11 @@ static const char *make(Instance *I)
     const int64_t *blocks = (const int64_t *)((const char *)h + sizeof *h);
     double sizes[SIZES];
     N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = h->given, N->lengths[3] = 4;
-    N->pool = pool_make();
     N->memory = malloc((size_t)h->given * sizeof(double));
-    if (!N->pool || !N->memory)
+    if (!N->memory)
         return "asks for more memory than there is";
     memcpy(N->memory, N->given, (size_t)h->given * sizeof(double));
-    if (pool_run(N->pool, native_size, N->real, N->integer, N->memory, sizes, N->lengths))
+    if (pool_run(native_size, N->real, N->integer, N->memory, sizes, N->lengths))
         return "does not go with this library";
     const int64_t room = 1 + FAULT_NUMBERS * MOST_FAULTS, most = (int64_t)1 << 30;
     for (int k = 0; k < SIZES; k++)
@@ -557,7 +556,7 @@ void slave_free(Instance *I)
                          N->shown_integer, N->started_integer, I->variable};
         for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
             free(owned[k]);
-        pool_free(N->pool);
+        pool_close();
     }
     free(N);
 }

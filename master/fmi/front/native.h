@@ -25,11 +25,11 @@ INTERNAL Entering native_start;      /* state and outputs for the variables */
 INTERNAL Entering native_advance;    /* numbers[0], [1]: length of the step and its beginning [s]; [2]: was_saved */
 INTERNAL Entering native_tangent;    /* of the last step, from the seeds among the variables to the products */
 
-/* Blocks of memory of a call, which later calls reuse. Each instance has a pool, so that instances may run in parallel.
+/* Pools with the blocks of memory of a call, which later calls of any instance reuse. Each call has a pool for itself, so
+   that instances may run in parallel. Each instance opens the pools and closes them; the last one frees them.
    Only `pool_run` calls entries. */
-typedef struct Pool Pool;
-Pool *pool_make(void);
-void pool_free(Pool *);
-int pool_run(Pool *, Entering *, double *real, int64_t *integer, double *memory, double *numbers, const int64_t lengths[4]);
+void pool_open(void);
+void pool_close(void);
+int pool_run(Entering *, double *real, int64_t *integer, double *memory, double *numbers, const int64_t lengths[4]);
 
 #endif

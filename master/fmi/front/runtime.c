@@ -3,6 +3,7 @@
 #include "native.h"
 
 #include <fenv.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,9 +25,12 @@ typedef struct Piece {
 
 enum { SMALLEST = 8, POWERS = 48, ALIGNMENT = 64 };     /* pieces of 2^8 bytes and more */
 
-struct Pool { Piece *free[POWERS], *all; };
+typedef struct Pool { Piece *free[POWERS], *all; struct Pool *next; } Pool;
 
 static _Thread_local Pool *pool;        /* pool of the current call of this thread */
+static Pool *idle;                      /* pools that no call uses */
+static size_t instances;                /* that have opened the pools */
+static atomic_flag busy = ATOMIC_FLAG_INIT;
 
 #ifdef __x86_64__
 INTERNAL int native_wide;               /* whether the processor has vectors of four numbers (native_code.in_two_versions) */
@@ -46,33 +50,57 @@ static void look_at_processor(void)
 static void look_at_processor(void) {}
 #endif
 
-Pool *pool_make(void)
+static void begin_alone(void)
 {
+    while (atomic_flag_test_and_set(&busy))
+        ;
+}
+
+void pool_open(void)
+{
+    begin_alone();
     look_at_processor();
-    return calloc(1, sizeof(Pool));
+    instances++;
+    atomic_flag_clear(&busy);
 }
 
-void pool_free(Pool *p)
+void pool_close(void)
 {
-    for (Piece *piece = p ? p->all : NULL, *next; piece; piece = next) {
-        next = piece->next;
-        free(piece);
+    begin_alone();
+    for (instances--; !instances && idle;) {
+        Pool *p = idle;
+        idle = p->next;
+        for (Piece *piece = p->all, *next; piece; piece = next) {
+            next = piece->next;
+            free(piece);
+        }
+        free(p);
     }
-    free(p);
+    atomic_flag_clear(&busy);
 }
 
-int pool_run(Pool *p, Entering *entry, double *real, int64_t *integer, double *memory, double *numbers,
+int pool_run(Entering *entry, double *real, int64_t *integer, double *memory, double *numbers,
              const int64_t lengths[4])
 {
     void *result = NULL, *raised = NULL;
-    Pool *outer = pool;
+    begin_alone();
+    Pool *outer = pool, *own = idle;
+    if (own)
+        idle = own->next;
+    atomic_flag_clear(&busy);
+    if (!own && !(own = calloc(1, sizeof *own)))
+        return -1;
     fenv_t host;
     fegetenv(&host);
     fesetenv(FE_DFL_ENV);               /* a host may have another rounding mode, or flush small numbers to zero */
-    pool = p;
+    pool = own;
     int status = entry(&result, &raised, real, integer, memory, numbers, lengths);
     pool = outer;
     fesetenv(&host);
+    begin_alone();
+    own->next = idle;
+    idle = own;
+    atomic_flag_clear(&busy);
     return status;
 }
 
