@@ -1,6 +1,7 @@
 """Warnings that an FMU logs during a run."""
 
 import re
+from collections.abc import Iterable
 from typing import NamedTuple
 
 NUMBER = re.compile(r"[-+]?\d+\.?\d*([eE][-+]?\d+)?")
@@ -28,6 +29,25 @@ class LoggedWarning(NamedTuple):
         return f"{at}, {self.count} time{'' if self.count == 1 else 's'}: {self.text}"
 
 
+def kind_of(text: str) -> str:
+    """Return a text without its numbers."""
+    return NUMBER.sub("#", text)
+
+
+NamedWarning = tuple[str, LoggedWarning]
+"""Participant and its warning."""
+
+
+def merged(earlier: Iterable[NamedWarning], later: Iterable[NamedWarning]) -> list[NamedWarning]:
+    """Return the first warning of each kind of two parts of a run, with the counts of both."""
+    kinds: dict[tuple[str, str], NamedWarning] = {}
+    for name, warning in (*earlier, *later):
+        key = name, kind_of(warning.text)
+        first = kinds[key][1] if key in kinds else warning._replace(count=0)
+        kinds[key] = name, first._replace(count=first.count + warning.count)
+    return list(kinds.values())
+
+
 class LoggedWarnings:
     """Warnings by kind. Warnings that differ in their numbers only are of one kind."""
 
@@ -36,7 +56,7 @@ class LoggedWarnings:
 
     def add(self, text: str, time: float | None) -> None:
         """Count a warning; keep its text if it is the first of its kind."""
-        kind = NUMBER.sub("#", text[:LONGEST])
+        kind = kind_of(text[:LONGEST])
         if kind not in self._kinds and len(self._kinds) >= MOST_KINDS:
             kind = ""
         first = self._kinds.get(kind, LoggedWarning(text[:LONGEST], time, 0))

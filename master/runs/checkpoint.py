@@ -44,7 +44,7 @@ class Account:
     steps_done : macro steps of the run; rows, wall_time : rows of the results file and time [s]
     at the last checkpoint; began, began_rows : steps and rows at the beginning of the current
     period, for which reductions, work, ledger and envelopes hold; repetition : for a case with a
-    period.
+    period; warnings : participant, text, time and count of each up to the last checkpoint.
     """
 
     counters: Counters
@@ -59,10 +59,11 @@ class Account:
     repetition: Repetition | None = None
     ledger: Ledger | None = None
     envelopes: Envelopes = field(default_factory=lambda: Envelopes({}))
+    warnings: list = field(default_factory=list)
 
 
 MAGIC = b"piston-cosim checkpoint\n"
-VERSION = 3
+VERSION = 4
 CHECKSUM = 32
 """Length of a SHA-256 [bytes]."""
 

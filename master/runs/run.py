@@ -35,6 +35,7 @@ from ..fmi.errors import BadInput, Finished
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.plugins import made
+from ..participants.warned import LoggedWarning, merged
 from .checkpoint import (
     Account,
     Checkpoint,
@@ -168,6 +169,7 @@ class ActiveRun(Observer):
 
     def __init__(self, system, case, tree, output, watch, log, *, begin_at, objected):
         self.objected = objected
+        self.is_resumed, self.earlier = begin_at is not None, []
         self.system = system
         self.case = case
         self.tree = tree
@@ -194,6 +196,7 @@ class ActiveRun(Observer):
                 where = Checkpoint.path(output)
                 raise BadInput(f"{where}: expected a checkpoint of this run, got another") from None
             self.account, self.stepper.counters = begin_at.account, begin_at.account.counters
+            self.earlier = [(name, LoggedWarning(*rest)) for name, *rest in self.account.warnings]
             self.stepper.interface.spent = self.account.spent
         else:
             Checkpoint.path(output).unlink(
@@ -273,7 +276,7 @@ class ActiveRun(Observer):
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         if ended:
             summary["ended_early"] = ended
-        if logged := logged_warnings(self.system):
+        if logged := self.warnings():
             summary["warnings"] = [f"{name}: {warning.sentence}" for name, warning in logged]
         if self.account.repetition:
             summary |= self.account.repetition.summary()
@@ -444,6 +447,7 @@ class ActiveRun(Observer):
             self.account.rows = self.recorder.rows
         self.log.flush()
         self.account.wall_time = begin - self.begin
+        self.account.warnings = [(name, *warning) for name, warning in self.warnings()]
         with writing(Checkpoint.path(self.output)):
             Checkpoint(
                 self.tree,
@@ -457,9 +461,16 @@ class ActiveRun(Observer):
         self.next_checkpoint = end + (end - begin) / CHECKPOINT_SHARE
         self.account.spent["recording"] += end - begin
 
+    def warnings(self):
+        """Return the warnings since the start of the run; a resumed one repeats those of it."""
+        later = logged_warnings(self.system)
+        if self.is_resumed:
+            later = [one for one in later if one[1].time is not None]
+        return merged(self.earlier, later)
+
     @cached_property
     def fingerprints(self):
-        """Hashes of the participants' FMUs."""
+        """Hashes of the participants' FMUs and tables."""
         return fingerprints(self.system.participants)
 
     @cached_property

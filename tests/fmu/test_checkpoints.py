@@ -23,6 +23,7 @@ from piston_cosim.master.runs.checkpoint import (
 )
 
 from ..command import call
+from .c_fmus import Variable, make_reported
 from .counter import LOOP, case_text, make
 from .runs import run_tree, stopped
 
@@ -79,6 +80,24 @@ def test_a_run_with_a_table_is_resumed_and_another_table_is_rejected(folder):
     assert resumed(Checkpoint.path(output)) == (0, "")
     one, other = (Results(file).series("a.x").values for file in (whole, output))
     assert np.array_equal(one, other)
+
+
+def test_warnings_before_a_checkpoint_are_in_the_summary(folder):
+    """Of a kind at the start, one before the checkpoint, and one on both sides of it."""
+    early = 'if(t<0.25)logged(I,1,"cold");if(t>0.35)logged(I,1,t<1?"left at 0.4":"left at 1.0")'
+    part = {"ENTER": 'logged((void*)m,1,"licence ends")', "STEP": early}
+    flags = 'canSerializeFMUstate="true"'
+    make_reported(folder / "w.fmu", "2.0", [Variable("y", 1, "output")], flags=flags, **part)
+    text = case_text([], stop="3 s", fmus=("w.fmu", "b.fmu"), more="[record]\ncheckpoint_every = 5")
+    path, output = folder / "warned.toml", folder / "warned.h5"
+    path.write_text(text)
+    stopped(path, read_tree(path), output, 1.55)
+    assert resumed(Checkpoint.path(output)) == (0, "")
+    assert Results(output).summary["warnings"] == [
+        "a: at the start, 1 time: licence ends",
+        "a: t = 0 s, 3 times: cold",
+        "a: t = 0.4 s, 26 times: left at 0.4",
+    ]
 
 
 def test_its_size_does_not_grow_with_the_run(folder):

@@ -127,12 +127,12 @@ static int finished(Instance *I, int status, double end)
 
 static int saved(Instance *I, void **s)
 {
-    *s = *s ? *s : malloc(sizeof *I);
-    memcpy(*s, I, sizeof *I);
+    *s = *s ? *s : malloc(sizeof I->m);
+    memcpy(*s, &I->m, sizeof I->m);
     return 0;
 }
 
-static int restore(Instance *I, const void *s) { memcpy(I, s, sizeof *I); restored++; RESTORE; return 0; }
+static int restore(Instance *I, const void *s) { memcpy(&I->m, s, sizeof I->m); restored++; RESTORE; return 0; }
 static int freed(void **s) { free(*s); *s = NULL; return 0; }
 static int serialised(const void *s, char *data, size_t n) { memcpy(data, s, n); return 0; }
 static int deserialised(const char *data, size_t n, void **s) { *s = malloc(n); memcpy(*s, data, n); return 0; }
@@ -182,8 +182,8 @@ int fmi2SetFMUstate(Instance *I, void *s) { return restore(I, s); }
 int fmi3SetFMUState(Instance *I, void *s) { return restore(I, s); }
 int fmi2FreeFMUstate(Instance *I, void **s) { return freed(s); }
 int fmi3FreeFMUState(Instance *I, void **s) { return freed(s); }
-int fmi2SerializedFMUstateSize(Instance *I, void *s, size_t *n) { *n = sizeof *I; return 0; }
-int fmi3SerializedFMUStateSize(Instance *I, void *s, size_t *n) { *n = sizeof *I; return 0; }
+int fmi2SerializedFMUstateSize(Instance *I, void *s, size_t *n) { *n = sizeof I->m; return 0; }
+int fmi3SerializedFMUStateSize(Instance *I, void *s, size_t *n) { *n = sizeof I->m; return 0; }
 int fmi2SerializeFMUstate(Instance *I, void *s, char *data, size_t n) { return serialised(s, data, n); }
 int fmi3SerializeFMUState(Instance *I, void *s, char *data, size_t n) { return serialised(s, data, n); }
 int fmi2DeSerializeFMUstate(Instance *I, const char *data, size_t n, void **s) { return deserialised(data, n, s); }
