@@ -199,8 +199,9 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     refuse(found, options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     angle, height = cell_centres(*build.grid, lower, upper)
-    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
-    if films := boss_films(build):
+    films = boss_films(build)
+    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, films)
+    if films:
         axis, _ = pin_bore(mesh)
         boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
     x, _, z = mesh.points[mesh.nodes("skirt")].T

@@ -181,7 +181,7 @@ def reduce_piston(
         position @ Z.T,
     ]
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
-    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height)
+    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, bosses)
     read = boss_readings(mesh, position, bosses) if bosses else None
     elastic = _held(mesh, K, M, "pin_bore", options, factors)
     del K  # the elastic body contains the needed part
@@ -479,6 +479,7 @@ def faults_of_modes(
     surface: str,
     angle: np.ndarray,
     height: np.ndarray,
+    bosses: ShellFilm | None = None,
 ) -> None:
     """Check supports and number of modes before the factorisation.
 
@@ -490,6 +491,8 @@ def faults_of_modes(
         Names of the surface that supports the body, and of the film surface.
     angle, height : ndarray
         Lines of the film grid [rad], [m].
+    bosses : ShellFilm, optional
+        Films in the bosses, whose modes the film grid does not limit.
 
     Raises
     ------
@@ -497,7 +500,8 @@ def faults_of_modes(
         If the supports do not prevent rigid motions, or there are not enough shapes.
     """
     count = options.modes_from or options.modes
-    patterns = pattern_count(angle, height, ALONG[surface], options.symmetric_film)
+    more = bosses.modes if bosses else 0
+    patterns = more + pattern_count(angle, height, ALONG[surface], options.symmetric_film)
     faults = []
     if options.symmetric_film and (len(angle) % 2 or mirror_image(mesh.points, 2) is None):
         faults.append(
@@ -517,7 +521,7 @@ def faults_of_modes(
     most = {
         "craig_bampton": 3 * (len(mesh.points) - len(held_nodes)) - 2,
         "characteristic_constraint_modes": 3 * free_on_surface - 2,
-        "pressure_modes": len(angle) * len(height) - 2,
+        "pressure_modes": more + len(angle) * len(height) - 2,
         "smooth_pressure_modes": patterns,
         "trained": patterns,
     }[options.basis]
