@@ -67,4 +67,4 @@ class Cell(FieldSlave):
             Path(values["marker"]).touch()
             x = x * np.nan if values["fault"] == "nan" else FAULTS[values["fault"]]() or x
         calls.append(time)
-        return State(x), {"x": x + len(calls) if values["fault"] == "forgetful" else x}
+        return State(x), {"x": x + len(calls) % 20 if values["fault"] == "forgetful" else x}
