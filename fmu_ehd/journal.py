@@ -254,8 +254,7 @@ def condensed(matrix: Array, by_shape: Array, shapes: Shapes) -> Array:
     """
     free = shapes.stiffness == 0.0
     elastic = by_shape[np.ix_(~free, ~free)]
-    rows, columns = np.zeros((2, len(free), np.count_nonzero(free)))
-    rows[free] = columns[free] = np.eye(np.count_nonzero(free))
+    rows, columns = np.repeat(np.eye(len(free))[None, :, free], 2, axis=0)
     columns[~free] = -np.linalg.solve(elastic, by_shape[np.ix_(~free, free)])
     rows[~free] = -np.linalg.solve(elastic.T, by_shape[np.ix_(free, ~free)].T)
     return rows.T @ matrix @ columns  # Eq. (E19)

@@ -130,9 +130,12 @@ def _of_case(
     for name, table in checked.participants.items():
         shared = options.keys() if name == participant else options.keys() & table.build.keys()
         table.build |= {key: options[key] for key in shared}
-    declared = ahead(checked, folder)
     table: Any = checked.participants[participant]
-    if table.parameters and participant not in declared.parameters:
+    package: Any = table.package
+    if platforms:  # first, because other faults may follow from these
+        builder_native.check_native(package, table.build, folder, say, platforms)
+    declared = ahead(checked, folder)
+    if table.parameters and participant not in declared.parameters and not declared.faults:
         declared.faults.append(
             f"participants.{participant}.parameters: expected a package with declared_variables, "
             f"got {table.package}"
@@ -143,9 +146,6 @@ def _of_case(
         name: np.ravel(value).tolist()
         for name, value in declared.parameters.get(participant, {}).items()
     }
-    package: Any = table.package
-    if platforms:  # before other participants are reduced for their build options
-        builder_native.check_native(package, table.build, folder, say, platforms)
     build = build_options(checked, folder, say)[participant]
     make = (
         partial(builder_native.build_native_fmu, platforms=platforms)
