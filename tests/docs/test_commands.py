@@ -31,7 +31,7 @@ SLOW = (
     *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
     *("sweep my_engine *", "study numerical_example *", "study fired_motorcycle *"),
-    *("study elastic_tube *", "reduce numerical_example*", "verify*"),
+    *("study elastic_tube *", "reduce numerical_example*", "reduce yielding_bosses*", "verify*"),
     *("results noise results/*", "results recover results/*"),
     *("fmu build * --native *", "fmu build * --case *", "fmu export * --native *"),
     *("fmu export my_engine *", "fmu export numerical_example *", "fmu export *.ssp*"),
