@@ -23,12 +23,12 @@ at the wall.
 
 Stiffness and damping refer to a small motion about the balance, with shells that follow:
 
-Eq. (E18):  F(x + dx) = F(x) - K dx - D d(dx)/dt
+    F(x + dx) = F(x) - K dx - D d(dx)/dt
 
 All shapes have the stiffness K_f of film and shells, and the damping D_f of a squeeze. The shells
 follow by S = -K_ee^-1 K_ef, without inertia:
 
-Eq. (E19):  K = L K_f R,   D = L D_f R,   R = [I, S],   L = [I, -K_fe K_ee^-1]
+Eq. (E18):  K = L K_f R,   D = L D_f R,   R = [I, S],   L = [I, -K_fe K_ee^-1]
 
 K_f is that of the steady film, and D_f is symmetric, because cavities keep their oil and their
 boundaries rest. These are the coefficients of [Lund1978]. In motion that is slow against a
@@ -238,7 +238,7 @@ def by_shapes(
 
 
 def condensed(matrix: Array, by_shape: Array, shapes: Shapes) -> Array:
-    """Return a matrix of all shapes for a journal whose shells follow, Eq. (E19).
+    """Return a matrix of all shapes for a journal whose shells follow, Eq. (E18).
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def condensed(matrix: Array, by_shape: Array, shapes: Shapes) -> Array:
     rows, columns = np.repeat(np.eye(len(free))[None, :, free], 2, axis=0)
     columns[~free] = -np.linalg.solve(elastic, by_shape[np.ix_(~free, free)])
     rows[~free] = -np.linalg.solve(elastic.T, by_shape[np.ix_(free, ~free)].T)
-    return rows.T @ matrix @ columns  # Eq. (E19)
+    return rows.T @ matrix @ columns  # Eq. (E18)
 
 
 def stiffness(tangent: Callable[[Array], tuple[Array, ...]], shape: tuple[int, int]) -> Array:
@@ -341,7 +341,7 @@ class Search(NamedTuple):
         film = self.settled(thickness, state)
         forces = (film.outputs[f"nodal_{name}_force"] for name in ("pressure", "circumferential"))
         push = shapes.push(*forces)
-        missing = push + shapes.load - shapes.stiffness * coordinates
+        missing = push + shapes.load - shapes.stiffness * coordinates  # Eq. (E16)
         return Balance(coordinates, push, missing, thickness, film)
 
     def _unbalanced(self, at: Balance) -> float:

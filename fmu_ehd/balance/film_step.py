@@ -482,8 +482,7 @@ def film_slopes(
     stencil = tangent.linearise(
         film,
         slopes,
-        entrainment,
-        dentrainment,
+        (entrainment, dentrainment),
         Filling(filling.pressure, filling.film_fraction, lift),
         edges,
         domain.open_cells,

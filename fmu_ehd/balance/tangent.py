@@ -186,8 +186,7 @@ def _balance_cells(stencil):
 def linearise(
     film: Array,
     slopes: FilmSlopes,
-    entrainment: Entrainment,
-    dentrainment: Entrainment,
+    streams: tuple[Entrainment, Entrainment],
     filling: Filling,
     edges: Edges,
     open_cells: Flags,
@@ -206,10 +205,8 @@ def linearise(
     film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`.
     slopes : films.FilmSlopes
-    entrainment : grid.Entrainment
-        [m/s].
-    dentrainment : grid.Entrainment
-        Its derivatives to the sliding velocity [-].
+    streams : (grid.Entrainment, grid.Entrainment)
+        Entrainment [m/s], and its derivatives to the sliding velocity [-].
     filling : reynolds.Filling
     edges : grid.Edges
     open_cells : ndarray of bool, shape (n_c, n_a)
@@ -224,6 +221,7 @@ def linearise(
         First axis BY_FILM, BY_VELOCITY; second axis as in `reynolds.assemble`.
     """
     by_film, by_velocity = slopes
+    entrainment, dentrainment = streams
     dx, dy, ring = cells
     pressure, fraction, lift = filling
     n_c, n_a = pressure.shape

@@ -70,10 +70,10 @@ def static_modes(body: ReducedBody) -> StaticModes:
 def unreached(answers: SurfaceAnswers, modes: StaticModes) -> tuple[np.ndarray, np.ndarray]:
     """Return the radial and axial part of static answers that modes leave out, (points, n) [m/N].
 
-    Eq. (J16):  R E, A E,   E = (K^-1 - Phi Omega^-2 Phi^T) R^T S
+    Eq. (J50):  R E, A E,   E = (K^-1 - Phi Omega^-2 Phi^T) R^T S
     """
     felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
-    # Eq. (J16)
+    # Eq. (J50)
     return answers.radial - modes.radial @ felt, answers.axial - modes.axial @ felt
 
 

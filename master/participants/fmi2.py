@@ -34,7 +34,7 @@ def step_within(time, step, stop):
 
     Longer steps, which trials take, do not change.
     """
-    if not 0.0 < time + step - stop <= WHOLE * step:
+    if not 0.0 < time + step - stop <= WHOLE * step < inf:
         return step
     step = stop - time
     return step if time + step <= stop else nextafter(step, 0.0)

@@ -124,7 +124,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
     edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
     covered = np.zeros(shape, dtype=bool)
-    stencil = tangent.linearise(film, slopes, stream, follow, filling, edges, covered, CELLS, 0.0)
+    stencil = tangent.linearise(film, slopes, (stream, follow), filling, edges, covered, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)
     assert stencil[BY_VELOCITY, NORTH, 0, 0] == near(0.5 * DX * FILM * upstream)
 

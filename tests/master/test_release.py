@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 VERSION = PROJECT["version"]
 CHANGELOG = (ROOT / "CHANGELOG.md").read_text()
-LARGEST, LONGEST = 15_000, 25
+LARGEST, LONGEST = 17_500, 25
 """Bytes of the changelog, and words of an entry."""
 
 
