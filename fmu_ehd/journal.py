@@ -39,8 +39,7 @@ References
 [Kelley1998] C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM
 J. Numerical Analysis 35 (1998) 508.
 [Lund1978] J. W. Lund, K. K. Thomsen, A calculation method and data for the dynamic coefficients of
-oil-lubricated journal bearings, Topics in Fluid Film Bearing and Rotor Bearing System Design and
-Optimization, ASME 1978, 1-28.
+oil-lubricated journal bearings, Topics in Fluid Film Bearing, ASME 1978, 1-28.
 """
 
 from collections.abc import Callable, Sequence
