@@ -264,10 +264,10 @@ def in_space(build: Build, piston: Path) -> InSpace:
     """
     sheet = build.piston.rigid
     if sheet is None:
-        from .reduction.mode_tables import mass_properties  # slow to import
+        from .finite_elements.element import mass_properties  # slow to import
 
         try:
-            mass, centre, about_centre = mass_properties(load(MeshProperties, piston))
+            mass, centre, about_centre = mass_properties(load(MeshProperties, piston).rigid_mass)
         except ValueError as error:
             raise BadInput(f"piston.{error}") from None
         centre[0] += load(ReducedPiston, piston).pin_offset - build.piston.pin_offset

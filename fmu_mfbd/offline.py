@@ -15,12 +15,11 @@ import numpy as np
 
 from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
-from .finite_elements.element import corner_stress, nodal_stress, von_mises
+from .finite_elements.element import corner_stress, mass_properties, nodal_stress, von_mises
 from .options import Bodies, read_options
 from .reduction.mode_tables import (
     ModeRow,
     StressPeak,
-    mass_properties,
     mode_table,
     write_modes,
 )
@@ -364,7 +363,7 @@ def _written(name: str, path: Path, output: Path) -> BodyReport:
     if properties.skirt.size:
         np.savetxt(mask_file, properties.skirt, "%d", ",")
         draw_skirt(properties.skirt, developed)
-    mass, centre, inertia = mass_properties(properties)
+    mass, centre, inertia = mass_properties(properties.rigid_mass)
     files = [reduced, table_file, shapes_file, picture, mask_file, developed]
     return BodyReport(
         name=name,

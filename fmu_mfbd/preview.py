@@ -28,8 +28,8 @@ from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.connections import aspect_ratios
-from .finite_elements.element import jacobian_determinants, quadrature, shape_functions
-from .finite_elements.mesh import Mesh, MeshFault
+from .finite_elements.element import mass_properties, rigid_mass
+from .finite_elements.mesh import MeshFault
 from .geometry.grid import cell_centres
 from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
@@ -61,14 +61,6 @@ class Eye(NamedTuple):
 
     radius: float
     figures: list[Figure]
-
-
-class MassProperties(NamedTuple):
-    """Mass [kg], centre (3,) [m], and moment of inertia about it and the z axis [kg m2]."""
-
-    mass: float
-    centre: np.ndarray
-    inertia: float
 
 
 def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -> Preview:
@@ -166,7 +158,7 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
     except MeshFault as error:
         wrong += error.faults
         return None
-    mass = mass_properties(mesh, options.density).mass
+    mass = rigid_mass(mesh.points, mesh.tets, options.density)[0, 0]
     source = f"of {len(mesh.points)} nodes, from the shank's cut on"
     return Eye(
         radius,
@@ -191,8 +183,9 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
             remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return BodyPreview(body, skirt)
     mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), remarks.append)
-    mass = mass_properties(mesh, options.density) if options.density else None
-    if mass:
+    mass = None
+    if options.density:
+        mass = mass_properties(rigid_mass(mesh.points, mesh.tets, options.density))
         found = piston_faults(mesh, mass.mass, options.pin_offset)
     else:
         found = cylinder_faults(mesh, "skirt")
@@ -210,7 +203,7 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     sheet = RigidPiston.model_construct(
         mass=mass.mass if mass else np.nan,
         centre=tuple(mass.centre[:2]) if mass else (np.nan, np.nan),
-        inertia=mass.inertia if mass else np.nan,
+        inertia=mass.inertia[2, 2] if mass else np.nan,
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
@@ -234,31 +227,6 @@ def _block(build: Build, remarks: list[str]) -> BodyPreview:
     sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
     rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
     return BodyPreview(rigid_block(rigid, build.grid), None, mesh)
-
-
-def mass_properties(mesh: Mesh, density: float) -> MassProperties:
-    """Return mass, centre and moment of inertia of a mesh, element by element.
-
-    Eq. (M13):  m = rho sum_e int dV,   m c = rho sum_e int r dV
-                I_zz = rho sum_e int (x^2 + y^2) dV - m (c_x^2 + c_y^2)
-                by a rule exact to the third degree: exact in straight elements but for I_zz
-
-    Parameters
-    ----------
-    mesh : Mesh
-    density : float
-        [kg/m3]
-    """
-    rule = quadrature(2)
-    values, _ = shape_functions(rule.position)
-    volume = jacobian_determinants(mesh.points, mesh.tets, rule.position) * rule.weight  # (e, q)
-    x, y, z = np.moveaxis(values @ mesh.points[mesh.tets], -1, 0)
-    # Eq. (M13)
-    mass = density * volume.sum()
-    centre = density * np.array([(volume * along).sum() for along in (x, y, z)]) / mass
-    about_origin = density * (volume * (x**2 + y**2)).sum()
-    inertia = about_origin - mass * (centre[0] ** 2 + centre[1] ** 2)
-    return MassProperties(float(mass), centre, float(inertia))
 
 
 def _of_piston(build: Build, piston: BodyPreview) -> list[Figure]:

@@ -50,6 +50,24 @@ class NodalBasis(NamedTuple):
     number: np.ndarray
 
 
+class MassProperties(NamedTuple):
+    """Mass properties of a body.
+
+    Parameters
+    ----------
+    mass : float
+        [kg]
+    centre : ndarray, shape (3,)
+        Centre of mass from the body's origin [m].
+    inertia : ndarray, shape (3, 3)
+        Inertia about the centre of mass [kg m2].
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+
+
 class Lame(NamedTuple):
     """Lame's constants lambda and mu [Pa]."""
 
@@ -188,6 +206,50 @@ def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Spa
     """
     (scalar,) = _assemble(points, tets, 4, [lambda u, v, w: density * u * v])  # Eq. (M3)
     return each_direction(scalar)
+
+
+def rigid_mass(points: np.ndarray, tets: np.ndarray, density: float) -> np.ndarray:
+    """Return the mass matrix of a body's rigid motions about the origin, without assembly.
+
+    Eq. (M13):  R^T M R = int rho R^T R dV      R: `rigid_motions`, here at each point of the volume
+
+    The quadrature of degree 7 is exact, as for the consistent mass matrix M of Eq. (M3).
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Node positions [m].
+    tets : ndarray of int, shape (e, 10)
+    density : float
+        [kg/m3]
+
+    Returns
+    -------
+    ndarray, shape (6, 6)
+        [kg], [kg m], [kg m2]
+    """
+    rule = quadrature(4)
+    share, _ = shape_functions(rule.position)
+    volume = rule.weight * jacobian_determinants(points, tets, rule.position)
+    nodes = points[tets]
+    total = np.zeros((6, 6))
+    for k, share_of_point in enumerate(share):
+        R = rigid_motions(share_of_point @ nodes)
+        total += R.T @ (np.repeat(density * volume[:, k], 3)[:, None] * R)  # Eq. (M13)
+    return total
+
+
+def mass_properties(rigid_mass: np.ndarray) -> MassProperties:
+    """Return the mass properties of a body from its mass matrix of rigid motions, (6, 6).
+
+    Eq. (J13):  R^T M R = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
+    """
+    mass = rigid_mass[0, 0]
+    moment = rigid_mass[3:, :3]
+    x, y, z = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    inertia = rigid_mass[3:, 3:] + mass * cross @ cross  # Eq. (J13)
+    return MassProperties(float(mass), np.array([x, y, z]), inertia)
 
 
 def each_direction(scalar: Sparse) -> Sparse:

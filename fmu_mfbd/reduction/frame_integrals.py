@@ -1,6 +1,6 @@
 """Inertia of a flexible body in planar motion, from its mass matrix and its modes."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,3 +66,13 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
         g=modal @ turn,
         G=modal @ turned,
     )
+
+
+def rigid_integrals(rigid_mass: np.ndarray) -> dict[str, Any]:
+    """Return mass, S and I0 of Eq. (J7) from the mass matrix of the rigid motions about A, (6, 6).
+
+    Eq. (J7):  m = m_xx,   S = (m_(y, turn about z), -m_(x, turn about z)),   I0 = m_(turn about z)
+    """
+    first_x, first_y = rigid_mass[1, 5], -rigid_mass[0, 5]
+    S = np.array([first_x, first_y])
+    return dict(mass=float(rigid_mass[0, 0]), S=S, I0=float(rigid_mass[5, 5]))

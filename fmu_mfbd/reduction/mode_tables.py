@@ -7,7 +7,7 @@ import numpy as np
 
 from ..finite_elements.element import CORNERS, corner_stress, nodal_stress, von_mises
 from ..geometry.grid import cell_centres
-from .reduced_body import Anatomy, MeshProperties, ReducedBody
+from .reduced_body import Anatomy, ReducedBody
 
 
 class ModeRow(NamedTuple):
@@ -41,24 +41,6 @@ class ModeRow(NamedTuple):
 
 CLASSES = {-1: "", 0: "even in x and z", 1: "odd in z", 2: "odd in x", 3: "odd in x and z"}
 """Names of the symmetry classes of modes (`symmetry`)."""
-
-
-class MassProperties(NamedTuple):
-    """Mass properties of a body.
-
-    Parameters
-    ----------
-    mass : float
-        [kg]
-    centre : ndarray, shape (3,)
-        Centre of mass from the body's origin [m].
-    inertia : ndarray, shape (3, 3)
-        Inertia about the centre of mass [kg m2].
-    """
-
-    mass: float
-    centre: np.ndarray
-    inertia: np.ndarray
 
 
 class StressPeak(NamedTuple):
@@ -189,17 +171,3 @@ def _write(path, anatomy, point_data):
     cells = ("tetra10", anatomy.tets) if solid else ("triangle", anatomy.skin)
     mesh = meshio.Mesh(anatomy.points, [cells], point_data=point_data)
     meshio.write(path, mesh, file_format="vtu")
-
-
-def mass_properties(properties: MeshProperties) -> MassProperties:
-    """Return the mass properties of a reduced piston (origin A) or block (origin at the crank).
-
-    Eq. (J13):  rigid_mass = [m 1, -m [c]x; m [c]x, I_0],   I = I_0 + m [c]x [c]x
-    """
-    matrix = properties.rigid_mass
-    mass = matrix[0, 0]
-    moment = matrix[3:, :3]
-    x, y, z = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    inertia = matrix[3:, 3:] + mass * cross @ cross  # Eq. (J13)
-    return MassProperties(float(mass), np.array([x, y, z]), inertia)

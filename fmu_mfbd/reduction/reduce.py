@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body_options import MOST_MODES, Block, Piston
-from ..finite_elements.element import Sparse, rigid_motions
+from ..finite_elements.element import Sparse, rigid_mass, rigid_motions
 from ..finite_elements.faces import face_load, surface_matrix
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
@@ -31,7 +31,7 @@ from .bases import (
 )
 from .bosses import Shells, boss_readings, with_boss_modes
 from .film_loads import FilmLoads, Training, on_stations
-from .frame_integrals import Z, floating_frame_integrals
+from .frame_integrals import Z, floating_frame_integrals, rigid_integrals
 from .geometry import block_faults, pin_bore, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
 from .reduced_body import (
@@ -43,6 +43,8 @@ from .reduced_body import (
     ReducedBosses,
     ReducedPiston,
     ShellFilm,
+    no_modes,
+    no_modes_in_motion,
 )
 from .smooth_prior import (
     ALONG,
@@ -112,10 +114,10 @@ class FilmSide(NamedTuple):
 
 
 class Basis(NamedTuple):
-    """Modes of a body and what they leave out; None for a rigid body."""
+    """Modes of a body and what they leave out."""
 
     modes: ClassedModes
-    left_out: MissingShapes | None
+    left_out: MissingShapes
 
 
 class CylinderReading(NamedTuple):
@@ -156,9 +158,9 @@ def reduce_piston(
     MeshFault, ValueError
         If mesh, matrices, supports or number of modes are wrong.
     """
-    mesh, K, M = full_model(options, ("skirt", "crown", "pin_bore"), progress)
-    east = np.tile([1.0, 0.0, 0.0], len(mesh.points))
-    mass = float(east @ (M @ east))
+    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), progress)
+    full = _matrices(mesh, options, progress)
+    mass = _rigid_mass(mesh, mesh.points, options, full)[0, 0]
     refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
@@ -173,6 +175,16 @@ def reduce_piston(
             f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
             "under them, and no film"
         )
+    properties = MeshProperties(_rigid_mass(mesh, position, options, full), around, there)
+    cylinder = dict(
+        radius=surface.radius, skirt_lower=lower, skirt_upper=upper, pin_offset=axis.first
+    )
+    if not options.modes:
+        inertia = rigid_integrals(properties.rigid_mass)
+        body = ReducedPiston(**inertia | no_modes_in_motion(around * along) | cylinder)
+        return Reduced(body, _anatomy(mesh, position, options), properties)
+    assert full  # of a flexible body
+    _, K, M = full
     gas = face_load(mesh.points, mesh.faces["crown"])
     gas /= -gas[:, 1].sum()  # unit resultant along -y
     inertia = [
@@ -206,14 +218,11 @@ def reduce_piston(
         gas_force=modes.shapes.T @ gas.ravel(),
         radial=surface.reading.radial @ modes.shapes,
         axial=surface.reading.axial @ modes.shapes,
-        radius=surface.radius,
-        skirt_lower=lower,
-        skirt_upper=upper,
-        pin_offset=axis.first,
+        **cylinder,
     )
-    anatomy = _anatomy(mesh, position, shapes, options)
+    anatomy = _anatomy(mesh, position, options, shapes)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
-    return Reduced(body, anatomy, _properties(position, M, there), left, in_bosses)
+    return Reduced(body, anatomy, properties, left, in_bosses)
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
@@ -251,13 +260,22 @@ def reduce_block(
     MeshFault, ValueError
         As for `reduce_piston`.
     """
-    mesh, K, M = full_model(options, ("bore", "bolts"), progress)
+    mesh = read_surfaces(options, ("bore", "bolts"), progress)
+    full = _matrices(mesh, options, progress)
     refuse(block_faults(mesh), options)
     around, along = grid
     angle, _ = cell_centres(around, along, 0.0, 1.0)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     heights = np.linspace(lower, upper, options.stations)
     surface = film_surface(mesh, "bore", angle, heights)
+    no_skirt = np.zeros((around, 0), dtype=bool)
+    properties = MeshProperties(_rigid_mass(mesh, mesh.points, options, full), around, no_skirt)
+    cylinder = dict(heights=heights, radius=surface.radius)
+    if not options.modes:
+        body = ReducedBlock(**no_modes(around, len(heights)) | cylinder)
+        return Reduced(body, _anatomy(mesh, mesh.points, options), properties)
+    assert full  # of a flexible body
+    _, K, M = full
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
     faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
     elastic = _held(mesh, K, M, "bolts", options, factors)
@@ -273,11 +291,9 @@ def reduce_block(
         kind=modes.kind,
         radial=(surface.reading.radial @ modes.shapes).reshape(table),
         axial=(surface.reading.axial @ modes.shapes).reshape(table),
-        heights=heights,
-        radius=surface.radius,
+        **cylinder,
     )
-    properties = _properties(mesh.points, M, np.zeros((around, 0), dtype=bool))
-    return Reduced(body, _anatomy(mesh, mesh.points, shapes, options), properties, left)
+    return Reduced(body, _anatomy(mesh, mesh.points, options, shapes), properties, left)
 
 
 def refuse(faults: list[str], options: Piston | Block) -> None:
@@ -286,22 +302,29 @@ def refuse(faults: list[str], options: Piston | Block) -> None:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
-def _anatomy(mesh, position, shapes, options):
-    """Return mesh and mode shapes for pictures and recovery."""
+def _anatomy(mesh, position, options, shapes=None):
+    """Return mesh and mode shapes, by default none, for pictures and recovery."""
     return Anatomy(
         points=position,
         tets=mesh.tets,
         skin=mesh.skin(),
-        shapes=shapes,
+        shapes=np.empty((*position.shape, 0)) if shapes is None else shapes,
         young=options.young or np.nan,
         poisson=np.nan if options.poisson is None else options.poisson,
     )
 
 
-def _properties(position, M, skirt):
-    """Return the properties of the full model."""
+def _matrices(mesh, options, progress):
+    """Return the full model, None for a rigid body of elements, which needs no matrices."""
+    return full_model(mesh, options, progress) if options.modes or options.mass else None
+
+
+def _rigid_mass(mesh, position, options, full):
+    """Return the mass matrix of the rigid motions about the origin of `position`, Eq. (J8)."""
+    if full is None:
+        return rigid_mass(position, mesh.tets, options.density)
     rigid = rigid_motions(position)
-    return MeshProperties(rigid.T @ (M @ rigid), len(skirt), skirt)  # Eq. (J8)
+    return rigid.T @ (full.M @ rigid)
 
 
 def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
@@ -320,15 +343,14 @@ def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
     return read_mesh(path, surfaces, *placed, say)
 
 
-def full_model(options: Piston | Block, names: Iterable[str], progress: Say) -> FullModel:
-    """Return a body with the named surfaces and its matrices, from elements or from files.
+def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
+    """Return a body with its matrices, from elements or from files.
 
     Raises
     ------
     MeshFault
-        If mesh or matrices are wrong.
+        If the matrices are wrong.
     """
-    mesh = read_surfaces(options, names, progress)
     freedoms = 3 * len(mesh.points)
     if not (options.stiffness and options.mass):
         progress(f"assembling {freedoms} degrees of freedom")
@@ -379,16 +401,13 @@ def ends(mesh, name, lower, upper):
 
 def _modes(
     mesh: Mesh,
-    elastic: Elastic | None,
+    elastic: Elastic,
     options: Piston | Block,
     film: FilmSide,
     loads: np.ndarray,
     progress: Say,
 ) -> Basis:
-    """Return the modes of a body by the chosen basis; a rigid body has none."""
-    if elastic is None:
-        no_shapes = np.empty((3 * len(mesh.points), 0))
-        return Basis(ClassedModes(no_shapes, np.empty(0), np.empty(0, dtype=int)), None)
+    """Return the modes of a body by the chosen basis."""
     wanted = options.modes
     progress(f"modes = {wanted:.3g}, basis {options.basis}")
     reading = SurfaceReading(*(one[:, elastic.free].tocsr() for one in film.reading))
@@ -541,10 +560,8 @@ def _held(
     surface: str,
     options: Piston | Block,
     factors: Factorise,
-) -> Elastic | None:
-    """Return the body, supported at the named surface by the chosen tie, None without modes."""
-    if not options.modes:
-        return None
+) -> Elastic:
+    """Return the body, supported at the named surface by the chosen tie."""
     if isinstance(options, Block) or options.tie == "rbe2":
         return Elastic(K, M, mesh.nodes(surface), factors)
     area = surface_matrix(mesh.points, mesh.faces[surface])

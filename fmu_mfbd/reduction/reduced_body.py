@@ -354,14 +354,6 @@ def no_modes_in_motion(points: int) -> dict[str, np.ndarray]:
 ReducedBody = ReducedPiston | ReducedBlock
 
 
-def without_modes(body: ReducedBody) -> ReducedBody:
-    """Return a reduced body as of a reduction to 0 modes."""
-    *points, _ = body.radial.shape
-    if isinstance(body, ReducedPiston):
-        return replace(body, **no_modes_in_motion(*points))
-    return replace(body, **no_modes(*points))
-
-
 AnyPart = (
     ReducedBody
     | ReducedMonoblock

@@ -25,7 +25,6 @@ from .reduced_body import (
     ShellFilm,
     ShellKind,
     save,
-    without_modes,
 )
 
 FILES = ("mesh", "stiffness", "mass")
@@ -63,8 +62,7 @@ def kept_body(
     """Return the path of a reduced body's .npz: shipped, cached in `folder`, or reduced now.
 
     The contents of files, options and training determine the body; in `folder` the code
-    (`code_digest`) does too. `pin_offset` of a piston needs no new reduction. A reduction with
-    modes also caches the body without modes, which needs the same mass matrix.
+    (`code_digest`) does too. `pin_offset` of a piston needs no new reduction.
 
     Each file is written under another name and then moved. After an interruption, the next
     reduction continues with the solutions cached in `folder`.
@@ -100,9 +98,6 @@ def kept_body(
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         properties = replace(reduced.properties, seconds=seconds, peak_memory=peak_memory)
         body, anatomy, _, *rest = reduced
-        rigid = _decided(options.model_copy(update={"modes": 0}), grid, None, None)
-        no_shapes = replace(anatomy, shapes=anatomy.shapes[..., :0])
-        save(_path(name, rigid, folder, False), without_modes(body), no_shapes, properties)
         save(path, body, anatomy, properties, *(part for part in rest if part))
         factors.forget()
     return path

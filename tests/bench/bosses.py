@@ -27,7 +27,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings
-from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model
+from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_surfaces
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
@@ -40,9 +40,8 @@ class Whole:
     """The piston's mesh, unreduced: balanced loads and free bodies on six supports."""
 
     def __init__(self, build):
-        self.mesh, self.K, self.M = full_model(
-            build.piston, ("skirt", "crown", "pin_bore"), lambda text: None
-        )
+        mesh = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), lambda text: None)
+        self.mesh, self.K, self.M = full_model(mesh, build.piston, lambda text: None)
         points = self.mesh.points
         self.bosses = boss_readings(self.mesh, points, boss_films(build))
         self.rigid = rigid_motions(points)

@@ -15,7 +15,9 @@ from piston_cosim.fmu_mfbd.finite_elements.connections import (
 )
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
+    mass_properties,
     quadrature,
+    rigid_mass,
     rigid_motions,
     stiffness,
 )
@@ -66,6 +68,20 @@ def test_mass_centre_and_inertia_of_a_box():
     assert integrals.mass == pytest.approx(mass, rel=1e-12)
     assert integrals.S == pytest.approx(mass * size[:2] / 2, rel=1e-12)
     assert integrals.I0 == pytest.approx(mass * (size[0] ** 2 + size[1] ** 2) / 3, rel=1e-12)
+
+
+def test_rigid_mass_needs_no_assembly(warped):
+    """Curved elements by the assembled matrix, Eq. (M3); turned inertia of a box by hand."""
+    R = rigid_motions(warped[0])
+    whole = R.T @ (consistent_mass(*warped, 2700.0) @ R)
+    np.testing.assert_allclose(rigid_mass(*warped, 2700.0), whole, atol=1e-13 * whole.max())
+    size = np.array([0.1, 0.2, 0.3])
+    points, tets = box_mesh((2, 3, 2), size)
+    mass, centre, inertia = mass_properties(rigid_mass(points + 1.0, tets, 2700.0))
+    assert mass == pytest.approx(2700.0 * size.prod(), rel=1e-12)
+    assert centre == pytest.approx(1.0 + size / 2, rel=1e-12)
+    own = np.diag(mass * ((size**2).sum() - size**2) / 12)
+    np.testing.assert_allclose(inertia, own, atol=1e-12 * mass)  # after a shift of m by 1 m
 
 
 def test_uniform_stress_is_exact_on_curved_elements(warped):

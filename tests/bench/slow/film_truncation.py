@@ -30,6 +30,7 @@ from piston_cosim.fmu_mfbd.reduction.reduce import (
     ends,
     film_surface,
     full_model,
+    read_surfaces,
     reduce_block,
     reduce_piston,
 )
@@ -80,7 +81,8 @@ def whole_surface(options: Piston | Block, grid, film: FilmLoads, height: np.nda
     """Return the surface of a body with its whole mesh."""
     held, surface = ("pin_bore", "skirt") if isinstance(options, Piston) else ("bolts", "bore")
     names = (surface, held, "crown") if isinstance(options, Piston) else (surface, held)
-    mesh, K, M = full_model(options, names, print)
+    mesh = read_surfaces(options, names, print)
+    _, K, M = full_model(mesh, options, print)
     angle, _ = cell_centres(grid[0], 1, 0.0, 1.0)
     elastic = Elastic(K, M, mesh.nodes(held))
     reading = film_surface(mesh, surface, angle, height).reading
@@ -165,9 +167,9 @@ def main(results=RUN, case="numerical_example"):
     build = read_options(read_tree(path)["participants"]["bodies"]["build"], path.parent)
     loads = recorded_loads(results, build.grid)
     thickness = recorded_film_thickness(results, build.grid)
-    skirt, *_ = full_model(build.piston, ("skirt", "crown", "pin_bore"), print)
+    skirt = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), print)
     rows = film_rows(*ends(skirt, "skirt", None, None), build.grid)
-    bore, *_ = full_model(build.block, ("bore", "bolts"), print)
+    bore = read_surfaces(build.block, ("bore", "bolts"), print)
     lower, upper = ends(bore, "bore", None, None)
     stations = np.linspace(lower, upper, build.block.stations)
     surfaces = {
