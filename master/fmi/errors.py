@@ -148,3 +148,28 @@ class ParticipantFault(Stopped):
     """Fault inside a participant, with its logged traceback, or a process that hung or ended."""
 
     headline = "an FMU failed"
+
+
+class CallFailed(ParticipantFault):
+    """FMI call that returned a failure.
+
+    Parameters
+    ----------
+    text : str
+        Name of the participant, the call, and what the FMU logged.
+    call : str
+        The call and its status.
+    status : int
+        fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending, or an invalid number.
+    """
+
+    def __init__(self, text: str, call: str, status: int):
+        super().__init__(text, call, status)  # all of them, so that a copy can be sent
+        self.call, self.status = call, status
+
+    def __str__(self):
+        return self.args[0]
+
+
+class CallDiscarded(CallFailed, Discard):
+    """FMI call that returned fmi2Discard. Inside a step, it discards the step."""

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 from fmpy import fmi3
-from fmpy.fmi1 import FMICallException
 
-from ..fmi.errors import BadInput, Discard, ParticipantFault, Ticked
+from ..fmi.errors import BadInput, CallFailed, Discard, Ticked
 from .fmi2 import WHOLE, FmuParticipant
 from .fmi3 import LARGEST_ITERATION, Fmu3Participant
 from .plain import pack, unpack
@@ -115,7 +114,7 @@ class ClockedFmu3(Fmu3Participant):
             if field.causality == "output":
                 nothing = {"String": "", "Binary": b""}.get(field.type, 0)
                 self._work.values[name] = np.full(field.shape, nothing) if field.shape else nothing
-                with suppress(FMICallException):
+                with suppress(CallFailed):
                     self._work.values[name] = super().get(name)
         super().leave()
 
@@ -166,14 +165,7 @@ class ClockedFmu3(Fmu3Participant):
         return super()._are_double(names) and not any(name in self._clocks_of for name in names)
 
     def _event(self, active):
-        """Tick input clocks in an event; raise `ParticipantFault` if it fails."""
-        try:
-            self._tick(active)
-        except FMICallException as failure:
-            self._broken = True
-            raise ParticipantFault(f"{self.name}: {self._message(failure)}") from None
-
-    def _tick(self, active):
+        """Tick input clocks in an event."""
         self._fmu.enterEventMode()
         self._fmu.setClock([self.clocks[name].reference for name in active], [True] * len(active))
         for name, clocks in self._clocks_of.items():

@@ -4,27 +4,26 @@ import ctypes
 from collections import deque
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from math import inf, nextafter
 
 import fmpy
 import numpy as np
 from fmpy import fmi2
-from fmpy.fmi1 import FMICallException
 
 from ..fmi.archive import unpack
-from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
+from ..fmi.errors import BadInput, CallFailed, Discard, Finished, ParticipantFault
 from .derivatives import RepeatedStep
 from .exits import guard_exit
 from .participant import StartedInHalves, derive_each
 from .printf import Logger, printed
-from .transfer import FmuFields, Functions, block_of
+from .transfer import FAILED, FmuFields, Functions, block_of
 from .warned import LoggedWarnings
 
 WHOLE = 1e-9
 """Share of a step that counts as zero."""
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
-FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
 MOST_MESSAGES = 200
 """Maximum number of messages of a call that are kept for its errors."""
 
@@ -75,7 +74,6 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
             for kind, first in self._reserved.items()
         }
         self._begun = False
-        self._broken = False
         self._stop = inf
         self.ended = ""
 
@@ -133,7 +131,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
             if getattr(error, "status", None) == fmi2.fmi2Fatal:
                 self._fatal.add(self.folder)
             raise self._logged_error() or BadInput(
-                f"participants.{self.name}: expected a start, got {error}{self._hint}"
+                f"participants.{self.name}: expected a start, got "
+                f"{getattr(error, 'call', error)}{self._hint}"
             ) from error
         if refusal := self._logged_error():
             raise refusal
@@ -142,12 +141,14 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def _slave(self, kind):
         """Return FMPy's slave of this FMU."""
-        return kind(
+        slave = kind(
             guid=self.description.guid,
             unzipDirectory=str(self.folder),
             instanceName=self.name,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
         )
+        slave._call = partial(self._checked, slave._call)
+        return slave
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
@@ -208,14 +209,14 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self._warned_at = time
         try:
             self._do_step(time, step)
-        except FMICallException as failure:
+        except CallFailed as failure:
             text = self._message(failure)
             if failure.status == fmi2.fmi2Pending:
-                with suppress(FMICallException, AttributeError):
+                with suppress(CallFailed, AttributeError):
                     self._call("fmi2CancelStep")
                 self._broken = True
                 text = "expected a complete step, got fmi2Pending; asynchronous FMUs do not work"
-            elif failure.status in FAILED or any(status in FAILED for status, _ in self.log):
+            elif any(status in FAILED for status, _ in self.log):
                 self._broken = True
             if self._broken:
                 raise ParticipantFault(f"{self.name}: {text}") from None
@@ -234,14 +235,14 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """Return the last successful time of a discarded step [s]; else its beginning."""
         answer = ctypes.c_double(time)
         kind = ctypes.c_int(fmi2.fmi2LastSuccessfulTime)
-        with suppress(FMICallException):
+        with suppress(CallFailed):
             self._call("fmi2GetRealStatus", kind, ctypes.byref(answer))
         return answer.value
 
     def _wants_to_end(self):
         """Return whether the FMU discarded the step to end the simulation."""
         answer = ctypes.c_int(0)
-        with suppress(FMICallException):
+        with suppress(CallFailed):
             kind = ctypes.c_int(fmi2.fmi2Terminated)
             self._call("fmi2GetBooleanStatus", kind, ctypes.byref(answer))
         return bool(answer.value)
@@ -259,7 +260,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def _message(self, failure):
         """Return the FMU's log of the failed call, or the call's name and status."""
-        return "\n".join(text for _, text in self.log) or str(failure)
+        return "\n".join(text for _, text in self.log) or failure.call
 
     def save(self):
         """Return a handle of the FMU's state; `free` it after use."""
@@ -327,10 +328,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         known, unknown = self._pair(inputs, "seeds"), self._pair(outputs)
         known.values[:] = changes
         self.log.clear()
-        try:
-            self._derive(known, unknown)
-        except FMICallException as failure:
-            raise ParticipantFault(f"{self.name}: {self._message(failure)}") from None
+        self._derive(known, unknown)
         return unknown.values
 
     def _derive(self, known, unknown):
@@ -363,7 +361,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         try:
             if self._begun and not self._broken and not is_dead:
                 fmu.terminate()
-        except FMICallException as failure:
+        except CallFailed as failure:
             words = self._message(failure)
             raise ParticipantFault(f"{self.name}: at its end: {words}") from None
         finally:

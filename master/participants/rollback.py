@@ -6,7 +6,6 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from fmpy.fmi1 import FMICallException
 
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .derivatives import put_back
@@ -94,11 +93,11 @@ def rollback_trial(
         return trial
     try:
         saved = participant.save()
-    except (FMICallException, ParticipantFault) as error:
+    except ParticipantFault as error:
         return RollbackTrial(f"its state cannot be saved: {error}")
     values = {name: participant.get(name) for name in inputs}
     trial = _compare(participant, inputs, step, begin, changes)
-    with suppress(FMICallException, ParticipantFault):
+    with suppress(ParticipantFault):
         put_back(participant, saved, values)
         participant.free(saved)
     return trial
@@ -132,7 +131,7 @@ def _compare(
     values = {name: one.get(name) for name in one.fields.keys() & inputs}
     try:
         first = one.save()
-    except (FMICallException, ParticipantFault) as error:
+    except ParticipantFault as error:
         return RollbackTrial(f"its state cannot be saved: {error}")
     times = [begin + k * step for k in range(STEPS)]
     try:
@@ -143,7 +142,7 @@ def _compare(
         put_back(one, first, values)
         repeated = [_repeat(one, time, step, values) for time in times]
         one.free(first)
-    except (FMICallException, Discard, ParticipantFault, Finished) as error:
+    except (Discard, ParticipantFault, Finished) as error:
         return RollbackTrial(f"a step from a saved state fails: {error}")
     return _difference(one, plain, repeated)
 

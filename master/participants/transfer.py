@@ -10,11 +10,14 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..fmi.errors import ParticipantFault
+from ..fmi.errors import CallDiscarded, CallFailed, ParticipantFault
 from .description import DescribedFmu
 from .participant import read_each, write_each
 
 REAL = ctypes.POINTER(ctypes.c_double)
+FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
+SURVIVED = ("FMUstate", "FMUState", "Status", "DirectionalDerivative")
+"""Ends of the names of calls that an FMU may fail without failing itself."""
 
 
 class FmuFields(DescribedFmu):
@@ -32,6 +35,8 @@ class FmuFields(DescribedFmu):
     _fatal: ClassVar[set[Path]] = set()
     """Folders of FMUs that returned fmi2Fatal, after which none of their instances is called."""
     folder: Path
+    log: Any
+    _broken = False
 
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
@@ -181,13 +186,25 @@ class FmuFields(DescribedFmu):
             self._check(function, status)
 
     def _check(self, function, status):
-        """Note a warning; raise `FMICallException` for a failure."""
+        """Note a warning; raise `CallFailed` with the FMU's messages for a failure."""
         if status == fmi2.fmi2Warning:
             self._note_status(function)
             return
         if status == fmi2.fmi2Fatal:
             self._fatal.add(self.folder)
-        raise FMICallException(function, status)
+        self._broken |= status in FAILED and not function.endswith(SURVIVED)
+        call = str(FMICallException(function, status))
+        logged = [text for kind, text in self.log if kind not in (fmi2.fmi2OK, fmi2.fmi2Warning)]
+        kind = CallDiscarded if status == fmi2.fmi2Discard else CallFailed
+        raise kind("\n".join([f"{self.name}: {call}", *logged]), call, status)
+
+    def _checked(self, call, function, *arguments):
+        """Return the result of FMPy's `call` of a function; raise `CallFailed` as `_check`."""
+        try:
+            return call(function, *arguments)
+        except FMICallException as failure:
+            status = failure.status
+        return self._check(function, status)
 
     def _note_status(self, function):
         """Note that a call returns a warning."""

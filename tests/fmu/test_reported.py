@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.fmi.errors import BadInput, ParticipantFault
 
 from ..command import call
@@ -484,6 +485,38 @@ def test_no_events_where_the_case_does_not_use_them():
     a = fmu("a", version="3.0", flags=EVENTS)
     run({"a": a}, changes={"participants.a.event_mode": False})
     assert calls("events") == [["0"]]
+
+
+# failures -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+@pytest.mark.parametrize(
+    "version, call, kind",
+    [(v, c, 0) for v in ("2.0", "3.0") for c in "gsGS"]
+    + [("2.0", "g", 1), ("2.0", "s", 1), ("3.0", "g", 3), ("3.0", "s", 1)],
+)
+def test_a_call_that_fails_in_a_run_ends_it_with_its_message(version, call, kind, isolated):
+    """A loop of reals and integers or texts; the results end before the call."""
+    variables = TYPED if kind else [TYPED[0], Y]
+    test = f"m->steps==5&&call=='{call}'&&first=={100 * kind}"
+    a = fmu("a", variables, version, STEP="m->r[1]=1+t-0.5*m->r[0]", FAILS=f"{test}?3:0")
+    b = fmu("b", variables, version, STEP="m->r[1]=m->r[0]")
+    names = [("u", "y"), *([(f"u{'.ibs'[kind]}", f"y{'.ibs'[kind]}")] if kind else [])]
+    wires = [line for u, y in names for line in (f"a.{y} -> b.{u}", f"b.{y} -> a.{u}")]
+    with pytest.raises(ParticipantFault, match=r"a: fmi\d[SG]et.* status 3 \(error\)") as failure:
+        run({"a": a, "b": b}, wires, changes={"participants.a.isolated": isolated})
+    assert str(failure.value).endswith("no value here")
+    # values are read at the end of the fifth step, and the others are called in the sixth one
+    assert len(pc.Results("o.h5.partial").series("b.y").values) - 1 == (4 if call == "g" else 5)
+
+
+def test_an_input_that_an_fmu_discards_halves_the_step():
+    a = fmu("a", [TYPED[0], Y], STEP="m->r[1]=t+H", FAILS="call=='s'&&m->r[0]>0.55?2:0")
+    b = fmu("b", STEP="m->r[1]=t+H")
+    with pytest.raises(StepFailed, match=r"a: fmi2SetReal failed with status 2 \(discard\)"):
+        run({"a": a, "b": b}, ["b.y -> a.u"])
+    assert last(pc.Results("o.h5.partial"), "a.y") == pytest.approx(0.55, abs=0.1 / 64)
 
 
 # warnings and saved states --------------------------------------------------------------------

@@ -6,6 +6,7 @@
    DOSTEP, UPDATE            FMI 3.0: before a step (event, early, last), and in fmi3UpdateDiscreteStates (again, next)
    GETS, STATUS, FREE        before a text k is read, fmi2GetStatus (kind, value), when the instance is freed
    RESTORE                   after a state is restored
+   FAILS                     status of a call: 'g' or 's' of values (first reference of their type), 'G' or 'S' of a state
    SIZE                      elements of the variable a of FMI 3.0
 
    If the variable CALLS is set in the environment, calls are written to the file of that name. */
@@ -48,6 +49,9 @@
 #endif
 #ifndef FREE
 #define FREE
+#endif
+#ifndef FAILS
+#define FAILS 0
 #endif
 #ifndef RESTORE
 #define RESTORE
@@ -125,14 +129,31 @@ static int finished(Instance *I, int status, double end)
     return status;
 }
 
+static int fails(Instance *I, int call, int first)
+{
+    Model *m = &I->m;
+    int status = FAILS;
+    if (status)
+        logged(I, status, "no value here");
+    return status;
+}
+
 static int saved(Instance *I, void **s)
 {
     *s = *s ? *s : malloc(sizeof I->m);
     memcpy(*s, &I->m, sizeof I->m);
-    return 0;
+    return fails(I, 'G', 0);
 }
 
-static int restore(Instance *I, const void *s) { memcpy(&I->m, s, sizeof I->m); restored++; RESTORE; return 0; }
+static int restore(Instance *I, const void *s) 
+{
+    int status = fails(I, 'S', 0);
+    memcpy(&I->m, s, sizeof I->m);
+    restored++;
+    RESTORE;
+    return status;
+}
+
 static int freed(void **s) { free(*s); *s = NULL; return 0; }
 static int serialised(const void *s, char *data, size_t n) { memcpy(data, s, n); return 0; }
 static int deserialised(const char *data, size_t n, void **s) { *s = malloc(n); memcpy(*s, data, n); return 0; }
@@ -197,7 +218,7 @@ int fmi3DeserializeFMUState(Instance *I, const char *data, size_t n, void **s) {
             for (int j = 0; j < size(r[k]); j++) \
                 I->m.values[r[k] - first + (unsigned)j] = *v++; \
         } \
-        return 0; \
+        return fails(I, 's', first); \
     }
 #define GET(function, type, values, first) \
     int function(Instance *I, const Reference *r, size_t n, type *v) \
@@ -206,7 +227,7 @@ int fmi3DeserializeFMUState(Instance *I, const char *data, size_t n, void **s) {
         for (size_t k = 0; k < n; k++) \
             for (int j = 0; j < size(r[k]); j++) \
                 *v++ = (type)I->m.values[r[k] - first + (unsigned)j]; \
-        return 0; \
+        return fails(I, 'g', first); \
     }
 #define BOTH(version, name, type, values, first) \
     SET(fmi##version##Set##name, type, values, first) GET(fmi##version##Get##name, type, values, first)
@@ -218,7 +239,7 @@ static int set_text(Instance *I, const Reference *r, size_t n, const char *const
 {
     for (size_t k = 0; k < n; k++)
         snprintf(I->m.s[r[k] - 300], sizeof I->m.s[0], "%s", v[k]);
-    return 0;
+    return fails(I, 's', 300);
 }
 
 static int get_text(Instance *I, const Reference *r, size_t n, const char **v)
@@ -229,7 +250,7 @@ static int get_text(Instance *I, const Reference *r, size_t n, const char **v)
         v[k] = m->s[r[k] - 300];
         GETS;
     }
-    return 0;
+    return fails(I, 'g', 300);
 }
 int fmi2SetString(Instance *I, const Reference *r, size_t n, const char *const *v) { return set_text(I, r, n, v); }
 int fmi3SetString(Instance *I, const Reference *r, size_t n, const char *const *v) { return set_text(I, r, n, v); }
