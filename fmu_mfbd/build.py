@@ -98,6 +98,8 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
 def on_grid(options: dict[str, Any], key: str, grid: tuple[int, int]) -> dict[str, Any]:
     """Return a build table on the grid of a given film, with at most the modes that it resolves.
 
+    The film may be asymmetric, because another model computes it.
+
     Parameters
     ----------
     options : dict
@@ -111,14 +113,16 @@ def on_grid(options: dict[str, Any], key: str, grid: tuple[int, int]) -> dict[st
     around, along = grid
     changed = options | {key: [around, along]}
     for name, kind, surface in (("piston", Piston, "skirt"), ("block", Block, "bore")):
-        body = {key: one.default for key, one in kind.model_fields.items()} | options.get(name, {})
+        if options.get(name, {}).get("symmetric_film"):
+            changed[name] = options[name] | {"symmetric_film": False}
+        body = {key: one.default for key, one in kind.model_fields.items()} | changed.get(name, {})
         rows = along if name == "piston" else body["stations"]
         lines = cell_centres(around, rows, 0.0, 1.0)
-        patterns = pattern_count(*lines, ALONG[surface], body["symmetric_film"])
+        patterns = pattern_count(*lines, ALONG[surface])
         most = {"pressure_modes": around * rows - 2, "smooth_pressure_modes": patterns}
         limit = most.get(body["basis"])
         if limit and isinstance(body["modes"], int) and body["modes"] > limit:
-            changed[name] = options[name] | {"modes": limit}
+            changed[name] = changed.get(name, {}) | {"modes": limit}
     return changed
 
 

@@ -460,9 +460,16 @@ def swap(
         A new tree.
     left_out : list of str
         Removed keys.
+
+    Raises
+    ------
+    BadInput
+        If the FMU lacks variables of the wires, or has another grid that its body cannot follow.
     """
     fields = open_fmu(name, path).fields
-    tree = _with_grid_of(tree, name, fields, say)
+    changed = _with_grid_of(tree, name, fields, say)
+    _check_ends(tree, name, fields, changed is tree)
+    tree = changed
     left_out: list[str] = []
 
     def known(port):
@@ -511,6 +518,27 @@ def swap(
         ],
     }
     return swapped, left_out
+
+
+def _check_ends(tree, name, fields, keeps_grid):
+    """Raise `BadInput` if an FMU cannot have the wires of the participant that it replaces.
+
+    keeps_grid : whether the body of a film keeps its grid.
+    """
+    ends = [port_of(wire[end]) for wire in tree.get("wires", ()) for end in ("from", "to")]
+    wired = [variable for owner, variable in ends if owner == name]
+    if lacking := [variable for variable in dict.fromkeys(wired) if variable not in fields]:
+        raise BadInput(
+            f"participants.{name}: expected an FMU with {', '.join(lacking)} for its wires, got "
+            "one without; models for a skirt and for a bearing differ"
+        )
+    grid = tree["participants"][name].get("build", {}).get("grid")
+    shapes = [fields[variable].shape for variable in wired if len(fields[variable].shape) == 2]
+    if keeps_grid and grid and shapes and shapes[0] != (*grid,):
+        raise BadInput(
+            f"participants.{name}: expected fields of shape {(*grid,)}, got {shapes[0]}; build the "
+            "FMU on the grid of the film that it replaces, which its body cannot change"
+        )
 
 
 def _with_grid_of(tree, name, fields, say):

@@ -178,14 +178,33 @@ def test_a_film_of_stock_pythonfmu_runs_at_the_first_attempt(tmp_path, monkeypat
 
 
 def test_the_body_takes_the_grid_of_a_film_and_the_modes_that_it_resolves():
-    """The reduction of the fired piston allows at most 72 of its 112 modes on 16 x 8 cells."""
-    fmu = build_fmu_of_file(f"{TEMPLATE}:AxialFilm", {"grid": [16, 8]})
+    """12 x 8 cells resolve 96 modes, and the film of another model may be asymmetric."""
+    fmu = build_fmu_of_file(f"{TEMPLATE}:AxialFilm", {"grid": [12, 8]})
     told = []
     tree, _ = swap(read_tree(find_case("fired_motorcycle")), "ehd", fmu, told.append)
     build = tree["participants"]["bodies"]["build"]
-    assert (build["grid"], build["piston"]["modes"], build["block"]["modes"]) == ([16, 8], 72, 112)
-    lines = "participants.bodies.build.grid = [16, 8], participants.bodies.build.piston.modes = 72"
-    assert told == [f"{lines}: the grid of the FMU of ehd"]
+    assert (build["grid"], build["piston"]["modes"], build["block"]["modes"]) == ([12, 8], 96, 112)
+    changes, _, reason = told[0].rpartition(": ")
+    assert reason == "the grid of the FMU of ehd"
+    assert set(changes.split("participants.bodies.build.")) == {
+        "",
+        "grid = [12, 8], ",
+        "piston.symmetric_film = False, ",
+        "piston.modes = 96, ",
+        "block.symmetric_film = False",
+    }
+
+
+@pytest.mark.parametrize(
+    "case, name, words",
+    [
+        ("grooved_skirt", "lower_film", r"shape \(40, 19\), got \(12, 10\)"),
+        ("crank_bearings", "big_end_film", "circumferential_velocity, nodal_circumferential_force"),
+    ],
+)
+def test_a_film_that_does_not_fit_is_rejected_before_a_body_is_reduced(template, case, name, words):
+    with pytest.raises(BadInput, match=f"participants.{name}: expected .*{words}"):
+        swap(read_tree(find_case(case)), name, template)
 
 
 def test_check_lists_what_is_missing(template, fmu, bodies_fmu):
