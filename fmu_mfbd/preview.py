@@ -36,10 +36,10 @@ from .preview_picture import Shapes, draw_shapes
 from .preview_remarks import (
     COLD,
     BodyPreview,
+    faults_of_profiles,
     narrowest,
     remarks_on_fit,
     remarks_on_gas,
-    remarks_on_profiles,
 )
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
@@ -124,7 +124,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         remarks += remarks_on_gas(tables.gas.pressure)
     shapes = _shapes(prepared, piston, block, chosen)
     figures += _of_film(build, shapes)
-    remarks += remarks_on_profiles(tables.skirt, piston.body)
+    wrong += faults_of_profiles(build, tables, piston, block, remarks)
     remarks += remarks_on_fit(build, piston, block, chosen, shapes)
     return Preview(figures, wrong, remarks, lambda path: draw_shapes(shapes, path))
 

@@ -73,13 +73,13 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     (developed, bore), (around, along) = figure.subplots(2, 2)
     figure.subplots_adjust(0.06, 0.14, 0.98, 0.95, wspace=0.2, hspace=0.35)
     gap = np.ma.masked_where(~shapes.film, shapes.clearance(hot=True))
-    _developed(figure, developed, shapes.angle, shapes.height, gap)
+    draw_developed(figure, developed, shapes.angle, shapes.height, gap)
     developed.set(
         title=f"smallest clearance over the stroke, hot; {shapes.film.mean():.0%} has a film",
         ylabel="height above the pin [mm]",
     )
     if shapes.bore_hot.any():
-        _developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
+        draw_developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
         bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
     else:
         bore.set(title="the hot bore is a cylinder")
@@ -89,7 +89,7 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     figure.savefig(path, dpi=110 if Path(path).suffix == ".png" else 72)
 
 
-def _developed(figure, panel, angle, height, values):
+def draw_developed(figure, panel, angle, height, values):
     """Draw a developed surface in um with contours; the first cell follows the last."""
     values = UM * values[np.r_[: len(values), 0]].T
     degrees = np.degrees(angle[0]) + 360.0 / len(angle) * np.arange(len(angle) + 1)
@@ -109,10 +109,10 @@ def _developed(figure, panel, angle, height, values):
         lines = panel.contour(degrees, MM * height, values, 6, colors="white", linewidths=0.5)
         panel.clabel(lines, fontsize=6, fmt="%.3g")
     figure.colorbar(image, ax=panel, label="\N{MICRO SIGN}m")
-    _mark(panel)
+    mark_angles(panel)
 
 
-def _mark(panel):
+def mark_angles(panel):
     panel.set_xticks(
         [0, 90, 180, 270, 360], ["0\npin", "90\nthrust", "180", "270\nanti-thrust", "360\npin"]
     )
@@ -132,7 +132,7 @@ def _around(panel, shapes):
         panel.plot(degrees, UM * hot[closed, j], color=colour, label=name)
         panel.plot(degrees, UM * cold[closed, j], "--", color=colour, lw=0.8)
     panel.set(title="section around (dashed: cold)", ylabel="clearance [\N{MICRO SIGN}m]")
-    _mark(panel)
+    mark_angles(panel)
     panel.grid(alpha=0.3)
     panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
 

@@ -1,17 +1,17 @@
 """Remarks of a preview on gas pressure, profiles, clearance and openings."""
 
-from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..master.fmi.quantities import short
+from .build import Tables
 from .dynamics.parameters import Parameters
 from .finite_elements.mesh import Mesh
-from .geometry.profile import MeasuredShape
 from .options import Build
 from .preview_picture import Shapes
-from .reduction.reduced_body import ReducedPiston
+from .profile_judgement import judge_profile
 
 MISFIT = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
@@ -20,8 +20,6 @@ LEAST_GAS, HIGH_GAS, IMPOSSIBLE_GAS = 0.05e6, 30e6, 100e6
 """Highest gas pressures [Pa] below, above and far above those of engines."""
 ABSOLUTE = 0.7e5, 1.3e5
 """Lowest gas pressure of a table in absolute pressure [Pa]."""
-LARGEST_PROFILE = 1e-3
-"""Deviation of a skirt's profile that is usual [m]."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
 """Parameters that heat brings."""
 FEWEST = 3
@@ -106,21 +104,22 @@ def remarks_on_gas(pressure: np.ndarray) -> list[str]:
     return out
 
 
-def remarks_on_profiles(profiles: Sequence[MeasuredShape], piston: ReducedPiston) -> list[str]:
-    """Return remarks on measured profiles that are too large or do not cover the skirt."""
-    out = []
-    for shape in profiles:
-        largest = float(np.abs(shape.value).max())
-        if largest > LARGEST_PROFILE:
-            out.append(f"profile of {_um(largest)}: expected less than 1 mm; check its unit")
-        low, high = float(shape.height.min()), float(shape.height.max())
-        slack = (piston.skirt_upper - piston.skirt_lower) / 100
-        if low > piston.skirt_lower + slack or high < piston.skirt_upper - slack:
-            out.append(
-                f"profile from {1e3 * low:.4g} to {1e3 * high:.4g} mm does not cover the skirt, "
-                f"{1e3 * piston.skirt_lower:.4g} to {1e3 * piston.skirt_upper:.4g} mm"
-            )
-    return out
+def faults_of_profiles(
+    build: Build, tables: Tables, piston: BodyPreview, block: BodyPreview, remarks: list[str]
+) -> list[str]:
+    """Return the faults of measured profiles of skirt and bore, and append the other findings."""
+    skirt = piston.body.skirt_lower, piston.body.skirt_upper, piston.body.radius
+    bore = float(block.body.heights[0]), float(block.body.heights[-1]), None
+    faults = []
+    for name, part, shapes, ends in (
+        ("piston", build.piston, tables.skirt, skirt),
+        ("block", build.block, tables.bore, bore),
+    ):
+        for table, shape in zip(part.profiles, shapes):
+            for kind, text in judge_profile(shape, *ends):
+                chosen = faults if kind == "fault" else remarks
+                chosen.append(f"build.{name}.profiles, {Path(table.file).name}: {text}")
+    return faults
 
 
 def _um(length: float) -> str:

@@ -27,6 +27,7 @@ COMMANDS = {
     "resume": "Continue an interrupted run from its checkpoint.",
     "new": "Write a case of your own engine.",
     "check": "Check a case without a run.",
+    "profile": "Read a measured profile of a skirt, judge and draw it.",
     "keys": "List the keys of a case file.",
     "list": "List the shipped cases.",
     "sweep": "Run a case over values of its keys.",

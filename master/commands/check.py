@@ -1,5 +1,6 @@
 """`piston-cosim check`."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..case.check import CheckedCase, check
@@ -35,12 +36,7 @@ def print_checked(found: CheckedCase, picture: Path):
     """Print the checks of a case and draw it; raise BadInput if it has faults."""
     tell(f"[bold]{found.title}[/]")
     for preview in found.previews.values():
-        groups: dict[str, list[Figure]] = {}
-        for figure in preview.figures:
-            groups.setdefault(figure.group, []).append(figure)
-        for group, figures in groups.items():
-            text = "   ".join(map(_figure_text, figures))
-            tell(f"  {group:10s} {text}", markup=False)
+        print_figures(preview.figures)
     for line in found.loop_table():
         tell(line, markup=False)
     for line in found.remarks:
@@ -50,6 +46,16 @@ def print_checked(found: CheckedCase, picture: Path):
     if found.faults:
         raise BadInput(found.faults)
     console.print("[green]no faults[/]")
+
+
+def print_figures(figures: Iterable[Figure]):
+    """Print figures, one line for each of their groups."""
+    groups: dict[str, list[Figure]] = {}
+    for figure in figures:
+        groups.setdefault(figure.group, []).append(figure)
+    for group, members in groups.items():
+        text = "   ".join(map(_figure_text, members))
+        tell(f"  {group:10s} {text}", markup=False)
 
 
 def _figure_text(figure: Figure) -> str:

@@ -1,16 +1,13 @@
 """What is said of the bodies before they are reduced, beside the reduced ones and closed forms."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd import preview_picture
-from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape
 from piston_cosim.fmu_mfbd.preview import (
     preview,
 )
-from piston_cosim.fmu_mfbd.preview_remarks import remarks_on_gas, remarks_on_profiles, runs
+from piston_cosim.fmu_mfbd.preview_remarks import remarks_on_gas, runs
 
 SHEET = {
     "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
@@ -117,31 +114,9 @@ def test_unusual_gas_pressures_are_remarked(low, high, words):
     assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
 
 
-SKIRT = SimpleNamespace(skirt_lower=-25e-3, skirt_upper=20e-3)
-
-
-@pytest.mark.parametrize(
-    "low, high, largest, words",
-    [
-        (-25e-3, 20e-3, 0.9e-3, []),
-        (-24.6e-3, 19.6e-3, 0.1e-3, []),  # a hundredth of the skirt's 45 mm may be missing
-        (-25e-3, 20e-3, 1.1e-3, ["profile of 1100 \N{MICRO SIGN}m: expected less than 1 mm"]),
-        (-25e-3, 20e-3, -1.1e-3, ["profile of 1100 \N{MICRO SIGN}m: expected less than 1 mm"]),
-        (-24e-3, 20e-3, 0.1e-3, ["profile from -24 to 20 mm does not cover the skirt, -25 to 20"]),
-        (-25e-3, 19e-3, 0.1e-3, ["profile from -25 to 19 mm does not cover the skirt, -25 to 20"]),
-        (-25.0, 20.0, 0.1, ["profile of 1e+05 \N{MICRO SIGN}m: expected less than 1 mm"]),
-        (-20e-3, 20e-3, 2e-3, ["expected less than 1 mm", "does not cover the skirt"]),
-    ],
-)
-def test_unusual_profiles_are_remarked(low, high, largest, words):
-    shape = MeasuredShape(np.zeros(1), np.array([low, high]), np.array([[0.0], [largest]]))
-    remarks = remarks_on_profiles([shape], SKIRT)
-    assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
-
-
 def test_the_picture_shows_the_clearance_of_the_text(tmp_path, monkeypatch):
     drawn = {}
-    developed = preview_picture._developed
+    developed = preview_picture.draw_developed
 
     def noted(figure, panel, angle, height, value):
         drawn.setdefault("clearance", value)  # the first panel is that of the skirt
@@ -149,7 +124,7 @@ def test_the_picture_shows_the_clearance_of_the_text(tmp_path, monkeypatch):
         left, right, *_ = panel.images[0].get_extent()
         assert panel.get_xlim() == (0, 360) and left <= 0 and right >= 360  # no white strip
 
-    monkeypatch.setattr(preview_picture, "_developed", noted)
+    monkeypatch.setattr(preview_picture, "draw_developed", noted)
     growth = {"skirt_growth_lower": 70e-6, "skirt_growth_upper": 70e-6}
     growth |= {"bore_growth_lower": 60e-6, "bore_growth_upper": 50e-6}
     seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
