@@ -65,14 +65,33 @@ def test_an_elastic_diaphragm_has_the_pressure_of_freund():
     assert max(deflection[1:]) < 0.1 and sum(deflection[1:]) / 12 < 0.04
 
 
+def test_a_plain_bearing_has_a_band_over_four_supplies():
+    """Mean differences of the supplies to 1 %; the trend with speed needs conserved mass."""
+    series = measured.bands("plain_bearing")
+    means = {key: sum(one.difference for one in rows) / 9 for key, rows in series.items()}
+    expected = {"groove on top at 0 kPa": -0.19, "sides at 6 kPa": 0.03}
+    assert len(means) == 4 and means | expected == pytest.approx(means, abs=0.01)
+    inside = [
+        min(one.difference for one in row) <= 0.0 <= max(one.difference for one in row)
+        for row in zip(*series.values())
+    ]
+    assert sum(inside) == 4
+    for model, rises in (("jfo", True), ("reynolds", False), ("gumbel", False)):
+        rows = measured.bands("plain_bearing", {"cavitation_model": model})["sides at 6 kPa"]
+        for slow, fast in ((rows[0], rows[2]), (rows[3], rows[5])):
+            assert fast.published > slow.published and (fast.computed > slow.computed) == rises
+
+
 def test_the_table_is_printed_and_written(tmp_path, monkeypatch, capsys):
     row = list(measured.figures("nicholas_1980", pocket_depth="0", clearance="45.72"))
-    monkeypatch.setattr(measured, "figures", lambda name: row)
+    wider = [row[0]._replace(computed=0.032, status="measured")]
+    monkeypatch.setattr(measured, "bands", lambda name: {"a": row, "b": wider})
     page = tmp_path / "measured.md"
     measured.verify_measured(Console(width=200), page)
     assert len(page.read_text().strip().split("\n")) == 2 + len(measured.names())
     printed = capsys.readouterr().out
-    assert re.search(r"66.278 N, 8000 rpm, 45.72 um.* eccentricity \[1\] +0.03 +0.029", printed)
+    assert re.search(r"66.278 N, 8000 rpm, 45.72 um.* \[1\] +0.03 +0.02949 to 0.032 ", printed)
+    assert "band over 2 assumed supplies" in printed
 
 
 @pytest.mark.slow

@@ -1,7 +1,8 @@
 """Bearings of experiments and published studies: computed figures next to those of the source.
 
 `models/measured/NAME` holds the inputs of a case (case.toml) and the figures (data.csv). Nothing
-is fitted to them. A column of data.csv is an input or an entry of `QUANTITIES`.
+is fitted to them. A column of data.csv is an input or an entry of `QUANTITIES`. If the source does
+not state the oil supply, the table `supplies` assumes several, and the result is the band over all.
 """
 
 import csv
@@ -29,7 +30,8 @@ from piston_cosim.tests.verification.cases.elastic_parts import ShellModes, elas
 FOLDER = Path(__file__).parents[3] / "models" / "measured"
 ANGLE = "angle [deg]"
 """Column of the place of a value. It is not an input of a bearing."""
-HEADS = ("case", "at", "quantity", "published", "computed", "difference", "of the largest")
+HEADS = ("case", "at", "quantity", "{}", "computed", "difference", "of the largest")
+"""Heads of the table; the fourth one says whether the source measured or published the figure."""
 
 
 class Figure(NamedTuple):
@@ -101,6 +103,12 @@ def _in_the_middle(field: str):
     return value
 
 
+def highest(bearings: list[Solved]) -> float:
+    """Return the highest pressure in the middle of the first bearing [Pa]."""
+    values: Array = bearings[0].outputs["pressure"]
+    return float(values[:, values.shape[1] // 2].max())
+
+
 def _stiffness(row: int, column: int):
     return lambda bearings: float(bearings[0].outputs["stiffness"][row][column])
 
@@ -110,6 +118,7 @@ QUANTITIES = {
     "minimum_film_thickness": (thinnest, "m"),
     "eccentricity": (eccentricity, "1"),
     "pressure": (_in_the_middle("pressure"), "Pa"),
+    "maximum_pressure_middle": (highest, "Pa"),
     "deflection": (_in_the_middle("deflection"), "m"),
     "stiffness_xx": (_stiffness(0, 0), "N/m"),
     "stiffness_xy": (_stiffness(0, 1), "N/m"),
@@ -124,13 +133,24 @@ def names() -> list[str]:
     return sorted(path.parent.name for path in FOLDER.glob("*/data.csv"))
 
 
-def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Iterator[Figure]:
+def case_of(name: str) -> dict[str, Any]:
+    """Return the inputs of a case."""
+    return tomllib.loads((FOLDER / name / "case.toml").read_text())
+
+
+def figures(
+    name: str,
+    film: dict[str, Any] | None = None,
+    supply: dict[str, Any] | None = None,
+    **only: str,
+) -> Iterator[Figure]:
     """Yield the figures of a case, in the rows of data.csv whose inputs are as in `only`.
 
-    `film` replaces parameters of the film.
+    `film` replaces parameters of the film, and `supply` adds the oil supply of its bearings.
     """
-    tree = tomllib.loads((FOLDER / name / "case.toml").read_text())
+    tree = case_of(name)
     tree["film"] |= film or {}
+    tree["bearings"] = [one | (supply or {}) for one in tree["bearings"]]
     with (FOLDER / name / "data.csv").open() as lines:
         rows = list(csv.DictReader(lines))
     solved, last = [], {}
@@ -164,6 +184,12 @@ def figures(name: str, film: dict[str, Any] | None = None, **only: str) -> Itera
                 value if unit == "1" else from_si(value, si, unit),
                 max(series),
             )
+
+
+def bands(name: str, film: dict[str, Any] | None = None) -> dict[str, list[Figure]]:
+    """Return supply -> figures of a case; a case with a known supply has one, without a name."""
+    supplies = case_of(name).get("supplies", {"": None})
+    return {key: list(figures(name, film, supply)) for key, supply in supplies.items()}
 
 
 def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> Solved:
@@ -209,7 +235,8 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
         shells = [_shell(json.dumps(build))]
     if "journal" in one:
         shells.append(_modes("journal", json.dumps(one)))
-    outputs = oil.equilibrium(load, free, circumferential_velocity=surface, shells=shells)
+    conditions = {"circumferential_velocity": surface} | one.get("conditions", {})
+    outputs = oil.equilibrium(load, free, shells=shells, **conditions)
     return Solved(outputs, one["count"], clearance, speed, 0.0)
 
 
@@ -240,22 +267,32 @@ def _shown(head: str, cell: str) -> str:
     return cell if unit in ("", "1") else f"{cell} {unit}"
 
 
+def _range(values: list[float], form: str) -> str:
+    """Return a value, or the smallest and largest of several."""
+    return " to ".join(dict.fromkeys(form.format(one) for one in (min(values), max(values))))
+
+
 def verify_measured(console: Console, page: Path | None = None) -> None:
     """Print the figures of all cases, and write them to `page` if given."""
-    lines = [f"| {' | '.join(HEADS)} |", "|---" * len(HEADS) + "|"]
+    heads = [head.format("measured or published") for head in HEADS]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(HEADS) + "|"]
     for name in names():
-        found = list(figures(name))
-        first = found[0]
-        table = Table(*HEADS, box=None, title=f"{name}, {first.status}: {first.source}")
-        for one in found:
+        rows = list(zip(*bands(name).values()))
+        first = rows[0][0]
+        title = f"{name}, {first.status}: {first.source}"
+        if len(rows[0]) > 1:
+            title += f"; band over {len(rows[0])} assumed supplies"
+        table = Table(*(head.format(first.status) for head in HEADS), box=None, title=title)
+        for row in rows:
+            one = row[0]
             cells = (
                 name,
                 ", ".join(_shown(head, cell) for head, cell in one.at.items()),
                 f"{one.quantity} [{one.unit}]",
                 f"{one.published:.4g}",
-                f"{one.computed:.4g}",
-                f"{100.0 * one.difference:+.1f} %",
-                f"{100.0 * one.share:+.1f} %",
+                _range([each.computed for each in row], "{:.4g}"),
+                _range([100.0 * each.difference for each in row], "{:+.1f}") + " %",
+                _range([100.0 * each.share for each in row], "{:+.1f}") + " %",
             )
             table.add_row(*map(Text, cells))
             lines.append(f"| {' | '.join(cells)} |")
