@@ -176,12 +176,12 @@ def reduce_piston(
             "under them, and no film"
         )
     properties = MeshProperties(_rigid_mass(mesh, position, options, full), around, there)
-    cylinder = dict(
+    cylinder: dict[str, Any] = dict(
         radius=surface.radius, skirt_lower=lower, skirt_upper=upper, pin_offset=axis.first
     )
     if not options.modes:
-        inertia = rigid_integrals(properties.rigid_mass)
-        body = ReducedPiston(**inertia | no_modes_in_motion(around * along) | cylinder)
+        cylinder |= rigid_integrals(properties.rigid_mass) | no_modes_in_motion(around * along)
+        body = ReducedPiston(**cylinder)
         return Reduced(body, _anatomy(mesh, position, options), properties)
     assert full  # of a flexible body
     _, K, M = full
@@ -270,9 +270,10 @@ def reduce_block(
     surface = film_surface(mesh, "bore", angle, heights)
     no_skirt = np.zeros((around, 0), dtype=bool)
     properties = MeshProperties(_rigid_mass(mesh, mesh.points, options, full), around, no_skirt)
-    cylinder = dict(heights=heights, radius=surface.radius)
+    cylinder: dict[str, Any] = dict(heights=heights, radius=surface.radius)
     if not options.modes:
-        body = ReducedBlock(**no_modes(around, len(heights)) | cylinder)
+        cylinder |= no_modes(around, len(heights))
+        body = ReducedBlock(**cylinder)
         return Reduced(body, _anatomy(mesh, mesh.points, options), properties)
     assert full  # of a flexible body
     _, K, M = full
