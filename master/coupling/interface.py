@@ -1,6 +1,6 @@
 """The coupled wires as one vector, one evaluation of all participants, and its derivative."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -9,21 +9,12 @@ import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE, NEGLIGIBLE
-from ..participants.participant import Participant, derive_each, read_each, write_each
+from ..participants.participant import FieldBlock, Participant, derive_each
 from .vector import Evaluation, largest
 from .wiring import HeldWire, Wire, is_unknown, layout_of
 
 SMALL = 16
-"""Scalar wires up to which a loop in Python is faster than operations on arrays."""
-
-
-class LastEvaluation(NamedTuple):
-    """An evaluation, time and length of its macro step [s], and the states that it began with."""
-
-    at: Evaluation
-    time: float
-    step: float
-    saved: Mapping[str, Any]
+"""Elements up to which a loop in Python is faster than operations on arrays."""
 
 
 class End(NamedTuple):
@@ -36,6 +27,8 @@ class End(NamedTuple):
 
 class Ends:
     """All ends of wires at one participant, moved together.
+
+    A single element is moved as a number, which is faster.
 
     Parameters
     ----------
@@ -53,34 +46,36 @@ class Ends:
         outputs: Sequence[End],
         feedback: np.ndarray,
     ):
-        self.write = getattr(participant, "write", None) or partial(write_each, participant)
-        self.read = getattr(participant, "read", None) or partial(read_each, participant)
-        self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
+        self.participant = participant
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
-        self.fields = [participant.fields[name] for name in self.inputs]
+        block = getattr(participant, "block", None) or partial(FieldBlock, participant)
+        self.given, self.taken = block(self.inputs, "written"), block(self.outputs, "read")
+        self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
+        self.nominals = [participant.fields[name].nominal for name in self.inputs]
         ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])
         self.starts = ends[:-1]
-        self.said = _repeated(outputs)
-        self.into = _places([end.part for end in inputs])
-        self.out = _places([end.part for end in outputs])
+        self.into, self.of_given = _positions([end.part for end in inputs])
+        self.out, self.of_taken = _positions([end.part for end in outputs])
+        if (repeated := _repeated(outputs)) is not None:
+            self.of_taken = repeated
         forward = [end.part for end in outputs if not feedback[end.part.start]]
-        self.forward = _places(forward) if forward else None
+        self.forward = _positions(forward)[0] if forward else None
 
-    def feed(self, used: np.ndarray) -> None:
-        """Set the inputs to their part of `used`."""
-        if self.inputs:
-            self.write(self.inputs, used[self.into])
+    def feed(self, values: Any) -> None:
+        """Set the inputs to their elements of the vector."""
+        self.given.values[self.of_given] = values
+        self.given.put()
 
     def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
         """Write the change of the outputs for a change of the inputs."""
-        values = self.derive(self.inputs, seen[self.into], self.outputs)
-        result[self.out] = values if self.said is None else values[self.said]
+        values = self.derive(self.inputs, np.atleast_1d(seen[self.into]), self.outputs)
+        result[self.out] = values[self.of_taken]
 
-    def values(self) -> np.ndarray:
-        """Return the outputs by their ends; the next call overwrites the array."""
-        values = self.read(self.outputs)
-        return values if self.said is None else values[self.said]
+    def values(self) -> Any:
+        """Return the outputs by their ends; the next call may overwrite them."""
+        self.taken.get()
+        return self.taken.values[self.of_taken]
 
     def hear(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs; later participants use those of wires along the order."""
@@ -88,6 +83,13 @@ class Ends:
             y[self.out] = self.values()
         if self.forward is not None:
             used[self.forward] = y[self.forward]
+
+    def largest_change(self, change: Any, values: Any) -> float:
+        """Return the largest change of an input, relative to its nominal value or its size."""
+        if self.of_given == 0:
+            return abs(change) / (self.nominals[0] or abs(values) or 1.0)
+        pairs = [np.maximum.reduceat(np.abs(v), self.starts).tolist() for v in (change, values)]
+        return largest([a / (n or b or 1.0) for n, a, b in zip(self.nominals, *pairs)])
 
 
 def _repeated(ends: Sequence[End]) -> np.ndarray | None:
@@ -104,12 +106,17 @@ def _repeated(ends: Sequence[End]) -> np.ndarray | None:
     )
 
 
-def _places(parts: Sequence[slice]) -> slice | np.ndarray:
-    """Return the indices of parts of the vector: a slice if the parts are contiguous."""
+def _positions(parts: Sequence[slice]) -> tuple[Any, Any]:
+    """Return the indices of parts of the vector, and of all elements of a copy of these parts.
+
+    They are a number for one element, and a slice if the parts are contiguous.
+    """
+    elements = np.array([k for part in parts for k in range(part.start, part.stop)], int)
+    if len(elements) == 1:
+        return int(elements[0]), 0
     if all(one.stop == other.start for one, other in zip(parts, parts[1:])):
-        return slice(parts[0].start, parts[-1].stop) if parts else slice(0, 0)
-    places: list[np.ndarray] = [np.arange(part.start, part.stop) for part in parts]
-    return np.concatenate(places)
+        return (slice(parts[0].start, parts[-1].stop) if parts else slice(0, 0)), slice(None)
+    return elements, slice(None)
 
 
 class Interface:
@@ -185,12 +192,15 @@ class Interface:
             name: Ends(participant, self.inputs[name], self.outputs[name], self.feedback)
             for name, participant in participants.items()
         }
-        self._last: LastEvaluation | None = None
+        self._last: tuple[Evaluation, tuple[float, float], Mapping[str, Any]] | None = None
         self.starts = [part.start for part in self.parts]
         is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
         scalars = is_small and not self.relative
         self._scalar_tolerances = self.tolerance.tolist() if scalars else None
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
+        is_exact = self.difference == DIFFERENCE
+        # those apart that repeat a step by themselves, which takes fewer messages
+        self.repeating = self.apart - self.discrete_inputs.keys() if is_exact else set[str]()
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
@@ -216,7 +226,8 @@ class Interface:
     def begin(self) -> None:
         """Begin an attempt at a macro step."""
         self.trail: list[list[float]] = []
-        self.hold(self._against)
+        if self._against:
+            self.hold(self._against)
 
     def hold(self, wires: Iterable[HeldWire]) -> None:
         """Set the `late` values of discrete wires to the present ones of their sources."""
@@ -239,7 +250,10 @@ class Interface:
         return y
 
     def evaluate(
-        self, x: np.ndarray, time: float, step: float, saved: Mapping[str, Any] | None
+        self,
+        x: np.ndarray,
+        step: tuple[float, float] | None = None,
+        saved: Mapping[str, Any] | None = None,
     ) -> Evaluation:
         """Step every participant once from its saved state.
 
@@ -249,40 +263,29 @@ class Interface:
         ----------
         x : ndarray, shape (size,)
             Iterate; the inputs are set to its feedback elements.
-        time, step : float
-            Start and length of the macro step [s].
-        saved : dict of str to saved state, or None
-            None if the participants are in the right state.
+        step : (float, float), optional
+            Start and length of the macro step [s]. Default: no step, outputs follow the inputs.
+        saved : dict of str to saved state, optional
+            Default: the participants are in the right state.
         """
-
-        at = self.answer(x, partial(self._step, time, step), saved)
-        self._last = None if saved is None else LastEvaluation(at, time, step, saved)
-        return at
-
-    def answer(
-        self,
-        x: np.ndarray,
-        act: Callable[[Sequence[str]], None],
-        saved: Mapping[str, Any] | None = None,
-    ) -> Evaluation:
-        """Return the outputs after `act` was called for each stage with its inputs set.
-
-        See `evaluate`.
-        """
-        used = x.copy()
-        y = np.empty(self.size)
+        used, y = x.copy(), np.empty(self.size)
         spent, transport = self.spent, 0.0
         now = perf_counter()
         for stage in self.stages:
             for name in stage:
+                ends = self.ends[name]
                 if saved is not None:
-                    self.participants[name].restore(saved[name])
-                self.ends[name].feed(used)
+                    ends.participant.restore(saved[name])
+                if ends.inputs:
+                    ends.feed(used[ends.into])
                 if name in self.discrete_inputs:
                     self._carry(name)
             fed = perf_counter()
             transport += fed - now
-            act(stage)
+            if step and self.apart:
+                self._step(stage, *step)
+            elif step:  # a stage of one
+                self.participants[stage[0]].step(*step)
             now = perf_counter()
             if not self.apart:
                 spent[stage[0]] += now - fed
@@ -290,7 +293,9 @@ class Interface:
                 self.ends[name].hear(used, y)
         spent["transport"] += transport + perf_counter() - now
         # an element that is fed back was used as in x, another one as in y
-        return Evaluation(used, y, y - x)
+        at = Evaluation(used, y, y - x)
+        self._last = (at, step, saved) if step and saved is not None else None
+        return at
 
     def _carry(self, name: str) -> None:
         """Set the inputs of a participant that are not real numbers."""
@@ -301,14 +306,11 @@ class Interface:
             self.participants[name].set(wire.target[1], value)
             self._carried[wire] = value
 
-    def _step(self, time: float, step: float, stage: Sequence[str]) -> None:
+    def _step(self, stage: Sequence[str], time: float, step: float) -> None:
         """Step the participants of a stage, the isolated ones in parallel.
 
         A discarded step or a fault is raised after all of them have answered.
         """
-        if not self.apart:  # one participant, of which `answer` takes the time
-            self.participants[stage[0]].step(time, step)
-            return
         participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
         apart = [name for name in stage if name in self.apart]
         here = [name for name in stage if name not in self.apart]
@@ -355,39 +357,39 @@ class Interface:
             if not (ends.inputs and ends.outputs):
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
-            apart = name in self.apart and name not in self.discrete_inputs
-            apart = apart and self.difference == DIFFERENCE
-            if participant.has_derivatives or apart or self._last is None:
+            if participant.has_derivatives or name in self.repeating or self._last is None:
                 ends.differentiate(seen, result)
             else:
-                result[ends.out] = self._difference(name, self._last, seen[ends.into])
+                result[ends.out] = self._difference(name, *self._last, seen[ends.into])
             self.spent[name] += perf_counter() - begun
             if ends.forward is not None:
                 seen[ends.forward] = result[ends.forward]
         return result
 
     def _difference(
-        self, name: str, last: LastEvaluation, change: np.ndarray
-    ) -> np.ndarray | float:
-        """Return the change of a participant's outputs for a change of its inputs, Eq. (P1)."""
+        self,
+        name: str,
+        at: Evaluation,
+        step: tuple[float, float],
+        saved: Mapping[str, Any],
+        change: Any,
+    ) -> Any:
+        """Return the change of a participant's outputs for a change of its inputs, Eq. (P1).
+
+        at, step, saved : the last evaluation, and what it was computed from.
+        """
         ends = self.ends[name]
-        given = last.at.used[ends.into]
-        sizes, values = change, given
-        if len(ends.fields) < len(given):
-            sizes, values = (np.maximum.reduceat(np.abs(v), ends.starts) for v in (sizes, values))
-        largest = max(
-            abs(size) / (field.nominal or abs(value) or 1.0)
-            for field, size, value in zip(ends.fields, sizes.tolist(), values.tolist())
-        )
-        if largest <= NEGLIGIBLE:
+        given = at.used[ends.into]
+        largest_change = ends.largest_change(change, given)
+        if largest_change <= NEGLIGIBLE:
             return 0.0
-        share = self.difference / largest
-        self.participants[name].restore(last.saved[name])
-        ends.write(ends.inputs, given + share * change)
+        share = self.difference / largest_change
+        ends.participant.restore(saved[name])
+        ends.feed(given + share * change)
         for wire in self.discrete_inputs.get(name, ()):
-            self.participants[name].set(wire.target[1], self._carried[wire])
-        self.participants[name].step(last.time, last.step)
-        return (ends.values() - last.at.outputs[ends.out]) / share  # Eq. (P1)
+            ends.participant.set(wire.target[1], self._carried[wire])
+        ends.participant.step(*step)
+        return (ends.values() - at.outputs[ends.out]) / share  # Eq. (P1)
 
     def allowed(self, values: np.ndarray) -> np.ndarray:
         """Return the residual that counts as converged, by element, for given values."""

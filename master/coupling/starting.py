@@ -149,7 +149,7 @@ class Start:
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
         """Set the inputs of every participant, later ones to the outputs of earlier ones."""
-        return self.interface.answer(x, lambda stage: None)
+        return self.interface.evaluate(x)
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """Raise: Newton uses differences here."""

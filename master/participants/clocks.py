@@ -155,11 +155,9 @@ class ClockedFmu3(Fmu3Participant):
             return ticked
         return self._work.values[name] if name in self._work.values else super().get(name)
 
-    def get_many(self, names):
-        """Return the values of several scalars by name."""
-        kept = {n: self._work.values[n] for n in names if n in self._work.values}
-        asked = super().get_many([name for name in names if name not in kept])
-        return {name: kept[name] if name in kept else asked[name] for name in names}
+    def lister(self, names):
+        """Return a function that lists the values of several scalars."""
+        return lambda: [self.get(name) for name in names]
 
     def _are_double(self, names):
         return super()._are_double(names) and not any(name in self._clocks_of for name in names)
@@ -272,10 +270,12 @@ class ClockedFmu3(Fmu3Participant):
         """Return a handle of the FMU's state and the state of its clocks."""
         return super().save(), self._work.copy(), self._now
 
-    def _set_state(self, saved):
+    def restore(self, saved):
+        """Restore a saved state, where the next step begins."""
         handle, work, self._now = saved
         self._work = work.copy()
-        super()._set_state(handle)
+        super().restore(handle)
+        self._begin = saved
 
     def free(self, saved):
         super().free(saved[0])

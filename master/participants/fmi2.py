@@ -17,7 +17,7 @@ from .derivatives import RepeatedStep
 from .exits import guard_exit
 from .participant import StartedInHalves, derive_each
 from .printf import Logger, printed
-from .transfer import FAILED, FmuFields, Functions, block_of
+from .transfer import FAILED, FmuFields
 from .warned import LoggedWarnings
 
 WHOLE = 1e-9
@@ -62,6 +62,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     has_clocks = False
     event_mode = True
+    _state = "FMUstate"
 
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
@@ -69,10 +70,6 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self.log = deque(maxlen=MOST_MESSAGES)
         self._warnings = LoggedWarnings()
         self._warned_at = None
-        self._derivative = {
-            kind: block_of({name: self._reserved_field(name, k) for name, k in first.items()})
-            for kind, first in self._reserved.items()
-        }
         self._begun = False
         self._stop = inf
         self.ended = ""
@@ -152,15 +149,26 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi2.FMU2Slave)
-        self._chosen.clear()
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._logger = Logger(self._note)
         self._callbacks.logger = ctypes.cast(self._logger, fmi2.fmi2CallbackLoggerTYPE)
         self._callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self._callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
-        self._functions = Functions(self._fmu)
+        self._bind()
         self._fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+
+    def _bind(self):
+        super()._bind()
+        self._times = ctypes.c_double(), ctypes.c_double()
+        names = ("DoStep", *(verb + self._state for verb in ("Get", "Set", "Free")))
+        self._do, self._get_state, self._put_state, self._free_state = (
+            self._call_of(f"fmi{self.version}{name}") for name in names
+        )
+        self._derivative = {
+            kind: self._block({name: self._reserved_field(name, k) for name, k in first.items()})
+            for kind, first in self._reserved.items()
+        }
 
     def _configure(self):
         """Set the `sizes` of the FMU; FMI 2.0 has none."""
@@ -253,10 +261,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         noSetFMUStatePriorToCurrentPoint is true, because the master never restores a state
         before `time`. If it is false, FMUs may repeat their last step.
         """
-        functions = self._functions
-        times = ctypes.c_double(time), ctypes.c_double(step)
-        if status := functions.fmi2DoStep(functions.component, *times, TRUE):
-            self._check("fmi2DoStep", status)
+        begin, length = self._times
+        begin.value, length.value = time, step
+        self._do(begin, length, TRUE)
 
     def _message(self, failure):
         """Return the FMU's log of the failed call, or the call's name and status."""
@@ -265,26 +272,17 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     def save(self):
         """Return a handle of the FMU's state; `free` it after use."""
         state = ctypes.c_void_p()
-        functions = self._functions
-        if status := functions.fmi2GetFMUstate(functions.component, ctypes.byref(state)):
-            self._check("fmi2GetFMUstate", status)
+        self._get_state(ctypes.byref(state))
         return state
 
     def restore(self, saved):
         """Restore a saved state, where the next step begins."""
         self._begin = saved
-        self._set_state(saved)
-
-    def _set_state(self, saved):
-        functions = self._functions
-        if status := functions.fmi2SetFMUstate(functions.component, saved):
-            self._check("fmi2SetFMUstate", status)
+        self._put_state(saved)
 
     def free(self, saved):
         if not (self._fatal and self.folder in self._fatal):
-            functions = self._functions
-            if status := functions.fmi2FreeFMUstate(functions.component, ctypes.byref(saved)):
-                self._check("fmi2FreeFMUstate", status)
+            self._free_state(ctypes.byref(saved))
 
     def serialise(self, saved):
         """Return the saved state as bytes."""
@@ -319,13 +317,13 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
             )
         changes = np.concatenate([np.ravel(value) for value in seeds.values()])
         self.derive(tuple(seeds), changes, tuple(products))
-        return self._cut(self._pair(tuple(products)))
+        return self._cut(self.block(tuple(products)))
 
     def derive(self, inputs, changes, outputs):
         """Return `derivative` of concatenated fields; the next call overwrites the array."""
         if not self._standard_derivative:
             return derive_each(self, inputs, changes, outputs)
-        known, unknown = self._pair(inputs, "seeds"), self._pair(outputs)
+        known, unknown = self.block(inputs, "seeds"), self.block(outputs)
         known.values[:] = changes
         self.log.clear()
         self._derive(known, unknown)
@@ -333,8 +331,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def _derive(self, known, unknown):
         """Compute the standard directional derivative in `unknown` for the seeds in `known`."""
-        wanted, count, values = unknown.arguments
-        self._call("fmi2GetDirectionalDerivative", wanted, count, *known.arguments, values)
+        wanted, count, *values = unknown.arguments
+        function = f"fmi{self.version}GetDirectionalDerivative"
+        self._call(function, wanted, count, *known.arguments, *values)
 
     def _reserved_derivative(self, seeds):
         """Return the derivative through reserved references instead of the standard call."""
@@ -342,8 +341,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         write.values[:] = 0.0
         for name, value in seeds.items():
             write.values[write.parts[name]] = np.ravel(value)
-        self._write(write)
-        self._read(read)
+        write.put()
+        read.get()
         return self._cut(read)
 
     def close(self):

@@ -9,7 +9,6 @@ from fmpy import fmi3
 from ..fmi.errors import Discard
 from .fmi2 import WHOLE, FmuParticipant, step_within
 from .plain import pack, unpack
-from .transfer import Functions
 
 LARGEST_ITERATION = 1000
 """Maximum number of calls of fmi3UpdateDiscreteStates in an event."""
@@ -20,6 +19,8 @@ class Fmu3Participant(FmuParticipant):
 
     version, derivative_flag = "3", "providesDirectionalDerivatives"
     _whole_numbers = {}
+    _real_functions = "fmi3GetFloat64", "fmi3SetFloat64"
+    _state = "FMUState"
     _is_cached = False  # the size of arrays depends on `sizes`
     _next_event = inf  # time that the FMU has announced [s]
 
@@ -30,26 +31,19 @@ class Fmu3Participant(FmuParticipant):
 
     def _instantiate(self, start_time, stop_time):
         self._fmu = self._slave(fmi3.FMU3Slave)
-        self._chosen.clear()
         self._fmu.instantiate(
             loggingOn=True,
             logMessage=fmi3.fmi3LogMessageCallback(self._note_3),
             eventModeUsed=self._has_events,
             earlyReturnAllowed=self._has_events,
         )
-        self._functions = Functions(self._fmu)
+        self._bind()
 
     def _note_3(self, _environment, status, _category, message):
         self._keep(status, (message or b"").decode(errors="replace"))
 
     def _enter(self, start_time, stop_time):
         self._fmu.enterInitializationMode(startTime=start_time, stopTime=stop_time)
-
-    def _write(self, block):
-        self._call("fmi3SetFloat64", *block.arguments, ctypes.c_size_t(block.values.size))
-
-    def _read(self, block):
-        self._call("fmi3GetFloat64", *block.arguments, ctypes.c_size_t(block.values.size))
 
     def _access(self) -> dict[str, tuple]:
         one = self._fmu
@@ -138,7 +132,7 @@ class Fmu3Participant(FmuParticipant):
             until = self._next_event if inside else end
             length = step_within(at, until - at, self._stop)
             times = ctypes.c_double(at), ctypes.c_double(length)
-            self._call("fmi3DoStep", *times, ctypes.c_bool(True), *references)
+            self._do(*times, ctypes.c_bool(True), *references)
             event, finished, early = (flag.value for flag in flags)
             now = reached.value if early or finished else until
             is_due = self._next_event <= now + WHOLE * step
@@ -168,30 +162,18 @@ class Fmu3Participant(FmuParticipant):
         values = self._access()[field.native][0](list(field.references), field.size)
         return [b"" if value is None else value for value in values]
 
-    def _derive(self, known, unknown):
-        self._fmu.fmi3GetDirectionalDerivative(
-            self._fmu.component,
-            unknown.references,
-            unknown.count,
-            known.references,
-            known.count,
-            known.pointer,
-            known.values.size,
-            unknown.pointer,
-            unknown.values.size,
-        )
-
     def save(self):
         """Return a handle of the FMU's state, and its next event; `free` it after use."""
-        return self._fmu.getFMUState(), self._next_event
+        return super().save(), self._next_event
 
-    def _set_state(self, saved):
+    def restore(self, saved):
+        """Restore a saved state, where the next step begins."""
         handle, self._next_event = saved
-        self._fmu.setFMUState(handle)
+        super().restore(handle)
+        self._begin = saved
 
     def free(self, saved):
-        if not (self._fatal and self.folder in self._fatal):
-            self._fmu.freeFMUState(saved[0])
+        super().free(saved[0])
 
     def serialise(self, saved):
         """Return the saved state as bytes."""

@@ -17,7 +17,7 @@ class Participant(Protocol):
     """One model under the master.
 
     A saved state is the result of `save`, which the master does not inspect. A participant may
-    also define `write(names, values)`, `read(names)` and `derive(inputs, changes, outputs)`, which
+    also define `block(names, use)`, see `FieldBlock`, and `derive(inputs, changes, outputs)`, which
     transfer several concatenated real fields in one call. For others the master transfers each
     field separately.
     """
@@ -76,16 +76,33 @@ class Wrapper(StartedInHalves):
         return getattr(self.participant, name)
 
 
+class FieldBlock:
+    """Several real fields of a participant, one by one.
+
+    use : "read" or "written"; values : ndarray, their concatenated values.
+    """
+
+    def __init__(self, participant: Any, names: Sequence[str], use: str = "read"):
+        self.participant, self.names = participant, names
+        self.values = np.zeros(sum(prod(participant.fields[name].shape) for name in names))
+
+    def get(self) -> None:
+        """Read the fields into `values`."""
+        values = [np.ravel(self.participant.get(name)) for name in self.names]
+        self.values[:] = np.concatenate(values)
+
+    def put(self) -> None:
+        """Set the fields to `values`."""
+        for name, value in split(self.participant, self.names, self.values.copy()).items():
+            self.participant.set(name, value)
+
+
 class FieldByField:
-    """`write`, `read` and `derive` field by field, for participants that change these."""
+    """`block` and `derive` field by field, for participants that change these."""
 
-    def write(self, names: Sequence[str], values: np.ndarray) -> None:
-        """Set several real fields from their concatenated values."""
-        write_each(self, names, values)
-
-    def read(self, names: Sequence[str]) -> np.ndarray:
-        """Return several real fields, concatenated."""
-        return read_each(self, names)
+    def block(self, names: Sequence[str], use: str = "read") -> FieldBlock:
+        """Return several real fields."""
+        return FieldBlock(self, names, use)
 
     def derive(
         self, inputs: Sequence[str], changes: np.ndarray, outputs: Sequence[str]
@@ -102,17 +119,6 @@ def split(participant: Any, names: Iterable[str], values: np.ndarray) -> dict[st
         fields[name] = values[begin : begin + prod(shape)].reshape(shape)
         begin += prod(shape)
     return fields
-
-
-def write_each(participant: Any, names: Iterable[str], values: np.ndarray) -> None:
-    """Set each of several real fields from their concatenated values."""
-    for name, value in split(participant, names, values).items():
-        participant.set(name, value)
-
-
-def read_each(participant: Any, names: Iterable[str]) -> np.ndarray:
-    """Return several real fields, read separately and concatenated."""
-    return np.concatenate([np.ravel(participant.get(name)) for name in names])
 
 
 def derive_each(

@@ -1,8 +1,9 @@
 """Values of an FMU's fields: typed, and several real ones by one call."""
 
 import ctypes
-from dataclasses import dataclass
-from functools import cached_property, partial
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -12,7 +13,7 @@ from fmpy.fmi1 import FMICallException
 
 from ..fmi.errors import CallDiscarded, CallFailed, ParticipantFault
 from .description import DescribedFmu
-from .participant import read_each, write_each
+from .participant import FieldBlock
 
 REAL = ctypes.POINTER(ctypes.c_double)
 FAILED = (fmi2.fmi2Error, fmi2.fmi2Fatal)
@@ -23,9 +24,10 @@ SURVIVED = ("FMUstate", "FMUState", "Status", "DirectionalDerivative")
 class FmuFields(DescribedFmu):
     """Fields of an FMI 2.0 FMU, set and read.
 
-    A subclass creates the instance: `_fmu` of FMPy, and its `_functions`.
+    A subclass creates the instance, `_fmu` of FMPy, and calls `_bind`.
     """
 
+    _real_functions = "fmi2GetReal", "fmi2SetReal"
     _whole_numbers = {
         "Integer": "fmi2GetInteger",
         "Enumeration": "fmi2GetInteger",
@@ -41,22 +43,76 @@ class FmuFields(DescribedFmu):
     def __init__(self, name, path, sizes=None, elements=()):
         super().__init__(name, path, sizes, elements)
         self._vectors: dict[str, TransferBlock] = {}
-        self._blocks: dict[str, dict[tuple[str, ...], TransferBlock]] = {
-            "read": {},
-            "written": {},
-            "seeds": {},
-        }
+        self._blocks: dict[tuple[tuple[str, ...], str], TransferBlock] = {}
         self._input_values: dict[str, np.ndarray] = {}
         self._written: TransferBlock | None = None
         self._courses: dict[tuple[str, int], tuple] = {}
-        self._chosen: dict[tuple[str, ...], list[tuple]] = {}
         self._functions: Any = None
         self._fmu: Any = None
+
+    def _bind(self):
+        """Use the instance that was created instead of an earlier one."""
+        self._functions = Functions(self._fmu)
+        for block in (*self._vectors.values(), *self._blocks.values()):
+            self._aim(block)
+
+    def _call_of(self, function, *arguments):
+        """Return a function that calls the FMU with these and further arguments.
+
+        All arguments are ctypes objects, so nothing is converted. FMPy's layers take longer than a
+        small FMU.
+        """
+        call = partial(getattr(self._functions, function), self._functions.component, *arguments)
+
+        def checked(*more):
+            if status := call(*more):
+                self._check(function, status)
+
+        return checked
+
+    def _call(self, function, *arguments):
+        """Call the FMU once, see `_call_of`."""
+        self._call_of(function, *arguments)()
+
+    def _block(self, fields, is_input=False):
+        """Return the block of several fields (name -> Field)."""
+        references = [reference for field in fields.values() for reference in field.references]
+        ends = np.cumsum([field.size for field in fields.values()])
+        values = np.zeros(int(ends[-1]) if fields else 0)
+        sizes = (ctypes.c_size_t(values.size),) * (self.version == "3")
+        arguments = (
+            (ctypes.c_uint * len(references))(*references),
+            ctypes.c_size_t(len(references)),
+            values.ctypes.data_as(REAL),
+            *sizes,
+        )
+        parts = {
+            name: slice(int(end) - field.size, int(end))
+            for (name, field), end in zip(fields.items(), ends)
+        }
+        block = TransferBlock(arguments, values, parts, is_input)
+        self._aim(block)
+        return block
+
+    def _aim(self, block):
+        """Let a block call the present instance."""
+        calls = (self._call_of(name, *block.arguments) for name in self._real_functions)
+        block.get, block.put = calls
+        if block.is_input:
+            block.put = partial(self._put_inputs, block, block.put)
+
+    def _put_inputs(self, block, put):
+        """Set inputs, and save their values as those that were set."""
+        put()
+        if block is not self._written:
+            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
+            self._written = block
 
     def _vector(self, name):
         """Return the block of a field, created once."""
         if name not in self._vectors:
-            self._vectors[name] = block_of({name: self.fields[name]})
+            field = self.fields[name]
+            self._vectors[name] = self._block({name: field}, field.causality == "input")
         return self._vectors[name]
 
     def set(self, name, value):
@@ -65,9 +121,7 @@ class FmuFields(DescribedFmu):
         if field.is_double:
             block = self._vector(name)
             block.values[:] = np.ravel(value)
-            self._write(block)
-            if field.causality == "input":
-                self._remember(block)
+            block.put()
         else:
             values = (
                 np.broadcast_to(value, field.shape).ravel().tolist() if field.shape else [value]
@@ -121,15 +175,9 @@ class FmuFields(DescribedFmu):
             return np.array(values).reshape(field.shape) if field.shape else values[0]
         if values is None:
             block = self._vector(name)
-            self._read(block)
+            block.get()
             values = block.values
         return values.reshape(field.shape).copy() if field.shape else float(values[0])
-
-    def _remember(self, block):
-        """Save the inputs of a block as the values that were set."""
-        if block is not self._written:
-            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
-            self._written = block
 
     def _forget_inputs(self):
         """Read inputs from the FMU until they are set again."""
@@ -141,49 +189,9 @@ class FmuFields(DescribedFmu):
         values = self._access()[field.type][0](list(field.references))
         return [bool(value) for value in values] if field.type == "Boolean" else values
 
-    def write(self, names, values):
-        """Set several real fields from their concatenated values."""
-        block = self._blocks["written"].get(names)
-        if block is None:
-            if not self._are_double(names):
-                write_each(self, names, values)
-                return
-            block = self._pair(names, "written")
-        block.values[:] = values
-        self._write(block)
-        if block is not self._written:
-            self._remember(block)
-
-    def read(self, names):
-        """Return several real fields, concatenated; the next call overwrites the array."""
-        block = self._blocks["read"].get(names)
-        if block is None:
-            if not self._are_double(names):
-                return read_each(self, names)
-            block = self._pair(names)
-        self._read(block)
-        return block.values
-
     def _are_double(self, names):
         """Return whether one call can transfer several fields."""
         return True
-
-    def _write(self, block):
-        if status := self._functions.fmi2SetReal(self._functions.component, *block.arguments):
-            self._check("fmi2SetReal", status)
-
-    def _read(self, block):
-        if status := self._functions.fmi2GetReal(self._functions.component, *block.arguments):
-            self._check("fmi2GetReal", status)
-
-    def _call(self, function, *arguments):
-        """Call the FMU without FMPy's layers, which take longer than a small FMU.
-
-        All arguments are ctypes objects, so nothing is converted.
-        """
-        functions = self._functions
-        if status := getattr(functions, function)(functions.component, *arguments):
-            self._check(function, status)
 
     def _check(self, function, status):
         """Note a warning; raise `CallFailed` with the FMU's messages for a failure."""
@@ -243,16 +251,19 @@ class FmuFields(DescribedFmu):
 
     def get_many(self, names):
         """Return the values of several scalars by name, with one call for each type."""
-        names = tuple(names)
-        if (getters := self._chosen.get(names)) is None:
-            getters = self._chosen[names] = self._getters(names)
+        return dict(zip(names, self.lister(tuple(names))()))
+
+    def lister(self, names):
+        """Return a function that lists the values of several scalars, see `get_many`."""
+        getters = self._getters(names)
         if len(getters) == 1:
-            chosen, getter = getters[0]
-            return dict(zip(chosen, getter()))
-        values = {}
-        for chosen, getter in getters:
-            values |= zip(chosen, getter())
-        return values
+            return getters[0][1]
+
+        def listed():
+            values = {name: v for chosen, getter in getters for name, v in zip(chosen, getter())}
+            return [values[name] for name in names]
+
+        return listed
 
     def _getters(self, names):
         """Return names of scalars by type, each with a function that returns their values."""
@@ -271,12 +282,10 @@ class FmuFields(DescribedFmu):
         kind : type, or the FMU's function that reads integers.
         """
         if kind in ("Real", "Float64"):
-            if not self._are_double(names):
-                return lambda: self.read(names).tolist()
-            block = self._pair(names)
+            block = self.block(names)
 
             def numbers():
-                self._read(block)
+                block.get()
                 return block.values.tolist()
 
             return numbers
@@ -284,10 +293,11 @@ class FmuFields(DescribedFmu):
             return partial(self._access()[kind][0], references)
         count = len(references)
         values = (ctypes.c_int * count)()
-        arguments = (ctypes.c_uint * count)(*references), ctypes.c_size_t(count), values
+        references = (ctypes.c_uint * count)(*references)
+        call = self._call_of(kind, references, ctypes.c_size_t(count), values)
 
         def listed():
-            self._call(kind, *arguments)
+            call()
             return list(map(bool, values) if kind == "fmi2GetBoolean" else values)
 
         return listed
@@ -296,12 +306,14 @@ class FmuFields(DescribedFmu):
         """Return the type of a field in the FMU's version of the standard."""
         return self.fields[name].native or self.fields[name].type
 
-    def _pair(self, names, use="read"):
-        """Return the block of several fields, created once for each use."""
-        blocks = self._blocks[use]
-        if names not in blocks:
-            blocks[names] = block_of({name: self.fields[name] for name in names})
-        return blocks[names]
+    def block(self, names, use="read") -> Any:
+        """Return several real fields, which one call transfers; created once for each use."""
+        if not self._are_double(names):
+            return FieldBlock(self, names)
+        if (names, use) not in self._blocks:
+            known = {name: self.fields[name] for name in names}
+            self._blocks[names, use] = self._block(known, use == "written")
+        return self._blocks[names, use]
 
     def _cut(self, block):
         return {
@@ -310,24 +322,21 @@ class FmuFields(DescribedFmu):
         }
 
 
-@dataclass(frozen=True)
+@dataclass
 class TransferBlock:
     """Fields that one call transfers.
 
-    references : C array of value references; count : their number; pointer : to `values`; parts
-    : slice of each field.
+    arguments : references as a C array, their number, pointer to `values`, and in FMI 3.0 the
+    number of values; parts : slice of each field; is_input : whether values that are set are saved;
+    get, put : calls that read and write the values.
     """
 
-    references: ctypes.Array
-    count: int
+    arguments: tuple
     values: np.ndarray
-    pointer: Any
     parts: dict[str, slice]
-
-    @cached_property
-    def arguments(self):
-        """References, their number and the pointer to the values."""
-        return self.references, ctypes.c_size_t(self.count), self.pointer
+    is_input: bool
+    get: Callable[[], None] = field(init=False)
+    put: Callable[[], None] = field(init=False)
 
 
 class Functions:
@@ -341,21 +350,3 @@ class Functions:
         function = self.library[name]
         setattr(self, name, function)
         return function
-
-
-def block_of(fields):
-    """Return the block of several fields (name -> Field)."""
-    references = [reference for field in fields.values() for reference in field.references]
-    ends = np.cumsum([field.size for field in fields.values()])
-    values = np.zeros(int(ends[-1]) if fields else 0)
-    parts = {
-        name: slice(int(end) - field.size, int(end))
-        for (name, field), end in zip(fields.items(), ends)
-    }
-    return TransferBlock(
-        (ctypes.c_uint * len(references))(*references),
-        len(references),
-        values,
-        values.ctypes.data_as(REAL),
-        parts,
-    )

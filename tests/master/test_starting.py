@@ -113,7 +113,7 @@ def evaluated(kinds, wires, order, parallel=False):
     participants = {name: kinds.get(name, Apart)(name, lambda u: u + 1, events) for name in order}
     interface = Interface(participants, wires, parallel)
     x = np.linspace(1.0, 2.0, len(wires))
-    return interface.evaluate(x, 0.0, 1.0, saved(participants)), events
+    return interface.evaluate(x, (0.0, 1.0), saved(participants)), events
 
 
 def saved(participants):
@@ -156,7 +156,7 @@ def test_every_one_is_waited_for_before_a_refusal_is_heard():
     }
     interface = Interface(participants, (wire("a", "b"), wire("b", "a")), True)
     with pytest.raises(Discard, match="a: refused"):
-        interface.evaluate(np.zeros(2), 0.0, 1.0, saved(participants))
+        interface.evaluate(np.zeros(2), (0.0, 1.0), saved(participants))
     assert events[-2:] == ["a ends", "b ends"]
 
 

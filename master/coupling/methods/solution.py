@@ -22,14 +22,14 @@ class MacroStep(NamedTuple):
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
         """Return `Interface.evaluate` of this step."""
-        return self.interface.evaluate(x, self.time, self.step, self.saved)
+        return self.interface.evaluate(x, (self.time, self.step), self.saved)
 
     def evaluate_once(self, x: np.ndarray) -> Evaluation:
         """Return the only evaluation of this step, which restores no state.
 
         Some FMUs continue differently from a restored state.
         """
-        return self.interface.evaluate(x, self.time, self.step, None)
+        return self.interface.evaluate(x, (self.time, self.step))
 
     def derivative(self, change: np.ndarray) -> np.ndarray:
         """Return `Interface.derivative` at the last evaluation."""
