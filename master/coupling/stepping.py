@@ -9,12 +9,12 @@ import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
-from .interface import Interface
+from .interface import SMALL, Interface
 from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
 from .step_control import StepControl
-from .vector import extrapolate, moved
+from .vector import extrapolate, lagrange, moved
 from .wiring import HeldWire, System
 
 Judge = Callable[[float, Solution], None]
@@ -77,7 +77,14 @@ class Predictor:
         if len(self.past) == 1:
             return self.past[0][1] + 0.0  # as `extrapolate`, which has no -0
         times, vectors = zip(*self.past)
-        return extrapolate(times, vectors, time)
+        if len(vectors[0]) > SMALL:
+            return extrapolate(times, vectors, time)
+        weights = [0.0] * len(times)
+        lagrange(times, time, weights)
+        guess = [0.0] * len(vectors[0])
+        for weight, vector in zip(weights, vectors):
+            guess = [a + b * weight for a, b in zip(guess, vector.tolist())]
+        return np.array(guess)
 
 
 class Observer:

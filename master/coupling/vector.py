@@ -1,7 +1,7 @@
 """Vector of all wires, in Python and in machine code: layout, evaluation, limits, extrapolation."""
 
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,18 +102,15 @@ def step_length(layout: Layout, x: Array, change: Array):
     largest_decrease.
     """
     share = 1.0
-    begin = 0
-    for w in range(len(layout.ends)):
-        end = layout.ends[w]
-        limit = layout.largest_decrease[w]
+    for w, limit in enumerate(layout.largest_decrease):
         if limit < np.inf:
+            begin, end = layout.ends[w - 1] if w > 0 else 0, layout.ends[w]
             values, moves = x[begin:end], change[begin:end]
             down = moves < 0.0
             if down.any():
                 smallest = np.min(values)
                 floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
                 share = min(share, np.min((values[down] - floor) / -moves[down]))
-        begin = end
     return share
 
 
@@ -124,14 +121,22 @@ def moved(layout: Layout, x: Array, change: Array):
 
 
 @compilable
+def lagrange(times: Sequence[float], time: float, weights: Any):
+    """Write the weights of the values at distinct times in their polynomial at `time` [s]."""
+    for k, own in enumerate(times):
+        weight = 1.0
+        for other in times:
+            if other != own:
+                weight *= (time - other) / (own - other)
+        weights[k] = weight
+
+
+@compilable
 def extrapolate(times: Sequence[float], past: Sequence[Array], time: float):
     """Return the polynomial through vectors of distinct times at `time` [s] (Lagrange)."""
     guess = np.zeros(len(past[0]))
-    count = len(times)
-    for a in range(count):
-        weight = 1.0
-        for b in range(count):
-            if times[b] != times[a]:
-                weight *= (time - times[b]) / (times[a] - times[b])
-        guess += past[a] * weight
+    weights = np.empty(len(times))
+    lagrange(times, time, weights)
+    for a in range(len(times)):
+        guess += past[a] * weights[a]
     return guess

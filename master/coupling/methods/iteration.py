@@ -108,38 +108,51 @@ def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
 def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layout, pairs: Pairs):
     """Return the Newton update at an evaluation, see `converge`."""
     at = answer.at
+    if len(layout.unknowns) == 1:
+        return scalar_update(derivative, step, at, layout)
     size = len(at.used)
     scale = layout.nominal[layout.unknowns]
     right = (at.outputs - at.used)[layout.unknowns] / scale
     products = np.empty((max(rules.largest_krylov_space, 1), size))
     linear = NewtonSystem(derivative, step, layout, scale, np.zeros(size), products)
-    count = len(right) - 1
-    if count == 0:
-        pivot = np.empty(1)
-        is_answered = product(linear, count, np.ones(1), pivot)
-        x = right / pivot if is_answered and pivot[0] != 0.0 else np.zeros(1)  # Eq. (Q1)
-        change = x[0] * products[0]
+    limits = rules.accuracy * answer.allowed[layout.unknowns] / scale
+    goal = Goal(limits, rules.forcing * length(right))
+    most = rules.largest_krylov_space
+    solved = minimise(product, linear, right, goal, pairs, most)  # Eq. (Q1)
+    x, count, is_answered = solved.x, len(solved.weights), solved.is_answered
+    if is_answered and count > 0:
+        learn(pairs, solved.space, count)
+        change = solved.weights @ products[:count]
     else:
-        limits = rules.accuracy * answer.allowed[layout.unknowns] / scale
-        goal = Goal(limits, rules.forcing * length(right))
-        most = rules.largest_krylov_space
-        solved = minimise(product, linear, right, goal, pairs, most)  # Eq. (Q1)
-        x, count, is_answered = solved.x, len(solved.weights), solved.is_answered
-        if is_answered and count > 0:
-            learn(pairs, solved.space, count)
-            change = solved.weights @ products[:count]
-        else:
-            is_answered = is_answered and product(linear, count, x, np.empty(len(x)))
-            change = products[0]
+        is_answered = is_answered and product(linear, count, x, np.empty(len(x)))
+        change = products[0]
     put(change, layout.unknowns, x * scale)
     return Update(change, max(count, 1), is_answered)
+
+
+@compilable
+def scalar_update(derivative: Any, step: Any, at: Evaluation, layout: Layout):
+    """Return the Newton update of a single unknown, see `converge`."""
+    unknown = layout.unknowns[0]
+    scale = layout.nominal[unknown]
+    seed = np.zeros(len(at.used))
+    seed[unknown] = scale
+    products = np.empty(len(seed))
+    is_answered = derivative(step, seed, products)
+    pivot = 1.0 - products[unknown] / scale
+    x = 0.0
+    if is_answered and pivot != 0.0:
+        x = (at.outputs[unknown] - at.used[unknown]) / scale / pivot  # Eq. (Q1)
+    change = x * products
+    change[unknown] = x * scale
+    return Update(change, 1, is_answered)
 
 
 @compilable
 def failure_of(outputs: Array, history: Array, most: int):
     """Return the number of the reason to end an iteration without a solution, or `NONE`."""
     last = history[-1]
-    if not np.isfinite(last) and not np.isfinite(outputs).all():
+    if not last < np.inf and not np.isfinite(outputs).all():
         return FAILURES.not_finite
     if len(history) > 3 and last > 1e3 * np.min(history):
         return FAILURES.grows
