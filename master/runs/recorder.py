@@ -163,11 +163,12 @@ class Recorder:
         }
         self.rows = rows
         self.names = {name: tuple(f.name for f in fields) for name, fields in self.scalars.items()}
-        self._readers = [
-            (name, names, participants[name].get_many)
-            for name, names in self.names.items()
-            if names
+        self._listers = [
+            _lister(participants[a], names) for a, names in self.names.items() if names
         ]
+        ports = [(owner, name) for owner, names in self.names.items() for name in names]
+        self.index = {port: k for k, port in enumerate(ports, 1)}
+        """Index of an output (participant, variable) in the rows."""
         self.crank = self._crank()
         self._make_datasets()
         self._forget()
@@ -289,48 +290,52 @@ class Recorder:
 
         Raises `CannotWrite` if it is full. Then the rows since the last flush are lost.
         """
-        rows, instants = self._waiting, self._instants
+        waiting = (self.columns, self._waiting), (self.fields, self._instants)
         self._forget()
-        self._reserve(self.partial, LARGEST_CHARACTER * self._characters(rows))
-        for dataset, column in zip(self.columns, zip(*rows)):
-            _extend(dataset, column)
-        for dataset, column in zip(self.fields, zip(*instants)):
-            _extend(dataset, column)
+        columns = [
+            (dataset, values[k :: len(datasets)])
+            for datasets, values in waiting
+            for k, dataset in enumerate(datasets)
+            if values
+        ]
+        self._reserve(self.partial, LARGEST_CHARACTER * sum(_characters(*one) for one in columns))
+        for dataset, values in columns:
+            _extend(dataset, values)
         self.file.flush()
 
-    def _characters(self, rows):
-        """Return the number of characters in all texts of rows."""
-        texts = [k for k, one in enumerate(self.columns) if h5py.check_string_dtype(one.dtype)]
-        return sum(len(row[k]) for row in rows for k in texts)
-
     def _forget(self):
-        """Clear the waiting rows."""
-        self._waiting, self._instants = [], []
+        """Clear the waiting rows, of which all values are in one list: that is faster."""
+        self._waiting: list[Any] = []
+        self._instants: list[Any] = []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
     def write(self, time, solution=None):
-        """Add a row for `time` [s] from the current outputs; the next `flush` writes it."""
-        values = {}
+        """Add a row for `time` [s] from the current outputs, and return it.
+
+        The next `flush` writes it.
+        """
         row = [time]
-        for name, names, get_many in self._readers:
-            values[name] = found = get_many(names)
-            row += map(found.__getitem__, names)
+        for listed in self._listers:
+            row += listed()
         if solution:
             history = solution.history
             row += len(history), solution.products, history[-1]
         else:
             row += 0, 0, 0.0
-        self._waiting.append(row)
+        self._waiting += row
         instant = self.schedule.instant(self.rows, time)
         if instant is not None:
-            crank = [values[self.crank[0]][self.crank[1]]] if self.crank else []
-            fields = (self.participants[a].get(b) for a, b in map(port_of, self.ports))
-            self._instants.append([instant, *crank, *fields])
+            self._instants.append(instant)
+            if self.crank:
+                self._instants.append(row[self.index[self.crank]])
+            for port in self.ports:
+                owner, name = port_of(port)
+                self._instants.append(self.participants[owner].get(name))
         self.rows += 1
-        full = len(self._instants) >= self.flush_every or len(self._waiting) >= CHUNK
-        if full or clock.perf_counter() > self._flush_at:
+        full = len(self._instants) >= self.flush_every * len(self.fields)
+        if full or len(self._waiting) >= CHUNK * len(row) or clock.perf_counter() > self._flush_at:
             self.flush()
-        return values
+        return row
 
     def finish(self, summary, last_period, envelopes):
         """Add summary, start of the last period [s] and envelopes; close and rename the file."""
@@ -356,6 +361,13 @@ class Recorder:
                 self.flush()
             self.file.close()
             self.file = None
+
+
+def _lister(participant, names):
+    """Return a function that lists the values of several scalars."""
+    if lister := getattr(participant, "lister", None):
+        return lister(names)
+    return lambda: list(map(participant.get_many(names).__getitem__, names))
 
 
 def recorded_ports(case, participants):
@@ -394,6 +406,11 @@ def _describe(dataset, **texts):
     for name, text in texts.items():
         place = h5py.h5s.create(h5py.h5s.SCALAR)
         h5py.h5a.create(dataset.id, name.encode(), kind, place).write(np.array(text, dtype=TEXT))
+
+
+def _characters(dataset, values):
+    """Return the number of characters in the values of a column of texts; else 0."""
+    return sum(map(len, values)) if h5py.check_string_dtype(dataset.dtype) else 0
 
 
 def _extend(dataset, values):

@@ -29,14 +29,13 @@ class Reduction:
         self.name = name
         self.begin = self.time = begin
         self.kind, port = reduced(text)
-        self.owner, self.variable = port_of(port)
+        self.port = port_of(port)
         self.total = 0.0
         self.lost = 0.0
         self.value: Any = None
 
-    def add(self, time, values):
-        """Add the outputs (participant -> variable -> number) at the end of a step, `time` [s]."""
-        value = values[self.owner][self.variable]
+    def add(self, time, value):
+        """Add the output at the end of a step, `time` [s]."""
         length, self.time = time - self.time, time
         if self.kind == "mean":
             self._sum(length * float(value))  # Eq. (Z8)

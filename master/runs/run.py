@@ -400,20 +400,20 @@ class ActiveRun(Observer):
     def accepted(self, time, solution):
         """Record an accepted step, and report it."""
         begin, account = clock.perf_counter(), self.account
-        values = self.recorder.write(time, solution)
+        row, index = self.recorder.write(time, solution), self.recorder.index
         if account.envelopes.values:
             account.envelopes.add(self.system.participants)
         if account.repetition:
             account.repetition.note(self.system.participants)
         for reduction in account.reductions:
-            reduction.add(time, values)
+            reduction.add(time, row[index[reduction.port]])
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
             y, exchange = self._exchanged(time, solution)
             account.work.add(time, solution.inputs, y, exchange)
             if account.ledger:
                 account.ledger.add(self.system.participants, exchange)
-        monitored = {name: (values[a][b], unit) for name, (a, b), unit in self.monitors}
+        monitored = {name: (row[index[port]], unit) for name, port, unit in self.monitors}
         for observer in self.observers:
             observer.accepted(time, solution)
         ends = self.case.time.until_periodic

@@ -312,7 +312,7 @@ def test_mean_is_over_time():
     # steps of 1, 3 and 0.5 s that end at 2, 4 and 10 N: (2 + 12 + 5) / 4.5
     force = Reduction("mean", "mean plant.y1", 7.0)
     for time, value in ((8.0, 2.0), (11.0, 4.0), (11.5, 10.0)):
-        force.add(time, {"plant": {"y1": value}})
+        force.add(time, value)
     assert force.result() == pytest.approx(19.0 / 4.5, rel=1e-15)
     time, values = np.array([7.0, 8.0, 11.0, 11.5]), np.array([99.0, 2.0, 4.0, 10.0])
     assert mean_over(time, values) == pytest.approx(19.0 / 4.5, rel=1e-15)
