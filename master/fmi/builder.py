@@ -428,16 +428,7 @@ def texts_of(
 ) -> dict[str, bytes]:
     """Return description, token, icon and documentation of an FMU, path to bytes.
 
-    Parameters
-    ----------
-    slave : FieldSlave
-    version : {"2.0", "3.0"}
-    any_host : bool
-        Whether the FMU runs in hosts that are not Python.
-    platforms : sequence of str
-        Platforms of an FMU that needs no Python.
-    sums : str
-        `model_file.sums_of` its resources/slave.bin.
+    The arguments are those of `documentation` and `model_description`.
     """
     pages = documentation(slave, version, any_host, platforms)
     if version == "3.0":

@@ -36,27 +36,14 @@ def model_description(
     sums : str
         `model_file.sums_of` its resources/slave.bin.
     """
-    root = Element(
-        "fmiModelDescription",
-        {"fmiVersion": "2.0", "guid": "", **head(slave)},
-    )
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": slave.name,
-            "needsExecutionTool": needs_tool(platforms),
-            "canHandleVariableCommunicationStepSize": "true",
-            "canNotUseMemoryManagementFunctions": "true",
-            "canInterpolateInputs": str(any_host).lower(),
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": str(
-                any_host and bool(slave.derivative_inputs)
-            ).lower(),
-        },
-    )
-    common_parts(root, slave)
+    abilities = {
+        "canNotUseMemoryManagementFunctions": "true",
+        "canInterpolateInputs": str(any_host).lower(),
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": str(any_host and bool(slave.derivative_inputs)).lower(),
+    }
+    root = root_of(slave, {"fmiVersion": "2.0", "guid": ""}, platforms, abilities)
     _vendor_annotations(SubElement(root, "VendorAnnotations"), slave, any_host, platforms)
     _variables(SubElement(root, "ModelVariables"), slave)
     _structure(SubElement(root, "ModelStructure"), slave, any_host)
@@ -64,27 +51,7 @@ def model_description(
     return root
 
 
-def head(slave: FieldSlave) -> dict[str, str]:
-    """Return the attributes of the root, equal in FMI 2 and 3."""
-    return {
-        "modelName": slave.name,
-        "description": slave.description or "",
-        "author": AUTHOR,
-        "version": version("piston-cosim"),
-        "copyright": COPYRIGHT,
-        "license": LICENCE,
-        "generationTool": f"piston-cosim {version('piston-cosim')}",
-        "generationDateAndTime": DATE,
-        "variableNamingConvention": "structured",
-    }
-
-
 NO_DEPENDENCIES = {"dependencies": ""}
-
-
-def needs_tool(platforms: Sequence[str]) -> str:
-    """Return the attribute needsExecutionTool: true for an FMU that needs Python."""
-    return str(not platforms).lower()
 
 
 def content_guid(root: Element, sums: str = "") -> str:
@@ -95,8 +62,35 @@ def content_guid(root: Element, sums: str = "") -> str:
     return "{" + hashlib.sha256(tostring(root)).hexdigest()[:32] + sums + "}"
 
 
-def common_parts(root: Element, slave: FieldSlave) -> None:
-    """Add units, log categories and default experiment, equal in FMI 2 and 3."""
+def root_of(
+    slave: FieldSlave,
+    identity: dict[str, str],
+    platforms: Sequence[str],
+    abilities: dict[str, str],
+) -> Element:
+    """Return the root with the parts that are equal in FMI 2 and 3.
+
+    These are abilities, units, log categories and default experiment. identity, abilities :
+    attributes of the root and of CoSimulation that differ.
+    """
+    attributes = {
+        "modelName": slave.name,
+        "description": slave.description or "",
+        "author": AUTHOR,
+        "version": version("piston-cosim"),
+        "copyright": COPYRIGHT,
+        "license": LICENCE,
+        "generationTool": f"piston-cosim {version('piston-cosim')}",
+        "generationDateAndTime": DATE,
+        "variableNamingConvention": "structured",
+    }
+    root = Element("fmiModelDescription", identity | attributes)
+    common = {
+        "modelIdentifier": slave.name,
+        "needsExecutionTool": str(not platforms).lower(),
+        "canHandleVariableCommunicationStepSize": "true",
+    }
+    SubElement(root, "CoSimulation", common | abilities)
     _units(SubElement(root, "UnitDefinitions"), slave.table)
     _types(root, slave.table)
     categories = SubElement(root, "LogCategories")
@@ -108,6 +102,7 @@ def common_parts(root: Element, slave: FieldSlave) -> None:
         attributes["tolerance"] = usual.tolerance
     given = {name: repr(float(value)) for name, value in attributes.items()}
     SubElement(root, "DefaultExperiment", given)
+    return root
 
 
 def _units(parent: Element, table: Sequence[Variable]) -> None:

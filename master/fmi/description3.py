@@ -6,12 +6,10 @@ from xml.etree.ElementTree import Element, SubElement
 from .description import (
     VENDOR,
     causality_attributes,
-    common_parts,
     content_guid,
     dependencies,
-    head,
     needs,
-    needs_tool,
+    root_of,
     type_attributes,
 )
 from .slave import FieldSlave
@@ -28,23 +26,13 @@ def model_description_3(
     The instantiation token is the hash of its content. `platforms` and `sums` are those of an FMU
     that needs no Python.
     """
-    root = Element(
-        "fmiModelDescription",
-        {"fmiVersion": "3.0", "instantiationToken": "", **head(slave)},
-    )
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": slave.name,
-            "needsExecutionTool": needs_tool(platforms),
-            "canHandleVariableCommunicationStepSize": "true",
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
-            "providesDirectionalDerivatives": str(bool(slave.derivative_inputs)).lower(),
-        },
-    )
-    common_parts(root, slave)
+    abilities = {
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": str(bool(slave.derivative_inputs)).lower(),
+    }
+    identity = {"fmiVersion": "3.0", "instantiationToken": ""}
+    root = root_of(slave, identity, platforms, abilities)
     _variables(SubElement(root, "ModelVariables"), slave.table)
     structure = SubElement(root, "ModelStructure")
     reference = {v.name: k for k, v in enumerate(slave.table)}
