@@ -84,12 +84,12 @@ class FieldBlock:
 
     def __init__(self, participant: Any, names: Sequence[str], use: str = "read"):
         self.participant, self.names = participant, names
-        self.values = np.zeros(sum(prod(participant.fields[name].shape) for name in names))
+        given = names if use == "written" else ()
+        self.values = np.zeros(sum(prod(participant.fields[name].shape) for name in given))
 
     def get(self) -> None:
         """Read the fields into `values`."""
-        values = [np.ravel(self.participant.get(name)) for name in self.names]
-        self.values[:] = np.concatenate(values)
+        self.values = np.concatenate([np.ravel(self.participant.get(name)) for name in self.names])
 
     def put(self) -> None:
         """Set the fields to `values`."""

@@ -309,7 +309,7 @@ class FmuFields(DescribedFmu):
     def block(self, names, use="read") -> Any:
         """Return several real fields, which one call transfers; created once for each use."""
         if not self._are_double(names):
-            return FieldBlock(self, names)
+            return FieldBlock(self, names, use)
         if (names, use) not in self._blocks:
             known = {name: self.fields[name] for name in names}
             self._blocks[names, use] = self._block(known, use == "written")

@@ -93,7 +93,7 @@ def main():
             (2, "newton", 4.0),
             (50, "explicit", 2.5),
         ):
-            steps, bare = 6000 // count, Bare(fmu, count)
+            steps, bare = 20000 // count, Bare(fmu, count)
             ours = partial(run, fmu, count, folder, method)
             evaluations = ours(steps)["residual_evaluations"] / steps
             rows = []
