@@ -50,7 +50,8 @@ share the compiled code in PISTON_COSIM_CACHE or in the user's cache."""
 OF_ITSELF = """The FMU runs in any host on {platforms}. It is machine code and needs no Python. At
 its start it rejects choices of physics that it does not support, with a message."""
 
-READS_ENDS = f"Inputs of a step are values at the {END}."
+READS_ENDS = f"""Inputs of a step are values at the {END}. If an importer sets them at the
+beginning, put the rows of its input tables one step earlier."""
 
 EXTRAPOLATES = """ An importer that knows only those at its beginning also sets their derivatives
 (fmi2SetRealInputDerivatives). The FMU then extrapolates them to the end."""
