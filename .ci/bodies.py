@@ -22,6 +22,19 @@ from piston_cosim.master.case.reading import case_names
 from piston_cosim.master.fmi.tree import import_part
 
 
+BITS = 18
+"""Bits of the largest value of the shapes that the modes leave out. They halve the file and change
+the estimated errors of the modes by less than 1e-5 of their value."""
+
+
+def rounded(name: str, values: np.ndarray) -> np.ndarray:
+    """Return an array of a body, rounded to BITS if it contains shapes that the modes leave out."""
+    if not name.startswith("left_") or not values.any():
+        return values
+    unit = 2.0 ** (np.ceil(np.log2(np.abs(values).max())) - BITS)
+    return (np.round(values / unit) * unit).astype(values.dtype)
+
+
 def ship(path: Path) -> None:
     """Write a cached body to models/bodies, without mesh and mode shapes."""
     left_out = {one.name for one in fields(Anatomy)}
@@ -31,7 +44,7 @@ def ship(path: Path) -> None:
             member = zipfile.ZipInfo(f"{name}.npy")  # with a fixed date
             member.compress_type = zipfile.ZIP_LZMA
             with file.open(member, "w") as stream:
-                np.lib.format.write_array(stream, arrays[name], allow_pickle=False)
+                np.lib.format.write_array(stream, rounded(name, arrays[name]), allow_pickle=False)
     print(f"{target.name}: {target.stat().st_size / 1e6:.2f} MB")
 
 

@@ -30,9 +30,9 @@ def source(tmp_path_factory):
     return copy
 
 
-LARGEST_WHEEL = 7_500_000
-"""Bytes: 4.7 MB of reduced bodies, 3.1 MB of them the static shapes that their modes leave out, and
-at most 2.8 MB of meshes, pages and code."""
+LARGEST_WHEEL = 6_000_000
+"""Bytes: 3.0 MB of reduced bodies, half of them the static shapes that their modes leave out, and
+at most 3 MB of meshes, pages and code."""
 
 
 @pytest.fixture(scope="module")

@@ -76,7 +76,8 @@ def test_shipped_bodies_are_those_of_the_present_code(label):
     """The arrays of every shipped body agree with those of a new reduction.
 
     Round-off of another solver or processor changes modes by 1e-12 of the largest value. Shapes
-    left out by the modes have single precision and no unique sign, so their product is compared.
+    left out by the modes are rounded to 18 bits and have no unique sign, so their product is
+    compared.
     """
     with_modes = table(label)
     shipped = reduced_bodies(with_modes, FOLDER, quiet)
