@@ -77,6 +77,11 @@ def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[
     return variables(built.grid, built.inputs, built.oil, built.surface)
 
 
+def on_grid(options: Mapping[str, Any], key: str, grid: tuple[int, int]) -> dict[str, Any]:
+    """Return a build table on the grid of a given body; `key` is the option with the grid."""
+    return {**options, key: [*grid]}
+
+
 def prepare(
     options: Mapping[str, Any], folder: Path, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], list[Path]]:

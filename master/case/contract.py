@@ -452,7 +452,8 @@ def swap(
 
     Keys that refer to variables which the FMU lacks are removed: parameters, recorded fields,
     pictures, summary, monitor and window entries. All studies are removed. The body of a film has
-    the grid of the film's fields, see `Role.grids`; `say` is called if that is another one.
+    the grid of the film's fields, see `Role.grids`, and the films of a body have its grid; `say` is
+    called if that is another one.
 
     Returns
     -------
@@ -532,7 +533,8 @@ def _check_ends(tree, name, fields, keeps_grid):
             f"participants.{name}: expected an FMU with {', '.join(lacking)} for its wires, got "
             "one without; models for a skirt and for a bearing differ"
         )
-    grid = tree["participants"][name].get("build", {}).get("grid")
+    is_film = any(name in players(tree, role) for role, terms in contract().items() if terms.grids)
+    grid = is_film and tree["participants"][name].get("build", {}).get("grid")
     shapes = [fields[variable].shape for variable in wired if len(fields[variable].shape) == 2]
     if keeps_grid and grid and shapes and shapes[0] != (*grid,):
         raise BadInput(
@@ -542,23 +544,26 @@ def _check_ends(tree, name, fields, keeps_grid):
 
 
 def _with_grid_of(tree, name, fields, say):
-    """Return the tree with a body on the grid of an FMU that replaces its film."""
+    """Return the tree with the other side of an FMU's fields on its grid: body or films."""
     for role, terms in contract().items():
-        other = (
-            interface(tree.get("wires", ()), name, role) if name in players(tree, role) else None
-        )
-        field = fields.get(next(iter(terms.inputs["field"])))
-        if other is None or field is None or other.surface not in terms.grids:
-            continue
-        body, key, grid = tree["participants"][other.owner], terms.grids[other.surface], field.shape
-        build, on_grid = body.get("build", {}), part_function(body.get("package"), "on_grid")
-        if on_grid is None or len(grid) != 2 or build.get(key) == [*grid]:
-            continue
-        changed = on_grid(build, key, grid)
-        lines = ", ".join(_changes(build, changed, f"participants.{other.owner}.build"))
-        say(f"{lines}: the grid of the FMU of {name}")
-        tables = {other.owner: body | {"build": changed}}
-        tree = tree | {"participants": tree["participants"] | tables}
+        for film in players(tree, role) if terms.grids else ():
+            other = interface(tree.get("wires", ()), film, role)
+            if other is None or name not in (film, other.owner):
+                continue
+            of_film = film == name
+            owner, before = (other.owner, "") if of_film else (film, other.surface)
+            key = terms.grids.get(other.surface) if of_film else "grid"
+            field = fields.get(before + next(iter(terms.inputs["field"])))
+            table = tree["participants"][owner]
+            build, on_grid = table.get("build", {}), part_function(table.get("package"), "on_grid")
+            if None in (field, key, on_grid) or len(field.shape) != 2:
+                continue
+            if build.get(key) != [*field.shape]:
+                changed = on_grid(build, key, field.shape)
+                lines = ", ".join(_changes(build, changed, f"participants.{owner}.build"))
+                say(f"{lines}: the grid of the FMU of {name}")
+                tables = {owner: table | {"build": changed}}
+                tree = tree | {"participants": tree["participants"] | tables}
     return tree
 
 

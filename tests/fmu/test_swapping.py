@@ -195,6 +195,16 @@ def test_the_body_takes_the_grid_of_a_film_and_the_modes_that_it_resolves():
     }
 
 
+def test_the_film_takes_the_grid_of_a_body(bodies_fmu):
+    told = []
+    tree = read_tree(find_case("data_sheet"))
+    changed, _ = swap(tree, "bodies", bodies_fmu, told.append)
+    grid = list(FmuParticipant("bodies", bodies_fmu).fields["film_thickness"].shape)
+    assert changed["participants"]["ehd"]["build"]["grid"] == grid
+    assert grid != tree["participants"]["ehd"]["build"]["grid"]
+    assert told == [f"participants.ehd.build.grid = {grid}: the grid of the FMU of bodies"]
+
+
 @pytest.mark.parametrize(
     "case, name, words",
     [
