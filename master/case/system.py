@@ -30,6 +30,7 @@ from .wires import (
     check_sources,
     conversions_of,
     converting,
+    give_types,
     in_units_of_wires,
     is_clock,
     is_real,
@@ -79,6 +80,7 @@ def open_system(
     }
     check_sources(case.wires, faults)
     check_elements(case.wires, participants, faults)
+    give_types(case.wires, participants, faults)
     opened = participants
     joined = [wire_of(table, participants, case.coupling, faults) for table in case.wires]
     wires = [wire for wire in joined if isinstance(wire, Wire)]

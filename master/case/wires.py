@@ -4,10 +4,11 @@ from dataclasses import replace
 from math import inf
 
 from ..coupling.wiring import HeldWire, Wire, is_unknown, port_of
-from ..fmi.errors import unknown
+from ..fmi.errors import collecting, unknown
 from ..fmi.fields import base_of
 from ..fmi.quantities import is_known, pint_unit, registry
 from ..participants.converted import Conversion, ConvertedParticipant
+from ..participants.table import TYPES, TableParticipant
 from .values import definition_of, is_relative, quantity_of
 
 TOLERANCE = 1e-6
@@ -76,6 +77,16 @@ def check_elements(tables, participants, faults):
             faults.append(
                 f"wire to {target}: expected a wire to the array or to its elements, got both"
             )
+
+
+def give_types(tables, participants, faults):
+    """Give each column of a signal table the type of the input on its wire, if it is a number."""
+    for table in tables:
+        owner, name = port_of(table.source)
+        one, kind = participants[owner], type_of(table.target, participants)
+        if isinstance(one, TableParticipant) and name in one.rows and kind in TYPES:
+            with collecting(faults, f"participants.{owner}.table: "):
+                one.give_type(name, kind)
 
 
 OF_NUMBERS = (

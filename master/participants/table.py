@@ -1,11 +1,12 @@
 """Signal table as a participant: columns of a CSV file over time as outputs.
 
 The first line contains the names of the columns with units in brackets: `time [s], speed [rpm],
-lift [mm]`. The first column is the time. Outputs are in SI.
+lift [mm]`. The first column is the time. Outputs are in SI. `true` and `false` are 1 and 0.
 """
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,9 @@ from .plain import pack, unpack
 
 HEAD = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
 KINDS = ("hold", "linear", "cubic")
+TYPES = {"Integer": int, "Enumeration": int, "Boolean": bool}
+"""Types that a column can have instead of Real."""
+WORDS = {"true": "1", "false": "0"}
 
 
 class TableParticipant(StartedInHalves):
@@ -55,6 +59,7 @@ class TableParticipant(StartedInHalves):
             raise BadInput(f"table: {path}: expected at least four rows for cubic, got {got}")
         self.fields = {}
         self.columns = {}
+        self.rows = dict(zip(names, columns))
         for column, unit, values in zip(names, units, columns):
             self._add(column, unit, values, f"column {column} of {self.path.name}")
         if kind == "cubic":
@@ -71,6 +76,26 @@ class TableParticipant(StartedInHalves):
     def _add(self, column, unit, values, description):
         self.fields[column] = _field(column, unit, description)
         self.columns[column] = values
+
+    def give_type(self, column, kind):
+        """Give a column the type of the input on its wire. It then holds the value of a row.
+
+        Parameters
+        ----------
+        column : str
+        kind : {"Integer", "Enumeration", "Boolean"}
+
+        Raises
+        ------
+        BadInput
+            If the values are not of that type.
+        """
+        convert = TYPES[kind]
+        wrong = [value for value in self.rows[column].tolist() if convert(value) != value]
+        if wrong:
+            wanted = "0 and 1, or false and true" if kind == "Boolean" else "whole numbers"
+            raise BadInput(f"{self.path}, column {column}: expected {wanted}, got {wrong[0]:g}")
+        self.fields[column] = replace(self.fields[column], type=kind)
 
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`; raise `BadInput` if the table does not cover the time."""
@@ -93,12 +118,13 @@ class TableParticipant(StartedInHalves):
     def get(self, name):
         """Return an output at the current time."""
         values = self.columns[name]
+        convert = TYPES.get(self.fields[name].type)
+        if self.kind == "hold" or convert:
+            row = np.searchsorted(self.times, self.now * (1 + 1e-12), side="right") - 1
+            return (convert or float)(self.rows[name][max(row, 0)])
         if self.kind == "cubic":
             return float(values(self.now))
-        if self.kind == "linear":
-            return float(np.interp(self.now, self.times, values))
-        row = np.searchsorted(self.times, self.now * (1 + 1e-12), side="right") - 1
-        return float(values[max(row, 0)])
+        return float(np.interp(self.now, self.times, values))
 
     def get_many(self, names):
         """Return the values of several outputs by name."""
@@ -206,7 +232,7 @@ def _numbers(path, rows, width, faults):
     table = np.zeros((len(rows), width))
     for k, row in enumerate(rows):
         try:
-            table[k] = [float(cell) for cell in row]
+            table[k] = [float(WORDS.get(cell.strip().lower(), cell)) for cell in row]
         except ValueError:
             faults.append(f"{path}, row {k + 2}: expected {width} numbers, got {', '.join(row)!r}")
     if not np.isfinite(table).all():

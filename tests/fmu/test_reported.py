@@ -113,6 +113,26 @@ def test_texts_are_recorded_and_handed_on_as_they_are(version):
     assert results.texts == ["a.ys"] and "a.ys" not in results.ports
 
 
+@pytest.mark.parametrize("kind", ["hold", "linear"])
+def test_a_table_feeds_inputs_of_whole_numbers(kind):
+    """A column has the type of its wire's input, and holds the last row until the next."""
+    enumeration = "".join(f'<Item name="{name}" value="{k}"/>' for k, name in ((1, "a"), (2, "b")))
+    types = f'<SimpleType name="E"><Enumeration>{enumeration}</Enumeration></SimpleType>'
+    types = f"<TypeDefinitions>{types}</TypeDefinitions>"
+    mode = Variable("um", 101, "input", "Enumeration", 'declaredType="E" start="1"')
+    step = "m->r[1]=100*m->i[0]+10*m->b[0]+m->i[1]"
+    a = fmu("a", [*TYPED[1:3], mode, Y], STEP=step, before=types)
+    Path("t.csv").write_text(
+        "time [s],gear,on,mode,x\n0,3,false,1,0.5\n0.5,-4,TRUE,2,1\n1,7,1,1,2\n"
+    )
+    wires = ["t.gear -> a.ui", "t.on -> a.ub", "t.mode -> a.um"]
+    results = run({"a": a, "t": "t.csv"}, wires, changes={"participants.t.interpolation": kind})
+    assert results.series("a.y").values[[4, 5, 10]].tolist() == [301, -388, 711]
+    assert results.series("t.gear").values[[4, 5, 10]].tolist() == [3, -4, 7]
+    words = "t.csv, column x: expected whole numbers, got 0.5"
+    assert words in refused({"a": a, "t": "t.csv"}, ["t.x -> a.ui"])
+
+
 def test_integers_of_64_bits_are_recorded_as_they_are():
     out = "m->i[0]=9007199254740993LL+m->steps;m->i[1]=-1;m->i[2]=m->steps"
     variables = [
