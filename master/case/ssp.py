@@ -41,6 +41,9 @@ OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/
 SYSTEM = "case"
 """Name of the system and of its parameters."""
 
+CARRIED = ("Integer", "Boolean", "String")
+"""Types of connectors, in addition to Real, whose wires an SSP contains."""
+
 LEFT = ("participants", "variants", "beside")
 """Tables of a case that SSP represents in another way or not at all."""
 
@@ -65,7 +68,7 @@ def export_ssp(tree, system, path):
     Raises
     ------
     BadInput
-        If a wire connects an FMI 3.0 array with FMI 2.0 scalars.
+        If a wire connects an FMI 3.0 array with FMI 2.0 scalars, or ends at a parameter or clock.
     """
     mixed = [
         f"{'.'.join(c.source)} -> {'.'.join(c.target)}: expected one FMI version on both sides, "
@@ -75,9 +78,10 @@ def export_ssp(tree, system, path):
         and len({_has_arrays(system.participants[end[0]]) for end in (c.source, c.target)}) > 1
     ]
     mixed += [
-        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected real inputs in an SSP, got "
-        "another type or a parameter"
+        f"{'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected an input of type Real, "
+        "Integer, Boolean or String in an SSP, got another type or a parameter"
         for wire in system.held
+        if wire not in _carried(system)
     ]
     if mixed:
         raise BadInput(mixed)
@@ -100,6 +104,19 @@ def export_ssp(tree, system, path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
+
+
+def _carried(system):
+    """Return the wires that SSP can describe."""
+    fields = {
+        wire: system.participants[wire.target[0]].fields[wire.target[1]] for wire in system.held
+    }
+    texts = [
+        wire
+        for wire, field in fields.items()
+        if field.causality == "input" and field.type in CARRIED and not wire.clocked
+    ]
+    return [*system.wires, *texts]
 
 
 def _has_arrays(participant):
@@ -136,11 +153,12 @@ def _structure(tree, system, version):
     _binding(top, SYSTEM)
     elements = SubElement(top, _q("ssd:Elements"))
     for name, participant in system.participants.items():
-        wired = {end[1] for c in system.wires for end in (c.source, c.target) if end[0] == name}
+        wired = {end[1] for c in _carried(system) for end in (c.source, c.target) if end[0] == name}
         _component(elements, participant, wired | set(_scalars(participant)))
     joined = SubElement(top, _q("ssd:Connections"))
-    for c in system.wires:
-        for index in _indices(system.participants[c.source[0]], c.shape):
+    for c in _carried(system):
+        source = system.participants[c.source[0]]
+        for index in _indices(source, source.fields[c.source[1]].shape):
             SubElement(
                 joined,
                 _q("ssd:Connection"),

@@ -113,6 +113,24 @@ def test_texts_are_recorded_and_handed_on_as_they_are(version):
     assert results.texts == ["a.ys"] and "a.ys" not in results.ports
 
 
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_an_ssp_has_wires_of_all_types(version):
+    out = 'm->r[1]=m->t;m->i[1]=m->steps;m->b[1]=m->steps%2;sprintf(m->s[1],"t=%d",m->steps)'
+    echo = "m->r[1]=m->i[0]+100*m->b[0]+1000*atoi(m->s[0]+2)"
+    fmu("a", TYPED, version, OUT=out), fmu("b", TYPED, version, OUT=echo)
+    Path("case.toml").write_text(
+        'title = "all types"\ntime = { stop = "1 s", step = "0.1 s" }\n'
+        'participants = { a = { fmu = "a.fmu" }, b = { fmu = "b.fmu" } }\n'
+        + "".join(f'[[wires]]\nfrom = "a.y{k}"\nto = "b.u{k}"\n' for k in ("i", "b", "s"))
+        + '[coupling]\norder = ["a", "b"]\n'
+    )
+    for words in (["fmu", "export", "case.toml"], ["run", "s.ssp", "--no-plots"]):
+        done = call(*words, "--output", "s.ssp" if words[0] == "fmu" else ".")
+        assert done.returncode == 0, done.stderr
+    results = pc.Results("base.h5")
+    assert results.series("b.y").values[[9, 10]].tolist() == [9109, 10010]
+
+
 @pytest.mark.parametrize("kind", ["hold", "linear"])
 def test_a_table_feeds_inputs_of_whole_numbers(kind):
     """A column has the type of its wire's input, and holds the last row until the next."""

@@ -64,7 +64,8 @@ def command(
             raise BadInput("--native: expected one FMU, got an SSP")
         system = open_system(built(checked, path.parent, fmi), path.parent, say)
         export_ssp(tree, system, output)
-        made = [participant.path for participant in system.participants.values()]
+        own = [name for name, table in checked.participants.items() if table.package]
+        made = [system.participants[name].path for name in own]
     else:
         platforms = platform.split(",") if native else ()
         made = [export_fmu(checked, path.parent, say, fmi, platforms)]
