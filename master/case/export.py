@@ -64,9 +64,10 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         others. With platforms, also with all features that machine code does not cover.
     """
     given = [
-        f"participants.{name}: expected a package inside one FMU, got an FMU"
+        f"participants.{name}: expected a package inside one FMU, got {kind}"
         for name, table in case.participants.items()
-        if not table.package
+        for kind in ("fmu", "table", "plugin", "file")
+        if getattr(table, kind) and not table.package
     ]
     given += [
         f"wire {wire.source} -> {wire.target}: expected held inputs inside one FMU, got {kind!r}"

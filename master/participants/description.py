@@ -68,8 +68,13 @@ class DescribedFmu:
         try:
             with zipfile.ZipFile(self.path) as archive:
                 check_archive(archive, self.path)
-                if "modelDescription.xml" not in archive.namelist():
-                    raise BadInput(f"{key}: expected an FMU, got no modelDescription.xml in it")
+                names = archive.namelist()
+                if "modelDescription.xml" not in names:
+                    inside = [one for one in names if one.endswith("/modelDescription.xml")]
+                    hint = f"; zip the content of the folder of {inside[0]}" if inside else ""
+                    raise BadInput(
+                        f"{key}: expected an FMU, got no modelDescription.xml in it{hint}"
+                    )
                 _check_encoding(archive.read("modelDescription.xml"), key)
             self._check_kind(key)
             self.description: Any = fmpy.read_model_description(str(self.path), validate=False)

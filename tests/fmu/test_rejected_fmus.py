@@ -98,6 +98,13 @@ def test_an_fmu_without_a_library_for_this_machine(library, more, words):
         pc.open_fmu(a).start({}, 0.0, 1.0)
 
 
+def test_an_fmu_that_was_zipped_with_its_folder(folder):  # noqa: F811
+    with zipfile.ZipFile("a.fmu", "w") as archive:
+        archive.writestr("engine/modelDescription.xml", "")
+    words = "no modelDescription.xml in it; zip the content of the folder of engine/modelDescr"
+    assert words in refused({"a": "a.fmu"})
+
+
 def test_further_files_in_an_fmu():
     terminals = '<fmiTerminalsAndIcons fmiVersion="3.0"/>'
     files = {

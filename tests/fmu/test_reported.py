@@ -129,6 +129,15 @@ def test_an_ssp_has_wires_of_all_types(version):
         assert done.returncode == 0, done.stderr
     results = pc.Results("base.h5")
     assert results.series("b.y").values[[9, 10]].tolist() == [9109, 10010]
+    Path("t.csv").write_text("time [s],y\n0,1\n1,2\n")
+    Path("case.toml").write_text(
+        Path("case.toml").read_text().replace('fmu = "a.fmu"', 'table = "t.csv"')
+    )
+    done = call("fmu", "export", "case.toml", "--output", "t.ssp")
+    assert (
+        done.returncode == 2
+        and "participants.a: expected an FMU in an SSP, got a table" in done.stderr
+    )
 
 
 @pytest.mark.parametrize("kind", ["hold", "linear"])

@@ -78,8 +78,17 @@ def command(
 def built(case, folder, fmi):
     """Return the case with FMUs of this FMI version instead of the packages that build them.
 
-    Their default experiment is the run of the case.
+    Their default experiment is the run of the case. Raises `BadInput` if a participant is neither
+    an FMU nor a package.
     """
+    others = [
+        f"participants.{name}: expected an FMU in an SSP, got a {kind}"
+        for name, table in case.participants.items()
+        for kind in ("table", "plugin")
+        if getattr(table, kind)
+    ]
+    if others:
+        raise BadInput(others)
     usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)
     fmus = {
