@@ -109,7 +109,7 @@ STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_
 
 
 class PlacedMesh(BaseModel):
-    """Unit and axes of a mesh file."""
+    """Part, unit and axes of a mesh file."""
 
     model_config = STRICT
     mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
@@ -120,6 +120,18 @@ class PlacedMesh(BaseModel):
     """
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
     """Position of the project's origin in the mesh file."""
+    part: str | None = None
+    """Part of the mesh file: an Abaqus part, instance or element set, a physical volume of gmsh, a
+    Nastran property number, a body or element component of Ansys, or a group of a .med file.
+    Default: the whole file.
+    """
+
+    @model_validator(mode="after")
+    def _part_of_mesh(self):
+        mesh = getattr(self, "mesh", None)
+        if self.part is not None and (mesh is None or mesh.endswith(".csv")):
+            raise ValueError(f"part: expected it with a mesh of elements, got mesh = {mesh!r}")
+        return self
 
 
 class Surface(BaseModel):

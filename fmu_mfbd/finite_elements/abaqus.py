@@ -1,4 +1,4 @@
-"""Abaqus input files: nodes, tetrahedra, sets and surfaces of parts and their instances.
+"""Abaqus and CalculiX input files: nodes, tetrahedra, sets and surfaces of parts and instances.
 
 meshio 5.3.5 is not used: it ignores instances and surfaces, and loses the sets of included files.
 """
@@ -6,6 +6,7 @@ meshio 5.3.5 is not used: it ignores instances and surfaces, and loses the sets 
 import re
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .deck import Deck, MeshFault, lines_of, rows_by_number, rows_of, tetrahedra
+from .deck import Deck, MeshFault, Selection, lines_of, real, rows_by_number, rows_of, tetrahedra
 
 FACES = {"S1": (0, 1, 2), "S2": (0, 3, 1), "S3": (1, 3, 2), "S4": (2, 3, 0)}
 """Corners of a tetrahedron's faces by Abaqus' labels."""
@@ -26,6 +27,8 @@ NODES = {
     r"(STRI65|CPS6|CPE6|M3D6|SFM3D6)$": 6,
 }
 """Numbers of nodes of the tetrahedra and triangles that are read, by element type."""
+SOLIDS = r"([A-Z]{0,2}C3D|[A-Z]?COH3D|[A-Z]*SC|CSS|F3D|Q3D)(\d+)"
+"""Other solid elements, with their number of nodes."""
 
 
 @dataclass
@@ -36,13 +39,25 @@ class Keyword:
     options: dict[str, str]
     lines: list[str]
 
+    def need(self, option: str) -> str:
+        """Return a parameter.
+
+        Raises
+        ------
+        MeshFault
+            If the keyword does not have it.
+        """
+        if option not in self.options:
+            raise MeshFault(f"*{self.name.title()}: expected {option.lower()}=, got nothing")
+        return self.options[option]
+
     def cells(self) -> list[str]:
         """Return all entries of the data."""
         return [cell for row in self.rows() for cell in row if cell]
 
     def rows(self) -> list[list[str]]:
         """Return the entries of each data line."""
-        return [[cell.strip() for cell in line.split(",")] for line in self.lines]
+        return [[cell.strip().strip("\"'") for cell in line.split(",")] for line in self.lines]
 
 
 def _vector():
@@ -55,25 +70,26 @@ class Part:
 
     Parameters
     ----------
+    part : str
+        Name of the part, empty outside parts.
     name : str
         Name of the instance, empty for other parts.
     labels : list of int
     coordinates : list of list of float
-    elements : dict of int to list of int
-        Nodes of tetrahedra and triangles by the element's number.
-    other : Counter
-        Number of other solid elements by type.
+    elements : dict of int to (str, list of int)
+        Type and nodes of tetrahedra and triangles by the element's number; other solid elements
+        without nodes.
     sets : list of Keyword
-        *NSET, *ELSET and *SURFACE, and the sets of *NODE and *ELEMENT.
+        *NSET, *ELSET, *SURFACE and *SOLID SECTION, and the sets of *NODE and *ELEMENT.
     shift, centre : ndarray, shape (3,)
     rotation : ndarray, shape (3, 3)
     """
 
+    part: str = ""
     name: str = ""
     labels: list[int] = field(default_factory=list)
     coordinates: list[list[float]] = field(default_factory=list)
-    elements: dict[int, list[int]] = field(default_factory=dict)
-    other: Counter[str] = field(default_factory=Counter)
+    elements: dict[int, tuple[str, list[int]]] = field(default_factory=dict)
     sets: list[Keyword] = field(default_factory=list)
     shift: np.ndarray = _vector()
     centre: np.ndarray = _vector()
@@ -104,30 +120,29 @@ class Part:
                 raise MeshFault(f"*Node: expected nodes in x, y, z, got system={options['SYSTEM']}")
             for label, *cells in keyword.rows():
                 labels.append(int(label))
-                x, y, z, *_ = [float(cell) if cell else 0.0 for cell in cells] + [0.0] * 3
+                x, y, z, *_ = [real(cell) if cell else 0.0 for cell in cells] + [0.0] * 3
                 self.coordinates.append([x, y, z])
             self.labels += labels
         elif keyword.name == "ELEMENT":
-            labels = self._add_elements(options.get("TYPE", "").upper(), keyword.cells())
-        elif keyword.name in ("NSET", "ELSET", "SURFACE"):
+            labels = self._add_elements(keyword.need("TYPE").upper(), keyword.cells())
+        elif keyword.name in ("NSET", "ELSET", "SURFACE", "SOLID SECTION"):
             self.sets.append(keyword)
         for name in {"NSET", "ELSET"} & set(options) if labels else ():
             self.sets.append(Keyword(name, {name: options[name]}, [str(k) for k in labels]))
 
     def _add_elements(self, kind, cells):
-        """Add tetrahedra and triangles, count other solid elements; return the numbers added."""
+        """Add tetrahedra, triangles and the numbers of other solids; return the numbers added."""
         count = next((n for pattern, n in NODES.items() if re.match(pattern, kind)), 0)
-        if not count:
-            if solid := re.match(r"[A-Z]{0,2}C3D(\d+)", kind):
-                self.other[kind] += len(cells) // (int(solid[1]) + 1)
+        solid = None if count else re.match(SOLIDS, kind)
+        size = 1 + (int(solid[2]) if solid else count)
+        if size == 1:
             return []
-        if len(cells) % (count + 1):
+        if len(cells) % size:
             raise MeshFault(
-                f"*Element, type={kind}: expected a multiple of {count + 1} numbers, got "
-                f"{len(cells)}"
+                f"*Element, type={kind}: expected a multiple of {size} numbers, got {len(cells)}"
             )
-        rows = np.array(cells, dtype=np.int64).reshape(-1, count + 1).tolist()
-        self.elements |= {label: nodes for label, *nodes in rows}
+        rows = np.array(cells, dtype=np.int64).reshape(-1, size).tolist()
+        self.elements |= {label: (kind, [] if solid else nodes) for label, *nodes in rows}
         return [label for label, *_ in rows]
 
 
@@ -135,7 +150,7 @@ def read_abaqus(path: Path) -> Deck:
     """Read nodes, tetrahedra (C3D10, C3D4 and their variants), sets and surfaces of an input file.
 
     A set of a part is known by its name, for all instances of the part together, and as
-    `INSTANCE.SET`.
+    `INSTANCE.SET`. Abaqus ignores the case of names, and a set may be used before its definition.
 
     Raises
     ------
@@ -153,7 +168,8 @@ def read_abaqus(path: Path) -> Deck:
                 f"{path}: expected written nodes, got *{keyword.name}; write the mesh in full"
             )
         if keyword.name == "PART":
-            current = parts.setdefault(keyword.options["NAME"].casefold(), Part())
+            name = keyword.need("NAME")
+            current = parts.setdefault(name.casefold(), Part(name))
         elif keyword.name == "INSTANCE":
             instances.append(_instance(keyword, parts))
             current = instances[-1]
@@ -161,17 +177,12 @@ def read_abaqus(path: Path) -> Deck:
             current = root
         else:
             current.add(keyword)
-    if parts and not instances:
-        if len(parts) > 1:
-            names = ", ".join(parts)
-            raise MeshFault(f"{path}: expected an *Instance of a part, got parts {names} alone")
-        instances = list(parts.values())
-    return _Assembly([*instances, root]).deck()
+    return _Assembly([*(instances or parts.values()), root]).deck()
 
 
 def _instance(keyword, parts):
     """Return a copy of a part at the position of its instance, which may add its own nodes."""
-    name = keyword.options["NAME"]
+    name = keyword.need("NAME")
     part = parts.get(keyword.options.get("PART", "").casefold())
     if part is None:
         raise MeshFault(
@@ -179,7 +190,7 @@ def _instance(keyword, parts):
         )
     own = Part(**{key: copy(value) for key, value in vars(part).items()})
     own.name = name
-    rows = [[float(cell) for cell in row if cell] for row in keyword.rows()]
+    rows = [[real(cell) for cell in row if cell] for row in keyword.rows()]
     lengths = [len(row) for row in rows]
     if max(lengths[:1], default=0) > 3 or lengths[1:] not in ([], [7]):
         raise MeshFault(f"*Instance {name}: expected lines of 3 and 7 numbers, got {keyword.lines}")
@@ -205,96 +216,186 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 class _Assembly:
-    """All instances together; sets contain rows of nodes, or the rows of each element's nodes."""
+    """All instances together.
+
+    Members of a set of nodes are rows of nodes, those of a set of elements are their part and
+    number, those of a surface are corners of faces.
+    """
 
     def __init__(self, parts):
         self.parts = [part for part in parts if part.labels or part.sets]
-        self.node_sets: dict[str, list] = {}
-        self.element_sets: dict[str, list] = {}
-        self.faces: dict[str, list] = {}
         self.numbers = []
-        self.elements = []
         first = 0
         for part in self.parts:
             number = rows_by_number(part.labels, part.coordinates)
-            number = {label: first + row for label, row in number.items()}
-            self.numbers.append(number)
-            self.elements.append(
-                {
-                    label: rows_of(number, nodes, f"element {label}")
-                    for label, nodes in part.elements.items()
-                }
-            )
+            self.numbers.append({label: first + row for label, row in number.items()})
             first += len(part.labels)
+        self.names: dict[str, str] = {}
+        self.definitions: dict[tuple[str, str], list] = {}
+        self.sets: dict[tuple[str, str], list | MeshFault] = {}
         for k, part in enumerate(self.parts):
             for keyword in part.sets:
-                self._add(k, keyword)
+                self._define(k, keyword)
+
+    def _define(self, k, keyword):
+        """Note a set by its name and, for an instance, as INSTANCE.NAME."""
+        options = keyword.options
+        table = keyword.name
+        if table == "SURFACE":
+            kind = options.get("TYPE", "ELEMENT").upper()
+            table = {"ELEMENT": "SURFACE", "NODE": "NSET"}.get(kind, "")
+        name = options.get("NAME" if keyword.name == "SURFACE" else keyword.name, "")
+        if not table or not name:
+            return
+        scope = options.get("INSTANCE") or self.parts[k].name
+        for known in [name, f"{scope}.{name}"] if scope else [name]:
+            self.names.setdefault(known.casefold(), known)
+            self.definitions.setdefault((table, known.casefold()), []).append((k, keyword))
 
     def deck(self):
         """Return all instances as one deck."""
         labels = [label for part in self.parts for label in part.labels]
-        elements = [nodes for part in self.elements for nodes in part.values()]
-        solids = [nodes for nodes in elements if len(nodes) in (4, 10)]
-        other = sum((part.other for part in self.parts), Counter())
-        other["triangle"] += len(elements) - len(solids)
-        for name, members in self.element_sets.items():
-            triangles = [nodes[:3] for nodes in members if len(nodes) in (3, 6)]
-            if triangles:
-                self.faces.setdefault(name, triangles)
+        solids: dict[tuple[int, int], int] = {}
+        tets, others = [], {}
+        for k, part in enumerate(self.parts):
+            for label, (kind, nodes) in part.elements.items():
+                if len(nodes) in (4, 10):
+                    solids[k, label] = len(tets)
+                    tets.append(rows_of(self.numbers[k], nodes, f"element {label}"))
+                else:
+                    others[k, label] = "triangle" if nodes else kind
+        tables: dict[str, dict] = {"NSET": {}, "ELSET": {}, "SURFACE": {}}
+        faults = {}
+        for table, name in self.definitions:
+            if table in tables:
+                try:
+                    tables[table][self.names[name]] = self._set(table, name)
+                except MeshFault as fault:
+                    faults[self.names[name]] = str(fault)
+        faces = tables["SURFACE"]
+        for name, members in tables["ELSET"].items():
+            if triangles := [face for key in members for face in self._triangle(*key)]:
+                faces.setdefault(name, triangles)
+
+        def selection(keys):
+            present = Counter(others[key] for key in keys if key in others)
+            return Selection(
+                np.array([solids[key] for key in keys if key in solids], dtype=int), present
+            )
+
+        instances = self._instances()
+        sets = {name: keys for name, keys in tables["ELSET"].items() if name not in instances}
         return Deck(
             np.vstack([np.zeros((0, 3)), *(part.points() for part in self.parts)]),
-            tetrahedra(solids),
-            {name: np.unique(rows) for name, rows in self.node_sets.items()},
-            {name: np.array(rows).reshape(-1, 3) for name, rows in self.faces.items()},
-            np.array(labels) if len(set(labels)) == len(labels) else None,
-            +other,
+            tetrahedra(tets),
+            {name: np.unique(rows).astype(int) for name, rows in tables["NSET"].items()},
+            {name: np.array(rows, dtype=int).reshape(-1, 3) for name, rows in faces.items()},
+            np.array(labels),
+            Counter(others.values()),
+            {
+                name: selection(keys)
+                for name, keys in (instances | sets).items()
+                if not solids.keys().isdisjoint(keys)
+            },
+            self._materials(solids),
+            faults,
         )
 
-    def _add(self, k, keyword):
-        """Add a set or surface by its name and, for an instance, as INSTANCE.NAME."""
-        options = keyword.options
-        name = options.get("NAME" if keyword.name == "SURFACE" else keyword.name, "")
-        k = self._index(k, options.get("INSTANCE", ""))
-        kind = options.get("TYPE", "ELEMENT").upper() if keyword.name == "SURFACE" else ""
-        if kind == "ELEMENT":
-            into, members = self.faces, self._sides(k, keyword.rows())
-        elif keyword.name == "ELSET":
-            into, members = self.element_sets, self._all(k, keyword, self.element_sets)
-        elif kind in ("", "NODE"):
-            into, members = self.node_sets, self._all(k, keyword, self.node_sets)
-        else:
-            return
-        scope = self.parts[k].name
-        for known in {name, f"{scope}.{name}" if scope else name}:
-            into[known] = [*into.get(known, []), *members]
+    def _instances(self):
+        """Return the elements of each part and of each instance."""
+        out: dict[str, list] = {}
+        for k, part in enumerate(self.parts):
+            for name in {part.part, part.name} - {""}:
+                out.setdefault(name, []).extend((k, label) for label in part.elements)
+        return out
 
-    def _all(self, k, keyword, sets):
-        """Return the members of a set; one of nodes may be given by a set of elements."""
-        if keyword.name == "NSET" and "ELSET" in keyword.options:
-            elements = self._members(k, keyword.options["ELSET"], self.element_sets)
-            return [row for nodes in elements for row in nodes]
+    def _materials(self, solids):
+        """Return the material of each tetrahedron by its *SOLID SECTION, "none" without one."""
+        materials = ["none"] * len(solids)
+        for k, part in enumerate(self.parts):
+            for section in part.sets:
+                name = section.options.get("ELSET", "")
+                if section.name != "SOLID SECTION":
+                    continue
+                with suppress(MeshFault):  # a section of an unknown set has no elements
+                    for key in solids.keys() & self._members(k, name, "ELSET"):
+                        materials[solids[key]] = section.options.get("MATERIAL", "none")
+        return materials if set(materials) != {"none"} else []
+
+    def _set(self, table, name):
+        """Return the members of a set, whose definitions may be in any order.
+
+        Raises
+        ------
+        MeshFault
+            If the set is not defined completely.
+        """
+        key = table, name.casefold()
+        if key not in self.definitions:
+            raise MeshFault(f"set: expected a known set, got {name!r}")
+        if key not in self.sets:
+            self.sets[key] = MeshFault(f"set {name}: expected no circular definition")
+            try:
+                members = [
+                    member
+                    for k, keyword in self.definitions[key]
+                    for member in self._defined(table, k, keyword)
+                ]
+            except MeshFault as fault:
+                members = fault
+            self.sets[key] = members
+        members = self.sets[key]
+        if isinstance(members, MeshFault):
+            raise members
+        return members
+
+    def _defined(self, table, k, keyword):
+        """Return the members that a keyword adds to a set."""
+        k = self._index(k, keyword.options.get("INSTANCE", ""))
+        if table == "SURFACE":
+            return self._sides(k, keyword)
+        if table == "NSET" and "ELSET" in keyword.options:
+            elements = self._members(k, keyword.options["ELSET"], "ELSET")
+            return [row for key in elements for row in self._rows(*key)]
         cells = keyword.cells()
         if "GENERATE" in keyword.options:
             cells = []
             for row in keyword.rows():
                 first, last, *step = (int(cell) for cell in row if cell)
                 cells += [str(label) for label in range(first, last + 1, *step)]
-        return [member for cell in cells for member in self._members(k, cell, sets)]
+        elif keyword.name == "SURFACE":  # of nodes, each with an area
+            cells = [row[0] for row in keyword.rows()]
+        return [member for cell in cells for member in self._members(k, cell, table)]
 
-    def _sides(self, k, rows):
+    def _sides(self, k, keyword):
         """Return the corners of the faces of elements that a surface contains."""
+        combine = keyword.options.get("COMBINE", "").upper()
+        if combine == "UNION":
+            return [face for name in keyword.cells() for face in self._members(k, name, "SURFACE")]
+        if combine or "CROP" in keyword.options:
+            raise MeshFault(f"surface: expected faces or combine=union, got {keyword.options}")
         faces = []
-        for element, *side in rows:
-            for nodes in self._members(k, element, self.element_sets):
-                if len(nodes) in (3, 6):
-                    faces.append(nodes[:3])
-                elif nodes:
-                    faces += [
-                        [nodes[corner] for corner in corners]
-                        for label, corners in FACES.items()
-                        if not any(side) or side[0].upper() == label
-                    ]
+        for element, *side in keyword.rows():
+            sides = [FACES.get(side[0].upper())] if any(side) else list(FACES.values())
+            for key in self._members(k, element, "ELSET"):
+                nodes = self._rows(*key)
+                if len(nodes) in (4, 10) and None in sides:
+                    raise MeshFault(f"surface: expected a side S1 to S4, got {side[0]!r}")
+                if len(nodes) in (4, 10):
+                    faces += [[nodes[corner] for corner in corners] for corners in sides if corners]
+                else:
+                    faces += self._triangle(*key)
         return faces
+
+    def _rows(self, k, label):
+        """Return the rows of the nodes of an element, none if its type is not read."""
+        _, nodes = self.parts[k].elements.get(label, ("", []))
+        return rows_of(self.numbers[k], nodes, f"element {label}")
+
+    def _triangle(self, k, label):
+        """Return the corners of an element in a list, which is empty for other elements."""
+        nodes = self._rows(k, label)
+        return [nodes[:3]] if len(nodes) in (3, 6) else []
 
     def _index(self, k, name):
         """Return the index of an instance by its name, and k if the name is empty."""
@@ -305,20 +406,19 @@ class _Assembly:
                 return index
         raise MeshFault(f"set: expected a known instance, got {name!r}")
 
-    def _members(self, k: int, cell: str, sets: dict[str, list]) -> list[Any]:
+    def _members(self, k: int, cell: str, table: str) -> list[Any]:
         """Return the members of an entry: a number or the name of a set, either after INSTANCE."""
-        if cell.lstrip("-").isdigit():
-            if sets is self.node_sets:
+        if cell.lstrip("-").isdigit() and table != "SURFACE":
+            if table == "NSET":
                 return rows_of(self.numbers[k], [int(cell)], "a set")
-            return [self.elements[k].get(int(cell), [])]
+            return [(k, int(cell))]
         for known in (f"{self.parts[k].name}.{cell}", cell):
-            for name, members in sets.items():
-                if name.casefold() == known.casefold():
-                    return members
+            if (table, known.casefold()) in self.definitions:
+                return self._set(table, known)
         instance, dot, label = cell.rpartition(".")
         if dot and label.isdigit():
-            return self._members(self._index(k, instance), label, sets)
-        raise MeshFault(f"set: expected a set defined before it, got {cell!r}")
+            return self._members(self._index(k, instance), label, table)
+        raise MeshFault(f"set: expected a known set, got {cell!r}")
 
 
 def _keywords(path: Path) -> Iterator[Keyword]:

@@ -1,16 +1,27 @@
-"""ANSYS archives (.cdb, as CDWRITE writes them): nodes, tetrahedra and components of nodes.
+"""Ansys archives (CDWRITE, Workbench's ds.dat): nodes, tetrahedra and components.
 
-meshio 5.3.5 does not read this format.
+meshio 5.3.5 does not read this format. mapdl-archive 0.4.2 is not used: it loses components of
+elements and the names of bodies, and needs a compiled library.
 """
 
 import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from .deck import Deck, MeshFault, rows_by_number, rows_of, tetrahedra
+from .deck import (
+    Deck,
+    MeshFault,
+    Selection,
+    real,
+    rows_by_number,
+    rows_of,
+    tetrahedra,
+    text_of,
+)
 
 TETRAHEDRA = {"187": 10, "92": 10, "285": 4}
 """Numbers of nodes of the structural tetrahedra, by the number of the element type."""
@@ -19,104 +30,178 @@ SOLIDS |= {"185", "186", "190", "226", "227", "232", "237", "240", "278", "279",
 """Other solid elements. The reader skips all others, for example contact, shells and springs."""
 
 
+class Element(NamedTuple):
+    """Element of an EBLOCK.
+
+    Parameters
+    ----------
+    label : int
+    kind : str
+        Number of its type.
+    material : int
+    nodes : list of int
+        0 for omitted middle nodes.
+    solid : bool
+        Whether its block has solid elements.
+    body : str
+        Name of the body in the comment that Workbench writes before the block.
+    """
+
+    label: int
+    kind: str
+    material: int
+    nodes: list[int]
+    solid: bool
+    body: str
+
+
+class _Archive:
+    """Blocks of an archive."""
+
+    def __init__(self, text):
+        self.labels: list[int] = []
+        self.points: list[list[float]] = []
+        self.elements: list[Element] = []
+        self.nodes: dict[str, list[int]] = {}
+        self.components: dict[str, list[int]] = {}
+        self.kinds: dict[str, str] = {}
+        body = ""
+        lines = iter(text.splitlines())
+        for line in lines:
+            words = [word.strip() for word in line.split("!")[0].split(",")]
+            command = words[0].upper()
+            if name := re.match(r"(?i)/com,.*elements for body \d+\s+[\"'](.*?)[\"']", line):
+                body = name[1]
+            elif command == "ET":
+                _, number_of_type, name, *_ = words
+                self.kinds[number_of_type] = re.sub(r"\D", "", name)
+            elif command == "ETBLOCK":
+                (width,) = _format(r"\d*i(\d+)", next(lines))
+                rows = _rows(lines, width, 2)  # key options follow
+                self.kinds |= {str(number): str(kind) for number, kind in rows}
+            elif command == "NBLOCK":
+                _read_nodes(lines, self.labels, self.points)
+            elif command == "EBLOCK":
+                solid = "SOLID" in (word.upper() for word in words)
+                self.elements += _elements(lines, solid, body)
+                body = ""
+            elif command == "CMBLOCK":
+                nodes = words[2].upper().startswith("NODE")
+                (self.nodes if nodes else self.components)[words[1]] = _component(lines, words)
+
+
 def read_ansys(path: Path) -> Deck:
-    """Read nodes, tetrahedra (SOLID187, 92, 285) and components of nodes of an archive in blocks.
+    """Read nodes, tetrahedra (SOLID187, 92, 285) and components of an archive in blocks.
+
+    Parts are components of elements and the bodies of Workbench.
 
     Raises
     ------
     MeshFault
-        If there is no block of nodes or solid elements, or a tetrahedron lacks a middle node.
+        If there is no block of nodes or elements.
     """
-    lines = iter(path.read_text(errors="replace").splitlines())
-    labels: list[int] = []
-    points: list[list[float]] = []
-    elements: list[tuple[int, str, list[int]]] = []
-    components: dict[str, list[int]] = {}
-    kinds: dict[str, str] = {}
-    for line in lines:
-        words = [word.strip() for word in line.split("!")[0].split(",")]
-        command = words[0].upper()
-        if command == "ET":
-            _, number_of_type, name, *_ = words
-            kinds[number_of_type] = re.sub(r"\D", "", name)
-        elif command == "NBLOCK":
-            _read_nodes(lines, labels, points)
-        elif command == "EBLOCK":
-            if "SOLID" not in (word.upper() for word in words):
-                raise MeshFault(f"{path}: expected an EBLOCK with SOLID, got one without")
-            elements += _elements(lines)
-        elif command == "CMBLOCK":
-            components |= _component(lines, words)
-    if not labels or not elements:
+    archive = _Archive(text_of(path))
+    if not archive.labels or not archive.elements:
         raise MeshFault(
-            f"{path}: expected NBLOCK and EBLOCK, got {len(labels)} nodes and {len(elements)} "
-            "elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
+            f"{path}: expected NBLOCK and EBLOCK, got {len(archive.labels)} nodes and "
+            f"{len(archive.elements)} elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
         )
-    number = rows_by_number(labels, points)
-    tets = []
-    other: Counter[str] = Counter()
-    for label, type_number, nodes in elements:
-        kind = kinds.get(type_number, "")
+    number = rows_by_number(archive.labels, archive.points)
+    tets: dict[int, list[int]] = {}
+    materials: list[str] = []
+    others: dict[int, str] = {}
+    groups = dict(archive.components)
+    for label, type_number, material, nodes, solid, body in archive.elements:
+        kind = archive.kinds.get(type_number, "")
         if kind in TETRAHEDRA:
-            tets.append(rows_of(number, _nodes(kind, label, nodes), f"element {label}"))
-        elif kind in SOLIDS or not kind:
-            other[f"SOLID{kind}" if kind else f"type {type_number}, which no ET names"] += 1
-    sets = {
-        name: np.unique(rows_of(number, nodes, f"component {name}"))
-        for name, nodes in components.items()
-    }
-    return Deck(np.array(points), tetrahedra(tets), sets, labels=np.array(labels), other=other)
+            owner = f"element {label}, SOLID{kind}"
+            tets[label] = rows_of(number, _nodes(nodes, TETRAHEDRA[kind], owner), owner)
+            materials.append(f"MAT {material}")
+        elif kind in SOLIDS or (solid and not kind):
+            others[label] = f"SOLID{kind}" if kind else f"type {type_number}, which no ET names"
+        if body:
+            groups.setdefault(body, []).append(label)
+    row = {label: row for row, label in enumerate(tets)}
+
+    def selection(labels):
+        rows = np.array([row[label] for label in labels if label in row], dtype=int)
+        return Selection(rows, Counter(others[label] for label in labels if label in others))
+
+    return Deck(
+        np.array(archive.points),
+        tetrahedra(list(tets.values())),
+        {
+            name: np.unique(rows_of(number, nodes, f"component {name}"))
+            for name, nodes in archive.nodes.items()
+        },
+        labels=np.array(archive.labels),
+        other=Counter(others.values()),
+        parts={
+            name: selection(labels)
+            for name, labels in groups.items()
+            if not row.keys().isdisjoint(labels)
+        },
+        materials=materials,
+    )
 
 
-def _nodes(kind, label, nodes):
-    """Return the nodes of a tetrahedron; a missing middle node is 0 in the file."""
-    count = TETRAHEDRA[kind]
-    if len(nodes) < count or 0 in nodes[:count]:
-        raise MeshFault(f"element {label}, SOLID{kind}: expected {count} nodes, got {len(nodes)}")
+def _nodes(nodes, count, owner):
+    """Return the nodes of a tetrahedron, 0 for omitted middle nodes."""
+    if len(nodes) < count and len(nodes) != 4:
+        raise MeshFault(f"{owner}: expected {count} nodes, got {len(nodes)}")
     return nodes[:count]
 
 
 def _read_nodes(lines, labels, points):
     """Read the nodes of an NBLOCK: integers, then reals, which are 0 if omitted at the end."""
-    integers, width, size = _format(r"(\d+)i(\d+)\s*,\s*\d+[a-z](\d+)", next(lines))
+    integers, width, size = _format(r"(\d*)i(\d+)\s*,\s*\d*[a-z](\d+)", next(lines))
     first = integers * width
     for line in lines:
         if line.upper().startswith("N,") or line.split(",")[0].strip() == "-1":
             return
         labels.append(int(line[:width]))
         texts = [line[k : k + size].strip() for k in range(first, first + 3 * size, size)]
-        points.append([float(text.upper().replace("D", "E")) if text else 0.0 for text in texts])
+        points.append([real(text) if text else 0.0 for text in texts])
 
 
-def _elements(lines: Iterator[str]) -> Iterator[tuple[int, str, list[int]]]:
-    """Yield number, type and nodes of each element of an EBLOCK with SOLID.
+def _elements(lines: Iterator[str], solid: bool, body: str) -> Iterator[Element]:
+    """Yield the elements of an EBLOCK.
 
-    An element has eleven numbers, of which the ninth is the number of nodes, and then its nodes.
+    With SOLID an element has eleven numbers, of which the ninth is the number of nodes, and then
+    its nodes. Otherwise a line has number, type, constants, material, system and nodes.
     """
-    (width,) = _format(r"\d+i(\d+)\s*\)", next(lines))
-    for line in lines:
-        row = _numbers(line, width)
-        if not row or row[0] == -1:
-            return
-        _, kind, _, _, _, _, _, _, count, _, label, *nodes = row
+    (width,) = _format(r"\d*i(\d+)\s*\)", next(lines))
+    rows = _rows(lines, width)
+    for row in rows:
+        if not solid:
+            label, kind, _, material, _, *nodes = row
+            yield Element(label, str(kind), material, nodes, solid, body)
+            continue
+        material, kind, _, _, _, _, _, _, count, _, label, *nodes = row
         while len(nodes) < count:
-            nodes += _numbers(next(lines), width)
-        yield label, str(kind), nodes[:count]
+            nodes += next(rows)
+        yield Element(label, str(kind), material, nodes[:count], solid, body)
+
+
+def _rows(lines: Iterator[str], width: int, most: int | None = None) -> Iterator[list[int]]:
+    """Yield the integers of each line of a block up to -1, at most so many of each line."""
+    for line in lines:
+        row = _numbers(line, width, most)
+        if row[:1] == [-1] or not row:
+            return
+        yield row
 
 
 def _component(lines, words):
-    """Return the component of a CMBLOCK of nodes, where a negative number ends a range."""
-    (width,) = _format(r"\d+i(\d+)\s*\)", next(lines))
-    _, name, kind, count, *_ = words
+    """Return the members of the component of a CMBLOCK, where a negative number ends a range."""
+    (width,) = _format(r"\d*i(\d+)\s*\)", next(lines))
     numbers: list[int] = []
-    while len(numbers) < int(count):
+    while len(numbers) < int(words[3]):
         numbers += _numbers(next(lines), width)
-    if not kind.upper().startswith("NODE"):
-        return {}
     nodes: list[int] = []
     for number in numbers:
         nodes += range(nodes[-1] + 1, 1 - number) if number < 0 else [number]
-    return {name: nodes}
+    return nodes
 
 
 def _format(pattern, line):
@@ -124,10 +209,10 @@ def _format(pattern, line):
     match = re.match(r"\s*\(\s*" + pattern, line, re.IGNORECASE)
     if not match:
         raise MeshFault(f"block: expected a known format, got {line.strip()!r}")
-    return [int(text) for text in match.groups()]
+    return [int(text or 1) for text in match.groups()]
 
 
-def _numbers(line, width):
-    """Return the integers of a line of columns."""
-    line = line.rstrip()
+def _numbers(line, width, most=None):
+    """Return the integers of a line of columns, at most so many."""
+    line = line.rstrip()[: most and most * width]
     return [int(line[k : k + width]) for k in range(0, len(line), width)]

@@ -47,7 +47,8 @@ def aspect_ratios(points: np.ndarray, tets: np.ndarray) -> np.ndarray:
 def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list[str]:
     """Return the faults of a mesh, one sentence each.
 
-    Faults are an absurd size, inverted or duplicate elements, outer faces that coincide, and pieces
+    Faults are an absurd size, elements inverted at an integration point of the stiffness, duplicate
+    elements, outer faces that coincide, and pieces
     that are not connected through faces.
 
     Parameters
@@ -64,8 +65,7 @@ def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list
         faults.append(
             f"expected a body of 5 mm to 5 m, got {size:.3g} m; set mesh_unit, for example '1 mm'"
         )
-    position = np.vstack([quadrature(3).position, NODES[:4]])
-    least = jacobian_determinants(points, tets, position).min(axis=1)
+    least = jacobian_determinants(points, tets, quadrature(3).position).min(axis=1)
     bad = np.flatnonzero(least <= 0.0)
     if len(bad):
         faults.append(
@@ -76,6 +76,29 @@ def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list
     faults += _duplicates(points, tets) or _loose_pieces(points, tets)
     faults += _coincident(points, outer_faces(tets))
     return [f"{where}: {fault}" for fault in faults]
+
+
+def corner_remarks(points: np.ndarray, tets: np.ndarray) -> list[str]:
+    """Return a warning about elements whose Jacobian is not positive at a corner.
+
+    Their matrices are valid if the Jacobian is positive at the integration points of the stiffness.
+    Stresses at such a corner are not.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        [m]
+    tets : ndarray of int, shape (e, 10)
+    """
+    jacobian = jacobian_determinants(points, tets, NODES[:4])
+    bad = np.flatnonzero(jacobian.min(axis=1) <= 0.0)
+    if not len(bad):
+        return []
+    corner = tets[bad[0], [jacobian[bad[0]].argmin()]]
+    return [
+        f"{len(bad)} elements with a negative Jacobian at a corner; stresses there are wrong; "
+        f"the first is number {bad[0] + 1}, its corner is at {_place(points[corner])}"
+    ]
 
 
 def _place(corners):

@@ -1,14 +1,20 @@
 """Contents of a mesh file of any program: nodes, tetrahedra, sets of nodes, named faces."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-LINEAR, QUADRATIC = 4, 10
+from .element import EDGES
+
+CORNERS, NODES = 4, 10
 """Numbers of nodes of a tetrahedron."""
+FLAT = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
+"""Elements without volume."""
 
 
 class MeshFault(ValueError):
@@ -23,6 +29,21 @@ class MeshFault(ValueError):
         return MeshFault(text if str(path) in text else f"{path}: {text}" for text in self.faults)
 
 
+class Selection(NamedTuple):
+    """Solid elements of a part, an instance, or a named set of elements.
+
+    Parameters
+    ----------
+    tets : ndarray of int
+        Rows of the deck's tetrahedra.
+    other : Counter
+        Number of other solid elements by type.
+    """
+
+    tets: np.ndarray
+    other: Counter[str] = Counter()
+
+
 @dataclass(frozen=True)
 class Deck:
     """Contents of a mesh file in its own axes and units.
@@ -30,8 +51,9 @@ class Deck:
     Parameters
     ----------
     points : ndarray, shape (n, 3)
-    tets : ndarray of int, shape (e, 10) or (e, 4)
-        Rows of `points`: corners, then the middles of edges 01, 12, 02, 03, 13, 23.
+    tets : ndarray of int, shape (e, 10)
+        Rows of `points`: corners, then the middles of edges 01, 12, 02, 03, 13, 23; -1 if the file
+        omits a middle node.
     node_sets : dict of str to ndarray of int
         Rows of `points`.
     faces : dict of str to ndarray of int, shape (t, 3)
@@ -40,6 +62,14 @@ class Deck:
         Node numbers in the file; None if several nodes have the same number.
     other : Counter
         Number of elements of each other type, by their name in the file.
+    parts : dict of str to Selection
+        Parts of the mesh by name.
+    materials : sequence of str
+        Material of each tetrahedron, empty if the file does not state it.
+    faults : dict of str to str
+        Sets that the file does not define completely, with the reason.
+    remarks : tuple of str
+        Warnings.
     """
 
     points: np.ndarray
@@ -48,14 +78,136 @@ class Deck:
     faces: dict[str, np.ndarray] = field(default_factory=dict)
     labels: np.ndarray | None = None
     other: Counter[str] = field(default_factory=Counter)
+    parts: dict[str, Selection] = field(default_factory=dict)
+    materials: Sequence[str] = ()
+    faults: dict[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
     def known(self) -> list[str]:
         """Return the names of the surfaces."""
         return sorted(set(self.node_sets) | set(self.faces))
 
+    def only(self, name: str) -> "Deck":
+        """Return the deck with the solid elements of a part alone.
+
+        Raises
+        ------
+        MeshFault
+            If the file has no such part.
+        """
+        part = entry(self.parts, name)
+        if part is None:
+            names = ", ".join(self.parts) or "none"
+            raise MeshFault(f"part: expected a part of the file ({names}), got {name!r}")
+        materials = [self.materials[row] for row in part.tets] if self.materials else ()
+        return replace(self, tets=self.tets[part.tets], other=part.other, materials=materials)
+
+    def completed(self) -> "Deck":
+        """Return the deck with all middle nodes, and with remarks about nodes and materials.
+
+        Raises
+        ------
+        MeshFault
+            If the deck has other solid elements than tetrahedra, linear and quadratic ones, or an
+            element without a corner.
+        """
+        self._check()
+        omitted = self.tets < 0
+        remarks = list(self.remarks)
+        if omitted[:, CORNERS:].all():
+            remarks.append(
+                "linear tetrahedra; edge nodes added at straight edges, curved walls stay polygons"
+            )
+        elif omitted.any():
+            remarks.append(
+                f"{omitted.sum()} midside nodes omitted in elements; each becomes that of a "
+                "neighbour or the middle of its straight edge"
+            )
+        materials = Counter(self.materials)
+        if len(materials) > 1:
+            counts = ", ".join(f"{name}: {count}" for name, count in materials.items())
+            remarks.append(
+                f"{len(materials)} materials (elements of {counts}); all elements get density, "
+                "young and poisson of the case, or select one body with the option part"
+            )
+        labels = self.labels
+        used = np.unique(self.tets[~omitted])
+        if labels is not None and (omitted.any() or len(np.unique(labels[used])) < len(used)):
+            labels = None
+        points, tets = self.points, self.tets
+        if omitted.any():
+            points, tets = with_middles(points, tets)
+        return replace(self, points=points, tets=tets, labels=labels, remarks=tuple(remarks))
+
+    def _check(self) -> None:
+        """Raise MeshFault if there are elements that are not supported, or none."""
+        present = ", ".join(f"{count} {kind}" for kind, count in self.other.items()) or "nothing"
+        if not len(self.tets):
+            raise MeshFault(f"expected 10-node tetrahedra, got {present}; {ELEMENTS}")
+        if solids := {kind: n for kind, n in self.other.items() if kind not in FLAT}:
+            present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
+            raise MeshFault(f"expected 10-node tetrahedra only, got also {present}; {ELEMENTS}")
+        linear = (self.tets[:, CORNERS:] < 0).all(axis=1).sum()
+        if 0 < linear < len(self.tets):
+            raise MeshFault(
+                f"body: expected ten-node tetrahedra only, got {linear} of {len(self.tets)} with "
+                "four nodes"
+            )
+        if bad := int((self.tets[:, :CORNERS] < 0).any(axis=1).sum()):
+            raise MeshFault(f"expected four corners of each element, got {bad} elements with less")
+
+
+ELEMENTS = (
+    "only structural tetrahedra of 10 or 4 nodes are read; hexahedra, wedges, pyramids and "
+    "superelements (CMS matrices) are not supported"
+)
+
+
+def entry(table: Mapping[str, Any], name: str) -> Any:
+    """Return the entry of a name, or of the only name that differs in case alone, else None.
+
+    ANSYS writes all names in capitals, and Abaqus ignores case.
+    """
+    if name in table:
+        return table[name]
+    same = [known for known in table if known.casefold() == name.casefold()]
+    return table[same[0]] if len(same) == 1 else None
+
+
+def with_middles(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Replace missing middle nodes (-1) of tetrahedra, (e, 10); return points and tetrahedra.
+
+    An element gets the middle node of a neighbour on the same edge, else a new one at the middle of
+    the straight edge.
+    """
+    ends = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
+    edges, number = np.unique(ends, axis=0, return_inverse=True)
+    number = number.reshape(-1)
+    middles = tets[:, CORNERS:].ravel()
+    node = np.full(len(edges), -1)
+    node[number[middles >= 0]] = middles[middles >= 0]
+    new = np.flatnonzero(node < 0)
+    node[new] = len(points) + np.arange(len(new))
+    middles = np.where(middles < 0, node[number], middles).reshape(len(tets), -1)
+    added = points[edges[new]].mean(axis=1)
+    return np.vstack([points, added]), np.hstack([tets[:, :CORNERS], middles])
+
+
+def real(text: str) -> float:
+    """Return a real number of a deck; 1.5D3, 1.5d+3 and 1.5+3 are 1.5e3."""
+    text = text.strip().upper().replace("D", "E")
+    return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"E\1", text))
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a deck in UTF-8 or UTF-16, without a byte-order mark."""
+    data = path.read_bytes()
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+
 
 def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list[int]:
-    """Return the rows of nodes with the given numbers.
+    """Return the rows of nodes with the given numbers, -1 for number 0 (no node).
 
     Raises
     ------
@@ -63,7 +215,7 @@ def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list
         If no node has the number; the message begins with `owner`.
     """
     try:
-        return [number[node] for node in nodes]
+        return [number[node] if node else -1 for node in nodes]
     except KeyError as error:
         raise MeshFault(f"{owner}: expected a known node, got {error.args[0]}") from None
 
@@ -85,20 +237,9 @@ def rows_by_number(labels: Sequence[int], points: Sequence[Sequence[float]]) -> 
 
 
 def tetrahedra(elements: Sequence[Sequence[int]]) -> np.ndarray:
-    """Return tetrahedra of one order as an array, (e, 10) or (e, 4).
-
-    Raises
-    ------
-    MeshFault
-        If there are both linear and quadratic tetrahedra.
-    """
-    kinds = Counter(map(len, elements))
-    if len(kinds) > 1:
-        raise MeshFault(
-            f"body: expected ten-node tetrahedra only, got {kinds[LINEAR]} of "
-            f"{len(elements)} with four nodes"
-        )
-    return np.array(elements, dtype=np.int64).reshape(-1, *(kinds or [QUADRATIC]))
+    """Return tetrahedra of four or ten nodes as an array, (e, 10), with -1 for omitted nodes."""
+    rows = [[*nodes, *[-1] * (NODES - len(nodes))] for nodes in elements]
+    return np.array(rows, dtype=np.int64).reshape(-1, NODES)
 
 
 def lines_of(
@@ -126,12 +267,14 @@ def lines_of(
         If an included file does not exist, or includes itself.
     """
     above = (*above, path.resolve())
-    for line in clean(path.read_text(errors="replace")):
+    for line in clean(text_of(path)):
         name = include(line)
         if name is None:
             yield line
             continue
         inner = path.parent / name
+        if not inner.is_file():
+            inner = path.parent / name.replace("\\", "/")  # written on Windows
         if not inner.is_file():
             raise MeshFault(f"{path.name}: expected to include {name!r}, got no such file {inner}")
         if inner.resolve() in above:

@@ -2,6 +2,7 @@
 
 import gzip
 import lzma
+import re
 import shutil
 import tempfile
 from collections import Counter
@@ -14,9 +15,10 @@ import numpy as np
 from ...master.fmi.errors import file_fault
 from .abaqus import read_abaqus
 from .ansys import read_ansys
-from .connections import mesh_faults, outer_faces
-from .deck import Deck, MeshFault
-from .element import EDGES
+from .connections import corner_remarks, mesh_faults, outer_faces
+from .deck import Deck, MeshFault, entry, tetrahedra, text_of
+from .gmsh import read_gmsh
+from .med import read_med
 from .nastran import read_nastran
 from .regions import Region
 
@@ -61,6 +63,7 @@ def read_mesh(
     scale: float = 1.0,
     axes: Sequence[str] = ("x", "y", "z"),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
+    part: str | None = None,
     say: Callable[[str], None] = print,
 ) -> Mesh:
     """Read a mesh file in this project's axes, select its surfaces and check it.
@@ -68,9 +71,8 @@ def read_mesh(
     Parameters
     ----------
     path : Path
-        Abaqus .inp, Nastran .bdf, .nas, .fem, ANSYS .cdb, gmsh .msh with physical groups, and other
-        formats of meshio, also as `.gz` or `.xz`. Linear tetrahedra get edge nodes at straight
-        edges, with a warning.
+        A file in one of the `FORMATS`, also as `.gz` or `.xz`. Linear tetrahedra get edge nodes at
+        straight edges, with a warning.
     surfaces : dict of str to Region or None
         Surfaces that the mesh must have; None if the file names them.
     scale : float
@@ -80,6 +82,8 @@ def read_mesh(
         "x" or "-z".
     origin : sequence of float
         Coordinates of this project's origin in the file [m].
+    part : str, optional
+        Name of the only part, instance or set of elements that is read. Default: the whole file.
     say : callable
         Prints a warning.
 
@@ -88,44 +92,34 @@ def read_mesh(
     MeshFault
         If the file has unknown element types, lacks surfaces, or has faults of `mesh_faults`.
     """
-    raw = read_raw(Path(path))
-    if not len(raw.tets):
-        present = ", ".join(f"{count} {kind}" for kind, count in raw.other.items()) or "nothing"
-        raise MeshFault(f"{path}: expected 10-node tetrahedra, got {present}")
-    if solids := {kind: n for kind, n in raw.other.items() if kind not in FLAT}:
-        present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
-        raise MeshFault(f"{path}: expected 10-node tetrahedra only, got also {present}")
-    tets = raw.tets
+    raw = read_raw(Path(path), part)
+    for remark in raw.remarks:
+        say(f"{path}: {remark}")
     points = to_body_axes(raw.points * scale, axes, origin)
-    used = np.unique(tets)  # nodes that no tetrahedron uses would make the stiffness singular
+    used = np.unique(raw.tets)  # nodes that no element uses would make the stiffness singular
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     points = points[used]
-    tets = number[tets]
-    linear = tets.shape[1] == 4
-    if linear:
-        say(
-            f"{path}: linear tetrahedra; edge nodes added at straight edges, curved walls stay "
-            "polygons"
-        )
-        points, tets = second_order(points, tets)
+    tets = number[raw.tets]
     outer = outer_faces(tets)
     faces = {
         name: outer[_marked(raw, number, points, outer, name, region)]
         for name, region in surfaces.items()
     }
-    names = ", ".join(raw.known()) or "none"
+    known = f"the file names {', '.join(raw.known()) or 'none'}"
     faults = [
-        f"{path}: surface '{name}' is missing or empty (the file names {names})"
+        f"{path}: surface '{name}' is missing or empty ({entry(raw.faults, name) or known})"
         for name, members in faces.items()
         if not len(members)
     ]
-    labels = None if linear or raw.labels is None else raw.labels[used]
-    mesh = Mesh(points, tets, faces, labels=labels)
     faults += mesh_faults(points, tets, path)
+    if faults and len(raw.parts) > 1 and not part:
+        faults.append(f"{path}: the option part selects one of {', '.join(list(raw.parts)[:8])}")
     if faults:
         raise MeshFault(faults)
-    return mesh
+    for remark in corner_remarks(points, tets):
+        say(f"{path}: {remark}")
+    return Mesh(points, tets, faces, labels=None if raw.labels is None else raw.labels[used])
 
 
 def to_body_axes(points: np.ndarray, axes: Sequence[str], origin: Sequence[float]) -> np.ndarray:
@@ -149,19 +143,11 @@ def axes_matrix(axes: Sequence[str]) -> np.ndarray:
     return matrix
 
 
-def second_order(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Add the middles of all edges to linear tetrahedra (e, 4); return points and (e, 10)."""
-    ends = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
-    edges, number = np.unique(ends, axis=0, return_inverse=True)
-    middles = points[edges].mean(axis=1)
-    return np.vstack([points, middles]), np.hstack([tets, number.reshape(-1, 6) + len(points)])
-
-
 PACKED = {".gz": gzip.open, ".xz": lzma.open}
 
 
-def read_raw(path: Path) -> Deck:
-    """Read a file, which may be compressed, in its own axes and units.
+def read_raw(path: Path, part: str | None = None) -> Deck:
+    """Read a file, which may be compressed, or a part of it, in its own axes and units.
 
     Raises
     ------
@@ -169,71 +155,99 @@ def read_raw(path: Path) -> Deck:
         If the file cannot be read.
     """
     if path.suffix not in PACKED:
-        return _read(path, path)
+        return _read(path, path, part)
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / path.stem
         with PACKED[path.suffix](path) as packed, open(plain, "wb") as file:
             shutil.copyfileobj(packed, file)
-        return _read(plain, path)
+        return _read(plain, path, part)
 
 
-def _read(plain, path):
+def _read(plain, path, part):
     """Read an uncompressed file; messages contain `path`."""
     try:
-        return READERS.get(plain.suffix.lower(), _by_meshio)(plain)
+        if plain.suffix.lower() in GEOMETRY:
+            raise MeshFault("expected a mesh of tetrahedra, got geometry; mesh it first")
+        deck = _reader(plain)(plain)
+        return (deck.only(part) if part else deck).completed()
     except MeshFault as fault:
         raise fault.of_file(path) from None
     except OSError as error:
         raise MeshFault(file_fault(path, error)) from None
-    except (Exception, SystemExit):  # readers raise whatever comes, meshio ends the process
-        raise MeshFault(f"{path}: expected a mesh file, got other or incomplete content") from None
+    except (StopIteration, RuntimeError):  # of a reader's loop
+        raise MeshFault(f"{path}: {UNREADABLE} (it ends too early)") from None
+    except (ValueError, KeyError, IndexError) as reason:
+        raise MeshFault(f"{path}: {UNREADABLE} ({reason}); {FORMATS}") from None
 
 
+GEOMETRY = (".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".x_b", ".sat", ".stl", ".sldprt")
+"""Suffixes of files of geometry."""
+FORMATS = (
+    "suffixes that are read: .msh (gmsh), .inp (Abaqus, CalculiX), .bdf, .nas, .fem, .dat "
+    "(Nastran), .cdb, .dat (Ansys), .med (Salome), .vtu, .vtk"
+)
+"""Hint about the files that are read."""
+UNREADABLE = "expected a mesh file, got other or incomplete content"
 READERS = {
-    ".inp": read_abaqus,
-    ".bdf": read_nastran,
-    ".nas": read_nastran,
-    ".fem": read_nastran,
-    ".cdb": read_ansys,
+    r"\s*\$MeshFormat": read_gmsh,
+    r"(?im)^\*keyword\b": None,  # LS-DYNA has keywords of Abaqus
+    r"(?im)^\s*((n|e|cm|et)block|/prep7)\b": read_ansys,
+    r"(?im)^\*\s*(node|part|heading|include|element)\b": read_abaqus,
+    r"(?im)^\s*(begin\s+bulk|include\s+['\"]|(grid|ctetra)\*?[\s,])": read_nastran,
 }
-"""Readers by the suffix of the file; meshio reads all others."""
+"""Readers by what a file contains; the first match counts, and None is not supported."""
+BY_MESHIO = (".vtu", ".vtk", ".mesh", ".meshb", ".xdmf", ".vol", ".su2", ".e", ".exo")
+"""Suffixes of formats that meshio reads, with named surfaces if the format has them."""
 
-FLAT = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
-"""Elements without volume, as meshio names them."""
+
+def _reader(path):
+    """Return the reader of a file by its content, for formats without text by its suffix.
+
+    Abaqus, Ansys and Nastran all write .inp and .dat.
+    """
+    if path.suffix.lower() == ".med":
+        return read_med
+    if path.suffix.lower() in BY_MESHIO:
+        return _by_meshio
+    text = text_of(path)
+    readers = (reader for pattern, reader in READERS.items() if re.search(pattern, text))
+    if reader := next(readers, None):
+        return reader
+    raise MeshFault(f"{UNREADABLE}; {FORMATS}")
 
 
 def _by_meshio(path: Path) -> Deck:
-    """Read a file with meshio, with names of gmsh's physical groups."""
+    """Read a file with meshio."""
     import meshio
 
-    raw = meshio.read(path)
+    try:
+        raw = meshio.read(path)
+    except (Exception, SystemExit) as error:  # its readers raise whatever comes, or exit
+        raise MeshFault(f"{UNREADABLE} (meshio: {error}); {FORMATS}") from None
     kinds = Counter()
     for cells in raw.cells:
         kinds[cells.type] += len(cells.data)
-    kind = "tetra10" if "tetra10" in kinds else "tetra"
-    blocks = [cells.data for cells in raw.cells if cells.type == kind]
-    tets = np.concatenate(blocks).astype(np.int64) if blocks else np.empty((0, 10), dtype=int)
-    del kinds[kind]
-    names = set(raw.field_data) | set(raw.cell_sets)
+    tets = [row for cells in raw.cells if cells.type in TETRAHEDRA for row in cells.data.tolist()]
+    for kind in TETRAHEDRA:
+        del kinds[kind]
     return Deck(
         np.asarray(raw.points, dtype=float),
-        tets,
+        tetrahedra(tets),
         {name: np.asarray(rows, dtype=int) for name, rows in raw.point_sets.items()},
-        {name: _faces_by_meshio(raw, name) for name in sorted(names)},
+        {name: _faces_by_meshio(raw, name) for name in sorted(raw.cell_sets)},
         np.arange(1, len(raw.points) + 1),
         kinds,
     )
 
 
+TETRAHEDRA = ("tetra", "tetra10")
+
+
 def _faces_by_meshio(raw, name):
     """Return the corners of the triangles of a named group, (t, 3)."""
-    tag = raw.field_data.get(name, (None,))[0]
-    chosen = raw.cell_sets.get(name) or [
-        np.flatnonzero(tags == tag) for tags in raw.cell_data.get("gmsh:physical", [])
-    ]
     faces = [
         cells.data[rows][:, :3]
-        for cells, rows in zip(raw.cells, chosen)
+        for cells, rows in zip(raw.cells, raw.cell_sets[name])
         if rows is not None and cells.type in ("triangle", "triangle6")
     ]
     return np.concatenate(faces) if faces else np.empty((0, 3), dtype=int)
@@ -247,22 +261,11 @@ def _marked(raw, number, points, outer, name, region):
     corners = outer[:, :3]
     if region is not None:
         return region.holds(points[corners])
-    faces = _entry(raw.faces, name)
+    faces = entry(raw.faces, name)
     if faces is not None and len(faces):
         wanted = {tuple(key) for key in np.sort(number[faces], axis=1)}
         return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
-    nodes = _entry(raw.node_sets, name)
+    nodes = entry(raw.node_sets, name)
     if nodes is not None:
         return np.isin(corners, number[nodes]).all(axis=1)
     return np.zeros(len(outer), dtype=bool)
-
-
-def _entry(table, name):
-    """Return the entry of a name, or of the only name that differs in case alone, else None.
-
-    ANSYS writes all names in capitals, and Abaqus ignores case.
-    """
-    if name in table:
-        return table[name]
-    same = [known for known in table if known.casefold() == name.casefold()]
-    return table[same[0]] if len(same) == 1 else None

@@ -1,21 +1,26 @@
 """Nastran bulk data: nodes, tetrahedra and matrix entries in small, large and free fields.
 
 meshio 5.3.5 is not used: it ignores coordinate systems and the nodes after a continuation that
-begins with blanks.
+begins with blanks. pyNastran 1.4.1 is not used: it needs numpy 1.
 """
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
-from .deck import Deck, MeshFault, lines_of, rows_by_number, rows_of, tetrahedra
+from .deck import Deck, MeshFault, Selection, lines_of, real, rows_of, tetrahedra
 
 SOLIDS = ("CHEXA", "CPENTA", "CPYRA", "CPYRAM")
-SYSTEMS = ("CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S", "CORD3G")
+SYSTEMS = ("CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S")
+
+
+Selected: TypeAlias = tuple[list[int], Counter[str]]
+"""Rows of tetrahedra of a part, and the number of its other solids."""
 
 
 @dataclass
@@ -54,9 +59,9 @@ class Card:
 
     def real(self, index: int) -> float:
         """Return the real number of a field, 0 if it is blank; 1.5+3 and 1.5D+3 are 1.5e3."""
-        text = self.get(index).replace("D", "E")
+        text = self.get(index)
         try:
-            return float(re.sub(r"(?<=[\d.])([+-]\d+)$", r"E\1", text)) if text else 0.0
+            return real(text) if text else 0.0
         except ValueError:
             raise MeshFault(
                 f"{self}: expected a number in field {index + 2}, got {text!r}"
@@ -66,38 +71,86 @@ class Card:
 def read_nastran(path: Path) -> Deck:
     """Read nodes and tetrahedra of a bulk data file and of the files that it includes.
 
+    A part has the number of its property. The material is that of PSOLID.
+
     Raises
     ------
     MeshFault
-        If the file contains something that this reader does not support: tetrahedra with some of
-        their middle nodes, nodes in cylindrical systems, or continuations elsewhere in the file.
+        If the file contains something that this reader does not support: nodes in unknown
+        systems, or continuations elsewhere in the file.
     """
-    grids: list[Card] = []
+    grids: dict[int, Card] = {}
     systems: dict[int, Card] = {}
     elements: list[Card] = []
+    solids: list[Card] = []
+    materials: dict[int | None, str] = {}
     other: Counter[str] = Counter()
     default = 0
     for card in cards(path):
         if card.name == "GRID":
-            grids.append(card)
+            label = _label(card)
+            first = grids.setdefault(label, card)
+            if first is not card and _given(first) != _given(card):
+                raise MeshFault(f"node {label}: expected one position, got two")
         elif card.name == "CTETRA":
             elements.append(card)
         elif card.name == "GRDSET":
             default = card.integer(1) or 0
         elif card.name in SYSTEMS:
-            systems[card.integer(0) or 0] = card
+            _add_systems(systems, card)
+        elif card.name == "PSOLID":
+            materials[card.integer(0)] = f"MAT {card.get(1)}"
         elif card.name in SOLIDS:
-            other[card.name] += 1
+            solids.append(card)
         elif card.name in ("CTRIA3", "CTRIA6", "CTRIAR"):
             other["triangle"] += 1
-    labels = [_label(card) for card in grids]
-    basic = _BasicSystem(systems)
-    points = [basic.position(card, default) for card in grids]
-    number = rows_by_number(labels, points)
-    tets = tetrahedra([rows_of(number, _nodes(card), str(card)) for card in elements])
+    tets = [_nodes(card) for card in elements]
+    used = {node for nodes in tets for node in nodes}
+    basic = _BasicSystem(systems, grids, default)
+    points = {}
+    for label, card in grids.items():
+        _given(card)
+        try:
+            points[label] = basic.position(label, ())
+        except MeshFault:  # of the system
+            if label in used:
+                raise
+    number = {label: row for row, label in enumerate(points)}
+    members: dict[int, Selected] = defaultdict(lambda: ([], Counter()))
+    for row, card in enumerate(elements):
+        members[_property(card)][0].append(row)
+    for card in solids:
+        members[_property(card)][1][card.name] += 1
+        other[card.name] += 1
+    known = [materials.get(_property(card), "") for card in elements]
     return Deck(
-        np.array(points, dtype=float).reshape(-1, 3), tets, labels=np.array(labels), other=other
+        np.array(list(points.values()), dtype=float).reshape(-1, 3),
+        tetrahedra([rows_of(number, nodes, str(card)) for nodes, card in zip(tets, elements)]),
+        labels=np.array(list(points), dtype=int),
+        other=other,
+        parts={str(k): Selection(np.array(rows), others) for k, (rows, others) in members.items()},
+        materials=known if any(known) else (),
     )
+
+
+def _given(card):
+    """Return system and coordinates of a node as its card states them."""
+    return card.integer(1), [card.real(index) for index in (2, 3, 4)]
+
+
+def _property(card):
+    """Return the number of an element's property, which is that of the element if omitted."""
+    number = card.integer(1)
+    return card.integer(0) if number is None else number
+
+
+def _add_systems(systems, card):
+    """Add the coordinate systems of a card; CORD1 may define two of them by three nodes each."""
+    half = 4 if card.name.startswith("CORD1") else len(card.fields)
+    for first in range(0, len(card.fields), half):
+        part = Card(card.name, card.fields[first : first + half])
+        if part.integer(0) is not None:
+            systems[part.integer(0)] = part
 
 
 def _label(card):
@@ -109,44 +162,78 @@ def _label(card):
 
 
 def _nodes(card):
-    """Return the four or ten nodes of a CTETRA."""
-    nodes = [card.integer(index) for index in range(2, 12)]
-    present = [node for node in nodes if node]
-    if len(present) not in (4, 10) or None in nodes[:4]:
-        raise MeshFault(f"{card}: expected 4 or 10 nodes, got {len(present)}")
+    """Return the four or ten nodes of a CTETRA, 0 for omitted middle nodes."""
+    nodes = [card.integer(index) or 0 for index in range(2, 12)]
+    present = nodes[: 10 if any(nodes[4:]) else 4]
+    if 0 in nodes[:4] or len(card.fields) > 12 and any(card.fields[12:]):
+        raise MeshFault(f"{card}: expected 4 corners and up to 6 middle nodes, got {present}")
     return present
 
 
 class _BasicSystem:
-    """Positions of nodes in the basic system."""
+    """Positions of nodes in the basic system.
 
-    def __init__(self, systems):
+    Parameters
+    ----------
+    systems : dict of int to Card
+    grids : dict of int to Card
+    default : int
+        System of nodes that state none.
+    """
+
+    def __init__(self, systems, grids, default):
         self.systems = systems
-        self.frames = {0: (np.zeros(3), np.eye(3))}
+        self.grids = grids
+        self.default = default
+        self.frames = {0: ("R", np.zeros(3), np.eye(3))}
 
-    def position(self, card, default):
-        system = card.integer(1)
-        system = default if system is None else system
-        origin, axes = self.frame(system, card, ())
-        local = [card.real(index) for index in (2, 3, 4)]
-        return local if system == 0 else (origin + np.array(local) @ axes).tolist()
+    def position(self, label, above):
+        """Return the position of a node; `above` contains the systems that depend on it."""
+        card = self.grids.get(label)
+        if card is None:
+            raise MeshFault(f"CORD1: expected a known node, got {label}")
+        system, local = _given(card)
+        return self._basic(self.default if system is None else system, local, card, above)
+
+    def _basic(self, system, local, user, above):
+        """Return a position in the basic system.
+
+        Eq. (M22):  p = o + A^T (x, y, z)
+                    cylindrical x, y, z = r cos t, r sin t, z           local = (r, t, z)
+                    spherical x, y, z = r sin t cos f, r sin t sin f, r cos t   local = (r, t, f)
+        """
+        kind, origin, axes = self.frame(system, user, above)
+        if system == 0:
+            return local
+        if kind == "C":
+            r, t, z = local[0], np.radians(local[1]), local[2]
+            local = r * np.cos(t), r * np.sin(t), z  # Eq. (M22)
+        elif kind == "S":
+            r, t, f = local[0], *np.radians(local[1:])
+            local = r * np.sin(t) * np.cos(f), r * np.sin(t) * np.sin(f), r * np.cos(t)
+        return (origin + np.array(local) @ axes).tolist()
 
     def frame(self, system, user, above):
-        """Return origin and axes (rows) of a rectangular system."""
+        """Return kind (R, C or S), origin and axes (rows) of a system."""
         if system in self.frames:
             return self.frames[system]
         card = self.systems.get(system)
         if card is None or system in above:
-            raise MeshFault(f"{user}: expected a known coordinate system, got {system}")
-        if card.name != "CORD2R":
-            raise MeshFault(f"{user}: expected the basic system or CORD2R, got {card}")
-        origin, axes = self.frame(card.integer(1) or 0, card, (*above, system))
-        local = np.reshape([card.real(index) for index in range(2, 11)], (3, 3))
-        a, b, c = origin + local @ axes
-        z = (b - a) / np.linalg.norm(b - a)
+            circular = ", which depends on itself" if card else ""
+            raise MeshFault(f"{user}: expected a known coordinate system, got {system}{circular}")
+        above = (*above, system)
+        if card.name.startswith("CORD1"):
+            points = [self.position(card.integer(index), above) for index in (1, 2, 3)]
+        else:
+            values = np.reshape([card.real(index) for index in range(2, 11)], (3, 3)).tolist()
+            points = [self._basic(card.integer(1) or 0, value, card, above) for value in values]
+        a, b, c = np.array(points)
+        z = b - a
         y = np.cross(z, c - a)
-        y /= np.linalg.norm(y)
-        self.frames[system] = a, np.array([np.cross(y, z), y, z])
+        if np.linalg.norm(y) <= 1e-9 * np.linalg.norm(z) * np.linalg.norm(c - a):
+            raise MeshFault(f"{card}: expected three points that are not in line, got {points}")
+        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+        self.frames[system] = card.name[-1], a, np.array([np.cross(y, z), y, z])
         return self.frames[system]
 
 

@@ -50,7 +50,7 @@ def prepare(
     with reducing("monoblock", build.mesh, progress) as say:
 
         def made():
-            placed = build.mesh_unit, build.axes, build.origin
+            placed = build.mesh_unit, build.axes, build.origin, build.part
             mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, say)
             material = build.young, build.poisson, build.density
             body = free_block(mesh, material, build.head_mass, build.crank_mass)

@@ -341,7 +341,7 @@ def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
     placed = options.mesh_unit, options.axes, options.origin
     if path.suffix == ".csv":
         return read_nodes(path, surfaces, *placed)
-    return read_mesh(path, surfaces, *placed, say)
+    return read_mesh(path, surfaces, *placed, options.part, say)
 
 
 def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:

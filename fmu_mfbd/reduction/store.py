@@ -121,6 +121,8 @@ def _decided(
 def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, Any]:
     """Return options, with the digest of the content of each file that they name."""
     out = options.model_dump(mode="json", exclude=set(excluded))
+    if out.get("part", "") is None:
+        del out["part"]  # shipped files have no such option
     for key in FILES:
         if out.get(key):
             out[key] = hashlib.sha256(Path(out[key]).read_bytes()).hexdigest()

@@ -245,10 +245,11 @@ def test_turn_comes_after_the_move(source, tmp_path):
     """By hand: a quarter turn about z through (1, 0, 0) takes (2, 0, 0) to (1, 1, 0)."""
     path = tmp_path / "one.inp"
     path.write_text(
-        "*Part, name=P\n*Node\n1, 0., 0., 0.\n*End Part\n*Instance, name=I, part=P\n2., 0., 0.\n"
+        "*Part, name=P\n*Node\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n"
+        "*Element, type=C3D4\n1, 1, 2, 3, 4\n*End Part\n*Instance, name=I, part=P\n2., 0., 0.\n"
         "1., 0., 0., 1., 0., 1., 90.\n*End Instance\n"
     )
-    np.testing.assert_allclose(read_raw(path).points, [[1.0, 1.0, 0.0]], atol=1e-15)
+    np.testing.assert_allclose(read_raw(path).points[0], [1.0, 1.0, 0.0], atol=1e-15)
 
 
 def test_two_instances_are_two_pieces(source, tmp_path):
@@ -374,14 +375,18 @@ def edited(lines, old, new):
 
 
 CARDS = {
-    "expected 10-node tetrahedra only, got also 1 CHEXA$": "CHEXA,8,7,1,2,3,4,5,6\n,7,8",
-    "CTETRA 8000: expected 4 or 10 nodes, got 5$": "CTETRA,8000,7,90001,89998,89995,89992,,89986",
+    "expected 10-node tetrahedra only, got also 1 CHEXA; only structural": "CHEXA,8,7,1,2,3,4,5,6\n,7,8",
+    "CTETRA 8000: expected 4 corners and up to 6 middle nodes, got .90001, 0, 89995, 89992": "CTETRA"
+    ",8000,7,90001,,89995,89992",
     "CTETRA 8000: expected a known node, got 3$": "CTETRA,8000,7,90001,89998,89995,3",
     "body: expected ten-node tetrahedra only, got 1 of 577 with four nodes": "CTETRA,8000,7,90001,"
     "89998,89995,89992",
-    "GRID 1: expected the basic system or CORD2R, got CORD2C 5$": "CORD2C,5,,0.,0.,0.,0.,0.,1.\n"
-    ",1.,0.,0.\nGRID,1,5,1.,0.,0.",
-    "GRID 1: expected a known coordinate system, got 5$": "GRID,1,5,1.,0.,0.",
+    "GRID 1: expected a known coordinate system, got 5$": "GRID,1,5,1.,0.,0.\n"
+    "CTETRA,8000,7,1,89998,89995,89992",
+    "GRID 1: expected a known coordinate system, got 5, which depends on itself$": "CORD1R,5,1,2,3\nGRID,1,5,1.,0.,0.\n"
+    "CTETRA,8000,7,1,89998,89995,89992",
+    "CORD2C 5: expected three points that are not in line": "CORD2C,5,,0.,0.,0.,0.,0.,1.\n"
+    ",0.,0.,2.\nGRID,1,5,1.,0.,0.\nCTETRA,8000,7,1,89998,89995,89992",
     "GRID 1: expected a number in field 4, got '1.X'$": "GRID,1,,1.x",
     "node 90001: expected one position, got two$": "GRID,90001,,1.,2.,3.",
     "expected to include 'b.bdf', got no such file .*b.bdf$": "INCLUDE 'b.bdf'",
@@ -391,22 +396,19 @@ CARDS = {
 
 KEYWORDS = {
     r"expected written nodes, got \*NGEN; write the mesh in full": "*Ngen\n1, 5, 1",
-    "expected 10-node tetrahedra only, got also 1 C3D8R$": "*Element, type=C3D8R\n"
+    "expected 10-node tetrahedra only, got also 1 C3D8R; only structural": "*Element, type=C3D8R\n"
     "7, 1, 2, 3, 4, 5, 6, 7, 8",
     r"\*Node: expected nodes in x, y, z, got system=C$": "*Node, system=C\n1, 1., 0.",
     r"\*Instance I: expected a known part, got 'Q'$": "*Instance, name=I, part=Q",
-    "set: expected a set defined before it, got 'other'$": "*Nset, nset=n\nother",
     "expected to include 'b.inp', got no such file .*b.inp$": "*Include, input=b.inp",
     r"\*Element, type=C3D10: expected a multiple of 11 numbers, got 3$": "*Element, type=C3D10\n"
     "7, 1, 2",
-    r"expected an \*Instance of a part, got parts a, b alone$": "*Part, name=A\n*End Part\n"
-    "*Part, name=B\n*End Part",
 }
 """What is told of an Abaqus deck by the lines at its end."""
 
 BLOCKS = {
-    "expected 10-node tetrahedra only, got also 1 SOLID186$": ("ET,        4", ["ET,4,186"]),
-    "expected 10-node tetrahedra only, got also 1 type 4, which no ET names$": ("ET,        4", []),
+    "expected 10-node tetrahedra only, got also 1 SOLID186; only": ("ET,        4", ["ET,4,186"]),
+    "expected 10-node tetrahedra only, got also 1 type 4, which no ET names; only": ("ET,        4", []),
     r"block: expected a known format, got '\(free\)'$": ("(19i9)", ["(free)"]),
 }
 """What is told of an Ansys archive by a line of it and what takes its place."""

@@ -40,7 +40,8 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
 )
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh, second_order
+from piston_cosim.fmu_mfbd.finite_elements.deck import tetrahedra, with_middles
+from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
@@ -236,7 +237,7 @@ def box_mesh(cells, size):
         )
         odd = la.det(np.eye(3)[list(order)]) < 0
         tets.append(tet[:, [1, 0, 2, 3]] if odd else tet)
-    return second_order(points, np.concatenate(tets))
+    return with_middles(points, tetrahedra(np.concatenate(tets)))
 
 
 def bar(cells=(80, 4, 2)):
