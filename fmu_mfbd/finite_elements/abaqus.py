@@ -295,7 +295,7 @@ class _Assembly:
             {
                 name: selection(keys)
                 for name, keys in (instances | sets).items()
-                if not solids.keys().isdisjoint(keys)
+                if name in instances or not solids.keys().isdisjoint(keys)
             },
             self._materials(solids),
             faults,
@@ -305,7 +305,7 @@ class _Assembly:
         """Return the elements of each part and of each instance."""
         out: dict[str, list] = {}
         for k, part in enumerate(self.parts):
-            for name in {part.part, part.name} - {""}:
+            for name in filter(None, dict.fromkeys((part.part, part.name))):
                 out.setdefault(name, []).extend((k, label) for label in part.elements)
         return out
 

@@ -87,6 +87,11 @@ class Deck:
         """Return the names of the surfaces."""
         return sorted(set(self.node_sets) | set(self.faces))
 
+    def choice(self) -> list[str]:
+        """Return a sentence about the option part, if the file has several parts."""
+        names = list(self.parts)[:8]
+        return [f"the option part selects one of {', '.join(names)}"] if len(names) > 1 else []
+
     def only(self, name: str) -> "Deck":
         """Return the deck with the solid elements of a part alone.
 
@@ -146,7 +151,8 @@ class Deck:
             raise MeshFault(f"expected 10-node tetrahedra, got {present}; {ELEMENTS}")
         if solids := {kind: n for kind, n in self.other.items() if kind not in FLAT}:
             present = ", ".join(f"{count} {kind}" for kind, count in solids.items())
-            raise MeshFault(f"expected 10-node tetrahedra only, got also {present}; {ELEMENTS}")
+            fault = f"expected 10-node tetrahedra only, got also {present}; {ELEMENTS}"
+            raise MeshFault([fault, *self.choice()])
         linear = (self.tets[:, CORNERS:] < 0).all(axis=1).sum()
         if 0 < linear < len(self.tets):
             raise MeshFault(

@@ -113,10 +113,8 @@ def read_mesh(
         if not len(members)
     ]
     faults += mesh_faults(points, tets, path)
-    if faults and len(raw.parts) > 1 and not part:
-        faults.append(f"{path}: the option part selects one of {', '.join(list(raw.parts)[:8])}")
     if faults:
-        raise MeshFault(faults)
+        raise MeshFault([*faults, *(f"{path}: {hint}" for hint in raw.choice())])
     for remark in corner_remarks(points, tets):
         say(f"{path}: {remark}")
     return Mesh(points, tets, faces, labels=None if raw.labels is None else raw.labels[used])

@@ -375,16 +375,16 @@ def edited(lines, old, new):
 
 
 CARDS = {
-    "expected 10-node tetrahedra only, got also 1 CHEXA; only structural": "CHEXA,8,7,1,2,3,4,5,6\n,7,8",
-    "CTETRA 8000: expected 4 corners and up to 6 middle nodes, got .90001, 0, 89995, 89992": "CTETRA"
-    ",8000,7,90001,,89995,89992",
+    "expected 10-node tetrahedra only, got also 1 CHEXA; only": "CHEXA,8,7,1,2,3,4,5,6\n,7,8",
+    "CTETRA 8000: expected 4 corners and up to 6 middle nodes, got .90001, 0,": "CTETRA,8000,7,"
+    "90001,,89995,89992",
     "CTETRA 8000: expected a known node, got 3$": "CTETRA,8000,7,90001,89998,89995,3",
     "body: expected ten-node tetrahedra only, got 1 of 577 with four nodes": "CTETRA,8000,7,90001,"
     "89998,89995,89992",
     "GRID 1: expected a known coordinate system, got 5$": "GRID,1,5,1.,0.,0.\n"
     "CTETRA,8000,7,1,89998,89995,89992",
-    "GRID 1: expected a known coordinate system, got 5, which depends on itself$": "CORD1R,5,1,2,3\nGRID,1,5,1.,0.,0.\n"
-    "CTETRA,8000,7,1,89998,89995,89992",
+    "GRID 1: expected a known coordinate system, got 5, which depends on itself$": "CORD1R,5,1,2"
+    ",3\nGRID,1,5,1.,0.,0.\nCTETRA,8000,7,1,89998,89995,89992",
     "CORD2C 5: expected three points that are not in line": "CORD2C,5,,0.,0.,0.,0.,0.,1.\n"
     ",0.,0.,2.\nGRID,1,5,1.,0.,0.\nCTETRA,8000,7,1,89998,89995,89992",
     "GRID 1: expected a number in field 4, got '1.X'$": "GRID,1,,1.x",
@@ -408,7 +408,10 @@ KEYWORDS = {
 
 BLOCKS = {
     "expected 10-node tetrahedra only, got also 1 SOLID186; only": ("ET,        4", ["ET,4,186"]),
-    "expected 10-node tetrahedra only, got also 1 type 4, which no ET names; only": ("ET,        4", []),
+    "expected 10-node tetrahedra only, got also 1 type 4, which no ET names; only": (
+        "ET,        4",
+        [],
+    ),
     r"block: expected a known format, got '\(free\)'$": ("(19i9)", ["(free)"]),
 }
 """What is told of an Ansys archive by a line of it and what takes its place."""
