@@ -121,9 +121,8 @@ class PlacedMesh(BaseModel):
     origin: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
     """Position of the project's origin in the mesh file."""
     part: str | None = None
-    """Part of the mesh file: an Abaqus part, instance or element set, a physical volume of gmsh, a
-    Nastran property number, a body or element component of Ansys, or a group of a .med file.
-    Default: the whole file.
+    """Part of the mesh file, by its name or number: part, instance, body, element set, component,
+    physical volume, group or Nastran property. Default: the whole file.
     """
 
     @model_validator(mode="after")
@@ -206,8 +205,8 @@ class Body(PlacedMesh):
     ENDS: ClassVar[tuple[str, str]]
 
     mesh: Annotated[str | None, FILE] = None
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, also .xz, .gz). For a body of matrices, also a
-    CSV file of nodes.
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, .dat, .med, also .xz, .gz). For a body of
+    matrices, also a CSV file of nodes.
     """
     reduced: Annotated[str | None, FILE] = None
     """Reduced body, a file of `piston-cosim reduce` (.npz). It replaces mesh, material, basis and

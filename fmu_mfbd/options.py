@@ -135,7 +135,7 @@ class SmallEnd(ElasticShell):
     parameters.
     """
     mesh: Annotated[str, FILE]
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, .med, also .xz, .gz)."""
     surfaces: dict[Literal["eye", "cut"], Surface] = {}
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
 
@@ -181,7 +181,7 @@ class RoundShell(ElasticShell):
     """
 
     mesh: Annotated[str | None, FILE] = None
-    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, also .xz, .gz)."""
+    """Mesh of 10-node tetrahedra (.msh, .inp, .bdf, .cdb, .med, also .xz, .gz)."""
     ring: RingMesh | None = None
     """Ring that replaces a mesh file."""
     surfaces: dict[Literal["bore", "held"], Surface] = {}

@@ -114,7 +114,8 @@ def read_mesh(
     ]
     faults += mesh_faults(points, tets, path)
     if faults:
-        raise MeshFault([*faults, *(f"{path}: {hint}" for hint in raw.choice())])
+        hints = raw.choice() if any("pieces" in fault for fault in faults) else []
+        raise MeshFault([*faults, *(f"{path}: {hint}" for hint in hints)])
     for remark in corner_remarks(points, tets):
         say(f"{path}: {remark}")
     return Mesh(points, tets, faces, labels=None if raw.labels is None else raw.labels[used])

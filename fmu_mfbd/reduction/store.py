@@ -6,6 +6,7 @@ depend on mesh and options only. A lookup does not import the code that reduces,
 
 import hashlib
 import json
+import re
 import resource
 import time
 from collections.abc import Callable, Collection
@@ -29,6 +30,8 @@ from .reduced_body import (
 
 FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
+INCLUDE = re.compile(rb"(?im)^[ \t]*(?:\*[^\n]*\binput[ \t]*=|include[ \t])[ \t'\"]*([^'\",\r\n]+)")
+"""Name of an included file in a deck of Abaqus or Nastran."""
 SOURCES = ("finite_elements", "geometry", "reduction")
 """Folders whose code determines a reduced body."""
 SHIPPED = MODELS / "bodies"
@@ -125,8 +128,19 @@ def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, An
         del out["part"]  # shipped files have no such option
     for key in FILES:
         if out.get(key):
-            out[key] = hashlib.sha256(Path(out[key]).read_bytes()).hexdigest()
+            out[key] = _digest(Path(out[key]))
     return out
+
+
+def _digest(path: Path, above: tuple[Path, ...] = ()) -> str:
+    """Return the SHA-256 of a file and of the files that it includes, if it is a deck."""
+    data = path.read_bytes()
+    digest = hashlib.sha256(data)
+    for name in INCLUDE.findall(data):
+        inner = path.parent / name.decode(errors="replace").strip().replace("\\", "/")
+        if inner.is_file() and inner not in above:
+            digest.update(_digest(inner, (*above, path, inner)).encode())
+    return digest.hexdigest()
 
 
 def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Path:

@@ -11,8 +11,12 @@ import meshio
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.finite_elements.element import EDGES
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh, read_raw
+from piston_cosim.fmu_mfbd.options import SmallEnd
+from piston_cosim.fmu_mfbd.reduction.reduce import read_surfaces
+from piston_cosim.fmu_mfbd.reduction.store import contents
 
 CORNERS = np.array([[0, 0, 0], [0.03, 0, 0], [0, 0.04, 0], [0, 0, 0.05]])
 NODES = np.vstack([CORNERS, CORNERS[EDGES].mean(axis=1)])
@@ -305,6 +309,30 @@ def test_part_of_an_assembly(tmp_path):
     ):
         with pytest.raises(MeshFault, match=fault):
             read_mesh(path, {}, part=part)
+
+
+def test_option_part(tmp_path):
+    """It selects a part of a mesh of elements; a body without it has no such key."""
+    path = tmp_path / "assembly.inp"
+    path.write_text(PARTS)
+    material = {"density": 2700.0, "young": 7e10, "poisson": 0.33}
+    options = Piston(mesh=str(path), part="P-1", **material)
+    assert len(read_surfaces(options, ["skirt"], print).tets) == 1
+    assert contents(options)["part"] == "P-1"
+    assert "part" not in contents(Piston(mesh=str(path), **material))
+    with pytest.raises(ValueError, match="part: expected it with a mesh of elements, got mesh"):
+        SmallEnd(mesh="nodes.csv", part="P-1", **material)
+
+
+def test_included_file_determines_the_reduced_body(tmp_path):
+    (tmp_path / "mesh").mkdir()
+    paths = tmp_path / "deck.inp", tmp_path / "mesh/nodes.inp"
+    paths[0].write_text("*Node, nset=all, input=mesh\\nodes.inp\n")
+    options = Piston(mesh=str(paths[0]), density=2700.0, young=7e10, poisson=0.33)
+    paths[1].write_text("1, 0.0\n")
+    before = contents(options)
+    paths[1].write_text("1, 0.1\n")
+    assert contents(options)["mesh"] != before["mesh"]
 
 
 @pytest.mark.parametrize(
