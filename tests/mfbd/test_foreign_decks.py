@@ -20,6 +20,7 @@ from piston_cosim.fmu_mfbd.reduction.store import contents
 
 CORNERS = np.array([[0, 0, 0], [0.03, 0, 0], [0, 0.04, 0], [0, 0, 0.05]])
 NODES = np.vstack([CORNERS, CORNERS[EDGES].mean(axis=1)])
+MATERIAL = {"density": "2700 kg/m^3", "young": "70 GPa", "poisson": 0.33}
 MIRROR = NODES[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]] * [1, 1, -1]
 """Nodes of a second element that shares the face z = 0 with the first."""
 
@@ -315,20 +316,19 @@ def test_option_part(tmp_path):
     """It selects a part of a mesh of elements; a body without it has no such key."""
     path = tmp_path / "assembly.inp"
     path.write_text(PARTS)
-    material = {"density": 2700.0, "young": 7e10, "poisson": 0.33}
-    options = Piston(mesh=str(path), part="P-1", **material)
+    options = Piston(mesh=str(path), part="P-1", **MATERIAL)
     assert len(read_surfaces(options, ["skirt"], print).tets) == 1
     assert contents(options)["part"] == "P-1"
-    assert "part" not in contents(Piston(mesh=str(path), **material))
+    assert "part" not in contents(Piston(mesh=str(path), **MATERIAL))
     with pytest.raises(ValueError, match="part: expected it with a mesh of elements, got mesh"):
-        SmallEnd(mesh="nodes.csv", part="P-1", **material)
+        SmallEnd(mesh="nodes.csv", part="P-1", **MATERIAL)
 
 
 def test_included_file_determines_the_reduced_body(tmp_path):
     (tmp_path / "mesh").mkdir()
     paths = tmp_path / "deck.inp", tmp_path / "mesh/nodes.inp"
     paths[0].write_text("*Node, nset=all, input=mesh\\nodes.inp\n")
-    options = Piston(mesh=str(paths[0]), density=2700.0, young=7e10, poisson=0.33)
+    options = Piston(mesh=str(paths[0]), **MATERIAL)
     paths[1].write_text("1, 0.0\n")
     before = contents(options)
     paths[1].write_text("1, 0.1\n")

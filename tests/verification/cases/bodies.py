@@ -33,6 +33,7 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     height,
     motion,
 )
+from piston_cosim.fmu_mfbd.finite_elements.deck import tetrahedra, with_middles
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
     quadrature,
@@ -40,7 +41,6 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
     stiffness,
 )
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
-from piston_cosim.fmu_mfbd.finite_elements.deck import tetrahedra, with_middles
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.reduction.bases import (
