@@ -319,7 +319,7 @@ class _Assembly:
                     continue
                 with suppress(MeshFault):  # a section of an unknown set has no elements
                     for key in solids.keys() & self._members(k, name, "ELSET"):
-                        materials[solids[key]] = section.options.get("MATERIAL", "none")
+                        materials[solids[key]] = section.options.get("MATERIAL", "none").upper()
         return materials if set(materials) != {"none"} else []
 
     def _set(self, table, name):
@@ -361,8 +361,9 @@ class _Assembly:
         if "GENERATE" in keyword.options:
             cells = []
             for row in keyword.rows():
-                first, last, *step = (int(cell) for cell in row if cell)
-                cells += [str(label) for label in range(first, last + 1, *step)]
+                first, *rest = [int(cell) for cell in row if cell]
+                last, step = (*rest, *(first, 1)[len(rest) :])
+                cells += [str(label) for label in range(first, last + 1, step)]
         elif keyword.name == "SURFACE":  # of nodes, each with an area
             cells = [row[0] for row in keyword.rows()]
         return [member for cell in cells for member in self._members(k, cell, table)]
@@ -394,8 +395,8 @@ class _Assembly:
 
     def _triangle(self, k, label):
         """Return the corners of an element in a list, which is empty for other elements."""
-        nodes = self._rows(k, label)
-        return [nodes[:3]] if len(nodes) in (3, 6) else []
+        _, nodes = self.parts[k].elements.get(label, ("", []))
+        return [self._rows(k, label)[:3]] if len(nodes) in (3, 6) else []
 
     def _index(self, k, name):
         """Return the index of an instance by its name, and k if the name is empty."""

@@ -147,9 +147,9 @@ def read_ansys(path: Path) -> Deck:
 
 def _nodes(nodes, count, owner):
     """Return the nodes of a tetrahedron, 0 for omitted middle nodes."""
-    if len(nodes) < count and len(nodes) != 4:
+    if len(nodes) < 4:
         raise MeshFault(f"{owner}: expected {count} nodes, got {len(nodes)}")
-    return nodes[:count]
+    return [*nodes[:count], *[0] * (count - len(nodes))]
 
 
 def _read_nodes(lines, labels, points):

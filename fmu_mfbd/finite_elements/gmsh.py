@@ -217,7 +217,7 @@ def _physical_tags(numbers):
             (tag,) = numbers.take("i4", 1)
             numbers.take("f8", 6 if dimension else 3)
             groups = numbers.take("i4", numbers.take("u8", 1)[0])
-            tags[dimension, int(tag)] = tuple(groups.tolist())
+            tags[dimension, int(tag)] = tuple(np.abs(groups).tolist())  # negative if reversed
             if dimension:
                 numbers.take("i4", numbers.take("u8", 1)[0])
     return tags

@@ -84,6 +84,7 @@ def read_nastran(path: Path) -> Deck:
     elements: list[Card] = []
     solids: list[Card] = []
     materials: dict[int | None, str] = {}
+    fluids: set[int | None] = set()
     other: Counter[str] = Counter()
     default = 0
     for card in cards(path):
@@ -100,10 +101,15 @@ def read_nastran(path: Path) -> Deck:
             _add_systems(systems, card)
         elif card.name == "PSOLID":
             materials[card.integer(0)] = f"MAT {card.get(1)}"
+            if "FLUID" in card.get(6):
+                fluids.add(card.integer(0))
         elif card.name in SOLIDS:
             solids.append(card)
         elif card.name in ("CTRIA3", "CTRIA6", "CTRIAR"):
             other["triangle"] += 1
+    wet = [card for card in elements if _property(card) in fluids]
+    solids += [Card("CTETRA of a fluid", card.fields) for card in wet]
+    elements = [card for card in elements if _property(card) not in fluids]
     tets = [_nodes(card) for card in elements]
     used = {node for nodes in tets for node in nodes}
     basic = _BasicSystem(systems, grids, default)
@@ -128,7 +134,10 @@ def read_nastran(path: Path) -> Deck:
         tetrahedra([rows_of(number, nodes, str(card)) for nodes, card in zip(tets, elements)]),
         labels=np.array(list(points), dtype=int),
         other=other,
-        parts={str(k): Selection(np.array(rows), others) for k, (rows, others) in members.items()},
+        parts={
+            str(k): Selection(np.array(rows, dtype=int), others)
+            for k, (rows, others) in members.items()
+        },
         materials=known if any(known) else (),
     )
 

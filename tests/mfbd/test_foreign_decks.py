@@ -152,7 +152,7 @@ $EndElements
 
 DECKS = {
     # Abaqus and CalculiX: sets, names, numbers, files
-    "generate.inp": (ABAQUS + "*NSET, NSET=s, GENERATE\n1, 9, 4\n", {"s": 3}, ""),
+    "generate.inp": (ABAQUS + "*NSET, NSET=s, GENERATE\n1, 9, 4\n2\n3, 4\n", {"s": 6}, ""),
     "lower_case.inp": (ABAQUS.lower() + "*nset, nset=s\n1, 2, 3\n", {"s": 3}, ""),
     "one_name.inp": (ABAQUS + "*NSET, NSET=s\n1\n*NSET, NSET=S\n2\n", {"s": 2}, ""),
     "forward.inp": (ABAQUS + "*SURFACE, NAME=s\nB, S1\n*ELSET, ELSET=B\n1\n", {"s": 1}, ""),
@@ -178,7 +178,7 @@ DECKS = {
     "utf16.inp": (ABAQUS, {}, ""),
     "include.inp": ("*INCLUDE, INPUT=mesh\\deck.txt\n*STEP\n", {}, ""),
     "midside_E.inp": (ABAQUS.replace("C3D10", "C3D10MT"), {}, ""),
-    "two_materials.inp": (ABAQUS + SECTIONS, {}, "2 materials .elements of Alu: 1, Iron: 1"),
+    "two_materials.inp": (ABAQUS + SECTIONS, {}, "2 materials .elements of ALU: 1, IRON: 1"),
     "part_without_instance.inp": (f"*PART, NAME=P\n{ABAQUS}*END PART\n", {}, ""),
     "instance_with_mesh.inp": (
         f"*PART, NAME=P\n*END PART\n*INSTANCE, NAME=I, PART=P\n{ABAQUS}*END INSTANCE\n",
@@ -222,6 +222,7 @@ DECKS = {
         {},
         "elements of MAT 3: 1, MAT 4: 1",
     ),
+    "fluid.bdf": (NASTRAN + "PSOLID,1,3,,,,,PFLUID\n", None, "got 1 CTETRA of a fluid; only"),
     "unknown_system.bdf": (grid(NODES, 7) + CTETRA, None, "a known coordinate system, got 7"),
     "hexahedron.bdf": (NASTRAN + "CHEXA,2,1,1,2,3,4,5,6\n,7,8\n", None, "got also 1 CHEXA; only"),
     # Ansys
@@ -247,6 +248,12 @@ DECKS = {
         "",
     ),
     "no_middle.cdb": (ANSYS + solids((1, 1, [*TEN[:9], 0])), {}, "1 midside nodes omitted"),
+    "few_nodes.cdb": (ANSYS + solids((1, 1, TEN[:8])), {}, "2 midside nodes omitted"),
+    "no_solid.cdb": (
+        ANSYS + "EBLOCK,10,,,1\n(15i9)\n" + row([1, 1, 1, 1, 0, *TEN], "{:9}", "") + "-1\n",
+        {},
+        "",
+    ),
     "no_corner.cdb": (ANSYS + solids((1, 1, [1, 2, 0, *TEN[3:]])), None, "four corners of each"),
     "two_materials.cdb": (ANSYS + solids((1, 1, TEN), (1, 2, TEN)), {}, "MAT 1: 1, MAT 2: 1"),
     "thermal.cdb": (ANSYS.replace("187", "87") + ONE, None, "got 1 SOLID87; only structural"),
