@@ -41,7 +41,7 @@ ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 SURFACE, VOLUME = 2, 3
 
 
-class Block(NamedTuple):
+class ElementBlock(NamedTuple):
     """Elements of one type.
 
     Parameters
@@ -195,7 +195,7 @@ def _elements_22(body, binary):
         ):
             kind, nodes = _kind(number)
             table = np.array([row[3 + tags : 3 + tags + nodes] for row in same])
-            yield Block(kind, (group,) if group else (), table)
+            yield ElementBlock(kind, (group,) if group else (), table)
         return
     numbers, seen = _Numbers(body, binary), 0
     while seen < int(count):
@@ -206,7 +206,7 @@ def _elements_22(body, binary):
         groups = table[:, 1] if tags else np.zeros(elements, dtype=int)
         for same in np.split(table, np.flatnonzero(np.diff(groups)) + 1):
             group = int(same[0, 1]) if tags else 0
-            yield Block(kind, (group,) if group else (), same[:, 1 + tags :].astype(int))
+            yield ElementBlock(kind, (group,) if group else (), same[:, 1 + tags :].astype(int))
 
 
 def _physical_tags(numbers):
@@ -244,4 +244,6 @@ def _elements_41(numbers, tags):
         kind, nodes = _kind(number)
         (count,) = numbers.take("u8", 1)
         table = numbers.take("u8", int(count) * (1 + nodes)).reshape(int(count), -1)
-        yield Block(kind, tags.get((int(dimension), int(entity)), ()), table[:, 1:].astype(int))
+        yield ElementBlock(
+            kind, tags.get((int(dimension), int(entity)), ()), table[:, 1:].astype(int)
+        )

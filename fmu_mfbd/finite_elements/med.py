@@ -7,7 +7,6 @@ around, and rejects files where some elements have no group.
 from collections import Counter
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from .deck import Deck, MeshFault, Selection, tetrahedra
@@ -26,6 +25,8 @@ def read_med(path: Path) -> Deck:
     MeshFault
         If there are several meshes.
     """
+    import h5py
+
     with h5py.File(path) as file:
         meshes = file["ENS_MAA"]
         if len(meshes) != 1:
