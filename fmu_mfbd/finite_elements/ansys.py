@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .deck import (
+    OMITTED,
     Deck,
     MeshFault,
     Selection,
@@ -107,6 +108,7 @@ def read_ansys(path: Path) -> Deck:
             f"{len(archive.elements)} elements; write them with CDWRITE,DB,name,cdb,,,,BLOCKED"
         )
     number = rows_by_number(archive.labels, archive.points)
+    rows = number | OMITTED
     tets: dict[int, list[int]] = {}
     materials: list[str] = []
     others: dict[int, str] = {}
@@ -115,7 +117,7 @@ def read_ansys(path: Path) -> Deck:
         kind = archive.kinds.get(type_number, "")
         if kind in TETRAHEDRA:
             owner = f"element {label}, SOLID{kind}"
-            tets[label] = rows_of(number, _nodes(nodes, TETRAHEDRA[kind], owner), owner)
+            tets[label] = rows_of(rows, _nodes(nodes, TETRAHEDRA[kind], owner), owner)
             materials.append(f"MAT {material}")
         elif kind in SOLIDS or (solid and not kind):
             others[label] = f"SOLID{kind}" if kind else f"type {type_number}, which no ET names"

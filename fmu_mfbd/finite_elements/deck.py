@@ -13,6 +13,8 @@ from .element import EDGES
 
 CORNERS, NODES = 4, 10
 """Numbers of nodes of a tetrahedron."""
+OMITTED = {0: -1}
+"""Row of the number 0, by which decks omit a middle node."""
 FLAT = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8", "quad9")
 """Elements without volume."""
 
@@ -104,8 +106,9 @@ class Deck:
         if part is None:
             names = ", ".join(self.parts) or "none"
             raise MeshFault(f"part: expected a part of the file ({names}), got {name!r}")
-        materials = [self.materials[row] for row in part.tets] if self.materials else ()
-        return replace(self, tets=self.tets[part.tets], other=part.other, materials=materials)
+        rows = np.unique(part.tets)
+        materials = [self.materials[row] for row in rows] if self.materials else ()
+        return replace(self, tets=self.tets[rows], other=part.other, materials=materials)
 
     def completed(self) -> "Deck":
         """Return the deck with all middle nodes, and with remarks about nodes and materials.
@@ -213,7 +216,7 @@ def text_of(path: Path) -> str:
 
 
 def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list[int]:
-    """Return the rows of nodes with the given numbers, -1 for number 0 (no node).
+    """Return the rows of nodes with the given numbers.
 
     Raises
     ------
@@ -221,7 +224,7 @@ def rows_of(number: Mapping[int, int], nodes: Iterable[int], owner: str) -> list
         If no node has the number; the message begins with `owner`.
     """
     try:
-        return [number[node] if node else -1 for node in nodes]
+        return [number[node] for node in nodes]
     except KeyError as error:
         raise MeshFault(f"{owner}: expected a known node, got {error.args[0]}") from None
 

@@ -42,22 +42,30 @@ def read_med(path: Path) -> Deck:
         groups = _groups(families, "ELEME")
         tets: list[list[int]] = []
         faces: dict[str, list] = {}
-        parts: dict[str, Selection] = {}
+        parts: dict[str, tuple[list, Counter[str]]] = {}
         other: Counter[str] = Counter()
         for kind, elements in mesh["MAI"].items():
             count = int(elements["NOD"].attrs["NBR"])
             rows = elements["NOD"][()].reshape(-1, count).T - 1
-            members = _members(groups, elements)
+            for name, members in _members(groups, elements).items():
+                solids, others = parts.setdefault(name, ([], Counter()))
+                if kind in TETRAHEDRA:
+                    solids += (members + len(tets)).tolist()
+                elif kind in ("TR3", "TR6"):
+                    faces.setdefault(name, []).append(rows[members, :3])
+                elif kind not in FLAT:
+                    others[kind] += len(members)
             if kind in TETRAHEDRA:
-                parts |= {name: Selection(part + len(tets)) for name, part in members.items()}
                 tets += rows[:, TETRAHEDRA[kind]].tolist()
-                continue
-            other[FLAT.get(kind, kind)] += count
-            if kind in ("TR3", "TR6"):
-                for name, part in members.items():
-                    faces.setdefault(name, []).append(rows[part, :3])
+            else:
+                other[FLAT.get(kind, kind)] += count
     faces_of = {name: np.concatenate(rows) for name, rows in faces.items()}
-    return Deck(points, tetrahedra(tets), sets, faces_of, labels, other, parts)
+    selections = {
+        name: Selection(np.array(solids, dtype=int), others)
+        for name, (solids, others) in parts.items()
+        if solids or others
+    }
+    return Deck(points, tetrahedra(tets), sets, faces_of, labels, other, selections)
 
 
 def _groups(families, kind):

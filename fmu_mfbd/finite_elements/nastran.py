@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from .deck import Deck, MeshFault, Selection, lines_of, real, rows_of, tetrahedra
+from .deck import OMITTED, Deck, MeshFault, Selection, lines_of, real, rows_of, tetrahedra
 
 SOLIDS = ("CHEXA", "CPENTA", "CPYRA", "CPYRAM")
 SYSTEMS = ("CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S")
@@ -121,7 +121,7 @@ def read_nastran(path: Path) -> Deck:
         except MeshFault:  # of the system
             if label in used:
                 raise
-    number = {label: row for row, label in enumerate(points)}
+    number = {label: row for row, label in enumerate(points)} | OMITTED
     members: dict[int, Selected] = defaultdict(lambda: ([], Counter()))
     for row, card in enumerate(elements):
         members[_property(card)][0].append(row)

@@ -332,11 +332,11 @@ def test_ansys(source, tmp_path, form, step, monkeypatch):
 
 # gmsh
 
-gmsh_formats = {"a.inp": 0, "small.bdf": 1, "free.bdf": 0, "large.bdf": 2}
+gmsh_formats = {"a.inp": 0, "a.med": 0, "small.bdf": 1, "free.bdf": 0, "large.bdf": 2}
 
 
 def test_what_gmsh_writes(tmp_path):
-    """The same mesh as .msh, .inp and .bdf in its three field formats."""
+    """The same mesh as .msh, .inp, .med and .bdf in its three field formats."""
     gmsh = pytest.importorskip("gmsh", reason="the extra `mesh` is not installed")
     gmsh.initialize(interruptible=False)
     try:
@@ -358,6 +358,7 @@ def test_what_gmsh_writes(tmp_path):
     named = dict.fromkeys(("skirt", "crown"))
     made = read_mesh(tmp_path / "a.msh", named)
     assert_same(read_mesh(tmp_path / "a.inp", named), made, 1e-13)
+    assert_same(read_mesh(tmp_path / "a.med", named), made, 1e-13)
     assert_same(read_mesh(tmp_path / "large.bdf", {}), made, 1e-10)
     for name in ("small.bdf", "free.bdf"):  # fields of eight columns: five digits
         mesh = read_mesh(tmp_path / name, {})

@@ -48,7 +48,7 @@ SECTIONS = (
     + "".join(row([k, *p]) for k, p in enumerate(MIRROR.tolist(), 21))
     + "*ELEMENT, TYPE=C3D10, ELSET=IRON\n"
     + row([2, *range(21, 31)])
-    + "*SOLID SECTION, ELSET=ALL, MATERIAL=Alu\n*SOLID SECTION, ELSET=IRON, MATERIAL=Iron\n"
+    + "*ELSET, ELSET=IRON\n2\n*SOLID SECTION, ELSET=ALL, MATERIAL=Alu\n*SOLID SECTION, ELSET=IRON, MATERIAL=Iron\n"
 )
 
 # Nastran
