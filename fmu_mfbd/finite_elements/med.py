@@ -23,10 +23,12 @@ def read_med(path: Path) -> Deck:
     Raises
     ------
     MeshFault
-        If there are several meshes.
+        If there are several meshes, or the file is no HDF5.
     """
     import h5py
 
+    if path.is_file() and not h5py.is_hdf5(path):
+        raise MeshFault("expected a MED file in HDF5, got other content")
     with h5py.File(path) as file:
         meshes = file["ENS_MAA"]
         if len(meshes) != 1:

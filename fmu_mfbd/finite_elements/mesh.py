@@ -5,6 +5,7 @@ import lzma
 import re
 import shutil
 import tempfile
+import zlib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -157,8 +158,11 @@ def read_raw(path: Path, part: str | None = None) -> Deck:
         return _read(path, path, part)
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / path.stem
-        with PACKED[path.suffix](path) as packed, open(plain, "wb") as file:
-            shutil.copyfileobj(packed, file)
+        try:
+            with PACKED[path.suffix](path) as packed, open(plain, "wb") as file:
+                shutil.copyfileobj(packed, file)
+        except (EOFError, gzip.BadGzipFile, lzma.LZMAError, zlib.error) as error:
+            raise MeshFault(f"{path}: expected a compressed mesh, got {error}") from None
         return _read(plain, path, part)
 
 
@@ -166,7 +170,9 @@ def _read(plain, path, part):
     """Read an uncompressed file; messages contain `path`."""
     try:
         if plain.suffix.lower() in GEOMETRY:
-            raise MeshFault("expected a mesh of tetrahedra, got geometry; mesh it first")
+            raise MeshFault(
+                "expected a mesh of tetrahedra, got geometry; mesh it first, e.g. by new --step"
+            )
         deck = _reader(plain)(plain)
         return (deck.only(part) if part else deck).completed()
     except MeshFault as fault:
@@ -190,9 +196,9 @@ UNREADABLE = "expected a mesh file, got other or incomplete content"
 READERS = {
     r"\s*\$MeshFormat": read_gmsh,
     r"(?im)^\*keyword\b": None,  # LS-DYNA has keywords of Abaqus
-    r"(?im)^\s*((n|e|cm|et)block|/prep7)\b": read_ansys,
-    r"(?im)^\*\s*(node|part|heading|include|element)\b": read_abaqus,
-    r"(?im)^\s*(begin\s+bulk|include\s+['\"]|(grid|ctetra)\*?[\s,])": read_nastran,
+    r"(?im)^[ \t]*((n|e|cm|et)block|/prep7)\b": read_ansys,
+    r"(?im)^[ \t]*\*\s*(node|part|heading|include|element)\b": read_abaqus,
+    r"(?im)^[ \t]*(begin\s+bulk|include\s+['\"]|(grid|ctetra)\*?[\s,])": read_nastran,
 }
 """Readers by what a file contains; the first match counts, and None is not supported."""
 BY_MESHIO = (".vtu", ".vtk", ".mesh", ".meshb", ".xdmf", ".vol", ".su2", ".e", ".exo")

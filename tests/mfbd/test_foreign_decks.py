@@ -48,7 +48,8 @@ SECTIONS = (
     + "".join(row([k, *p]) for k, p in enumerate(MIRROR.tolist(), 21))
     + "*ELEMENT, TYPE=C3D10, ELSET=IRON\n"
     + row([2, *range(21, 31)])
-    + "*ELSET, ELSET=IRON\n2\n*SOLID SECTION, ELSET=ALL, MATERIAL=Alu\n*SOLID SECTION, ELSET=IRON, MATERIAL=Iron\n"
+    + "*ELSET, ELSET=IRON\n2\n*SOLID SECTION, ELSET=ALL, MATERIAL=Alu\n"
+    "*SOLID SECTION, ELSET=IRON, MATERIAL=Iron\n"
 )
 
 # Nastran
@@ -275,6 +276,8 @@ DECKS = {
     ),
     "ls_dyna.k": ("*KEYWORD\n" + ABAQUS, None, "suffixes that are read: .msh"),
     "ideas.unv": ("    -1\n  2411\n", None, "suffixes that are read: .msh"),
+    "cut_off.inp.xz": ("no archive", None, "expected a compressed mesh, got"),
+    "text.med": ("no HDF5", None, "expected a MED file in HDF5"),
     "empty.inp": ("", None, "suffixes that are read: .msh"),
 }
 """Text, members of sets and surfaces (None if rejected), and a pattern in error or remarks."""
