@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, collecting, file_fault
 from ..fmi.fields import NO_NUMBERS
+from ..fmi.quantities import from_si, to_si
 from .keys import declared_variables
 from .machine_code import native_choice
 from .schema import reduced
@@ -176,9 +177,28 @@ def check_ports(case, participants, faults):
         if field is not None and (field.shape or field.type in NO_NUMBERS):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
             faults.append(f"{where}: expected a scalar number, got {port}, {shape}")
+        for limit in case.window.get(where.removeprefix("window."), ()) if field else ():
+            try:
+                to_si(limit, field.unit)
+            except ValueError as error:
+                faults.append(f"{where}: {error}")
     for picture in case.pictures:
         for port in picture.fields:
             field_of(port, ("output",), participants, f"pictures.{picture.file}", faults)
+        _check_shown_units(picture, participants, faults)
+
+
+def _check_shown_units(picture, participants, faults):
+    """Append a fault for each unit of a picture that its variable cannot be shown in."""
+    for port, wanted in picture.units.items():
+        where = f"pictures.{picture.file}, units.{port}"
+        owner, _, name = port.partition(".")
+        field = participants[owner].fields.get(name) if owner in participants else None
+        try:
+            if field is not None:
+                from_si(1.0, field.unit, wanted)
+        except ValueError as error:
+            faults.append(f"{where}: {error}")
 
 
 def _curves(case):

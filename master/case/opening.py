@@ -3,7 +3,7 @@
 from functools import partial
 
 from ..fmi.errors import BadInput
-from ..fmi.quantities import duration
+from ..fmi.quantities import to_si
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import made
@@ -31,7 +31,7 @@ def open_participant(
         opened = open_with(sizes)
     in_contract_units(opened, table.role)
     opened.check_library()
-    timeout = duration("timeout", table.timeout)
+    timeout = to_si(table.timeout, "s")
     is_second = any(getattr(one, "only_once", None) == opened.only_once for one in earlier)
     if opened.only_once and is_second and not table.isolated:
         progress(f"{name}: runs isolated, because a process can instantiate its FMU only once")
@@ -42,7 +42,7 @@ def open_participant(
 
 def _own_step(table):
     """Return the longest step of a participant inside a macro step [s], or None."""
-    return None if table.step is None else duration("step", table.step)
+    return None if table.step is None else to_si(table.step, "s")
 
 
 def _sizes(participant, given):

@@ -124,6 +124,13 @@ class ParticipantTable(Table):
     def read_before(cls, value):
         raise ValueError("expected a case file for this key, got a change")
 
+    @field_validator("step", "timeout")
+    @classmethod
+    def a_time(cls, text):
+        if text is not None and not to_si(text, "s") > 0:
+            raise ValueError(f"expected a positive time, got {text!r}")
+        return text
+
     @model_validator(mode="after")
     def one_origin(self):
         origins = [name for name in ORIGINS if getattr(self, name) is not None]

@@ -68,6 +68,13 @@ class Picture(Table):
             ) from None
         return text
 
+    @field_validator("angles")
+    @classmethod
+    def in_degrees(cls, ends):
+        for text in ends:
+            to_si(text, "rad")
+        return ends
+
     @property
     def marker(self) -> str:
         """Output whose smallest or largest value determines the instant; "" if there is none."""

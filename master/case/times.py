@@ -4,7 +4,7 @@ from math import floor
 from typing import NamedTuple
 
 from ..fmi.errors import BadInput
-from ..fmi.quantities import registry, to_si
+from ..fmi.quantities import quantity, to_si
 from .schema import Case, Time
 
 MOST_PERIODS = 20
@@ -93,8 +93,8 @@ def _whole_fault(key: str, text: str | None, start: str | None, steps: float, ti
         return ""
     if steps < 1:
         return f"{key}: expected at least one step of {time.step}, got {text!r}"
-    step = registry().Quantity(time.step)
-    begin = registry().Quantity(start) if start else 0 * step
+    step = quantity(time.step)
+    begin = quantity(start) if start else 0 * step
     nearest = [f"{begin + count * step:.10g~P}" for count in (floor(steps), floor(steps) + 1)]
     return (
         f"{key}: expected a multiple of time.step = {time.step}, got {text!r}; "

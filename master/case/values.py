@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from ..fmi.errors import names_of, unknown
-from ..fmi.quantities import to_si
+from ..fmi.quantities import angle_power, is_known, pint_unit, to_si
 from .keys import SETTABLE
 
 
@@ -87,8 +87,11 @@ def quantity_of(text, field, is_difference=False):
         return to_si(text, field.unit, is_difference)
     if is_difference:
         definition = replace(definition, offset=0.0)
+    base = definition.base
+    if "rad" not in dict(definition.exponents) and is_known(field.unit):
+        base += f".rad{angle_power(pint_unit(field.unit)):g}"  # FMI allows to omit the angle
     try:
-        return definition.from_base(to_si(text, definition.base, is_difference))
+        return definition.from_base(to_si(text, base, is_difference))
     except ValueError as error:
         raise ValueError(f"{error}; the unit of the FMU is {field.unit}") from None
 

@@ -6,7 +6,7 @@ from math import inf
 from ..coupling.wiring import HeldWire, Wire, is_unknown, port_of
 from ..fmi.errors import collecting, unknown
 from ..fmi.fields import base_of
-from ..fmi.quantities import is_known, pint_unit, registry
+from ..fmi.quantities import are_compatible, is_known, pint_unit, registry
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.table import TYPES, TableParticipant
 from .values import definition_of, is_relative, quantity_of
@@ -217,7 +217,7 @@ def _conversion(source, target):
         raise ValueError("; no FMU declares the conversion")
     unit = registry().Unit(pint_unit(source.unit))
     wanted = registry().Unit(pint_unit(target.unit))
-    if not unit.is_compatible_with(wanted):
+    if not are_compatible(unit, wanted):
         raise ValueError("")
     zero, one = (registry().Quantity(value, unit).to(wanted).magnitude for value in (0.0, 1.0))
     return Conversion(float(one - zero), 0.0 if is_difference else float(zero))

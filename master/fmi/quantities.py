@@ -39,7 +39,7 @@ def pint_unit(unit: str) -> str:
     return (
         "dimensionless"
         if unit == "1"
-        else re.sub(r"(?<=[A-Za-z])(-?\d)", r"**\1", unit).replace(".", "*")
+        else re.sub(r"(?<=[A-Za-z])(-?\d)\b", r"**\1", unit).replace(".", "*")
     )
 
 
@@ -80,10 +80,72 @@ EXAMPLES = {"m": "1 mm", "rad": "10 deg", "rad/s": "3000 rpm", "K": "90 degC", "
 
 
 def _not_a_quantity(value: object, unit: str) -> ValueError:
-    """Return the error for a value that is not a finite quantity of the unit."""
+    """Return the error for a value that is not a finite quantity of the unit.
+
+    The example is the value with a decimal point, without spaces in its number or with a unit, if
+    that makes it a quantity.
+    """
     wanted = "a number" if unit == "1" else f"a quantity in {unit}"
     example = EXAMPLES.get(unit, f"1 {pint_unit(unit)}".replace("**", "^"))
+    plain = re.sub(r"(?<=\d)[\s_](?=\d)", "", str(value)).strip().replace(",", ".")
+    own_unit = example.partition(" ")[2]
+    with suppress(ValueError):
+        closer = plain if quantity(plain).units._units or unit == "1" else f"{plain} {own_unit}"
+        example = example if _is_apart(quantity(closer), unit) else closer
+    wanted += " with a decimal point" if "," in str(value) else ""
     return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
+
+
+QUANTITY = re.compile(
+    r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:\s*\*)?\s*(?P<unit>.*?)\s*"
+)
+"""Number with a unit or without."""
+EXPONENT = re.compile(r"(?:\^|\*\*)\s*\(?[-+]?\d+(?:\.\d+)?\)?|(?<=[^\W\d_])-?\d+\b")
+"""Exponent in a unit: m^2, m**2, m2, min-1."""
+
+
+@cache
+def quantity(text: str) -> Any:
+    """Return the pint quantity of one number with a unit, or of a number alone.
+
+    pint itself reads "0,045 mm" and "3 000 rpm" as 0, "mm" as 1 mm, and "Grad", which is German
+    for degree, as 1e9 rad.
+
+    Raises
+    ------
+    ValueError
+        If the text is not one number with a known unit.
+    """
+    written = QUANTITY.fullmatch(text.replace("\N{MINUS SIGN}", "-"))
+    if written is None:
+        raise ValueError(f"expected one number with a unit, got {text!r}")
+    unit = re.sub(r"^1?\s*/", "1/", written["unit"])
+    if re.search(r"[-+,_\d]", EXPONENT.sub("", unit.removeprefix("1/"))) or unit == "Grad":
+        raise ValueError(f"expected one number with a unit, got {text!r}")
+    try:
+        made = registry().Quantity(float(written["number"]), pint_unit(unit or "1"))
+    except Exception:  # pint raises errors of many kinds
+        raise ValueError(f"expected a known unit, got {text!r}") from None
+    return made
+
+
+def angle_power(units: Any) -> float:
+    """Return the exponent of the angle in a unit of pint, which pint counts as no dimension.
+
+    It is 1 for rpm and 0 for Hz, which differ by 2 pi.
+    """
+    return registry().Quantity(1.0, units).to_root_units()._units.get("radian", 0)
+
+
+def are_compatible(units: Any, others: Any) -> bool:
+    """Return whether two units of pint have the same dimension, angles included."""
+    same = registry().Quantity(1.0, units).is_compatible_with(others)
+    return same and angle_power(units) == angle_power(others)
+
+
+def _is_apart(value: Any, unit: str) -> bool:
+    """Return whether a quantity of pint is infinite or of another dimension than the unit."""
+    return not (isfinite(value.magnitude) and are_compatible(value.units, pint_unit(unit)))
 
 
 @cache
@@ -93,7 +155,7 @@ def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> floa
     Parameters
     ----------
     value : str or float
-        "25 um". A bare number is valid only if `unit` is dimensionless.
+        "25 um". A bare number is valid only if `unit` is dimensionless and no angle.
     unit : str
         Required SI unit, as FMI or pint write it ("Pa.s", "1").
     is_difference : bool
@@ -106,18 +168,15 @@ def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> floa
     """
     if not is_known(unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
-    ureg = registry()
-    target = ureg.Unit(pint_unit(unit))
-    quantity: Any = None
     try:
-        quantity = ureg.Quantity(value)
-        compatible = quantity.is_compatible_with(target)
-    except Exception:  # pint raises errors of many kinds
-        compatible = False
-    if not compatible:
+        given = quantity(str(value))
+    except ValueError:
+        raise _not_a_quantity(value, unit) from None
+    if _is_apart(given, unit):
         raise _not_a_quantity(value, unit)
-    zero = ureg.Quantity(0.0, quantity.units).to(target).magnitude if is_difference else 0.0
-    return float(quantity.to(target).magnitude - zero)
+    target = pint_unit(unit)
+    zero = registry().Quantity(0.0, given.units).to(target).magnitude if is_difference else 0.0
+    return float(given.to(target).magnitude - zero)
 
 
 @cache
@@ -126,12 +185,10 @@ def from_si(value: float, si: str, unit: str) -> float:
 
     Raises `ValueError` if the unit is unknown or has another dimension.
     """
-    import pint
-
-    try:
-        return float(registry().Quantity(value, pint_unit(si)).to(unit).magnitude)
-    except pint.PintError as error:
-        raise ValueError(f"expected a unit of {si}, got {unit!r}") from error
+    given = registry().Quantity(value, pint_unit(si))
+    if not is_known(unit) or not are_compatible(given.units, pint_unit(unit)):
+        raise ValueError(f"expected a unit of {si}, got {unit!r}")
+    return float(given.to(pint_unit(unit)).magnitude)
 
 
 @cache
@@ -175,10 +232,9 @@ def is_angle(text: str) -> bool:
 @cache
 def _is_angle(text: str) -> bool:
     try:
-        units = registry().Quantity(text).units
-    except Exception:
+        return are_compatible(quantity(text).units, "rad")
+    except ValueError:
         return False
-    return units.is_compatible_with("rad") and str(units) != "dimensionless"
 
 
 @cache

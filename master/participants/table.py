@@ -198,8 +198,9 @@ def read_table(path):
     ]
     times, *others = [column.magnitude for column in columns]
     unit, *units = [_si(column.units) for column in columns]
-    if unit not in ("s", "1"):
-        faults.append(f"{path}: expected the time in the first column, got unit {unit}")
+    if unit != "s":
+        got = "no unit" if unit == "1" else unit
+        faults.append(f"{path}: expected 'time [s]' as the first column, got {head[0]!r}, {got}")
     if not (np.diff(times) > 0).all():
         faults.append(f"{path}: expected times that increase from row to row, got others")
     if not others:

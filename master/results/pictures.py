@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..case.shown import ENVELOPE
 from ..case.tables import reduced
 from ..fmi.errors import BadInput
-from ..fmi.quantities import one_micro, pint_unit, registry, to_si
+from ..fmi.quantities import from_si, one_micro, registry, to_si
 from .coordinates import CRANK_ANGLE
 from .figures import (
     COLOURS,
@@ -123,8 +123,8 @@ def scaled(values, unit: str, wanted: str | None):
     shown = unit_shown(unit, wanted)
     if not wanted:
         return values, shown
-    quantity = registry().Quantity(1.0, pint_unit(unit))
-    return np.asarray(values) * quantity.to(wanted).magnitude, shown
+    zero = from_si(0.0, unit, wanted)  # not 0 for degC
+    return np.asarray(values) * (from_si(1.0, unit, wanted) - zero) + zero, shown
 
 
 def unit_shown(unit: str, wanted: str | None) -> str:

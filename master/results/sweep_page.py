@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..fmi.quantities import registry
+from ..fmi.quantities import quantity
 from .pages import write_page
 from .pictures import entry_shown, unit_shown
 
@@ -93,8 +93,8 @@ def _magnitude(value):
     if isinstance(value, (int, float)):
         return value
     try:
-        return registry().Quantity(value).magnitude
-    except Exception:
+        return quantity(str(value)).magnitude
+    except ValueError:
         return None
 
 

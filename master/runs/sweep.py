@@ -24,7 +24,7 @@ from ..case.reading import read_tree
 from ..fmi.builder import build_fmu
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
-from ..fmi.quantities import one_micro, registry
+from ..fmi.quantities import are_compatible, one_micro, quantity
 from .lock import sole_writer
 from .recorder import writing
 
@@ -91,10 +91,11 @@ def _range(text, rest):
     if count.strip().isdecimal() and not 2 <= int(count) <= MOST_VALUES:
         raise BadInput(f"--vary: expected 2 to {MOST_VALUES} values in a range, got {count}")
     try:
-        ureg, number = registry(), int(count)
-        first, last = ureg.Quantity(low), ureg.Quantity(high)
+        number, first, last = int(count), quantity(low), quantity(high)
+        if not are_compatible(first.units, last.units):
+            raise ValueError(high)
         points = np.linspace(first.magnitude, last.to(first.units).magnitude, number)
-    except Exception:
+    except ValueError:
         raise BadInput(
             f"--vary: expected {AXIS_FORMS}, got {text!r}; give both ends in units of one kind"
         ) from None
