@@ -21,7 +21,6 @@ from piston_cosim.master.api.cases import open_case
 from piston_cosim.master.case.reading import case_names
 from piston_cosim.master.fmi.tree import import_part
 
-
 BITS = 18
 """Bits of the largest value of the shapes that the modes leave out. They halve the file and change
 the estimated errors of the modes by less than 1e-5 of their value."""

@@ -7,6 +7,7 @@ from typing import Any
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
 from .build import prepare
+from .oil import Oil
 from .options import BuildOptions
 from .parameters import faults, parameters_of
 
@@ -49,7 +50,35 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     if built.open_cells is not None:
         share = 1.0 - float(built.open_cells.mean())
         figures.append(Figure("cell", "film_share", share, "1", "cells of the mask with a film"))
-    remarks = []
+    remarks: list[str] = []
     if not film.roughness_rms:
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
-    return Preview(figures, faults(film) if taken == parameters else [], remarks)
+    found = faults(film) if taken == parameters else []
+    return Preview(
+        figures, found, _without_effect(parameters, film.oil, options.get("oil")), remarks
+    )
+
+
+LAWS = {
+    "viscosity": "constant",
+    "vogel_viscosity": "vogel_1921",
+    "vogel_b": "vogel_1921",
+    "vogel_c": "vogel_1921",
+    "walther_a": "walther_1931",
+    "walther_m": "walther_1931",
+    "viscosity_40": "two_point",
+    "viscosity_100": "two_point",
+}
+"""Viscosity law that uses a parameter."""
+
+
+def _without_effect(parameters: Mapping[str, Any], oil: Oil, name: str | None) -> list[str]:
+    """Return a warning for each given parameter that the viscosity law does not use."""
+    law = oil.viscosity_law
+    of_oil = f" of the oil {name!r}" if name else ""
+    return [
+        f"{key}: no effect with viscosity_law = {law!r}{of_oil}; remove it, or set "
+        f"viscosity_law = {LAWS[key]!r}"
+        for key in parameters
+        if key in LAWS and LAWS[key] != law
+    ]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.preview import Figure, Preview
+from ..master.fmi.preview import Figure, Message, Preview
 from ..master.fmi.symmetry import rejection
 from .body_options import Block, Piston, RigidBlock, RigidPiston
 from .build import (
@@ -36,10 +36,10 @@ from .preview_picture import Shapes, draw_shapes
 from .preview_remarks import (
     COLD,
     BodyPreview,
-    faults_of_profiles,
+    messages_on_fit,
+    messages_on_gas,
+    messages_on_profiles,
     narrowest,
-    remarks_on_fit,
-    remarks_on_gas,
 )
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
@@ -119,14 +119,18 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         *_of_block(build, block),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
+    messages: list[Message] = []
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
-        remarks += remarks_on_gas(tables.gas.pressure)
+        messages += messages_on_gas(tables.gas)
     shapes = _shapes(prepared, piston, block, chosen)
     figures += _of_film(build, shapes)
-    wrong += faults_of_profiles(build, tables, piston, block, remarks)
-    remarks += remarks_on_fit(build, piston, block, chosen, shapes)
-    return Preview(figures, wrong, remarks, lambda path: draw_shapes(shapes, path))
+    messages += messages_on_profiles(build, tables, piston, block)
+    messages += messages_on_fit(build, piston, block, chosen, shapes)
+    texts: dict[str, list[str]] = {"fault": wrong, "warning": [], "remark": remarks}
+    for message in messages:
+        texts[message.kind].append(message.text)
+    return Preview(figures, *texts.values(), lambda path: draw_shapes(shapes, path))
 
 
 def _tried(

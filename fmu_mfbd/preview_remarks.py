@@ -1,13 +1,15 @@
-"""Remarks of a preview on gas pressure, profiles, clearance and openings."""
+"""Messages of a preview on gas pressure, profiles, clearance and openings."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..master.fmi.preview import Message
 from ..master.fmi.quantities import short
 from .build import Tables
 from .dynamics.parameters import Parameters
+from .dynamics.tables import GasTable
 from .finite_elements.mesh import Mesh
 from .options import Build
 from .preview_picture import Shapes
@@ -16,10 +18,19 @@ from .profile_judgement import judge_profile
 MISFIT = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
 mesh is drawn at the nominal diameter or a few tenths below."""
-LEAST_GAS, HIGH_GAS, IMPOSSIBLE_GAS = 0.05e6, 30e6, 100e6
-"""Highest gas pressures [Pa] below, above and far above those of engines."""
-ABSOLUTE = 0.7e5, 1.3e5
-"""Lowest gas pressure of a table in absolute pressure [Pa]."""
+DRAWN = 20e-6
+"""Tolerance of a bore radius below that of the skirt [m], for meshes of one nominal diameter."""
+LEAST_GAS, HIGH_GAS = 0.05e6, 30e6
+"""Highest gas pressures [Pa] below and above those of engines."""
+ABSOLUTE = 0.7e5, 1.5e5
+"""Mean gas pressure of the exhaust stroke in absolute pressure [Pa]."""
+EXHAUST = {720: (225.0, 345.0), 360: (150.0, 210.0)}
+"""Crank angles after firing top dead centre with an open exhaust, by the length of the cycle
+[deg]."""
+FIRING = 60.0
+"""Crank angle next to firing top dead centre that contains the highest gas pressure [deg]."""
+ELASTIC = 1e-3
+"""Interference over bore radius that a flexible skirt can yield, our own choice."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
 """Parameters that heat brings."""
 FEWEST = 3
@@ -60,66 +71,106 @@ def narrowest(shapes: Shapes, hot: bool) -> NarrowestGap:
     return NarrowestGap(float(gap[i, j]), degrees, float(shapes.height[j]))
 
 
-def remarks_on_fit(
+def messages_on_fit(
     build: Build, piston: BodyPreview, block: BodyPreview, chosen: Parameters, shapes: Shapes
-) -> list[str]:
-    """Return remarks on clearance, heat and profile."""
-    out = []
+) -> list[Message]:
+    """Return messages on clearance, heat and profile."""
+    out: list[Message] = []
     fit = block.body.radius - piston.body.radius
-    if abs(fit - chosen.radial_clearance) > MISFIT:
-        out.append(
-            f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius "
-            f"is {_um(fit)}: the film goes by radial_clearance"
+    if fit < -DRAWN:
+        text = (
+            f"block, piston: expected a bore radius of at least the skirt's, "
+            f"{1e3 * piston.body.radius:.6g} mm, got {1e3 * block.body.radius:.6g} mm, "
+            f"{_um(-fit)} less"
         )
-    least = narrowest(shapes, hot=True)
-    if least.gap <= 0.0:
-        out.append(
-            f"the skirt is wider than the bore by {_um(-least.gap)} when hot, at "
-            f"{least.angle:.4g} deg, {1e3 * least.height:.3g} mm above the pin"
+        out.append(Message("fault", text))
+    elif abs(fit - chosen.radial_clearance) > MISFIT:
+        text = (
+            f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius is "
+            f"{_um(fit)}: the film goes by radial_clearance"
         )
+        out.append(Message("warning", text))
+    flexible = bool(build.piston.modes) and not build.piston.rigid
+    out += _interference(shapes, block.body.radius, flexible)
     if not any(getattr(chosen, name) for name in COLD):
-        out.append(f"no thermal growth given ({', '.join(COLD)}): hot is as cold")
+        text = f"no thermal growth given ({', '.join(COLD)}): hot is as cold"
+        out.append(Message("remark", text))
     if build.piston.profiles and (chosen.barrel or chosen.ovality):
-        out.append(
+        text = (
             f"barrel = {_um(chosen.barrel)} and ovality = {_um(chosen.ovality)} "
             "are added to the measured profile; set them to 0 if it holds them"
         )
+        out.append(Message("remark", text))
     if not build.piston.profiles and not chosen.barrel:
-        out.append(f"barrel = {_um(0.0)}: a straight skirt carries on its edges")
-    return out + _thin_openings(shapes.film)
+        text = f"barrel = {_um(0.0)}: a straight skirt carries on its edges"
+        out.append(Message("warning", text))
+    return out + [Message("warning", line) for line in _thin_openings(shapes.film)]
 
 
-def remarks_on_gas(pressure: np.ndarray) -> list[str]:
-    """Return remarks on a gas pressure that is unusual, as from a wrong unit."""
-    low, high = float(pressure.min()), float(pressure.max())
+def _interference(shapes: Shapes, radius: float, flexible: bool) -> list[Message]:
+    """Return a message if the skirt is wider than the bore, cold or else hot.
+
+    It is a fault, unless the skirt is flexible and yields.
+    """
+    for state in ("cold", "hot"):
+        least = narrowest(shapes, state == "hot")
+        if least.gap <= 0.0:
+            yields = flexible and state == "hot" and -least.gap <= ELASTIC * radius
+            text = (
+                f"radial_clearance: expected a skirt that fits into the bore, got one that is "
+                f"wider by {_um(-least.gap)} when {state}, at {least.angle:.4g} deg, "
+                f"{1e3 * least.height:.3g} mm above the pin"
+            )
+            return [Message("warning" if yields else "fault", text)]
+    return []
+
+
+def messages_on_gas(table: GasTable) -> list[Message]:
+    """Return messages on a gas pressure that is unusual, as from a wrong unit or reference.
+
+    The exhaust stroke shows whether the pressure is absolute: then it is near 1 bar.
+    """
+    degrees = np.degrees(table.angle) % 720.0
+    high = float(table.pressure.max())
     told = f"highest gas pressure = {short(high, 'Pa')}"
-    if high > IMPOSSIBLE_GAS or high < LEAST_GAS:
-        return [f"{told}: check pressure_unit"]
-    out = [f"{told}: engines have less than 30 MPa"] if high > HIGH_GAS else []
-    if ABSOLUTE[0] < low < ABSOLUTE[1]:
+    if high < LEAST_GAS:
+        return [Message("warning", f"{told}: check pressure_unit")]
+    out: list[Message] = []
+    if high > HIGH_GAS:
+        out.append(Message("warning", f"{told}: engines have less than 30 MPa"))
+    cycle = 720 if table.cycle > 3.0 * np.pi else 360
+    peak = float((degrees[table.pressure.argmax()] + cycle / 2) % cycle - cycle / 2)
+    if abs(peak) > FIRING:
         out.append(
-            f"lowest gas pressure = {short(low, 'Pa')}: the table seems absolute; "
-            "expected gauge pressure, about 0 in the exhaust"
+            Message("warning", f"{told} at {peak:.4g} deg: expected near 0 deg, where it fires")
         )
+    angles = np.radians(np.arange(*EXHAUST[cycle]))
+    mean = float(np.interp(angles, table.angle, table.pressure, period=table.cycle).mean())
+    if ABSOLUTE[0] < mean < ABSOLUTE[1]:
+        text = (
+            f"mean gas pressure in the exhaust = {short(mean, 'Pa')}: the table seems absolute; "
+            "expected gauge pressure, about 0 there"
+        )
+        out.append(Message("warning", text))
     return out
 
 
-def faults_of_profiles(
-    build: Build, tables: Tables, piston: BodyPreview, block: BodyPreview, remarks: list[str]
-) -> list[str]:
-    """Return the faults of measured profiles of skirt and bore, and append the other findings."""
+def messages_on_profiles(
+    build: Build, tables: Tables, piston: BodyPreview, block: BodyPreview
+) -> list[Message]:
+    """Return the messages on measured profiles of skirt and bore."""
     skirt = piston.body.skirt_lower, piston.body.skirt_upper, piston.body.radius
     bore = float(block.body.heights[0]), float(block.body.heights[-1]), None
-    faults = []
+    messages = []
     for name, part, shapes, ends in (
         ("piston", build.piston, tables.skirt, skirt),
         ("block", build.block, tables.bore, bore),
     ):
         for table, shape in zip(part.profiles, shapes):
+            where = f"build.{name}.profiles, {Path(table.file).name}"
             for kind, text in judge_profile(shape, *ends):
-                chosen = faults if kind == "fault" else remarks
-                chosen.append(f"build.{name}.profiles, {Path(table.file).name}: {text}")
-    return faults
+                messages.append(Message(kind, f"{where}: {text}"))
+    return messages
 
 
 def _um(length: float) -> str:

@@ -5,10 +5,11 @@ radius, positive inwards.
 """
 
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ..master.fmi.preview import Message
 from .geometry.profile import MeasuredShape, table_shape
 
 COVERED, WHOLE = 0.5, 0.99
@@ -29,13 +30,6 @@ MOST = 0.01
 """Share of the values that can be dust; more of them are features of the surface."""
 FEWEST = 5
 """Heights of a table, and angles, from which it can be smoothed in this direction."""
-
-
-class ProfileMessage(NamedTuple):
-    """Finding about a profile: its class, and a sentence `expected X, got Y; hint`."""
-
-    kind: Literal["fault", "warning", "remark"]
-    text: str
 
 
 class Form(NamedTuple):
@@ -108,7 +102,7 @@ def form_of(shape: MeasuredShape, lower: float, upper: float) -> Form:
 
 def judge_profile(
     shape: MeasuredShape, lower: float, upper: float, radius: float | None
-) -> list[ProfileMessage]:
+) -> list[Message]:
     """Return the findings about a measured shape.
 
     Parameters
@@ -125,25 +119,25 @@ def judge_profile(
     span = f"{_mm(lower)} to {_mm(upper)} mm, got {_mm(low)} to {_mm(high)} mm"
     if shape.height.size > 1 and share < COVERED:
         text = f"expected heights over {span}; check height_unit and the origin of the heights"
-        return [ProfileMessage("fault", text)]
+        return [Message("fault", text)]
     largest = float(np.abs(shape.value).max())
     if largest > LARGEST:
         text = f"expected deviations below {_mm(LARGEST)} mm, got {_mm(largest)} mm"
         hint = "check value_unit, or subtract the nominal radius from radii"
-        return [ProfileMessage("fault", f"{text}; {hint}")]
+        return [Message("fault", f"{text}; {hint}")]
     found = []
     if shape.height.size > 1 and share < WHOLE:
         text = f"expected heights over {span}; the first and the last row continue to the ends"
-        found.append(ProfileMessage("warning", text))
+        found.append(Message("warning", text))
     if largest > LARGE:
         text = f"expected deviations below {_um(LARGE)}, got {_um(largest)}; check value_unit"
-        found.append(ProfileMessage("warning", text))
+        found.append(Message("warning", text))
     if radius is not None:
         found += _of_form(shape, form_of(shape, first, last), 2 * radius)
     return found + _of_surface(shape)
 
 
-def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[ProfileMessage]:
+def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]:
     """Return findings about sign, turn and diameter."""
     found = []
     oval = shape.angle.size >= FEWEST - 1 and form.ovality > CLEAR
@@ -153,23 +147,23 @@ def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[ProfileM
     if concave:
         text = f"expected a skirt that narrows towards its ends, got {_um(-form.barrel)} wider ends"
         hint = "values are positive inwards; change their sign if they grow with the diameter"
-        found.append(ProfileMessage("warning", f"{text}; {hint}"))
+        found.append(Message("warning", f"{text}; {hint}"))
     elif turned:
         text = (
             f"expected the smallest diameter at 0 deg, along the pin, got it at {degrees:.0f} deg"
         )
         hint = "angles count from the pin axis towards thrust; turn the table or check its sign"
-        found.append(ProfileMessage("warning", f"{text}; {hint}"))
+        found.append(Message("warning", f"{text}; {hint}"))
     if oval and (form.ovality > OVAL * diameter or form.barrel > DROP * diameter):
         text = (
             f"expected a usual form, got an ovality of {_um(form.ovality)} in diameter and a drop "
             f"of {_um(form.barrel)} in radius; if values are diameters, halve value_unit"
         )
-        found.append(ProfileMessage("warning", text))
+        found.append(Message("warning", text))
     if half_turn(shape):
         text = "expected radii, got the same values at opposite angles"
         hint = "if they are differences of diameters, halve value_unit"
-        found.append(ProfileMessage("remark", f"{text}; {hint}"))
+        found.append(Message("remark", f"{text}; {hint}"))
     return found
 
 
@@ -184,7 +178,7 @@ def half_turn(shape: MeasuredShape) -> bool:
     return even and same and bool(np.ptp(shape.value))
 
 
-def _of_surface(shape: MeasuredShape) -> list[ProfileMessage]:
+def _of_surface(shape: MeasuredShape) -> list[Message]:
     """Return findings about dust and roughness of the table."""
     smooth = smooth_shape(shape)
     found = []
@@ -194,10 +188,10 @@ def _of_surface(shape: MeasuredShape) -> list[ProfileMessage]:
             f"expected a smooth surface, got a single value {_um(abs(grain.gap))} {side} it at "
             f"{place_of(shape, grain)}; dust or a scratch is removed by piston-cosim profile"
         )
-        found.append(ProfileMessage("warning", f"{text} --smooth"))
+        found.append(Message("warning", f"{text} --smooth"))
     if smooth and smooth.rough:
         text = f"expected a smooth surface, got {smooth.rough} values more than {_um(GRAIN)} off it"
-        found.append(ProfileMessage("remark", f"{text}; steps and grooves are splines in the film"))
+        found.append(Message("remark", f"{text}; steps and grooves are splines in the film"))
     return found
 
 

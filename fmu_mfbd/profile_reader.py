@@ -10,13 +10,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Picture
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.preview import Figure
+from ..master.fmi.preview import Figure, Message
 from .dynamics.tables import TableFault, profile_table
 from .geometry.profile import MeasuredShape, table_shape
 from .preview_picture import BELOW, COLOURS, HEIGHTS, MM, SIDES, UM, draw_developed, mark_angles
 from .profile_judgement import (
     FEWEST,
-    ProfileMessage,
     SmoothShape,
     form_of,
     judge_profile,
@@ -32,7 +31,7 @@ class ProfileReport(NamedTuple):
     """Figures and messages of a profile, and the sentences of what was changed."""
 
     figures: list[Figure]
-    messages: list[ProfileMessage]
+    messages: list[Message]
     changes: list[str]
 
 

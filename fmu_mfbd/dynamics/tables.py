@@ -14,6 +14,9 @@ from ..geometry.profile import MeasuredShape
 WIDEST_GAP = 4.0
 """Of the angles of a profile, by the usual one: a spline across a wider one goes anywhere."""
 
+POSSIBLE_GAS = -0.101325e6, 100e6
+"""Gauge pressures of a gas table [Pa]: from a vacuum to far above those of engines."""
+
 
 class TableFault(ValueError):
     """A table that cannot be used; the message names file, row and value."""
@@ -201,13 +204,20 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
     ------
     TableFault
         Where angles do not rise, do not span the cycle, or the ends differ by more than 1 % of the
-        range: a jump no gas makes.
+        range: a jump no gas makes. Also if a pressure is below a vacuum or far above engines.
     """
     columns = two_columns(
         rows, Column("crank angle", angle_unit), Column("pressure", pressure_unit)
     )
     angle, pressure = columns
     angle, pressure = closed(rows, angle, pressure, cycle, "pressure {:g} Pa")
+    low, high = POSSIBLE_GAS
+    for extreme in (pressure.min(), pressure.max()):
+        if not low <= extreme <= high:
+            raise TableFault(
+                f"{rows.name}: expected gauge pressures from {1e-6 * low:g} to {1e-6 * high:g} "
+                f"MPa, got {1e-6 * extreme:g} MPa; check pressure_unit"
+            )
     return GasTable(angle, pressure, float(cycle))
 
 

@@ -30,13 +30,15 @@ class CheckedCase:
     """Check of a case before it is built.
 
     path : of the case file; title : of the case; previews : by participant; faults : all of
-    them; remarks : points to check; loops : components of the wires, for a system of FMUs.
+    them; warnings : likely errors; remarks : assumptions; loops : components of the wires, for a
+    system of FMUs.
     """
 
     path: Path
     title: str
     previews: dict[str, Preview] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     loops: "list[Loop]" = field(default_factory=list)
 
@@ -96,6 +98,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     faults += _disagreements(case, declared, previews)
     if not faults:
         open_finished(case, folder, declared, faults)
+    warnings = [f"{owner}: {line}" for owner, one in previews.items() for line in one.warnings]
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     remarks += [
         f"{claim}: the symmetry of {', '.join(group.unknown)} is not known; the check after a run "
@@ -104,7 +107,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         for claim in (group.claims if group.unknown else ())
     ]
     found = _loops(case, folder, faults) if not faults else []
-    return CheckedCase(path, case.title, previews, faults, remarks, found)
+    return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
 
 
 def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":

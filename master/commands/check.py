@@ -7,7 +7,7 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, OutputFile, console, default_folder, parse_changes, tell
+from .common import Changes, OutputFile, default_folder, parse_changes, tell
 
 
 def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = None):
@@ -39,13 +39,16 @@ def print_checked(found: CheckedCase, picture: Path):
         print_figures(preview.figures)
     for line in found.loop_table():
         tell(line, markup=False)
-    for line in found.remarks:
-        tell(f"[yellow]remark[/]  {line}")
+    for kind, lines in (("[yellow]warning[/]", found.warnings), ("remark ", found.remarks)):
+        for line in lines:
+            tell(f"{kind}  {line}")
     for file in found.draw(picture):
         tell(f"picture  {file}")
     if found.faults:
         raise BadInput(found.faults)
-    console.print("[green]no faults[/]")
+    numbers = {"warning": len(found.warnings), "remark": len(found.remarks)}
+    counts = [f"{n} {kind}{'s' * (n > 1)}" for kind, n in numbers.items() if n]
+    tell(", ".join(["[green]no faults[/]", *counts]))
 
 
 def print_figures(figures: Iterable[Figure]):

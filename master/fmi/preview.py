@@ -1,8 +1,9 @@
-"""Preview of a participant before its FMU is built: figures, faults, remarks, a picture."""
+"""Preview of a participant before its FMU is built: figures, messages, a picture."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal, NamedTuple
 
 
 @dataclass(frozen=True)
@@ -20,16 +21,28 @@ class Figure:
     note: str = ""
 
 
+class Message(NamedTuple):
+    """Message of a check.
+
+    A fault rejects the case. A warning is likely an error of the user. A remark states an
+    assumption.
+    """
+
+    kind: Literal["fault", "warning", "remark"]
+    text: str
+
+
 @dataclass(frozen=True)
 class Preview:
-    """Figures and faults of a participant before a run.
+    """Figures and messages of a participant before a run.
 
-    faults : reasons to reject a run or to distrust it; remarks : points to check; draw : writes
-    a picture of the geometry, None if there is none.
+    faults, warnings, remarks : texts of messages, see `Message`; draw : writes a picture of the
+    geometry, None if there is none.
     """
 
     figures: list[Figure] = field(default_factory=list[Figure])
     faults: list[str] = field(default_factory=list[str])
+    warnings: list[str] = field(default_factory=list[str])
     remarks: list[str] = field(default_factory=list[str])
     draw: Callable[[Path], None] | None = None
 

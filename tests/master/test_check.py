@@ -57,5 +57,13 @@ def test_a_parameter_out_of_range_is_the_only_fault(key, value):
 def test_the_command(tmp_path, capsys):
     command("data_sheet", picture=tmp_path / "look.png")
     printed = capsys.readouterr().out
-    assert "no faults" in printed and "swept volume 1368.5 cm^3" in printed
+    assert printed.splitlines()[-1] == "no faults, 1 remark"
+    assert "swept volume 1368.5 cm^3" in printed
     assert (tmp_path / "look.png").exists()
+
+
+def test_an_oil_by_name_with_a_viscosity_is_a_warning(tmp_path, capsys):
+    command("data_sheet", set_=["participants.ehd.build.oil=sae_0w_20"], picture=tmp_path / "l.png")
+    printed = capsys.readouterr().out
+    assert "viscosity: no effect with viscosity_law = " in printed
+    assert printed.splitlines()[-1] == "no faults, 1 warning, 1 remark"

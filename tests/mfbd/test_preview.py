@@ -4,10 +4,17 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd import preview_picture
+from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.tables import TableFault, gas_table, inline_numbers
 from piston_cosim.fmu_mfbd.preview import (
     preview,
 )
-from piston_cosim.fmu_mfbd.preview_remarks import remarks_on_gas, runs
+from piston_cosim.fmu_mfbd.preview_remarks import (
+    _interference,
+    messages_on_fit,
+    messages_on_gas,
+    runs,
+)
 
 SHEET = {
     "grid": [40, 41],  # a row of cells at mid skirt, where the barrel is widest
@@ -62,12 +69,44 @@ def test_sheet_stroke_and_clearance_by_hand(tmp_path):
     assert hot.value == pytest.approx(34e-6, rel=1e-9)  # 40 - 10 + 4
 
 
-def test_an_interference_when_hot_is_told(tmp_path):
+def test_a_rigid_skirt_that_is_wider_than_the_bore_is_a_fault(tmp_path):
     growth = dict.fromkeys(("skirt_growth_lower", "skirt_growth_upper"), 55e-6)
     seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
-    assert any(
-        "wider than the bore by 15 \N{MICRO SIGN}m when hot" in line for line in seen.remarks
+    assert "wider by 15 \N{MICRO SIGN}m when hot" in seen.faults[0]  # 40 - 55
+
+
+def shapes_of(cold, hot):
+    """Return shapes of one cell with a film, with these clearances [m]."""
+    one = np.ones((1, 1))
+    return SimpleNamespace(
+        film=one > 0.0,
+        angle=one[0],
+        height=one[0],
+        clearance=lambda is_hot: one * (hot if is_hot else cold),
     )
+
+
+@pytest.mark.parametrize("fit, kinds", [(-173e-6, ["fault"]), (-10e-6, []), (0.4e-3, ["warning"])])
+def test_a_mesh_of_a_skirt_wider_than_the_bore_is_a_fault(fit, kinds):
+    piston, block = (SimpleNamespace(body=SimpleNamespace(radius=r)) for r in (43e-3, 43e-3 + fit))
+    build = SimpleNamespace(piston=SimpleNamespace(modes=60, rigid=None, profiles=[]))
+    chosen = Parameters(radial_clearance=25e-6, barrel=20e-6, skirt_growth_upper=1e-6)
+    messages = messages_on_fit(build, piston, block, chosen, shapes_of(1e-6, 1e-6))
+    assert [message.kind for message in messages] == kinds
+
+
+@pytest.mark.parametrize(
+    "hot, flexible, kind",
+    [
+        (-40e-6, True, "warning"),  # less than a thousandth of the radius, which yields
+        (-50e-6, True, "fault"),
+        (-40e-6, False, "fault"),
+        (1e-6, False, None),
+    ],
+)
+def test_a_flexible_skirt_yields_to_a_hot_interference(hot, flexible, kind):
+    messages = _interference(shapes_of(1e-6, hot), 43e-3, flexible)
+    assert [message.kind for message in messages] == ([kind] if kind else [])
 
 
 @pytest.mark.parametrize(
@@ -100,18 +139,38 @@ def test_runs_on_a_ring():
 
 
 @pytest.mark.parametrize(
-    "low, high, words",
+    "exhaust, high, strokes, words",
     [
-        (0.0, 7e6, []),
-        (0.0, 40e6, ["less than 30 MPa"]),
-        (0.0, 7e9, ["check pressure_unit"]),
-        (0.0, 7e3, ["check pressure_unit"]),
-        (1e5, 7e6, ["seems absolute"]),
+        (0.0, 7e6, 4, []),
+        (0.0, 7e6, 2, []),
+        (0.5e5, 7e6, 4, []),  # back pressure of a turbine, gauge
+        (0.0, 40e6, 4, ["less than 30 MPa"]),
+        (0.0, 7e3, 4, ["check pressure_unit"]),
+        (1e5, 7e6, 4, ["mean gas pressure in the exhaust = 100 kPa: the table seems absolute"]),
+        (1e5, 7e6, 2, ["seems absolute"]),
     ],
 )
-def test_unusual_gas_pressures_are_remarked(low, high, words):
-    remarks = remarks_on_gas(np.array([low, high, low]))
-    assert len(remarks) == len(words) and all(w in r for w, r in zip(words, remarks))
+def test_unusual_gas_pressures_are_warnings(exhaust, high, strokes, words):
+    half = 90.0 * strokes
+    points = [[-half, 0.0], [0.0, high], [140.0, exhaust], [half - 10.0, exhaust], [half, 0.0]]
+    if strokes == 2:
+        points = [[-180.0, exhaust], [-140.0, exhaust], [0.0, high], [140.0, exhaust]]
+    table = gas_table(inline_numbers("gas", points), strokes * np.pi, np.pi / 180, 1.0)
+    warnings = [message.text for message in messages_on_gas(table) if message.kind == "warning"]
+    assert len(warnings) == len(words) and all(w in r for w, r in zip(words, warnings))
+
+
+def test_a_gas_table_that_fires_elsewhere_is_a_warning():
+    points = [[0.0, 0.0], [360.0, 7e6], [720.0, 0.0]]
+    table = gas_table(inline_numbers("gas", points), 4 * np.pi, np.pi / 180, 1.0)
+    assert "at -360 deg: expected near 0 deg" in messages_on_gas(table)[0].text
+
+
+@pytest.mark.parametrize("extreme", [1e9, -0.2e6])
+def test_impossible_gas_pressures_are_a_fault(extreme):
+    points = [[0.0, 0.0], [360.0, extreme], [720.0, 0.0]]
+    with pytest.raises(TableFault, match="expected gauge pressures from -0.101325 to 100 MPa"):
+        gas_table(inline_numbers("gas", points), 4 * np.pi, np.pi / 180, 1.0)
 
 
 def test_the_picture_shows_the_clearance_of_the_text(tmp_path, monkeypatch):
