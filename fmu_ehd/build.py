@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, field_validator
 from ..master.fmi.errors import BadInput, file_fault, unknown
 from ..master.fmi.option_classes import validated, with_meanings
 from ..master.fmi.quantities import to_si
+from ..master.fmi.separated import read_rows
 from ..master.fmi.symmetry import Symmetry, odd_part
 from ..master.fmi.variables import Variable
 from ..models import MODELS
@@ -260,10 +261,12 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
         return None
     shown = f"mask: {chosen.mask}" if isinstance(chosen.mask, str) else "mask"
     try:
-        mask = (
-            np.loadtxt(folder / chosen.mask, delimiter=",", ndmin=2)
+        mask = np.array(
+            [cells for _, cells in read_rows(folder / chosen.mask)]
             if isinstance(chosen.mask, str)
-            else np.array(chosen.mask, dtype=float)
+            else chosen.mask,
+            dtype=float,
+            ndmin=2,
         )
     except OSError as error:
         faults.append(f"mask: {file_fault(str(chosen.mask), error)}")

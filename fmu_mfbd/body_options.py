@@ -42,13 +42,20 @@ Inertia = Annotated[float, in_unit("kg*m^2")]
 Time = Annotated[float, in_unit("s")]
 
 
-AngularSpeed = Annotated[float, in_unit("rad/s")]
-
-
 Frequency = Annotated[float, in_unit("Hz")]
 
 
 Number = Annotated[float, in_unit("1")]
+
+
+LengthUnit = Annotated[float, in_unit("m", alone=True)]
+AngleUnit = Annotated[float, in_unit("rad", alone=True)]
+PressureUnit = Annotated[float, in_unit("Pa", alone=True)]
+StiffnessUnit = Annotated[float, in_unit("N/m", alone=True)]
+MassUnit = Annotated[float, in_unit("kg", alone=True)]
+TimeUnit = Annotated[float, in_unit("s", alone=True)]
+AngularSpeedUnit = Annotated[float, in_unit("rad/s", alone=True)]
+"""Units of the numbers of a file, "mm" or "1 mm"."""
 FILE = "file"
 """Mark of an option that names a file."""
 
@@ -112,7 +119,7 @@ class PlacedMesh(BaseModel):
     """Part, unit and axes of a mesh file."""
 
     model_config = STRICT
-    mesh_unit: Annotated[Length, Field(gt=0)] = 1.0
+    mesh_unit: Annotated[LengthUnit, Field(gt=0)] = 1.0
     """Length unit of the mesh file, e.g. "1 mm"."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
     """Directions of the mesh file that correspond to x, y and z: thrust side, towards the head,
@@ -145,11 +152,13 @@ class Surface(BaseModel):
     radius: Length | None = None
     """Radius of a cylinder or bore."""
     lower: Length | None = None
-    """Lower end of a cylinder."""
+    """Lower end of a cylinder, above pin point A for the piston and above the crank axis for the
+    block.
+    """
     upper: Length | None = None
-    """Upper end of a cylinder."""
+    """Upper end of a cylinder, from the same origin."""
     height: Length | None = None
-    """Height of a plane."""
+    """Height of a plane, from the same origin."""
 
     @model_validator(mode="after")
     def _complete(self):
@@ -177,7 +186,7 @@ class RigidPiston(BaseModel):
     mass: Annotated[Mass, Field(gt=0)]
     """Mass without the pin."""
     centre: tuple[Length, Length]
-    """Centre of mass (x, y), relative to the skirt axis at the height of pin point A."""
+    """Centre of mass (x, y): x from the skirt axis, y above pin point A."""
     inertia: Annotated[Inertia, Field(gt=0)]
     """Moment of inertia about the axis through the centre of mass along the pin."""
     radius: Annotated[Length, Field(gt=0)]
@@ -226,9 +235,9 @@ class Body(PlacedMesh):
     """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
     mass: Annotated[str | None, FILE] = None
     """Mass matrix of another program (.mtx, .pch, .bdf)."""
-    stiffness_unit: Annotated[Stiffness, Field(gt=0)] | None = None
+    stiffness_unit: Annotated[StiffnessUnit, Field(gt=0)] | None = None
     """Unit of the stiffness matrix."""
-    mass_unit: Annotated[Mass, Field(gt=0)] | None = None
+    mass_unit: Annotated[MassUnit, Field(gt=0)] | None = None
     """Unit of the mass matrix."""
     basis: Literal[
         "smooth_pressure_modes",
@@ -325,12 +334,14 @@ class ShapeTable(BaseModel):
 
     model_config = STRICT
     file: Annotated[str, FILE]
-    """CSV file. The first row holds angles. Each further row holds a height and its values."""
-    angle_unit: Annotated[Angle, Field(gt=0)]
+    """CSV file. The first row holds angles. Each further row holds a height and its values. Heights
+    are above pin point A for the piston and above the crank axis for the block.
+    """
+    angle_unit: Annotated[AngleUnit, Field(gt=0)]
     """Unit of the angles."""
-    height_unit: Annotated[Length, Field(gt=0)]
+    height_unit: Annotated[LengthUnit, Field(gt=0)]
     """Unit of the heights."""
-    value_unit: Annotated[Length, Field(gt=0)]
+    value_unit: Annotated[LengthUnit, Field(gt=0)]
     """Unit of the values."""
 
 

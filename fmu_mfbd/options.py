@@ -19,7 +19,8 @@ from .body_options import (
     MOST_MODES,
     STRICT,
     Angle,
-    AngularSpeed,
+    AngleUnit,
+    AngularSpeedUnit,
     Block,
     Count,
     Density,
@@ -29,8 +30,9 @@ from .body_options import (
     Piston,
     PlacedMesh,
     Pressure,
+    PressureUnit,
     Surface,
-    Time,
+    TimeUnit,
     either,
     missing_keys,
 )
@@ -64,9 +66,9 @@ class Gas(Table):
     The parameter `gas_source` selects whether it adds to the input `gas_pressure`.
     """
 
-    angle_unit: Annotated[Angle, Field(gt=0)]
+    angle_unit: Annotated[AngleUnit, Field(gt=0)]
     """Unit of the first column, the crank angle."""
-    pressure_unit: Annotated[Pressure, Field(gt=0)]
+    pressure_unit: Annotated[PressureUnit, Field(gt=0)]
     """Unit of the second column, the gauge pressure."""
 
 
@@ -76,11 +78,11 @@ class Speed(Table):
     It replaces the input `crank_speed`.
     """
 
-    time_unit: Annotated[Time, Field(gt=0)] | None = None
+    time_unit: Annotated[TimeUnit, Field(gt=0)] | None = None
     """Unit of the first column if it is time."""
-    angle_unit: Annotated[Angle, Field(gt=0)] | None = None
+    angle_unit: Annotated[AngleUnit, Field(gt=0)] | None = None
     """Unit of the first column if it is crank angle."""
-    speed_unit: Annotated[AngularSpeed, Field(gt=0)]
+    speed_unit: Annotated[AngularSpeedUnit, Field(gt=0)]
     """Unit of the second column, the crank speed."""
 
     _over = either("time_unit", "angle_unit")

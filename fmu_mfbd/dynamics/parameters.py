@@ -143,7 +143,7 @@ class Parameters:
     )
     top_ring_height: float = _declared(
         "m",
-        "Height of the top ring above the pin, above which gas widens the bore; 0: no "
+        "Height of the top ring above pin point A, above which gas widens the bore; 0: no "
         "gas on the bore",
         0.0,
         0.0,
@@ -151,7 +151,7 @@ class Parameters:
     )
     second_ring_height: float = _declared(
         "m",
-        "Height of the second ring above the pin; land_pressure acts between both rings",
+        "Height of the second ring above pin point A; land_pressure acts between both rings",
         0.0,
         0.0,
         1.0,

@@ -1,6 +1,5 @@
 """Tables from files or from the case: gas pressure over crank angle, measured profiles."""
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -9,6 +8,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.errors import file_fault
+from ...master.fmi.separated import read_rows
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
@@ -74,13 +74,12 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
         At the first later row that is not all numbers.
     """
     try:
-        text = Path(path).read_text()
+        lines = read_rows(path)
     except (OSError, UnicodeDecodeError) as error:
         raise TableFault(file_fault(path, error)) from None
     rows = Rows(str(path), [], [])
-    lines = csv.reader(text.splitlines(), delimiter=";" if ";" in text else ",")
-    for number, line in enumerate(lines, 1):
-        if corner and number == 1:
+    for number, line in lines:
+        if corner and number == lines[0][0]:
             line = line[1:]
         cells = [cell.strip() for cell in line if cell.strip()]
         values = _finite_numbers(cells)

@@ -1,11 +1,11 @@
 """Body without elements: nodes, their sets, and the surfaces between them."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ...master.fmi.separated import read_rows
 from .mesh import Mesh, MeshFault, to_body_axes
 from .regions import Region
 
@@ -74,9 +74,8 @@ def read_nodes(
 
 def _table(path):
     """Return the numbers of the nodes, their coordinates, (n, 3), and the names of their sets."""
-    with open(path, newline="") as file:
-        rows = list(csv.reader(file))
-    header = [name.strip().lower() for name in rows[0]] if rows else []
+    (_, head), *rows = read_rows(path) or [(0, [])]
+    header = [name.strip().lower() for name in head]
     if header not in (["node", "x", "y", "z"], ["node", "x", "y", "z", "sets"]):
         raise MeshFault(
             f"{path}: expected a first row node,x,y,z or node,x,y,z,sets, got {','.join(header)!r}"
@@ -84,7 +83,7 @@ def _table(path):
     labels = []
     points = []
     sets = []
-    for number, row in enumerate(rows[1:], 2):
+    for number, row in rows:
         try:
             label, x, y, z, *names = row
             labels.append(int(label))

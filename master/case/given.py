@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import BadInput
+from ..fmi.separated import read_rows
 from ..fmi.tree import import_part
 from .contract import contract, given_by_others
 
@@ -79,7 +80,8 @@ def masks(case, builds, folder) -> dict[str, list[list[int]]]:
         role = case.participants[name].role
         mask = build.get("mask") if role in roles and "mask" in roles[role].build else None
         if isinstance(mask, str) and mask != "none":
-            mask = np.loadtxt(Path(folder) / mask, delimiter=",", ndmin=2).astype(int).tolist()
+            cells = [row for _, row in read_rows(Path(folder) / mask)]
+            mask = np.array(cells, dtype=float, ndmin=2).astype(int).tolist()
         if isinstance(mask, list):
             found[name] = mask
     return found

@@ -49,9 +49,10 @@ def _read(path, extending=()):
             from .ssp import read_ssp  # slow to import
 
             return read_ssp(path)
-        tree = tomllib.loads(path.read_text())
+        text = path.read_text(encoding="utf-8-sig")
+        tree = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{path}: {toml_fault(error)}") from None
+        raise BadInput(f"{path}, {_toml_fault(error, text)}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
     if "extends" not in tree:
@@ -63,8 +64,16 @@ def _read(path, extending=()):
     return extended(_read(home, extending), tree, place, path.parent)
 
 
-def toml_fault(error: tomllib.TOMLDecodeError) -> str:
+LONGEST_LINE = 60
+"""Maximum number of characters of a line of a file in a message."""
+
+
+def _toml_fault(error: tomllib.TOMLDecodeError, text: str) -> str:
     """Return the fault of a text that is not TOML, with its line."""
-    line = re.search(r"line (\d+)", str(error))
-    place = f"line {line[1]}" if line else "its last line"
-    return f"expected TOML, got invalid syntax in {place}; write KEY = VALUE, texts in quotes"
+    place = re.search(r"line (\d+)", str(error))
+    lines = text.splitlines() or [""]
+    number = min(int(place[1]), len(lines)) if place else len(lines)
+    line = lines[number - 1].strip()[:LONGEST_LINE]
+    if re.match("Cannot (overwrite|declare|mutate)", str(error)):
+        return f"line {number}: expected each key and table once, got {line!r} a second time"
+    return f"line {number}: expected KEY = VALUE with texts in quotes, got {line!r}"

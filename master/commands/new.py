@@ -3,6 +3,7 @@
 import tempfile
 from dataclasses import make_dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
@@ -13,7 +14,7 @@ from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
 from ..runs.working import working
 from .check import print_checked
-from .common import console, tell
+from .common import OutputFolder, console, tell
 
 
 def _option(name: str) -> Any:
@@ -32,7 +33,7 @@ Sizes: Any = make_dataclass("Sizes", map(_option, SIZES), frozen=True, namespace
 
 
 def command(
-    name: Path,
+    name: OutputFolder,
     /,
     *,
     sizes: Annotated[Sizes, Parameter(name="*")] = Sizes(),  # noqa: B008  # pyright: ignore
@@ -82,4 +83,4 @@ def command(
         found = write_case(made, name, mesh)
     tell(f"case     {found.path}")
     print_checked(found, name / "check.png")
-    tell(f"run it   piston-cosim run {name}")
+    tell(f"run it   piston-cosim run {quote(str(name))}", markup=False)

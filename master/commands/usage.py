@@ -1,6 +1,8 @@
 """Faults of a call: errors of the command line, files and folders, as one sentence each."""
 
+import os
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, get_args
 
 from cyclopts import CycloptsError
@@ -83,3 +85,11 @@ def new_folder(_type: Any, path: Path | None) -> None:
     there = next(one for one in (path, *path.absolute().parents) if one.exists())
     if not there.is_dir():
         raise ValueError(f"expected a folder, got the file {str(there)!r}")
+    try:
+        with TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        words = os.strerror(error.errno or 0).lower()
+        raise ValueError(
+            f"expected a folder that can be written, got {str(there)!r}: {words}"
+        ) from None

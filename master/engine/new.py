@@ -4,6 +4,7 @@ Every rule is our own choice, typical of passenger car and motorcycle pistons. N
 measured engine.
 """
 
+import re
 import shutil
 import tomllib
 from collections.abc import Callable, Mapping
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import nan, pi, prod, sqrt
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -367,6 +369,9 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     faults = []
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         faults.append(f"{folder}: expected a new or empty folder, got an existing one")
+    if re.search(r'["\\\x00-\x1f]', folder.name):
+        got = repr(folder.name)
+        faults.append(f"NAME: expected a folder name without quotes and backslashes, got {got}")
     if mesh and not mesh.is_file():
         faults.append(f"--mesh: expected a mesh, got no such file {str(mesh)!r}")
     if faults:
@@ -375,18 +380,18 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     (folder / "gas_pressure.csv").write_text(gas_table(CYCLE, found.gas_pressure(CYCLE)))
     case = folder / "case.toml"
     if mesh is None:
-        case.write_text(_text(found, folder.name))
+        case.write_text(_text(found, folder.name), "utf-8")
         return check(folder)
     shutil.copy(mesh, folder / mesh.name)
     unit = _mesh_unit(folder / mesh.name)
-    case.write_text(_text(found, folder.name, mesh.name, unit))
+    case.write_text(_text(found, folder.name, mesh.name, unit), "utf-8")
     seen = check(folder)  # the file must contain the ends of the mesh's skirt as well
     lower, upper = (seen.figure(f"bodies.{name}") for name in ("skirt_lower", "skirt_upper"))
     if lower is None or upper is None:
         return seen
     fitted = {**found.sizes, "skirt_below": -lower.value, "skirt_above": upper.value}
     measured = Engine(fitted, found.given, found.peak, found.motored)
-    case.write_text(_text(measured, folder.name, mesh.name, unit))
+    case.write_text(_text(measured, folder.name, mesh.name, unit), "utf-8")
     return check(folder)
 
 
@@ -427,6 +432,7 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
     low, high = found.bore_ends(found["skirt_below"])
     return templates.get_template("engine.toml").render(
         name=name,
+        quoted=quote(name),
         e=found,
         origin=origin,
         mm=lambda value: shown(1e3 * value, "mm"),

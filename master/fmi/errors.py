@@ -1,5 +1,6 @@
 """Errors of the user and of participants: bad input, discarded steps, stopped runs, faults."""
 
+import errno
 import os
 import re
 import tomllib
@@ -87,12 +88,15 @@ def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> st
 def file_fault(path: Path | str | None, error: Exception) -> str:
     """Return the sentence of a file or folder that cannot be read or written."""
     path = path or getattr(error, "filename", None) or "file"
+    parent = Path(str(path)).parent
+    if isinstance(error, FileNotFoundError) and not parent.is_dir():
+        return f"{path}: expected an existing folder {str(parent)!r}, got no such folder"
     for kind, sentence in FILE_FAULTS.items():
         if isinstance(error, kind):
             return f"{path}: {sentence}"
     code = getattr(error, "errno", None)
-    words = os.strerror(code).lower() if code else "an unreadable file"
-    return f"{path}: expected a usable file, got {words}"
+    words = os.strerror(code).lower() if code else "unreadable content"
+    return f"{path}: expected {FAULTS_OF_SYSTEM.get(code, 'access')}, got {words}"
 
 
 FILE_FAULTS: dict[type[Exception], str] = {
@@ -100,11 +104,18 @@ FILE_FAULTS: dict[type[Exception], str] = {
     FileExistsError: "expected a new name, got an existing file or folder",
     IsADirectoryError: "expected a file, got a folder",
     NotADirectoryError: "expected a folder, got a file",
-    PermissionError: "expected a file with permission, got access denied",
-    UnicodeDecodeError: "expected a text file in UTF-8, got other bytes",
+    PermissionError: "expected permission to read or write it, got access denied",
+    UnicodeDecodeError: "expected a text file in UTF-8, got another encoding or no text; "
+    "save it as UTF-8",
     tomllib.TOMLDecodeError: "expected a TOML file, got invalid syntax",
 }
 """Sentences of the errors that reading and writing raise."""
+FAULTS_OF_SYSTEM = {
+    errno.ENAMETOOLONG: "a shorter name",
+    errno.ENOSPC: "free space on the disk",
+    errno.EROFS: "a folder that can be written",
+}
+"""What the system expected, by the number of its error."""
 
 
 class Discard(RuntimeError):

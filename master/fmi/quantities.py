@@ -251,17 +251,24 @@ def is_known(unit: str) -> bool:
 class in_unit:
     """Annotation of a pydantic float that is read from text with a unit into SI `unit`.
 
-    Its JSON schema contains the unit and the type string.
+    Its JSON schema contains the unit and the type string. If `alone`, the value is the unit of a
+    table or mesh, and "mm" is valid as well as "1 mm".
     """
 
     unit: str
+    alone: bool = False
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
         return core_schema.no_info_before_validator_function(
-            lambda value: to_si(value, self.unit), handler(source)
+            lambda value: to_si(self._with_number(value), self.unit), handler(source)
         )
+
+    def _with_number(self, value: Any) -> Any:
+        """Return a unit alone with the number 1, any other value unchanged."""
+        is_unit = self.alone and isinstance(value, str) and is_known(value)
+        return f"1 {value}" if is_unit and not re.search(r"\d", value[:1]) else value
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler

@@ -4,7 +4,6 @@ The first line contains the names of the columns with units in brackets: `time [
 lift [mm]`. The first column is the time. Outputs are in SI. `true` and `false` are 1 and 0.
 """
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import Field
 from ..fmi.quantities import is_known, pint_unit, powers_of, registry
+from ..fmi.separated import read_rows
 from .interpolated import slope_of
 from .participant import StartedInHalves
 from .plain import pack, unpack
@@ -173,14 +173,13 @@ def read_table(path):
     Raises `BadInput` with every fault of the file.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        rows = read_rows(path)
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
-    rows = [row for row in csv.reader(lines) if row and not row[0].lstrip().startswith("#")]
     if len(rows) < 3:
         got = f"{len(rows)} lines" if rows else "an empty file"
         raise BadInput(f"{path}: expected a line of names and at least two rows, got {got}")
-    head, *body = rows
+    (_, head), *body = rows
     faults = []
     named = [_column(path, cell, faults) for cell in head]
     names = [name for name, _ in named]
@@ -231,11 +230,11 @@ def _column(path, cell, faults):
 def _numbers(path, rows, width, faults):
     """Return the rows as an array; add the fault of each row that is not valid."""
     table = np.zeros((len(rows), width))
-    for k, row in enumerate(rows):
+    for k, (number, row) in enumerate(rows):
         try:
             table[k] = [float(WORDS.get(cell.strip().lower(), cell)) for cell in row]
         except ValueError:
-            faults.append(f"{path}, row {k + 2}: expected {width} numbers, got {', '.join(row)!r}")
+            faults.append(f"{path}, row {number}: expected {width} numbers, got {', '.join(row)!r}")
     if not np.isfinite(table).all():
         faults.append(f"{path}: expected finite values, got others")
     return table

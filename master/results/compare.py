@@ -1,6 +1,5 @@
 """Scores of curves: run against run, cycle against cycle, run against a measured file."""
 
-import csv
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -10,6 +9,7 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.errors import BadInput, collecting, file_fault, unknown
 from ..fmi.quantities import to_si
+from ..fmi.separated import read_rows
 from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .instants import CRANK_ANGLE
 from .pictures import labelled, name_of, unit_shown
@@ -130,7 +130,7 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
         With every faulty header and the first faulty row.
     """
     try:
-        rows = list(csv.reader(Path(path).read_text().splitlines()))
+        rows = [row for _, row in read_rows(path)]
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
     heads = [HEADER.match(cell) for cell in rows[0]] if rows else []

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
+from shlex import quote
 
 from ..coupling.ledger import Ledger
 from ..coupling.stepping import Counters
@@ -32,7 +33,7 @@ def checkpoint_message(output):
         return "no checkpoint was written"
     return (
         "remove the cause, then continue from the last checkpoint with: "
-        f"piston-cosim resume {checkpoint}"
+        f"piston-cosim resume {quote(str(checkpoint))}"
     )
 
 

@@ -1,5 +1,6 @@
-"""Progress of long phases, with output at least every 5 s."""
+"""Progress of long phases, with a first output within 5 s."""
 
+import re
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -21,8 +22,10 @@ from rich.progress import (
 from ..fmi.cache import cache_folder, write_whole
 from ..fmi.phases import LONGEST_SHARE, UNDER_WAY, phase
 
+Tenths = tuple[int, int | None]
+"""Tenths of a share, and of the share of compiled kernels."""
 QUIET = 4.0
-"""Time between two lines outside a terminal [s]."""
+"""Shortest time between two lines outside a terminal [s]."""
 REFRESH = 0.5
 """Time between two updates in a terminal [s]."""
 TYPICAL = 200
@@ -101,7 +104,7 @@ def every(seconds: float, action: Callable[[], object]) -> Iterator:
 def bars(console: Console, tick: Callable[[], object] = lambda: None, **options: Any) -> Iterator:
     """Yield `show(label, share, state)` of parallel progress bars; call `tick` before updates.
 
-    Outside a terminal they are lines on the error stream, one every `QUIET` s.
+    Outside a terminal they are lines on the error stream, one for each 10 %, after `QUIET` s.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -118,14 +121,23 @@ def bars(console: Console, tick: Callable[[], object] = lambda: None, **options:
                 tasks[label] = progress.add_task(label, total=1.0, state="")
             progress.update(tasks[label], completed=share, state=state)
 
+        printed: dict[str, Tenths] = {}
+
         def print_lines() -> None:
             if not console.is_terminal:
                 for task in progress.tasks:
-                    if not task.finished:
+                    if not task.finished and printed.get(task.description) != _tenths(task):
+                        printed[task.description] = _tenths(task)
                         print(_line(task), file=sys.stderr, flush=True)
 
         with every(REFRESH, tick), every(QUIET, print_lines):
             yield show
+
+
+def _tenths(task: Task) -> Tenths:
+    """Return the tenths of a bar's share, and of its compilation."""
+    compiled = re.match(r"compiling: (\d+) %", task.fields["state"])
+    return int(10 * task.completed), int(compiled[1]) // 10 if compiled else None
 
 
 def _line(task: Task) -> str:

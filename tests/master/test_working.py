@@ -4,6 +4,8 @@ import fcntl
 import os
 import re
 import signal
+import subprocess
+import sys
 import threading
 import time
 from types import SimpleNamespace
@@ -31,10 +33,18 @@ def test_outside_a_terminal_phases_print_a_line_each_period(tmp_path, capsys, mo
         time.sleep(0.25)
         with phase("reducing", typical=100.0), phase("packing", typical=0.01):
             time.sleep(0.2)
-    alone, beside = capsys.readouterr().err.split("preparing:")[1:]
-    assert re.fullmatch(r"  [12] %  \d+ s left\n", alone)  # 0.2 of 10 s
-    assert re.fullmatch(r"  [345] %  \d+ s left\nreducing:  .* s left\npacking:  99 %\n", beside)
+    printed = capsys.readouterr().err
+    wanted = r"preparing:  [12] %  \d+ s left\nreducing:  .* s left\npacking:  99 %\n"
+    assert re.fullmatch(wanted, printed)  # 0.2 of 10 s; no second line at 4 %
     assert 0.2 < float((tmp_path / "durations/preparing").read_text()) < 0.3
+
+
+def test_a_line_for_each_tenth_and_for_each_tenth_of_the_kernels():
+    states = [(0.11, ""), (0.19, ""), (0.2, ""), (0.99, "compiling: 9 % (1 of about 11 kernels)")]
+    states += [(0.99, "compiling: 10 % (11 of about 110 kernels)"), (0.99, "residual 1e-3")]
+    bars = [SimpleNamespace(completed=share, fields={"state": text}) for share, text in states]
+    tenths = [(1, None), (1, None), (2, None), (9, 0), (9, 1), (9, None)]
+    assert [module._tenths(bar) for bar in bars] == tenths
 
 
 def test_the_expected_time_is_that_of_the_last_phase_of_this_name(tmp_path, monkeypatch):
@@ -120,3 +130,23 @@ def test_a_signal_ends_a_first_compilation_within_a_second_and_its_cache_is_usab
         assert process.stderr.read().endswith(f"\nstopped: by {number.name}\n")
     assert not list(tmp_path.rglob("*.h5.lock"))
     ended(begun(tmp_path, *RUN))
+
+
+INTERRUPTED = """
+import os, signal, sys
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "piston_cosim.master.commands.app":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+from piston_cosim.__main__ import main
+main()
+"""
+"""Command line that receives SIGINT while it imports its modules."""
+
+
+def test_an_interrupted_import_ends_with_a_message():
+    ended = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (1, "\nstopped: by SIGINT\n")

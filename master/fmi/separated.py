@@ -1,0 +1,37 @@
+"""Rows of separated text files, as spreadsheets of all countries write them."""
+
+import csv
+import re
+from pathlib import Path
+
+SEPARATORS = "\t;,"
+"""Separators of columns. The first of them in the last row is that of the file; default: blanks."""
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
+
+
+def read_rows(path: Path | str) -> list[tuple[int, list[str]]]:
+    """Return number and cells of each row that is neither empty nor a comment with #.
+
+    Columns are separated by tabs, semicolons, commas or blanks. A decimal comma becomes a point if
+    the columns have another separator. A byte-order mark is ignored.
+
+    Raises
+    ------
+    OSError, UnicodeDecodeError
+        If the file cannot be read; `errors.file_fault` returns their sentences.
+    """
+    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    used = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
+    separator = next((one for one in SEPARATORS if used and one in used[-1][1]), None)
+    if separator is None:
+        rows = [line.split() for _, line in used]
+    else:
+        rows = list(csv.reader([line for _, line in used], delimiter=separator))
+    if separator != ",":
+        rows = [[_with_point(cell) for cell in row] for row in rows]
+    return [(n, row) for (n, _), row in zip(used, rows)]
+
+
+def _with_point(cell: str) -> str:
+    """Return a number with a decimal comma as one with a point, any other text unchanged."""
+    return cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell
