@@ -13,7 +13,7 @@ from functools import cached_property
 from math import nan, pi, prod, sqrt
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -25,22 +25,35 @@ from ..fmi.tree import import_part
 
 STEEL = 7850.0
 """Density of the pin [kg/m3]."""
-IGNITION, DURATION = -8.0, 60.0
-"""Crank angle of the start of heat release, and its duration [deg]."""
-INTAKE = 1.0e5
-"""Pressure at bottom dead centre before compression, absolute [Pa]."""
 EXPONENT = 1.33
 """Polytropic exponent of compression and expansion."""
-HEAT = 9.3
-"""Factor of Eq. (D13) [-], our own choice: a compression ratio of 10.5 gives about 6.5 MPa."""
-VISCOSITY = 8e-3
-"""Viscosity of the oil [Pa s]: our estimate, an engine oil near 110 degC."""
+AMBIENT, BOOST = 1.0e5, 2.0e5
+"""Absolute pressures [Pa]: of the ambient, and of the charge of a supercharged diesel."""
+LEAST_DIESEL = 14.0
+"""Compression ratio from which an engine is a diesel."""
+
+
+class Combustion(NamedTuple):
+    """Heat release: start and duration [deg], and factor of Eq. (D13) [-]."""
+
+    start: float
+    duration: float
+    heat: float
+
+
+PETROL = Combustion(-8.0, 60.0, 9.3)
+"""Our own choice: a compression ratio of 10.5 gives about 6.5 MPa."""
+DIESEL = Combustion(-4.0, 70.0, 6.4)
+"""Our own choice: a lean charge, 1.45 times the air of petrol. A compression ratio of 17 and a
+charge of 2 bar give about 13 MPa."""
 CELLS, LEAST, MOST = 57.0, 40, 192
 """Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`.
 Native films have at most 192 cells around.
 """
+FLEXIBLE = 64
+"""Number of cells around a flexible skirt, whose pressure peak is wide: our own choice."""
 OPEN = 20.0
-"""Crank angle in which the pressure falls to 1/e after the exhaust valve opens [deg]."""
+"""Crank angle in which the pressure approaches its new value to 1/e after a valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"
 """Module that reads meshes, called by name because this package does not import bodies."""
 TITLES = {True: "motored", False: "fired"}
@@ -90,7 +103,7 @@ def _si(unit: str) -> str:
         return "1"
     base = f"{registry().Unit(unit).dimensionality}"
     known = {"[length]": "m", "[mass]": "kg", "[mass] / [length] / [time] ** 2": "Pa"}
-    known["[mass] * [length] ** 2"] = "kg*m^2"
+    known |= {"[mass] * [length] ** 2": "kg*m^2", "[mass] / [length] / [time]": "Pa*s"}
     return known.get(base, "rad/s")
 
 
@@ -112,6 +125,9 @@ RULES: dict[str, Callable[[Mapping[str, float]], float]] = {
     "pin_mass": lambda s: (
         STEEL * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"]
     ),
+    "intake_pressure": lambda s: BOOST if s["compression"] >= LEAST_DIESEL else AMBIENT,
+    "ovality": lambda s: s["bore"] * (1.5e-3 if s["compression"] >= LEAST_DIESEL else 2e-3),
+    "viscosity": lambda s: 10e-3 if s["compression"] >= LEAST_DIESEL else 8e-3,
     "rod_inertia": lambda s: s["rod_mass"] * s["rod_centre"] * (s["rod"] - s["rod_centre"]),
 }
 """Rules that are no products of sizes."""
@@ -179,11 +195,21 @@ class Engine:
             self.top + self["compression_height"],
         )
 
+    @property
+    def diesel(self) -> bool:
+        """Whether the compression ratio is that of a diesel."""
+        return self["compression"] >= LEAST_DIESEL
+
+    @property
+    def combustion(self) -> Combustion:
+        """Heat release of petrol or diesel."""
+        return DIESEL if self.diesel else PETROL
+
     @cached_property
     def gain(self) -> float:
         """Factor by which combustion multiplies the polytrope, minus 1 [-].
 
-        Eq. (D13):  gain = 9.3 (r - 1) / r^n        r = compression ratio
+        Eq. (D13):  gain = q (r - 1) / r^n        r = compression ratio, q = `Combustion.heat`
 
         Our own choice. Its form is that of heat at constant volume, Q / (c_v T_1) over
         r^(n - 1), times the fresh share (r - 1) / r of the charge. It has no heat losses.
@@ -192,7 +218,7 @@ class Engine:
             return 0.0
         if self.peak is None:
             ratio = self["compression"]
-            return HEAT * (ratio - 1.0) / ratio**EXPONENT  # Eq. (D13)
+            return self.combustion.heat * (ratio - 1.0) / ratio**EXPONENT  # Eq. (D13)
         low, high = 0.0, 50.0
         for _ in range(60):
             middle = (low + high) / 2
@@ -203,23 +229,31 @@ class Engine:
     def gas_pressure(self, degrees: np.ndarray) -> np.ndarray:
         """Return the gauge pressure over a cycle [Pa], -360 to 360 deg, 0 at firing TDC.
 
-        Eq. (D12):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1)
+        Eq. (D12):  p = p_0 ((V/V_bdc)^-n (1 + gain x_b) - 1) + p_0 - p_a
                    x_b = 1 - exp(-5 ((phi - phi_0)/d)^1.5)
-                   while the valves are closed, -180 to 180 deg; then p falls with e^(-phi/20 deg)
+                   while the valves are closed, -180 to 180 deg; then p falls with e^(-phi/20 deg),
+                   and from -360 deg on it rises to p_0 - p_a in the same way
 
-        Our own choice, which imitates no measured curve.
+        p_0 is the intake pressure and p_a that of the ambient. Our own choice, which imitates no
+        measured curve. The exhaust has no back pressure.
         """
         return self.pressure(degrees, self.gain)
 
-    def pressure(self, degrees: np.ndarray, gain: float, ignition: float = IGNITION) -> np.ndarray:
-        """Return the gauge pressure of Eq. (D12) with another gain or start of heat [Pa]."""
-        burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - ignition, 0.0, None) / DURATION) ** 1.5)
-        polytrope = INTAKE * (
+    def pressure(
+        self, degrees: np.ndarray, gain: float, combustion: Combustion | None = None
+    ) -> np.ndarray:
+        """Return the gauge pressure of Eq. (D12) with another gain or heat release [Pa]."""
+        start, duration, _ = combustion or self.combustion
+        burnt = 1.0 - np.exp(-5.0 * (np.clip(degrees - start, 0.0, None) / duration) ** 1.5)
+        intake = self["intake_pressure"]
+        charge = intake - AMBIENT
+        polytrope = intake * (
             self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
         )  # Eq. (D12)
-        left = INTAKE * gain * np.exp(-np.clip(degrees - 180.0, 0.0, None) / OPEN)
+        filling = charge * -np.expm1(-np.clip(degrees + 360.0, 0.0, None) / OPEN)
+        left = (intake * gain + charge) * np.exp(-np.clip(degrees - 180.0, 0.0, None) / OPEN)
         closed = np.abs(degrees) < 180.0
-        return np.where(closed, polytrope, np.where(degrees >= 180.0, left, 0.0))
+        return np.where(closed, polytrope + charge, np.where(degrees >= 180.0, left, filling))
 
     @cached_property
     def largest_side_force(self) -> float:
@@ -244,7 +278,7 @@ class Engine:
         own choice: the check of the grid passes for the engines of tests/master/test_new.py.
         """
         length, c = self["skirt_below"] + self["skirt_above"], self["clearance"]
-        lift = VISCOSITY * self["speed"] * self.crank_radius * length**2 * self.skirt_radius
+        lift = self["viscosity"] * self["speed"] * self.crank_radius * length**2 * self.skirt_radius
         load = self.largest_side_force * (self["barrel"] + c) * (self["ovality"] / 2 + c)
         cells = CELLS * (lift / load) ** -0.5  # Eq. (D51)
         return int(np.clip(8 * np.ceil(cells / 8), LEAST, MOST))
@@ -302,6 +336,8 @@ def engine(
             sizes[name] = size.low
         else:
             sizes[name] = size.rule(sizes)
+    if motored and "intake_pressure" not in said:
+        sizes["intake_pressure"] = AMBIENT
     limit = None
     if peak is not None:
         try:
@@ -445,10 +481,8 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
         volume=f"{1e6 * found.swept_volume:.6g}",
         kind=TITLES[found.motored],
         peak=f"{float(found.gas_pressure(CYCLE).max()) / 1e6:.3g}",
-        gas=dict(exponent=EXPONENT, ignition=IGNITION, duration=DURATION, gain=f"{found.gain:.4g}"),
+        gas=dict(exponent=EXPONENT, burn=found.combustion, gain=f"{found.gain:.4g}"),
         mesh=mesh,
         mesh_unit=mesh_unit,
-        # a flexible skirt deforms, so that the peak is wide
-        around=LEAST if mesh else found.cells_around,
-        viscosity=f"{1e3 * VISCOSITY:g} mPa s",
+        around=FLEXIBLE if mesh else found.cells_around,
     )

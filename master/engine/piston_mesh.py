@@ -87,6 +87,10 @@ LARGEST_PIN = 0.16
 """Largest radius of the pin relative to the bore, so that boss and walls fit."""
 
 
+DIESEL_WALL = 1.5
+"""Thickness of a diesel's slipper skirt relative to that of petrol, for twice the side force."""
+
+
 def shape(made: Engine, kind: Kind) -> "Piston":
     """Return the dimensions of the piston [mm]."""
     from ...models.meshes import Piston
@@ -96,13 +100,14 @@ def shape(made: Engine, kind: Kind) -> "Piston":
     pin = MM * made["pin_diameter"] / 2
     boss = BOSS * pin
     slipper = kind == "slipper"
+    wall = bore * (DIESEL_WALL if slipper and made.diesel else 1.0)
     return Piston(
         skirt_radius=radius,
         land_radius=radius - 0.003 * bore,
         skirt=(-MM * made["skirt_below"], MM * made["skirt_above"]),
         top=MM * made["compression_height"],
         crown=CROWN * bore,
-        skirt_inside=(radius - 0.032 * bore, radius - 0.042 * bore),
+        skirt_inside=(radius - 0.032 * wall, radius - 0.042 * wall),
         belt_inside=radius - 0.09 * bore,
         pin=pin,
         boss=boss,

@@ -10,7 +10,7 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.instants import instant_text
-from .places import highest_position, thinnest_position
+from .places import film_body, highest_position, thinnest_position
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
@@ -41,6 +41,11 @@ PLAY_AMBER, PLAY_RED = 0.02, 0.1
 MEMORY = 3
 """Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 1.3 to
 2.8 of the largest local one (docs/measurements/floating_pin.md)."""
+RIGID = (
+    " A rigid skirt does not yield, so it overstates the pressure. Make it flexible: "
+    "`piston-cosim new --piston slipper`, or a mesh and modes in build.piston."
+)
+"""Sentences of the pressure check for a rigid piston."""
 PLAYS = ("pin_displacement", "small_end_displacement")
 """Outputs of bodies with a floating pin, without the axis."""
 
@@ -231,13 +236,22 @@ def _of_film(case, results, name):
         values = results.series(highest).values
         k = int(values.argmax())
         place = highest_position(case, results, name)
+        colour = _colour(values[k], PRESSURE_AMBER, PRESSURE_RED)
+        stiff = colour != "green" and _is_rigid(results, film_body(results, name))
         yield Verdict(
-            _colour(values[k], PRESSURE_AMBER, PRESSURE_RED),
+            colour,
             "pressure",
             f"The maximum pressure is {short(values[k], 'Pa')} at "
             f"{instant_text(results, results.time[k])} (limit {short(PRESSURE_AMBER, 'Pa')})."
-            f"{place.clause if place else ''}",
+            f"{place.clause if place else ''}{RIGID if stiff else ''}",
         )
+
+
+def _is_rigid(results, body):
+    """Return whether the piston of a participant has no modes; False if it is unknown."""
+    build = results.case["participants"].get(body, {}).get("build", {})
+    piston = build.get("piston", {})
+    return "rigid" in piston or piston.get("modes") == 0
 
 
 def _of_grid(case, results, name):

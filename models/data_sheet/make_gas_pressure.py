@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from piston_cosim.master.engine.new import engine, gas_table
+from piston_cosim.master.engine.new import PETROL, engine, gas_table
 
 GAIN = 1.9  # factor of combustion on the polytrope [-]
 
 if __name__ == "__main__":
-    made = engine({"bore": "110 mm", "stroke": "144 mm", "rod": "223 mm", "compression": 16.0})
+    sizes = {"bore": "110 mm", "stroke": "144 mm", "rod": "223 mm", "compression": 16.0}
+    made = engine(sizes | {"intake_pressure": "1 bar"})
     degrees = np.arange(-360.0, 361.0, 2.0)
-    text = gas_table(degrees, made.pressure(degrees, GAIN))
+    text = gas_table(degrees, made.pressure(degrees, GAIN, PETROL))
     (Path(__file__).parent / "gas_pressure.csv").write_text(text)

@@ -30,14 +30,20 @@ SLOW = (
     *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
     *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
-    *("sweep my_engine *", "study numerical_example *", "study fired_motorcycle *"),
+    *(
+        "sweep my_engine *",
+        "study my_engine grid",
+        "study my_engine step",
+        "study numerical_example *",
+        "study fired_motorcycle *",
+    ),
     *("study elastic_tube *", "reduce numerical_example*", "reduce yielding_bosses*", "verify*"),
     *("results noise results/*", "results recover results/*"),
     *("fmu build * --native *", "fmu build * --case *", "fmu export * --native *"),
     *("fmu export my_engine *", "fmu export numerical_example *", "fmu export *.ssp*"),
 )
 QUICK = (
-    *("list", "--help", "--version", "* --help", "keys*", "new *", "check *"),
+    *("list", "--help", "--version", "* --help", "keys*", "new *", "check *", "profile *"),
     *("run my_engine*", "run data_sheet*", "run case.toml*", "run two_mass_oscillator"),
     *("results plot *", "results report *", "results scalars *", "results fields *"),
     *("results snapshot *", "results movie *", "resume *"),
@@ -49,7 +55,6 @@ NOT_RUN = {
     "--install-completion": "changes the shell of the user",
     "*--dask *": "needs a cluster",
     "reduce my_engine*": "the page adds a mesh first, which tests/fmu/test_own_piston.py does",
-    "study my_engine NAME": "the case of the page has no study yet",
     "results noise a.h5": "a.h5 has no flexible block here, see.md has the command",
     "results recover a.h5*": "a.h5 has no flexible body here, see.md has the command",
     "verify --output": "verification.md has the whole command",
@@ -58,13 +63,22 @@ NOT_RUN = {
 """Commands that no test here can run, and why."""
 NAMES = {"list", "keys", "verify"}
 """Commands without an operand. Another name of a command alone is a reference to it."""
-WRITTEN = {"CASE methods": "numerical_example methods", "CASE": "data_sheet", "COMMAND": "run"}
+WRITTEN = {
+    "my_engine NAME": "my_engine step",
+    "CASE methods": "numerical_example methods",
+    "CASE": "data_sheet",
+    "COMMAND": "run",
+}
 WRITTEN |= {"RUN.h5": "a.h5"}
 """Words of the pages in capitals, and what replaces them here."""
 STOPS = {"two_mass_oscillator": "30 ms", "elastic_tube": "", "journal_bearing": "2 ms"}
 STOPS |= {"case.toml": "10 ms", "engine.ssp": "0.1 ms"}
 """Stop time of cases without a crank; that of the others is 2 steps."""
 SHEET = find_case("data_sheet")
+PROFILE = "height,0,45,90,135,180,225,270,315\n" + "".join(
+    f"{y},{k},{k // 2},{k // 4},{k // 2},{k},{k // 2},{k // 4},{k // 2}\n"
+    for y, k in ((-14, 60), (-7, 54), (0, 50), (7, 55), (13, 66))
+)
 MEASURED = "bodies.crank_angle [deg],bodies.side_force [kN]\n-360,0\n-358,0.1\n-356,0.3\n"
 
 
@@ -81,7 +95,7 @@ def kind(command):
     """Return the list of a command: the first one with a pattern that it matches."""
     lists = {"not run": NOT_RUN, "slow": SLOW, "quick": QUICK}
     for word, name in WRITTEN.items():
-        command = command.replace(word, name) if command != "study my_engine NAME" else command
+        command = command.replace(word, name)
     return next((k for k, one in lists.items() if any(fnmatchcase(command, p) for p in one)), None)
 
 
@@ -113,6 +127,7 @@ def stock(tmp_path_factory):
         shutil.copy(own, folder / name)
     for name in ("bench.csv", "measured.csv"):
         (folder / name).write_text(MEASURED)
+    (folder / "my_profile.csv").write_text(PROFILE)
     tree = read_tree(SHEET, [("time.stop", "8 deg"), ("record.checkpoint_every", 1)])
     run_tree(SHEET, tree, folder / "a.h5").close()
     (folder / "results/a").mkdir(parents=True)

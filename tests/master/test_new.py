@@ -58,11 +58,35 @@ def test_the_case_is_sound_and_marks_its_estimates(tmp_path):
     assert tree["participants"]["bodies"]["parameters"]["crank_radius"] == "43 mm"
 
 
+def test_a_diesels_gas_by_hand():
+    """A supercharged charge, a lean heat release, and an exhaust without back pressure."""
+    sizes = SQUARE | {"compression": 16}
+    made = engine(sizes)
+    assert made["intake_pressure"] == 2e5 and made["viscosity"] == 10e-3
+    assert made["ovality"] == pytest.approx(1.5e-3 * 0.086, rel=1e-14)
+    assert made.gain == pytest.approx(6.4 * 15 / 16**1.33, rel=1e-14)
+    pressure = dict(zip(CYCLE, made.gas_pressure(CYCLE)))
+    assert pressure[-360.0] == 0.0
+    assert pressure[-340.0] == pytest.approx(1e5 * (1 - np.exp(-1)), rel=1e-12)
+    assert pressure[-181.0] == pytest.approx(1e5, rel=2e-4)  # exp(-179/20)
+    # polytrope from 2 bar absolute before the heat release at -4 deg
+    before = made.volume_ratio(np.array([-5.0]))[0] ** -1.33
+    assert pressure[-5.0] == pytest.approx(2e5 * before - 1e5, rel=1e-12)
+    assert pressure[360.0] < 2e-4 * pressure[180.0]
+    assert 10e6 < max(pressure.values()) < 15e6
+    still = engine(sizes, motored=True)
+    assert still["intake_pressure"] == 1e5 and still.gas_pressure(CYCLE)[0] == 0.0
+    assert engine(sizes | {"intake_pressure": "3 bar"})["intake_pressure"] == 3e5
+
+
 ENGINES = {
-    "motorcycle": {"bore": 52, "stroke": 49.5, "rod": 95, "speed": 8000},
-    "car": {"bore": 81, "stroke": 77, "rod": 144, "speed": 3000},
-    "truck": {"bore": 130, "stroke": 150, "rod": 250, "speed": 1400, "compression": 17.5},
+    "moped": {"bore": 52, "stroke": 52, "rod": 95, "speed": 7000},
+    "motorcycle": {"bore": 79, "stroke": 71, "rod": 118, "speed": 6500},
+    "car": {"bore": 86, "stroke": 86, "rod": 143, "speed": 4000},
+    "diesel": {"bore": 85, "stroke": 97, "rod": 150, "speed": 3000, "compression": 16.5},
+    "truck": {"bore": 130, "stroke": 158, "rod": 268, "speed": 1400, "compression": 17.5},
 }
+"""Engines of 0.11, 0.35, 0.50, 0.55 and 2.1 l a cylinder."""
 
 
 @pytest.mark.parametrize("name", ENGINES)
@@ -74,15 +98,21 @@ def test_the_grid_of_a_new_case_has_no_warning(name, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("piston", [None, "slipper"])
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_run_of_a_new_case_resolves_its_pressure_peak(name, tmp_path):
-    path = write_case(engine(ENGINES[name]), tmp_path / name).path
-    # from top dead centre the pressure peak is at about 40 deg
-    changes = {"time.stop": "80 deg", "participants.bodies.parameters.start_crank_angle": "0 deg"}
-    with pc.open_case(path, changes).run(tmp_path / "base.h5") as results:
+def test_a_run_of_a_new_case_settles_without_a_warning(name, piston, tmp_path):
+    """All checks pass, but that of a rigid skirt's pressure, which says what to do."""
+    if piston:
+        pytest.importorskip("gmsh")
+    sizes = Sizes(**{key: str(value) for key, value in ENGINES[name].items()})
+    command(tmp_path / name, sizes=sizes, piston=piston)
+    path = tmp_path / name / "case.toml"
+    with pc.open_case(path).run(tmp_path / "base.h5") as results:
         found = verdicts(check_case(results.case, path), results)
-    grid = next(one for one in found if one.what == "grid")
-    assert grid.outcome == "pass", grid.said
+    assert "periodicity" in {one.what for one in found}
+    for one in found:
+        stiff = one.what == "pressure" and piston is None
+        assert one.outcome == "pass" or (stiff and "--piston slipper" in one.said), one.said
 
 
 def test_a_mesh_brings_its_skirt(tmp_path):

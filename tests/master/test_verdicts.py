@@ -169,6 +169,18 @@ def test_limits(given, what, colour, tmp_path):
     assert judged(tmp_path, **given)[what].colour == colour
 
 
+def test_a_rigid_skirt_overstates_the_pressure(tmp_path):
+    hint = "A rigid skirt does not yield, so it overstates the pressure. Make it flexible: "
+    assert hint in judged(tmp_path, pressure=51e6)["pressure"].said
+    assert hint not in judged(tmp_path, pressure=49e6)["pressure"].said
+    tree = read_tree(PATH)
+    piston = tree["participants"]["bodies"]["build"]["piston"]
+    del piston["rigid"]
+    assert hint not in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].said
+    piston["modes"] = 0
+    assert hint in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].said
+
+
 def test_what_the_modes_of_each_body_miss(tmp_path):
     found = judged(tmp_path, **missed(0.0275, piston=0.004, block=0.0175))
     assert found["truncation"].said == (

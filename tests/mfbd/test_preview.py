@@ -1,5 +1,7 @@
 """What is said of the bodies before they are reduced, beside the reduced ones and closed forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 

@@ -22,6 +22,8 @@ DEGREES = np.arange(-360.0, 361.0)
 GAS = "participants.bodies.build.gas"
 SETTINGS = {
     "native": True,
+    "time.until_periodic": 0,
+    "time.stop": "720 deg",
     "participants.bodies.build.grid": [60, 60],
     "participants.ehd.build.grid": [60, 60],
     "participants.bodies.build.piston.modes": 140,

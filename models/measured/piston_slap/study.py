@@ -72,7 +72,8 @@ def gas_table(location):
     made = new.engine({"bore": "89 mm", "stroke": "79.5 mm", "rod": "138.1 mm"})
 
     def pressure(delay):
-        return made.pressure(DEGREES, made.gain, new.IGNITION + delay)
+        heat = new.PETROL._replace(start=new.PETROL.start + delay)
+        return made.pressure(DEGREES, made.gain, heat)
 
     def late(delay):
         p = pressure(delay)
