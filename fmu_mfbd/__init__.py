@@ -13,5 +13,5 @@ Its subpackages:
 
 The FMU: options (the case's build table, validated), build, variables, slave; what the running FMU
 reads is declared in dynamics (build_options, parameters) and reduction (reduced_body). Bodies
-without an FMU: offline.
+without an FMU: offline. A measured profile without a case: profile_reader.
 """

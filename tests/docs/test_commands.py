@@ -135,7 +135,7 @@ def stock(tmp_path_factory):
     for name in (
         *("b.h5", "coupled.h5", "results/a/rigid.h5", "results/b/rigid.h5"),
         *("results/data_sheet/rigid.h5", "results/my_engine/rigid.h5"),
-        *("results/my_engine/flexible.h5", "results/fired_motorcycle/flexible.h5"),
+        *("results/my_engine/base.h5", "results/fired_motorcycle/flexible.h5"),
         *("results/journal_bearing/heavy.h5", "results/journal_bearing/elastic.h5"),
         "results/study_numerical_example_modes/runs/rigid.h5",
     ):
