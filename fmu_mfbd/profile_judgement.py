@@ -82,10 +82,10 @@ class SmoothShape(NamedTuple):
 
 
 def form_of(shape: MeasuredShape, lower: float, upper: float) -> Form:
-    """Return barrel and ovality of a profile.
+    """Return barrel and ovality of a profile, the parabola by least squares.
 
-    Eq. (I10):  gap ~ a + b t + barrel t^2,      t = -1 to 1 between the heights
-                ovality/4 exp(2 i turn) = mean of gap exp(2 i theta) / 2 times 2
+    Eq. (I15):  mean over theta of gap = a + b t + barrel t^2,      t = -1 to 1 between the heights
+                ovality/4 exp(2 i turn) = 2 mean of gap exp(2 i theta)
 
     Parameters
     ----------
@@ -95,8 +95,8 @@ def form_of(shape: MeasuredShape, lower: float, upper: float) -> Form:
     """
     angle = np.arange(72) * (np.pi / 36)
     gap = table_shape(shape, angle, np.linspace(lower, upper, 21))
-    barrel = float(np.polyfit(np.linspace(-1.0, 1.0, 21), gap.mean(axis=0), 2)[0])  # Eq. (I10)
-    second = 2.0 * np.mean(gap.mean(axis=1) * np.exp(2j * angle))
+    barrel = float(np.polyfit(np.linspace(-1.0, 1.0, 21), gap.mean(axis=0), 2)[0])  # Eq. (I15)
+    second = 2.0 * np.mean(gap.mean(axis=1) * np.exp(2j * angle))  # Eq. (I15)
     return Form(barrel, 4.0 * float(abs(second)), float(np.angle(second)) / 2)
 
 

@@ -45,8 +45,8 @@ def command(
 ):
     """Write a case of your own engine.
 
-    The case is complete, runs at once and has comments. The command estimates each size that you
-    omit and marks it in the case with its rule. A number without a unit is in the unit shown.
+    The case is complete, has comments, and runs until its cycle settles. The command estimates each
+    size that you omit and marks it with its rule. A number without a unit is in the unit shown.
 
     Example: piston-cosim new my_engine --bore 86 --stroke 86 --rod 143 --piston slipper
 
@@ -56,7 +56,7 @@ def command(
         Folder to create.
     peak_pressure
         Maximum gas pressure, gauge [bar]. Default: estimated from the heat of a full load of
-        petrol.
+        petrol, or of diesel from a compression ratio of 14 on.
     motored
         Compression and expansion without combustion.
     piston

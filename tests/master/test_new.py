@@ -11,7 +11,7 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
 from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
-from piston_cosim.master.engine.piston_mesh import mesh_of_sizes
+from piston_cosim.master.engine.piston_mesh import mesh_of_sizes, shape
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -147,6 +147,16 @@ def test_the_command(tmp_path, capsys):
 def test_sizes_that_make_no_piston(tmp_path, given, message):
     with pytest.raises(BadInput, match=message):
         mesh_of_sizes(engine(SQUARE | given), "slipper", tmp_path / "piston.msh.xz")
+
+
+def test_a_diesels_slipper_has_thick_walls():
+    walls = []
+    for ratio in (13.9, 14):
+        made = engine(SQUARE | {"compression": ratio})
+        piston = shape(made, "slipper")
+        walls.append(1e3 * made.skirt_radius - np.array(piston.skirt_inside))
+        assert shape(made, "full").skirt_inside[0] == 1e3 * made.skirt_radius - 0.032 * 86
+    assert walls[1] == pytest.approx(1.5 * walls[0], rel=1e-12)
 
 
 def test_without_gmsh_a_sentence(tmp_path, monkeypatch):
