@@ -28,8 +28,11 @@ OUTLIER = 8.0
 """Smallest height of a grain of dust over the standard deviation of the noise."""
 MOST = 0.01
 """Share of the values that can be dust; more of them are features of the surface."""
-FEWEST = 5
-"""Heights of a table, and angles, from which it can be smoothed in this direction."""
+FEWEST_HEIGHTS, FEWEST_ANGLES = 5, 12
+"""Lines of a table from which it can be smoothed in this direction: with fewer angles, the fourth
+order of a skirt is no noise."""
+OVAL_ANGLES = 4
+"""Angles from which a table has an ovality."""
 
 
 class Form(NamedTuple):
@@ -96,6 +99,8 @@ def form_of(shape: MeasuredShape, lower: float, upper: float) -> Form:
     angle = np.arange(72) * (np.pi / 36)
     gap = table_shape(shape, angle, np.linspace(lower, upper, 21))
     barrel = float(np.polyfit(np.linspace(-1.0, 1.0, 21), gap.mean(axis=0), 2)[0])  # Eq. (I15)
+    if shape.angle.size < OVAL_ANGLES:
+        return Form(barrel, 0.0, 0.0)
     second = 2.0 * np.mean(gap.mean(axis=1) * np.exp(2j * angle))  # Eq. (I15)
     return Form(barrel, 4.0 * float(abs(second)), float(np.angle(second)) / 2)
 
@@ -140,7 +145,7 @@ def judge_profile(
 def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]:
     """Return findings about sign, turn and diameter."""
     found = []
-    oval = shape.angle.size >= FEWEST - 1 and form.ovality > CLEAR
+    oval = form.ovality > CLEAR
     concave = shape.height.size > 2 and form.barrel < -CLEAR
     turned = oval and abs(form.turn) > TURNED
     degrees = float(np.degrees(form.turn))
@@ -170,7 +175,7 @@ def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]
 def half_turn(shape: MeasuredShape) -> bool:
     """Whether all values at opposite angles are equal, as those of a gauge for diameters."""
     count = shape.angle.size
-    if count < FEWEST - 1 or count % 2:
+    if count < OVAL_ANGLES or count % 2:
         return False
     opposite = np.roll(shape.value, count // 2, axis=1)
     even = np.allclose(np.diff(shape.angle), 2 * np.pi / count, rtol=1e-3, atol=0.0)
@@ -237,11 +242,11 @@ def smooth_shape(shape: MeasuredShape) -> SmoothShape | None:
 
 def _fit(angle: np.ndarray, height: np.ndarray, values: np.ndarray):
     """Return smooth values and the order around, None if both directions have too few lines."""
-    if angle.size < FEWEST and height.size < FEWEST:
+    if angle.size < FEWEST_ANGLES and height.size < FEWEST_HEIGHTS:
         return None
     order, basis = _orders(angle, values)
     series = np.linalg.lstsq(basis, values.T, rcond=None)[0]  # (coefficients, k)
-    if height.size >= FEWEST:
+    if height.size >= FEWEST_HEIGHTS:
         from scipy.interpolate import make_smoothing_spline  # slow to import
 
         along = (height - height[0]) / np.median(np.diff(height))
@@ -251,7 +256,7 @@ def _fit(angle: np.ndarray, height: np.ndarray, values: np.ndarray):
 
 def _orders(angle: np.ndarray, values: np.ndarray) -> tuple[int, np.ndarray]:
     """Return order and basis (m, 2 order + 1) of the series with the least cross-validation."""
-    if angle.size < FEWEST:
+    if angle.size < FEWEST_ANGLES:
         return angle.size // 2, np.eye(angle.size)
     best = np.inf, 0, np.ones((angle.size, 1))
     for order in range((angle.size - 1) // 2):

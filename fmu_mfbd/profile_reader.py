@@ -15,7 +15,9 @@ from .dynamics.tables import TableFault, profile_table
 from .geometry.profile import MeasuredShape, table_shape
 from .preview_picture import BELOW, COLOURS, HEIGHTS, MM, SIDES, UM, draw_developed, mark_angles
 from .profile_judgement import (
-    FEWEST,
+    CLEAR,
+    FEWEST_ANGLES,
+    FEWEST_HEIGHTS,
     SmoothShape,
     form_of,
     judge_profile,
@@ -81,7 +83,9 @@ def read_profile(
     smoothed = smooth_shape(shape)
     if smooth and smoothed is None:
         count = f"{shape.height.size} heights and {shape.angle.size} angles"
-        raise BadInput(f"--smooth: expected {FEWEST} heights or angles or more, got {count}")
+        raise BadInput(
+            f"--smooth: expected {FEWEST_HEIGHTS} heights or {FEWEST_ANGLES} angles, got {count}"
+        )
     messages = judge_profile(shape, lower, upper, reading.radius)
     result = shape
     if smooth and smoothed:
@@ -114,9 +118,10 @@ def _figures(shape: MeasuredShape, smoothed: SmoothShape | None) -> list[Figure]
         Figure("values", "smallest", float(value.min()), "m"),
         Figure("values", "largest", float(value.max()), "m", "positive inwards"),
         Figure("form", "drop_of_the_ends", form.barrel, "m", "mean over the angles"),
-        Figure("form", "ovality", form.ovality, "m", "in diameter, mean over the heights"),
     ]
-    if form.ovality:
+    if form.ovality > CLEAR:
+        oval = Figure("form", "ovality", form.ovality, "m", "in diameter, mean over the heights")
+        figures.append(oval)
         figures.append(Figure("form", "smallest_diameter_at", form.turn, "rad"))
     if smoothed:
         figures.append(Figure("surface", "noise", smoothed.noise, "m", "rms"))
@@ -132,8 +137,10 @@ def _removed(shape: MeasuredShape, smoothed: SmoothShape) -> list[str]:
         off[grain.row, grain.column] = 0.0
     row, column = np.unravel_index(np.abs(off).argmax(), off.shape)
     largest = off[row, column]
-    around = f"Fourier orders 0 to {smoothed.order} around" if shape.angle.size >= FEWEST else ""
-    along = "a smoothing spline along" if shape.height.size >= FEWEST else ""
+    around = (
+        f"Fourier orders 0 to {smoothed.order} around" if shape.angle.size >= FEWEST_ANGLES else ""
+    )
+    along = "a smoothing spline along" if shape.height.size >= FEWEST_HEIGHTS else ""
     return [
         *lines,
         f"smoothed by {' and '.join(filter(None, (around, along)))}: changed by "
