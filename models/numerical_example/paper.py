@@ -128,6 +128,30 @@ def table(found: dict[str, Findings]) -> str:
     return "\n".join(lines)
 
 
+CURVES = {
+    "lateral displacement": "bodies.lateral_displacement",
+    "tilt": "bodies.rocking_angle",
+    "minimum film thickness": "ehd.minimum_film_thickness",
+}
+"""Head of the table of tendencies -> output."""
+
+
+def tendency_table(runs: dict[str, Results]) -> str:
+    """Return the correlations of each flexible run with `rigid` over the last period in Markdown.
+
+    A correlation of 1 means the same course over the crank angle, apart from size and mean.
+    """
+    lines = [f"| run | {' | '.join(CURVES)} |", "|---" * (1 + len(CURVES)) + "|"]
+    for run, results in runs.items():
+        pairs = [
+            [one.series(port).values for one in (results, runs["rigid"])]
+            for port in CURVES.values()
+        ]
+        cells = [f"{np.corrcoef(*pair)[0, 1]:.2f}" for pair in pairs]
+        lines.append(f"| {run} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def cost_table(rows: list[dict[str, str]]) -> str:
     """Return the counts of each run over one period in Markdown, as the paper counts them.
 
@@ -216,8 +240,9 @@ def main(folder: Path) -> None:
     print(table({name: findings(Results(path)) for name, path in paths.items()}), end="\n\n")
     if not {*SHOWN.values()} <= {*paths}:
         return
-    print(cost_table(rows))
+    print(cost_table(rows), end="\n\n")
     runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
+    print(tendency_table(runs))
     here = Path(__file__).parent
     draw_curves(runs, here / "paper_curves.png")
     draw_sides(runs, here / "paper_sides.png")

@@ -41,8 +41,41 @@ def test_the_front_page_shows_the_numbers_of_the_run(row):
 
 def test_the_front_page_counts_the_verification_figures():
     figures = (ROOT / "docs/figures.md").read_text()
-    count = re.search(r"It has (\d+) figures, and 0 of them", figures)[1]
-    assert re.findall(r"(\d+) figures", README) == [count] * len(re.findall(r"\d+ figures", README))
+    count, split = re.search(r"It has (\d+) figures \((.*)\), and 0 of them", figures).groups()
+    assert re.findall(r"(\d+) figures", README) == [count]
+    parts = re.findall(r"(\d+) (?:of them test )?the ", README.split(count)[1])[:4]
+    assert parts == re.findall(r"\d+", split) and sum(map(int, parts)) == int(count)
+
+
+def shown(case, *parts):
+    """Return the lowest and highest difference [%] of the rows of a case that contain `parts`."""
+    lines = (ROOT / f"models/measured/{case}/README.md").read_text().split("\n")
+    rows = [line.split("|") for line in lines if line.startswith(f"| {case} |")]
+    found = [row[6] for row in rows if all(part in "|".join(row) for part in parts)]
+    values = [float(value) for cell in found for value in re.findall(r"[-+][\d.]+", cell)]
+    return round(min(values)), round(max(values)), len(found)
+
+
+@pytest.mark.parametrize(
+    "case, parts, row",
+    [
+        ("plain_bearing", (), "| measured | {:+} to {:+} %"),
+        (
+            "sander_2016",
+            ("8000 N", "torque"),
+            "at 8 kN | measured or computed, not stated | {:+} to {:+} %",
+        ),
+        ("sander_2016", ("4000 N", "torque"), "at 4 kN | not stated | {:+} to {:+} %"),
+        ("sander_2016", ("minimum_film",), "| not stated | {:+} and {:+} %"),
+        ("nicholas_1980", ("eccentricity",), "7 rows | computed | {:+} to {:+} %"),
+        ("nicholas_1980", ("stiffness_xy",), "{:+} to {:+} % |"),
+        ("nicholas_1980", ("stiffness_yx",), "; {:+} to {:+} % and"),
+    ],
+)
+def test_the_front_page_shows_the_range_of_all_rows(case, parts, row):
+    """The pages of the cases have all rows, which tests/verification compares with the run."""
+    low, high, count = shown(case, *parts)
+    assert row.format(low, high) in README and re.search(rf"\b{count} rows", README)
 
 
 def test_every_case_has_a_number_its_reference_and_a_run_time(gallery):

@@ -244,7 +244,7 @@ def test_a_page_of_figures_has_a_table_a_part(tmp_path, monkeypatch):
     silent = Console(file=io.StringIO())
     assert rows.verify(["ehd", "mfbd"], False, silent, tmp_path / "figures.md") == 1
     text = (tmp_path / "figures.md").read_text()
-    assert "2 figures, and 1 of them exceed" in text
+    assert "2 figures (ehd 1, mfbd 1), and 1 of them exceed" in text
     assert "## ehd\n\n| case | quantity |" in text
     assert "| case a | x [-] | 1.01 | 1 | 0.01 | 0.1 relative | by hand |\n\n## mfbd" in text
     assert "| case b | y\\|z [m] | 2 |  | 2 | 1 at most | round-off |" in text

@@ -2,9 +2,11 @@
 
 import re
 
+import numpy as np
 import pytest
 from rich.console import Console
 
+from piston_cosim.models.measured.piston_friction import study
 from piston_cosim.tests.verification.cases import measured
 
 
@@ -80,6 +82,21 @@ def test_a_plain_bearing_has_a_band_over_four_supplies():
         rows = measured.bands("plain_bearing", {"cavitation_model": model})["sides at 6 kPa"]
         for slow, fast in ((rows[0], rows[2]), (rows[3], rows[5])):
             assert fast.published > slow.published and (fast.computed > slow.computed) == rises
+
+
+def test_the_fit_of_piston_friction_and_its_film_by_hand():
+    """56.5 x 49.5 mm at 6000 rpm: c = 9.9 m/s, 294 * 9.9 / 56.5 and 40600 * 7 / 6 / 56.5^2 kPa.
+
+    A film of 20 um under 6 mPa s on 27 mm, with the velocity pi/2 c sin(a): integrated numerically.
+    """
+    piston, rings = study.fit(56.5e-3, 49.5e-3, 200.0 * np.pi)
+    assert (piston, rings) == pytest.approx((51.515e3, 14.838e3), rel=1e-4)
+    velocity = np.pi / 2.0 * 9.9 * np.sin(2.0 * np.pi * (np.arange(720) + 0.5) / 360.0)
+    force = 6e-3 * velocity / 20e-6 * np.pi * 56.5e-3 * 27e-3
+    work = (force * velocity).mean() * 0.02
+    pressure = work / (np.pi / 4.0 * 56.5e-3**2 * 49.5e-3)
+    film = study.uniform_film(pressure, 6e-3, 27e-3, 56.5e-3, 9.9)
+    assert film == pytest.approx(20e-6, rel=1e-12)
 
 
 def test_the_table_is_printed_and_written(tmp_path, monkeypatch, capsys):

@@ -4,6 +4,7 @@ A part is modules with `checks()` and, for what takes long, `slow_checks()`; bot
 """
 
 import itertools
+from collections import Counter
 from importlib.metadata import version
 
 from rich.markup import escape
@@ -33,19 +34,21 @@ HEADS = ("", "case", "quantity", "computed", "reference", "error", "tolerance", 
 
 def verify(parts, slow, console, page=None):
     """Print every check and return the number of failed ones; write all to `page` if present."""
-    failed = 0
+    failed, counts = 0, Counter()
     table = Table(*HEADS, box=None)
     rows = []
     with console.status("computing") as status:
         for part, check in checks(parts, slow):
             status.update(f"{part}: {check.case}")
             failed += not check.passed
+            counts[part] += 1
             rows.append((part, _cells(check)))
             table.add_row("ok" if check.passed else "[red]FAIL[/]", *map(escape, _cells(check)))
     console.print(table)
-    console.print(f"{table.row_count - failed} passed, {failed} failed")
+    split = ", ".join(f"{part} {count}" for part, count in counts.items())
+    console.print(f"{table.row_count - failed} passed, {failed} failed: {split}")
     if page is not None:
-        page.write_text(_page(rows, failed))
+        page.write_text(_page(rows, failed, split))
     return failed
 
 
@@ -62,13 +65,13 @@ def _cells(check):
     )
 
 
-def _page(rows, failed):
+def _page(rows, failed, split):
     """Return the Markdown page of all rows, one table per part."""
     lines = [
         "# Figures and their references",
         "",
         f"`piston-cosim verify --output` of version {version('piston-cosim')} writes this page. "
-        f"It has {len(rows)} figures, and {failed} of them exceed their tolerance.",
+        f"It has {len(rows)} figures ({split}), and {failed} of them exceed their tolerance.",
         "",
         "- An asterisk marks dimensionless values. K is the inclination of a pad, e an "
         "eccentricity, and c a curvature.",
