@@ -15,7 +15,7 @@ from latex2mathml.converter import convert
 
 GREEK = (
     "alpha beta gamma delta epsilon eps zeta eta theta kappa lambda mu nu xi pi rho sigma tau "
-    "phi chi psi omega Gamma Delta Phi Psi Omega"
+    "phi chi psi omega Gamma Delta Lambda Phi Psi Omega"
 ).split()
 FUNCTIONS = "exp ln lg sin cos tan arccos arctan tanh min max det".split()
 """Functions that LaTeX knows by name."""

@@ -1,25 +1,25 @@
 """Viscosity of the oil: by temperature, by pressure, by shear rate, each law chosen by name.
 
-By temperature: vogel_1921, with t [C], K [Pa s], B and C [K]; walther_1931, with nu [mm2/s] and T
-[K], as in ASTM D341; two_point, Eq. (O2) through mu_0 at 40 C and at 100 C.
+By temperature: vogel_1921, with T_o [C], K [Pa s], B and C [K]; walther_1931, with nu [mm2/s] and
+T_K [K], as in ASTM D341; two_point, Eq. (O2) through mu_0 at 40 C and at 100 C.
 
-Eq. (O1):  mu_0 = K exp(B / (t + C))
-Eq. (O2):  lg lg(nu + 0.7) = A - M lg T,   mu_0 = rho nu
-Eq. (O3):  M = [lg lg(nu_1 + 0.7) - lg lg(nu_2 + 0.7)] / lg(T_2 / T_1)
+Eq. (O1):  mu_0 = K exp(B / (T_o + C))
+Eq. (O2):  lg lg(nu + 0.7) = A - M lg T_K,   mu_0 = rho nu
+Eq. (O3):  M = [lg lg(nu_1 + 0.7) - lg lg(nu_2 + 0.7)] / lg(T_K2 / T_K1)
 
 By pressure: `piezoviscosity`.
 
-By shear rate g = |V|/h, or Eq. (R9) with flow factors, with the high-shear ratio m and the critical
-shear rate g_c [1/s]: cross_1965 and carreau_1972.
+By shear rate gamma' = |V|/h, or Eq. (R9) with flow factors, with the high-shear ratio m and the
+critical shear rate gamma'_c [1/s]: cross_1965 and carreau_1972.
 
-Eq. (O7):  mu/mu_0 = m + (1 - m) / [1 + (g/g_c)^n]
-Eq. (O8):  mu/mu_0 = m + (1 - m) [1 + (g/g_c)^2]^((n-1)/2)
-Eq. (O9):  lg g_c = a + b t
+Eq. (O7):  mu/mu_0 = m + (1 - m) / [1 + (gamma'/gamma'_c)^n]
+Eq. (O8):  mu/mu_0 = m + (1 - m) [1 + (gamma'/gamma'_c)^2]^((n-1)/2)
+Eq. (O9):  lg gamma'_c = a + b T_o
 
 Pressure flow along the sliding direction changes the shear rate of the Couette flow a little. It
 meets the slope of the shear stress, pressure flow across meets mu itself [Dien1983]:
 
-Eq. (O10):  mu_t = max(d(mu g)/dg, m mu_0)
+Eq. (O10):  mu_t = max(d(mu gamma')/dgamma', m mu_0)
 
 The bound acts for exponents above 1 only, where the stress may fall with the shear rate.
 
@@ -145,7 +145,7 @@ def thinning_law(kind: int, x: Any) -> Thinning:
 
 @compilable
 def _cross_1965(n: float, ratio: Any) -> tuple[Any, Any]:
-    """(mu - m mu_0) / (mu_0 - m mu_0) and its derivative to g/g_c, Eq. (O7)."""
+    """(mu - m mu_0) / (mu_0 - m mu_0) and its derivative to gamma'/gamma'_c, Eq. (O7)."""
     power = ratio**n
     factor = 1.0 / (1.0 + power)  # Eq. (O7)
     return factor, -n * power / np.maximum(ratio, 1e-30) * factor**2
@@ -153,14 +153,14 @@ def _cross_1965(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def _carreau_1972(n: float, ratio: Any) -> tuple[Any, Any]:
-    """Return the factor of Eq. (O8) and its derivative to g/g_c."""
+    """Return the factor of Eq. (O8) and its derivative to gamma'/gamma'_c."""
     factor = (1.0 + ratio**2) ** ((n - 1.0) / 2.0)  # Eq. (O8)
     return factor, (n - 1.0) * ratio * factor / (1.0 + ratio**2)
 
 
 @compilable
 def _critical_shear_rate(law: Thinning, temperature: Any) -> Any:
-    """g_c [1/s], Eq. (O9)."""
+    """gamma'_c [1/s], Eq. (O9)."""
     return 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))  # Eq. (O9)
 
 
@@ -182,7 +182,7 @@ def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any
 
 @compilable
 def _cross_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
-    """d(x F)/dx and its derivative for the F of `_cross_1965` and x = g/g_c."""
+    """d(x F)/dx and its derivative for the F of `_cross_1965` and x = gamma'/gamma'_c."""
     power = ratio**n
     factor = 1.0 / (1.0 + power)
     slope = n * power / np.maximum(ratio, 1e-30) * factor**2
@@ -191,7 +191,7 @@ def _cross_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def _carreau_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
-    """Return d(x F)/dx and its derivative for the F of `_carreau_1972` and x = g/g_c."""
+    """Return d(x F)/dx and its derivative for the F of `_carreau_1972` and x = gamma'/gamma'_c."""
     square = 1.0 + ratio**2
     factor = square ** ((n - 1.0) / 2.0)
     share = (1.0 + n * ratio**2) / square
@@ -244,7 +244,7 @@ class Oil:
         109.047,
         50.0,
         300.0,
-        "Constant C of the law vogel_1921, with the temperature t in degrees Celsius",
+        "Constant C of the law vogel_1921, with the temperature T_o in degrees Celsius",
     )
     walther_a: float = declared(
         "1", 8.0, 1.0, 20.0, "Constant A of the law walther_1931: lg lg(nu + 0.7) = A - M lg T"
@@ -273,14 +273,14 @@ class Oil:
         "1", 1.0, 0.1, 4.0, "Exponent n of the shear-thinning law; below 1 for carreau_1972"
     )
     critical_shear_rate_a: float = declared(
-        "1", 2.5, -5.0, 15.0, "Constant a of the critical shear rate g_c [1/s]: lg g_c = a + b t"
+        "1", 2.5, -5.0, 15.0, "Constant a of the critical shear rate [1/s]: lg gamma'_c = a + b T_o"
     )
     critical_shear_rate_b: float = declared(
         "1/K",
         0.0213,
         -0.1,
         0.1,
-        "Constant b of the critical shear rate, with the temperature t in degrees Celsius",
+        "Constant b of the critical shear rate, with the temperature T_o in degrees Celsius",
     )
 
     @property

@@ -62,8 +62,8 @@ class Parameters:
         "m", 5e-8, 1e-9, 1e-5, "Lower limit of the film thickness in the flow equations"
     )
 
-    # roughness and contact: gamma and Y of `roughness`; z_s, eta beta sigma, sigma/beta, E*, mu_b,
-    # tau_0 of `asperity`
+    # roughness and contact: gamma and Y of `roughness`; z_s, eta beta_a sigma, sigma/beta_a, E*,
+    # mu_b, tau_0 of `asperity`
     roughness_rms: float = declared(
         "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0: smooth, without contact"
     )
@@ -92,10 +92,10 @@ class Parameters:
         "1", 0.8, 0.0, 1.0, "Fraction of the roughness variance that the skirt has"
     )
     asperity_product: float = declared(
-        "1", 0.04, 1e-4, 1.0, "Asperity density x tip radius x rms height (eta beta sigma)"
+        "1", 0.04, 1e-4, 1.0, "Asperity density x tip radius x rms height (eta beta_a sigma)"
     )
     asperity_slope: float = declared(
-        "1", 1e-3, 1e-6, 1.0, "Ratio of rms height to tip radius of the asperities (sigma/beta)"
+        "1", 1e-3, 1e-6, 1.0, "Ratio of rms height to tip radius of the asperities (sigma/beta_a)"
     )
     contact_modulus: float = declared(
         "Pa", 6e10, 1e6, 1e12, "Contact modulus E*, with 1/E* = sum of (1-nu^2)/E of both bodies"

@@ -2,20 +2,20 @@
 
 Smooth surfaces:
 
-Eq. (E7):  s = t = max(h, h_min),   g = s^3 / (12 mu),   c = mu / s,   b = s / 2
+Eq. (E7):  s = h_U = max(h, h_min),   kappa = s^3 / (12 mu),   c_v = mu / s,   b_p = s / 2
 
-Rough surfaces; s and the h of g not below h_min, c also in overlap, h < 0:
+Rough surfaces; s and the h of kappa not below h_min, c_v also in overlap, h < 0:
 
-Eq. (E8):  s = h_T,   t = h_T - sigma Phi_s,   g = phi h^3 / (12 mu)
-Eq. (E9):  c = (phi_f + Phi_fs) mu / h,   b = phi_fp h / 2
+Eq. (E8):  s = h_T,   h_U = h_T - sigma Phi_s,   kappa = phi h^3 / (12 mu)
+Eq. (E9):  c_v = (phi_f + Phi_fs) mu / h,   b_p = phi_fp h / 2
 
-s stored and t transported film [m], g conductivity [m3/(Pa s)] of `reynolds`; c and b give the
-axial stress of `friction`. The factors phi are those of `roughness`, of both surfaces; Y is
-the skirt's share of the roughness variance. In the frame of the grid the skirt rests and the bore
-moves with twice the entrainment velocity, so a rough skirt holds oil back (t < h_T).
+s stored and h_U transported film [m], kappa conductivity [m3/(Pa s)] of `reynolds`; c_v and b_p
+give the axial stress of `friction`. The factors phi are those of `roughness`, of both surfaces; Y
+is the skirt's share of the roughness variance. In the frame of the grid the skirt rests and the
+bore moves with twice the entrainment velocity, so a rough skirt holds oil back (h_U < h_T).
 
-c and b hold all of what acts on the bore along the axis: shear, and the pressure on the slopes of
-its roughness. A smooth bore under a rough skirt (Y = 1) feels shear alone, the published phi_f +
+c_v and b_p hold all of what acts on the bore along the axis: shear, and the pressure on the slopes
+of its roughness. A smooth bore under a rough skirt (Y = 1) feels shear alone, the published phi_f +
 Phi_fs and phi_fp. For a rough bore under a smooth skirt (Y = 0) that shear is the skirt's, and the
 film, which has no mass, gives the bore the rest: the same whole of sliding, and h - phi_fp h/2 of a
 pressure gradient. Between them both are linear in the variances, as the flow factors are.
@@ -39,7 +39,7 @@ from ..laws.roughness import (
 from .grid import Array
 
 # first axis of the quantities of a film:
-# s, t [m];  g across j and i [m3/(Pa s)];  c [Pa s/m];  b [m]
+# s, h_U [m];  kappa across j and i [m3/(Pa s)];  c_v [Pa s/m];  b_p [m]
 STORED, TRANSPORT, CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, POISEUILLE = range(6)
 QUANTITIES = 6
 CARRIERS = 3  # the first ones, which `transport` needs of the past

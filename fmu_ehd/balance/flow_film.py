@@ -1,16 +1,17 @@
 """A film as flow and shear see it: between smooth or rough surfaces, thinned by shear.
 
-Shear thinning lowers the viscosity of a cell to that at its shear rate g = S/h, with h not below
-the floor h_min. With flow factors h is h_s of Eq. (R9), the mean over the local films, which needs
-no floor. A bearing slides both ways, V along and W around, with S^2 = V^2 + W^2. Couette stress
-falls by mu/mu_0. Pressure flow along the sliding direction meets the slope mu_t of the stress, Eq.
-(O10), and across it mu:
+Shear thinning lowers the viscosity of a cell to that at its shear rate gamma' = S/h, with h not
+below the floor h_min. With flow factors h is h_s of Eq. (R9), the mean over the local films, which
+needs no floor. A bearing slides both ways, V along and W around, with S^2 = V^2 + W^2. Couette
+stress falls by mu/mu_0. Pressure flow along the sliding direction meets the slope mu_t of the
+stress, Eq. (O10), and across it mu:
 
-Eq. (E13):  g_a = g_a0 mu_0 (c^2/mu_t + s^2/mu),   g_c = g_c0 mu_0 (s^2/mu_t + c^2/mu)
+Eq. (E13):  kappa_a = kappa_a0 mu_0 (c^2/mu_t + s^2/mu)
+            kappa_c = kappa_c0 mu_0 (s^2/mu_t + c^2/mu)
 
-c = V/S and s = W/S, at rest 0 and 1. g_a0 and g_c0 are the conductivities with mu_0. Eq. (E13) is
-the generalised-Newtonian average across the film to first order in the pressure gradient. It omits
-the flow that a pressure gradient drives at right angles if a surface slides both ways.
+c = V/S and s = W/S, at rest 0 and 1. kappa_a0 and kappa_c0 are the conductivities with mu_0. Eq.
+(E13) is the generalised-Newtonian average across the film to first order in the pressure gradient.
+It omits the flow that a pressure gradient drives at right angles if a surface slides both ways.
 """
 
 from typing import NamedTuple

@@ -6,17 +6,17 @@ f leaves lambda = f h / 2 behind: half of the gap where it is full. What the gap
 pushed along before the edge, in a reservoir at its chamfer, and goes in later. In terms of volumes,
 for each row of the film and each of its axial edges:
 
-Eq. (T21):  R <- R + (oil of the bore that the skirt has come to cover)
-Eq. (T22):  S = max(R - beta F_n, 0) / H_e
-Eq. (T23):  R <- R - F
-Eq. (T24):  (oil of the bore that the skirt has uncovered) = min(R, w |X| h),  R <- R - that
-Eq. (T25):  R <- min(R, a w)
+Eq. (T21):  R_e <- R_e + (oil of the bore that the skirt has come to cover)
+Eq. (T22):  S = max(R_e - beta_t F_n, 0) / H_e
+Eq. (T23):  R_e <- R_e - F
+Eq. (T24):  (oil of the bore that the skirt has uncovered) = min(R_e, w |X| h),  R_e <- R_e - that
+Eq. (T25):  R_e <- min(R_e, a w)
 
-R oil in the reservoir, S the most that sliding drags in, Eq. (E12), F = beta F_n + H_e q volume
+R_e oil in the reservoir, S the most that sliding drags in, Eq. (E12), F = beta_t F_n + H_e q volume
 that came into the film over the edge in the step, and F_n in the step before, `storage`; w width of
 the row, X travel of the skirt in the step, h gap at the edge, a the cross-section of oil that an
-edge can push along; what is more falls off. Where supply ends R is for a step negative, by at most
-a third of the inflow of the last one: what the storage term still lets in.
+edge can push along; what is more falls off. Where supply ends R_e is for a step negative, by at
+most a third of the inflow of the last one: what the storage term still lets in.
 
 Where the skirt is at the end of a step is known when the step begins, to second order in time:
 
@@ -32,7 +32,7 @@ opening gives it two more. Through an opening the bore is bare; the skirt that f
 lies there, as it does outside. What pressure drives into an opening around the circumference comes
 to lie on the bore under it:
 
-Eq. (T28):  W = beta W_n + H_e w,   (oil of the bore under the opening) <- that + W
+Eq. (T28):  W = beta_t W_n + H_e w,   (oil of the bore under the opening) <- that + W
 
 W volume that came into the opening in the step, W_n in the one before [m3], w the flow at its end
 [m3/s]; a cell of the opening stands over parts of two cells of the bore.
@@ -330,7 +330,7 @@ def limit(bore: Bore, covered: OilLayer, carried: Array, length: float) -> Array
     covered : OilLayer
         From `covered`.
     carried : ndarray, shape (n_e, n_c)
-        beta F_n [m3].
+        beta_t F_n [m3].
     length : float
         H_e [s].
 

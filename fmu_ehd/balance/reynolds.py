@@ -7,7 +7,8 @@ Eq. (E1):  A (f s - c_e) / H_e + sum of outward face flows = 0
 Flow from cell a to its neighbour b [m3/s]:
 
 Eq. (E2):  q = K (p_a - p_b) + max(T, 0) f_a + min(T, 0) f_b + T l
-Eq. (E3):  K = (w/d) 2 g_a g_b / (g_a + g_b),   T = w U (t_a g_b + t_b g_a) / (g_a + g_b)
+Eq. (E3):  K = (w/d) 2 kappa_a kappa_b / (kappa_a + kappa_b)
+           T = w U (h_Ua kappa_b + h_Ub kappa_a) / (kappa_a + kappa_b)
 
 One signed unknown u a cell:
 
@@ -24,10 +25,10 @@ Eq. (E12):  min(max(T, 0) f, S)
 A cell area [m2], H_e length of the backward Euler step [s] that starts from the content c_e [m], f
 film fraction [-], p pressure above cavitation pressure [Pa], w face width, d distance between cell
 centres [m], U entrainment velocity at the face, the mean of both cells [m/s]. Per cell: s stored
-film [m], t transported film [m], g conductivity [m3/(Pa s)]; for smooth surfaces s = t = h and g =
-h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step begins and 0
-without one, `transport`. f at an edge and S, the most that can be dragged in [m3/s], are given,
-`grid.Edges`. Over an edge, l applies to oil that leaves the film.
+film [m], h_U transported film [m], kappa conductivity [m3/(Pa s)]; for smooth surfaces s = h_U = h
+and kappa = h^3 / (12 mu). l is the lift of the film fraction at the face [-], known when a step
+begins and 0 without one, `transport`. f at an edge and S, the most that can be dragged in [m3/s],
+are given, `grid.Edges`. Over an edge, l applies to oil that leaves the film.
 
 The face film of Eq. (E3) is that of two half cells of constant thickness in series, so a stepped
 film is exact on every grid and a smooth one of second order; it stays near the thinner film where

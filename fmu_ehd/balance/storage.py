@@ -4,21 +4,21 @@ It is variable-step BDF2, written as a step of backward Euler.
 
 At the end of the step:
 
-Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta H_n r_n,   H_e = H - beta H_n
-Eq. (T2):  beta = m w^2 / (1 + 2 w),   w = min(H / H_n, 2)
-Eq. (T3):  beta = 0  where c_e < 0 in any cell
+Eq. (T1):  dc/dt = (c - c_e) / H_e,   c_e = c_n + beta_t H_n r_n,   H_e = H - beta_t H_n
+Eq. (T2):  beta_t = m w^2 / (1 + 2 w),   w = min(H / H_n, 2)
+Eq. (T3):  beta_t = 0  where c_e < 0 in any cell
 Eq. (T4):  m = 4 r_n.r_{n-1} / max(r_n.r_n, r_{n-1}.r_{n-1}),   not below 0, not above 1
 
 c = f s content of a cell [m] (film fraction x stored film), c_n at the beginning of the step, r_n
 and r_{n-1} its growth in the last step and in the one before [m/s], H and H_n this step and the
 last one [s]. The dot is a sum over all cells, m the memory of the film [-].
 
-Eq. (T1) is exact for a content linear in time whatever beta is, and for a quadratic one with that
-of Eq. (T2) with m = 1, which makes it BDF2; beta = 0 is backward Euler. The balance of a cell is
+Eq. (T1) is exact for a content linear in time whatever beta_t is, and for a quadratic one with that
+of Eq. (T2) with m = 1, which makes it BDF2; beta_t = 0 is backward Euler. The balance of a cell is
 that of a backward Euler step of length H_e from the content c_e, so matrix, cavitation and tangent
 are what they are there. BDF2 is A-stable with constant steps, and zero-stable while steps grow by
-less than 1 + sqrt(2) [Hairer1993]: from w = 2 on beta stays what it is there, and such a step is of
-first order. The first steps are backward Euler (r = 0), which costs no order.
+less than 1 + sqrt(2) [Hairer1993]: from w = 2 on beta_t stays what it is there, and such a step is
+of first order. The first steps are backward Euler (r = 0), which costs no order.
 
 Memory is for a film that goes on as it went. BDF2 presses half of what last flowed in out again
 where a motion stops, and gives 3/2 of the pressure where one sets in: a full film that is squeezed
@@ -41,13 +41,13 @@ function of its inputs.
 Full films, film fractions and the positions of moving fronts come out of second order. The pressure
 of a film on a grid jumps whenever a cell fills, and at such an instant no step is.
 
-beta is one number for the whole film. With one for each cell, what flows through a face would count
-differently on its two sides, and oil would get lost. As it is, oil is conserved to round-off
-whatever the steps: the growth of the oil in the film during a step is G = beta G_n + H_e Q [m3],
+beta_t is one number for the whole film. With one for each cell, what flows through a face would
+count differently on its two sides, and oil would get lost. As it is, oil is conserved to round-off
+whatever the steps: the growth of the oil in the film during a step is G = beta_t G_n + H_e Q [m3],
 with G_n that of the step before and Q the inflow over all edges at its end [m3/s]. Without flow
 over the edges it stays constant, and over many steps it grows by the sum of the inflows Q, each
-times H_e (1 + beta' + beta' beta'' + ...) with the beta of the steps that follow; these weights add
-up to the time that has passed.
+times H_e (1 + beta_t' + beta_t' beta_t'' + ...) with the beta_t of the steps that follow; these
+weights add up to the time that has passed.
 
 References
 ----------

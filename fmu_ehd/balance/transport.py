@@ -5,29 +5,29 @@ a cavitated film moves without pressure, so its motion is known when a step begi
 scheme computes it and keeps fronts sharp. The difference from the transport of the implicit step
 is a lift l of the film fraction at the axial faces, Eq. (E2):
 
-Eq. (T11):  l = (F - beta F_n) / (w X H_e/H t) - f*_up,   |l| <= 3 (1 - f*)
+Eq. (T11):  l = (F - beta_t F_n) / (w X H_e/H h_U) - f*_up,   |l| <= 3 (1 - f*)
 
-so that the volume beta F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
+so that the volume beta_t F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
 film fraction f* upstream, if film and velocity continue as in the last step. F and f* result from
 explicit steps of Heun's method, in each of which oil travels x, at most a third of a cell:
 
 Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
 Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up
-Eq. (T14):  |m / t - f_up| <= 3 (1 - f) / 4
+Eq. (T14):  |m / h_U - f_up| <= 3 (1 - f) / 4
 
-c content, t transported film [m], f the larger film fraction of the two cells of the face, or that
-of the upstream cell where the other one holds a front, m = f t of a cell or at a face [m], d and D
-differences of m before and behind the upstream cell. The last term of Eq. (T13) is of third order
-where m is smooth [Koren1993]; the two others keep m at the face between its neighbours, and the oil
-of an explicit step positive and without new extremes. By Eq. (T14) the lift fades where the film
-gets full. Pressure determines the flow out of a full cell, which has no lift, and no lift may
+c content, h_U transported film [m], f the larger film fraction of the two cells of the face, or
+that of the upstream cell where the other one holds a front, m = f h_U of a cell or at a face [m], d
+and D differences of m before and behind the upstream cell. The last term of Eq. (T13) is of third
+order where m is smooth [Koren1993]; the two others keep m at the face between its neighbours, and
+the oil of an explicit step positive and without new extremes. By Eq. (T14) the lift fades where the
+film gets full. Pressure determines the flow out of a full cell, which has no lift, and no lift may
 appear when a cell fills or empties. Film quantities are those expected in the middle of the step,
 for f* those at its end. `gain` is the content that came in circumferentially in the last step. A
 face next to a full cell passes what it passed in the last step.
 
 At an edge or opening that oil leaves over there is no cell behind, and two cells before it give m:
 
-Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above t
+Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above h_U
 
 Where oil enters a full zone, the last cell before it holds the front:
 
@@ -44,7 +44,7 @@ step to come, the front goes on to the cell before it.
 
 Travel of the last step and of this one:
 
-Eq. (T15):  X_n = beta X_{n-1} + H_e U,   X = X_n H / H_n
+Eq. (T15):  X_n = beta_t X_{n-1} + H_e U,   X = X_n H / H_n
 
 The lift depends on the past alone. So the flow remains a linear function of the unknown with the
 same coefficients, matrix and cavitation are those without a lift, a repeated step has the same
@@ -99,7 +99,7 @@ class CellStates(NamedTuple):
 
 
 class StepRatios(NamedTuple):
-    """Lengths of a step: ratio H / H_n, share beta of `storage`, and euler H_e / H [-]."""
+    """Lengths of a step: ratio H / H_n, share beta_t of `storage`, and euler H_e / H [-]."""
 
     ratio: float
     share: float

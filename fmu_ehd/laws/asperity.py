@@ -1,33 +1,34 @@
 """Asperity contact of nominally flat rough surfaces by Greenwood and Tripp.
 
-Eq. (A1):  F_n(H) = (2 pi)^-1/2 int_H^inf (s - H)^n exp(-s^2/2) ds
-                  = Gamma(n+1) (2 pi)^-1/2 exp(-H^2/4) D_{-n-1}(H)
-Eq. (A2):  dF_n/dH = -n F_{n-1}
-Eq. (A3):  p = (16 sqrt(2) pi / 15) (eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2(H),
+Eq. (A1):  F_n(Lambda) = (2 pi)^-1/2 int_Lambda^inf (z - Lambda)^n exp(-z^2/2) dz
+                  = Gamma(n+1) (2 pi)^-1/2 exp(-Lambda^2/4) D_{-n-1}(Lambda)
+Eq. (A2):  dF_n/dLambda = -n F_{n-1}
+Eq. (A3):  p = (16 sqrt(2) pi / 15) (eta beta_a sigma)^2 sqrt(sigma/beta_a) E* F_5/2(Lambda),
            1/E* = sum (1 - nu^2)/E
-Eq. (A4):  A_c/A = pi^2 (eta beta sigma)^2 F_2(H)
+Eq. (A4):  A_c/A = pi^2 (eta beta_a sigma)^2 F_2(Lambda)
 
 The separation is that of the mean planes of the summits, which are z_s above the mean planes of the
 surfaces, summed over both bodies:
 
-Eq. (A13):  H = (h - z_s)/sigma
+Eq. (A13):  Lambda = (h - z_s)/sigma
 
-The usual power fit, 4 to 74 % low for H = 0 to 3:
+The usual power fit, 4 to 74 % low for Lambda = 0 to 3:
 
-Eq. (A5):  F_5/2(H) = 4.4086e-5 (4 - H)^6.804, H < 4
+Eq. (A5):  F_5/2(Lambda) = 4.4086e-5 (4 - Lambda)^6.804, Lambda < 4
 
 Elastic energy by area, what the asperities give back as the gap opens:
 
-Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(H),   p = p_0 F_5/2
+Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(Lambda),   p = p_0 F_5/2
 
 Boundary shear, Coulomb's and that of the boundary layer:
 
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
 
 D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances;
-with E' = 2/sum the factor of Eq. (A3) is half as large. For H < 0 the integrals go on along their
-tangent at H = 0: the height distribution says nothing about overlap, and a straight line keeps the
-contact stiffness finite there. At H = -1.5 it is below half of the integral, and the law ends:
+with E' = 2/sum the factor of Eq. (A3) is half as large. For Lambda < 0 the integrals go on along
+their tangent at Lambda = 0: the height distribution says nothing about overlap, and a straight line
+keeps the contact stiffness finite there. At Lambda = -1.5 it is below half of the integral, and the
+law ends:
 
 Eq. (A14):  h > -1.5 sigma
 
@@ -72,7 +73,7 @@ class ContactConstants(NamedTuple):
 
     roughness_rms : composite sigma [m]; 0 = smooth, no contact;
     pressure_scale : from `pressure_scale` [Pa];
-    area_scale : pi^2 (eta beta sigma)^2 [-];
+    area_scale : pi^2 (eta beta_a sigma)^2 [-];
     friction_coefficient : mu_b [-];
     shear_strength : tau_0 [Pa];
     summit_height : z_s [m];
@@ -111,12 +112,12 @@ def gaussian_integral(order: float, separation: Any) -> Any:
     order : float
         n [-], > -1.
     separation : float or ndarray
-        H [-], any sign.
+        Lambda [-], any sign.
 
     Returns
     -------
     float or ndarray
-        F_n(H) [-].
+        F_n(Lambda) [-].
 
     References
     ----------
@@ -130,7 +131,7 @@ def gaussian_integral(order: float, separation: Any) -> Any:
 
 
 def fitted_integral(separation: Any) -> tuple[Any, Any]:
-    """Return the usual power fit of F_5/2 and its slope, Eq. (A5), for H >= 0."""
+    """Return the usual power fit of F_5/2 and its slope, Eq. (A5), for Lambda >= 0."""
     reach = np.maximum(FIT_REACH - separation, 0.0)
     value = FIT_FACTOR * reach**FIT_POWER  # Eq. (A5)
     slope = -FIT_FACTOR * FIT_POWER * reach ** (FIT_POWER - 1.0)
@@ -139,9 +140,9 @@ def fitted_integral(separation: Any) -> tuple[Any, Any]:
 
 @cache
 def contact_table(law: str = "greenwood_tripp_1970") -> Array:
-    """Return a table of F_5/2, F_2 and int_H^inf F_5/2 with their slopes.
+    """Return a table of F_5/2, F_2 and int_Lambda^inf F_5/2 with their slopes.
 
-    The grid of H is uniform from 0 to `TABLE_END`.
+    The grid of Lambda is uniform from 0 to `TABLE_END`.
 
     Parameters
     ----------
@@ -151,7 +152,7 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
     Returns
     -------
     ndarray, shape (TABLE_CELLS + 1, 6)
-        F_5/2, dF_5/2/dH, F_2, dF_2/dH, int_H^inf F_5/2, -F_5/2 [-].
+        F_5/2, dF_5/2/dLambda, F_2, dF_2/dLambda, int_Lambda^inf F_5/2, -F_5/2 [-].
     """
     separation = np.linspace(0.0, TABLE_END, TABLE_CELLS + 1)
     if law == "power_fit":
@@ -169,7 +170,7 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
 
 @compiled(inline="always")
 def _integral(table, column, separation):
-    """Tabulated integral and its slope at H; straight below 0, zero above the table."""
+    """Tabulated integral and its slope at Lambda; straight below 0, zero above the table."""
     if separation >= TABLE_END:
         return 0.0, 0.0
     if separation < 0.0:
@@ -179,7 +180,7 @@ def _integral(table, column, separation):
 
 @compiled(inline="always")
 def _energy_integral(table, separation):
-    """int_H^inf F_5/2, with F_5/2 straight below 0."""
+    """int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
     value, slope = _integral(table, ENERGY_COLUMN, separation)
     if separation < 0.0:
         value -= 0.5 * table[0, PRESSURE_COLUMN + 1] * separation * separation
@@ -207,10 +208,10 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
     Parameters
     ----------
     roughness_product : float
-        eta beta sigma [-], asperity density x tip radius x composite rms height; 0.03 to 0.05 for
+        eta beta_a sigma [-], asperity density x tip radius x composite rms height; 0.03 to 0.05 for
         engineering surfaces.
     slope_ratio : float
-        sigma / beta [-], 1e-4 to 1e-2.
+        sigma / beta_a [-], 1e-4 to 1e-2.
     contact_modulus : float
         E* [Pa].
 

@@ -3,15 +3,15 @@
 A film has no mass: what it does to the skirt along y is the opposite of what it does to the bore.
 The bore is straight, so that is its shear, with a skirt that slides at V relative to it:
 
-Eq. (F1):  tau_v = -(f c V - b dp/dy)
+Eq. (F1):  tau_v = -(f c_v V - b_p dp/dy)
 Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
 
 both on the skirt, their opposites on the bore. Power that sliding costs:
 
 Eq. (F3):  P = -sum A V (tau_v + tau_a)
 
-tau_b is the boundary shear stress of `asperity`; c, b are those of `films` (smooth surfaces: mu/h,
-h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
+tau_b is the boundary shear stress of `asperity`; c_v, b_p are those of `films` (smooth surfaces:
+mu/h, h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
 `cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
 both cells, edge pressure at an edge, an opening's at its end). v0 rounds Coulomb's step at rest, so
 that friction has a derivative.

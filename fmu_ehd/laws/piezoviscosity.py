@@ -2,14 +2,14 @@
 
 The film balance is linear in the reduced pressure q.
 
-Eq. (O4):  mu = mu_0 exp(alpha p)
+Eq. (O4):  mu = mu_0 exp(alpha_p p)
 Eq. (O5):  mu = mu_0 exp{(ln mu_0 + 9.67) [(1 + p / 1.96e8)^Z - 1]},
-           Z = alpha 1.96e8 / (ln mu_0 + 9.67)
+           Z = alpha_p 1.96e8 / (ln mu_0 + 9.67)
 Eq. (O6):  q = int_0^p mu_0/mu dp
 
-By Eq. (O4) it is q = (1 - exp(-alpha p)) / alpha; by Eq. (O5) a table with exact slopes, read in
-both directions. Eq. (O6) is exact where alpha and Z do not vary over the film; with a temperature
-field Z belongs to the mean of mu_0 over the cells with a film.
+By Eq. (O4) it is q = (1 - exp(-alpha_p p)) / alpha_p; by Eq. (O5) a table with exact slopes, read
+in both directions. Eq. (O6) is exact where alpha_p and Z do not vary over the film; with a
+temperature field Z belongs to the mean of mu_0 over the cells with a film.
 
 Suction in a full film has p < 0. Eq. (O5) ends at p = -1.96e8 Pa, and a step that needs less is
 discarded. Below this end q goes on straight, so that trials of an iteration stay finite.

@@ -2,65 +2,67 @@
 
 Average gap, flow factors and shear stress factors.
 
-With H = h/sigma and Gaussian heights:
+With Lambda = h/sigma and Gaussian heights:
 
-Eq. (R1):  h_T/sigma = H/2 (1 + erf(H/sqrt 2)) + (2 pi)^-1/2 exp(-H^2/2)
+Eq. (R1):  h_T/sigma = Lambda/2 (1 + erf(Lambda/sqrt 2)) + (2 pi)^-1/2 exp(-Lambda^2/2)
 
 Pressure flow, for Peklenik numbers up to 1 and above 1:
 
-Eq. (R2):  phi_x = 1 - C exp(-r H);   phi_x = 1 + C H^-r;   phi_y(H, gamma) = phi_x(H, 1/gamma)
+Eq. (R2):  phi_x = 1 - C exp(-r Lambda);   phi_x = 1 + C Lambda^-r
+           phi_y(Lambda, gamma) = phi_x(Lambda, 1/gamma)
 
-Shear flow, for H up to 5 and above 5:
+Shear flow, for Lambda up to 5 and above 5:
 
-Eq. (R3):  Phi_s = A1 H^a1 exp(-a2 H + a3 H^2);   Phi_s = A2 exp(-H/4)
+Eq. (R3):  Phi_s = A1 Lambda^a1 exp(-a2 Lambda + a3 Lambda^2);   Phi_s = A2 exp(-Lambda/4)
 
 Couette stress, heights (35/96)(1 - (s/3)^2)^3, local films cut off at sigma/100; in overlap the
 local films that are left:
 
-Eq. (R4):  phi_f/H = sigma E(1/h_T)
+Eq. (R4):  phi_f/Lambda = sigma E(1/h_T)
 
 Shear rate of the oil, the mean over the local films that are left; V sliding velocity, h_s the
 harmonic mean of these films, P their share of the area:
 
-Eq. (R9):  g = V/h_s,   h_s/sigma = P(h_T > 0) / [sigma E(1/h_T)]
+Eq. (R9):  gamma' = V/h_s,   h_s/sigma = P(h_T > 0) / [sigma E(1/h_T)]
 
-Roughness-induced stress, for H below 7 and from 7 on:
+Roughness-induced stress, for Lambda below 7 and from 7 on:
 
-Eq. (R5):  Phi_fs = A3 H^a4 exp(-a5 H + a6 H^2);   Phi_fs = 0
+Eq. (R5):  Phi_fs = A3 Lambda^a4 exp(-a5 Lambda + a6 Lambda^2);   Phi_fs = 0
 
 Stress of the pressure gradient:
 
-Eq. (R6):  phi_fp = 1 - D exp(-s H)
+Eq. (R6):  phi_fp = 1 - D exp(-s Lambda)
 
 Skirt (s) and bore (b) have roughness of their own. With the skirt's share Y of the variance, what a
 film is made of (`films`) is
 
-Eq. (R7):  phi = Y phi(H, gamma_s) + (1 - Y) phi(H, gamma_b)            of phi_x, phi_y, Phi_fs
-Eq. (R8):  Phi = Y Phi(H, gamma_s) - (1 - Y) Phi(H, gamma_b)            of Phi_s, phi_fp - 1
+Eq. (R7):  phi = Y phi(Lambda, gamma_s) + (1 - Y) phi(Lambda, gamma_b)   of phi_x, phi_y, Phi_fs
+Eq. (R8):  Phi = Y Phi(Lambda, gamma_s) - (1 - Y) Phi(Lambda, gamma_b)   of Phi_s, phi_fp - 1
 
 (R8) of Phi_s is the published one. (R7) is published for equal gamma; the deviations of slight
-roughness add up in the variances, whatever the gammas, so it is exact for H >> 1.
+roughness add up in the variances, whatever the gammas, so it is exact for Lambda >> 1.
 
 Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along,
 < 1 grooves across. The factors are published for seven values of gamma from 1/9 to 9; between them
 the factors (not their coefficients, whose formula changes at gamma = 1) are interpolated linearly
-in ln gamma. Below the published range of H, which starts between 0.5 and 1, phi_x and phi_fp keep
-their value; the others go on by their formula, Phi_s and Phi_fs to 0 at H = 0. In overlap, H < 0,
-(R1) and (R4) hold: the gap that is left of two surfaces pressed together, and the drag in it, which
-ends at H = -3. Below H = -2.7, where the drag is 2e-3 of that at H = 0, (R9) keeps its value.
+in ln gamma. Below the published range of Lambda, which starts between 0.5 and 1, phi_x and phi_fp
+keep their value; the others go on by their formula, Phi_s and Phi_fs to 0 at Lambda = 0. In
+overlap, Lambda < 0, (R1) and (R4) hold: the gap that is left of two surfaces pressed together, and
+the drag in it, which ends at Lambda = -3. Below Lambda = -2.7, where the drag is 2e-3 of that at
+Lambda = 0, (R9) keeps its value.
 
 A bearing slides around its axis: its gamma is the inverse of its parameters, which refer to the
 axis, and the journal takes the part of the skirt. The grid rests on the shell, so that Phi_s of
 (R8) changes its sign. For axial sliding, a bearing has the factors of sliding around.
 
-What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at H =
-5 to the printed digits for all seven gamma, which ties six numbers of each row together
+What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at
+Lambda = 5 to the printed digits for all seven gamma, which ties six numbers of each row together
 (tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman (github.com/rboman/progs,
 apps/EHD, read for comparison) has the same (R4) to (R6), and its line A2 = 1.0766 - 0.3776 ln
 gamma, fitted through all gamma, passes within 0.11 of every A2 here. For the rows of (R5) and (R6)
 with gamma other than 1 no second source is known, but (R6) follows from (R1) and (R3): what a
 pressure gradient does to a sliding surface and what sliding carries through the film have one
-coefficient, phi_fp H = h_T/sigma - Phi_s for each gamma within 0.03 H
+coefficient, phi_fp Lambda = h_T/sigma - Phi_s for each gamma within 0.03 Lambda
 (tests/ehd/test_values_surfaces.py).
 
 References
@@ -82,8 +84,8 @@ from ..balance.grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 
-# functions of the table, in its order, by Eqs. (R7), (R8): h_T/sigma - H; phi - 1 across i and
-# along j; Phi_s; (phi_f + Phi_fs)/H, which is finite at H = 0; phi_fp - 1
+# functions of the table, in its order, by Eqs. (R7), (R8): h_T/sigma - Lambda; phi - 1 across i and
+# along j; Phi_s; (phi_f + Phi_fs)/Lambda, which is finite at Lambda = 0; phi_fp - 1
 FACTOR = numbered("gap_excess", "flow_c", "flow_a", "shear_flow", "drag", "poiseuille")
 FACTORS = len(FACTOR)
 
@@ -92,7 +94,7 @@ class Row(NamedTuple):
     """Published coefficients for one Peklenik number gamma [-].
 
     Names are as in Eqs. (R2) to (R6), with the s of Eq. (R6) as s1; `lowest` is the smallest
-    published H of Eq. (R2).
+    published Lambda of Eq. (R2).
     """
 
     gamma: float
@@ -112,7 +114,7 @@ class Row(NamedTuple):
     s1: float
 
 
-# columns: gamma | C, r, lowest H of (R2) | A1, a1, a2, a3, A2 of (R3) | A3, a4, a5, a6 of (R5)
+# columns: gamma | C, r, lowest Lambda of (R2) | A1, a1, a2, a3, A2 of (R3) | A3, a4, a5, a6 of (R5)
 # | D, s of (R6)
 # fmt: off
 COEFFICIENTS = tuple(Row._make(numbers) for numbers in (
@@ -129,16 +131,16 @@ PEKLENIK = np.array([row.gamma for row in COEFFICIENTS])
 LOGARITHMS = np.log(PEKLENIK)
 LOWEST = 0.5  # start of the published range of (R6)
 TABLE_START = -4.0  # h_T is 7e-6 sigma
-# H beyond which the factors keep their last value, within 0.5 % of smooth surfaces
+# Lambda beyond which the factors keep their last value, within 0.5 % of smooth surfaces
 TABLE_END = 32.0
-TABLE_CELLS = 2304  # H = 0 is a point
+TABLE_CELLS = 2304  # Lambda = 0 is a point
 TABLE = (TABLE_CELLS + 1, 2 * FACTORS)
 CUT_OFF = 1.0 / 300.0  # smallest local film of (R4), sigma/100 in units of 3 sigma
 LEAST_SHARED = -2.7  # start of (R9)
 
 
 class Factor(NamedTuple):
-    """A factor at H = h/sigma [-], and its derivative to H."""
+    """A factor at Lambda = h/sigma [-], and its derivative to Lambda."""
 
     value: float
     slope: float
@@ -146,7 +148,7 @@ class Factor(NamedTuple):
 
 @compiled
 def average_gap(separation: float):
-    """Average gap of Gaussian surfaces over sigma, Eq. (R1), for H = h/sigma [-] of any sign."""
+    """Average gap of Gaussian surfaces over sigma, Eq. (R1), for Lambda of any sign [-]."""
     share = 0.5 * (1.0 + erf(separation / np.sqrt(2.0)))
     tail = np.exp(-separation * separation / 2.0) / np.sqrt(2.0 * np.pi)
     return Factor(separation * share + tail, share)  # Eq. (R1)
@@ -217,7 +219,7 @@ def _between(low, high, weight):
 def pressure_flow_factor(separation: float, gamma: float):
     """Return the pressure flow factor phi_x along sliding, Eq. (R2).
 
-    H [-], Peklenik number gamma from 1/9 to 9.
+    Lambda [-], Peklenik number gamma from 1/9 to 9.
     """
     k, weight = _place(gamma)
     low = _pressure_flow(COEFFICIENTS[k], separation)
@@ -234,7 +236,7 @@ def shear_flow_factor(separation: float, gamma: float):
 
 @compiled
 def mean_inverse_gap(separation: float):
-    """Mean of sigma over the local film, Eq. (R4) in closed form; by moments for H > 30."""
+    """Mean of sigma over the local film, Eq. (R4) in closed form; by moments for Lambda > 30."""
     z = separation / 3.0
     if z > 10.0:
         h = separation
@@ -266,7 +268,7 @@ def mean_inverse_gap(separation: float):
 
 @compiled
 def shear_stress_factor(separation: float):
-    """Factor phi_f of the mean Couette stress, Eq. (R4), for H >= 0."""
+    """Factor phi_f of the mean Couette stress, Eq. (R4), for Lambda >= 0."""
     inverse = mean_inverse_gap(separation)
     return Factor(separation * inverse.value, inverse.value + separation * inverse.slope)
 
@@ -328,7 +330,7 @@ def _against(share, of_skirt, of_bore, limit):
 
 @compiled
 def _drag(h, sliding):
-    """(phi_f + Phi_fs)/H with Phi_fs of both surfaces."""
+    """(phi_f + Phi_fs)/Lambda with Phi_fs of both surfaces."""
     inverse = mean_inverse_gap(h)
     if h <= 0.0:
         return inverse
@@ -340,7 +342,7 @@ def _drag(h, sliding):
 def factor_table(
     share: float, gamma_skirt: float, gamma_bore: float, bearing: bool = False
 ) -> Array:
-    """Return the table of the factors on a uniform grid of H.
+    """Return the table of the factors on a uniform grid of Lambda.
 
     It goes from `TABLE_START` to `TABLE_END`. A bearing slides around its axis, and its grid rests
     on the bore instead of the skirt, which is the journal.
@@ -356,8 +358,8 @@ def factor_table(
     Returns
     -------
     ndarray, shape (2305, 12)
-        Values and slopes side by side: h_T/sigma - H, phi_c - 1 across i, phi_a - 1 along j, Phi_s,
-        (phi_f + Phi_fs)/H, phi_fp - 1 [-], by Eqs. (R7), (R8).
+        Values and slopes side by side: h_T/sigma - Lambda, phi_c - 1 across i, phi_a - 1 along j,
+        Phi_s, (phi_f + Phi_fs)/Lambda, phi_fp - 1 [-], by Eqs. (R7), (R8).
     """
     table = np.empty(TABLE)
     y = share

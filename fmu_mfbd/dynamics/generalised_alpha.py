@@ -71,7 +71,7 @@ def coefficients(step: float, spectral_radius: float) -> Coefficients:
     """Return the coefficients of the second-order method with a given numerical damping.
 
     Eq. (N1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1)
-               gamma = 1/2 + alpha_f - alpha_m,  beta = (gamma + 1/2)^2 / 4
+               gamma_N = 1/2 + alpha_f - alpha_m,  beta_N = (gamma_N + 1/2)^2 / 4
 
     Parameters
     ----------
@@ -112,8 +112,8 @@ def predict(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Predictio
     """Return end position, velocity and auxiliary acceleration for zero end acceleration.
 
     Eq. (N2):  (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) q''_1 + alpha_f q''_0
-               q'_1 = q'_0 + h ((1 - gamma) a_0 + gamma a_1)
-               q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta) a_0 + beta a_1)
+               q'_1 = q'_0 + h ((1 - gamma_N) a_0 + gamma_N a_1)
+               q_1  = q_0 + h q'_0 + h^2 ((1/2 - beta_N) a_0 + beta_N a_1)
 
     The equation of motion holds exactly at the end of the step, with the end-of-step forces; `c`
     adds the part of q''_1 by `to_auxiliary`, `to_velocity` and `to_position`.

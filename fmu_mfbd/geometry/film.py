@@ -340,8 +340,8 @@ def opening(
 ) -> np.ndarray:
     """Return the change of the film thickness by motion and deformation.
 
-    Eq. (H1):  h = gap(theta, y') - (x_A - angle y') sin theta - u_r(skirt) + w_r(bore)
-               the bore read at Y_0(crank angle) + y'
+    Eq. (H1):  h = h_0(theta, y') - (x_A - beta y') sin theta - u_r(skirt) + w_r(bore)
+               h_0 the gap of undeformed, concentric bodies, the bore read at Y_0(phi) + y'
 
     It is linear in the small motions, so that velocities give the rate of change. The bore is read
     at the height of A for x_A = 0. The error is less than x_A r/L, micrometres on a field that
@@ -353,7 +353,7 @@ def opening(
     bore : BoreSplines
     window : Window
     lateral, angle : float
-        x_A [m] and rocking angle [rad].
+        x_A [m] and rocking angle beta [rad].
     piston, block : ndarray, shapes (k,), (k',)
         Modal coordinates [kg^1/2 m].
 
@@ -392,7 +392,7 @@ def sliding(
 ) -> np.ndarray:
     """Return the axial velocity of the skirt minus that of the bore.
 
-    Eq. (H2):  v = Y_A' + angle' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
+    Eq. (H2):  v = Y_A' + beta' (R sin theta - pin offset) + u_y'(skirt) - w_y'(bore)
 
     Parameters
     ----------

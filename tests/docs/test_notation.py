@@ -9,6 +9,8 @@ import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
 pytest.importorskip("latex2mathml")
+KEPT = {"fmu_ehd": {"t", "g", "beta"}, "fmu_ehd/laws": {"H"}}
+"""Folder -> symbols with another meaning elsewhere, by the table of docs/theory/index.md."""
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +61,22 @@ def test_words_around_a_formula_become_text(notation):
     assert re.sub(r"<math.*?</math>", "*", html) == (
         "<div><span>*</span><span>* the clearance of a skirt</span></div>"
     )
+
+
+def test_no_symbol_of_the_table_has_two_meanings():
+    text = (DOCS / "theory/index.md").read_text().partition("## Symbols")[2]
+    rows = [line.split("|") for line in text.split("\n") if line.startswith("| $")]
+    for column in (1, 2):
+        names = [name.strip() for row in rows for name in row[column].split(",")]
+        assert len(names) > 30 and len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("folder", KEPT)
+def test_equations_keep_symbols_for_their_meaning(folder):
+    """`t` is time, `g` of the modes, `H` the macro step, and `beta` the tilt."""
+    label = re.compile(r'(?m)^\s*(?:""")?Eq\. \(\w+\):(.*(?:\n {8,}\S.*)*)')
+    texts = [path.read_text() for path in (DOCS.parent / folder).rglob("*.py")]
+    used = {
+        name for text in texts for one in label.findall(text) for name in re.findall(r"\w+", one)
+    }
+    assert used and used & KEPT[folder] == set()

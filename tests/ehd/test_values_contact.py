@@ -49,9 +49,9 @@ def touching(h, velocity=0.0, **changes):
 def test_contact_pressure_area_and_friction(h):
     """Contact pressure, area and friction follow [Greenwood1970].
 
-    p = (16 sqrt 2 pi/15)(eta beta sigma)^2 sqrt(sigma/beta) E* F_5/2, 1/E* = sum (1 - nu^2)/E;
-    A_c/A = pi^2 (eta beta sigma)^2 F_2; friction (mu_b p + tau_0 A_c/A) V/sqrt(V^2 + v_0^2) against
-    sliding, here at V = -3/4 v_0: 3/5. 1e-5: digits of the integrals.
+    p = (16 sqrt 2 pi/15)(eta beta_a sigma)^2 sqrt(sigma/beta_a) E* F_5/2, 1/E* = sum (1 - nu^2)/E;
+    A_c/A = pi^2 (eta beta_a sigma)^2 F_2; friction (mu_b p + tau_0 A_c/A) V/sqrt(V^2 + v_0^2)
+    against sliding, here at V = -3/4 v_0: 3/5. 1e-5: digits of the integrals.
     """
     force, area = INTEGRALS[h]
     o = touching(

@@ -186,10 +186,12 @@ def test_beyond_its_limit_an_oil_is_a_thousand_times_as_thick(kind):
 @pytest.mark.parametrize("velocity", [4.0, -4.0])
 @pytest.mark.parametrize("law, n", [("cross_1965", 0.8), ("carreau_1972", 0.4)])
 def test_shear_makes_oil_thin(law, n, velocity):
-    """Shear at g = |V|/h makes oil thin, with lg g_c = a + b t, t in C: 4.1 + 0.012 x 80 = 5.06.
+    """Shear at gamma' = |V|/h makes oil thin.
 
-    Cross: mu/mu_0 = m + (1 - m)/[1 + (g/g_c)^n].
-    Carreau: mu/mu_0 = m + (1 - m)[1 + (g/g_c)^2]^((n - 1)/2).
+    lg gamma'_c = a + b T_o, in C: 4.1 + 0.012 x 80 = 5.06.
+
+    Cross: mu/mu_0 = m + (1 - m)/[1 + (gamma'/gamma'_c)^n].
+    Carreau: mu/mu_0 = m + (1 - m)[1 + (gamma'/gamma'_c)^2]^((n - 1)/2).
     Pressure flow along the sliding direction meets d(mu g)/dg.
     """
     oil = Oil(

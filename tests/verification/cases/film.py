@@ -567,7 +567,7 @@ def contact_checks() -> Checks:
         yield from compared(case, rows, QUADRATURE, "six printed digits")
     fitted, _ = asperity.fitted_integral(separations)
     ratio = fitted / asperity.gaussian_integral(2.5, separations)
-    names = (f"error at H = {h:g} [%]" for h in separations)
+    names = (f"error at Lambda = {h:g} [%]" for h in separations)
     rows = zip(names, 100.0 * (ratio - 1.0), (-10.7, -3.5, -9.2, -74.0), [0.5] * 4)
     case = "Greenwood-Tripp power fit"
     yield from compared(case, rows, "exact integral", "two printed digits", "absolute")
@@ -581,7 +581,7 @@ def contact_checks() -> Checks:
         error,
         1e-7,
         source="exact integral",
-        reason="Hermite interpolation, fourth order, H < 4",
+        reason="Hermite interpolation, fourth order, Lambda < 4",
     )
 
 

@@ -19,8 +19,8 @@ POINTS = 4
 class Roughness(NamedTuple):
     """Rough surface of Greenwood and Tripp, and the boundary friction of its asperities.
 
-    Fields: rms [m], eta beta sigma [-], sigma/beta [-], E* [Pa], coefficient of boundary friction
-    [-], and the velocity that rounds the friction at rest [m/s].
+    Fields: rms [m], eta beta_a sigma [-], sigma/beta_a [-], E* [Pa], coefficient of boundary
+    friction [-], and the velocity that rounds the friction at rest [m/s].
     """
 
     roughness_rms: float
@@ -43,12 +43,12 @@ class Contact(NamedTuple):
 
 
 def height_integral(order: float, separation: np.ndarray) -> np.ndarray:
-    """Return F_n by Gauss-Legendre points of t = sqrt(s - H).
+    """Return F_n by Gauss-Legendre points of t = sqrt(s - Lambda).
 
-    Eq. (Z8):  F_n(H) = (2/pi)^(1/2) int_0^inf t^(2n+1) exp(-(H + t^2)^2/2) dt
+    Eq. (Z8):  F_n(Lambda) = (2/pi)^(1/2) int_0^inf t^(2n+1) exp(-(Lambda + t^2)^2/2) dt
     """
     t, weight = np.polynomial.legendre.leggauss(80)
-    t = 2.0 * (t + 1.0)  # to t = 4: exp(-128) at H = 0
+    t = 2.0 * (t + 1.0)  # to t = 4: exp(-128) at Lambda = 0
     values = t ** (2 * order + 1) * np.exp(-((separation[:, None] + t**2) ** 2) / 2)
     return np.sqrt(2 / np.pi) * (values @ (2.0 * weight))  # Eq. (Z8)
 

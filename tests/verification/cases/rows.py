@@ -75,7 +75,7 @@ def _page(rows, failed, split):
         "",
         "- An asterisk marks dimensionless values. K is the inclination of a pad, e an "
         "eccentricity, and c a curvature.",
-        "- B/D and L/D are length over diameter of a bearing. H is separation over roughness.",
+        "- B/D and L/D are length over diameter of a bearing. Lambda is separation over roughness.",
         "- The error is relative or absolute, as the tolerance is. Without a reference, the figure "
         "itself must not exceed the tolerance.",
         "",
