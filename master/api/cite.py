@@ -15,6 +15,8 @@ from .cases import Case, open_case
 
 REFERENCES = "docs/references.md"
 STANDARD = "FMI2022"
+PAPER = "Kim2019"
+"""The paper whose method the project follows."""
 
 PACKAGES = {"fmu_ehd": ("Reynolds1886",), "fmu_mfbd": ("Shabana2013", "Chung1993", "Arnold2007")}
 """References of a participant by its package."""
@@ -39,17 +41,18 @@ ROUGH = ("contact_law", "flow_factors")
 
 
 def cite(source: Case | Results | str | Path | None = None) -> None:
-    """Print how to cite the project and the models in use.
+    """Print how to cite the project, the paper that it follows, and the models in use.
 
     Parameters
     ----------
     source : Case, Results, str or Path, optional
-        Case or results whose models are listed. If omitted, only the project is printed.
+        Case or results whose models are listed. If omitted, only project and paper are printed.
 
     Examples
     --------
     >>> pc.cite("data_sheet")  # doctest: +ELLIPSIS
     The piston-cosim developers: piston-cosim ...
+    [Kim2019] S. Kim and co-authors, ...
     [Arnold2007] M. Arnold, O. Brüls, ...
     """
     print("\n".join(citations(source)))
@@ -59,13 +62,14 @@ def citations(source: Case | Results | str | Path | None = None) -> list[str]:
     """Return the lines that `cite` prints."""
     about = metadata("piston-cosim")
     own = f"{about['Author']}: {about['Name']} {about['Version']}. {about['Summary']}."
+    works = dict(re.findall(r"(?m)^\| \[(\w+)\] \| (.+) \|$", _references()))
+    project = [own, f"[{PAPER}] {works[PAPER]}"]
     if source is None:
-        return [own]
+        return project
     if not isinstance(source, (Case, Results)):
         source = open_case(source)
     tree = source.tree if isinstance(source, Case) else source.case
-    works = dict(re.findall(r"(?m)^\| \[(\w+)\] \| (.+) \|$", _references()))
-    return [own, *(f"[{key}] {works[key]}" for key in sorted(keys_in_use(tree, source.path)))]
+    return [*project, *(f"[{key}] {works[key]}" for key in sorted(keys_in_use(tree, source.path)))]
 
 
 def _references() -> str:

@@ -15,13 +15,16 @@ ROOT = Path(__file__).parents[2]
 
 def cited(case):
     """Keys that are printed for a case."""
-    return {line.split("]")[0][1:] for line in cite.citations(case)[1:]}
+    return {line.split("]")[0][1:] for line in cite.citations(case)[2:]}
 
 
-def test_the_project_alone_is_one_line(capsys):
+def test_the_project_and_the_paper_that_it_follows_are_cited(capsys):
     pc.cite()
-    (line,) = capsys.readouterr().out.splitlines()
+    line, paper = capsys.readouterr().out.splitlines()
     assert line.startswith(f"The piston-cosim developers: piston-cosim {pc.__version__}.")
+    doi = yaml.safe_load((ROOT / "CITATION.cff").read_text())["references"][0]["doi"]
+    assert paper.startswith("[Kim2019] S. Kim and co-authors") and doi in paper
+    assert cite.citations("data_sheet")[:2] == [line, paper]
 
 
 def test_every_choice_that_has_a_reference_has_it_in_the_list():
