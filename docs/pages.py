@@ -36,6 +36,8 @@ TEXTS = {
 PICTURED = r"index\.md|gallery\.md|theory/index\.md|cases/.*|notebooks/.*"
 """Pages that must show a picture."""
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
+MADE = re.compile(r"page `([\w/]+)` of the site")
+"""A page that exists on the site only, in a text of the repository."""
 
 
 @event_priority(100)  # before mkdocstrings, which looks for the folder of the copy
@@ -128,7 +130,8 @@ def linked_up(text, source, page):
         away = posixpath.relpath(goal, posixpath.dirname(page) or ".")
         return f"{picture}[{words}]({away}{anchor or ''})"
 
-    return LINK.sub(relinked, text)
+    up = "../" * page.count("/")
+    return MADE.sub(rf"page [`\1`]({up}\1.md)", LINK.sub(relinked, text))
 
 
 def fenced(text):
