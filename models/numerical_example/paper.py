@@ -1,10 +1,11 @@
 """Compare this case with the figures of the source paper: rigid bodies and 20, 40 and 60 modes.
 
 Reads a study of this case and prints its findings. From the study of the modes it also draws the
-two pictures of PAPER.md next to this script:
+two pictures of PAPER.md next to this script. From a run it prints how alike its variants are:
 
 piston-cosim study numerical_example modes
 python -m piston_cosim.models.numerical_example.paper results/study_numerical_example_modes
+python -m piston_cosim.models.numerical_example.paper results/numerical_example
 """
 
 import csv
@@ -233,16 +234,18 @@ def draw_sides(runs: dict[str, Results], path: Path) -> None:
 
 
 def main(folder: Path) -> None:
-    """Print the tables of a finished study of this case; draw the pictures of that of the modes."""
+    """Print the tables of a finished study or run; draw the pictures of the study of the modes."""
+    if not (folder / "sweep.csv").exists():
+        print(tendency_table({path.stem: Results(path) for path in sorted(folder.glob("*.h5"))}))
+        return
     with open(folder / "sweep.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     paths = {row["run"]: folder / row["results"] for row in rows}
     print(table({name: findings(Results(path)) for name, path in paths.items()}), end="\n\n")
     if not {*SHOWN.values()} <= {*paths}:
         return
-    print(cost_table(rows), end="\n\n")
+    print(cost_table(rows))
     runs = {label: Results(paths[run]) for label, run in SHOWN.items()}
-    print(tendency_table(runs))
     here = Path(__file__).parent
     draw_curves(runs, here / "paper_curves.png")
     draw_sides(runs, here / "paper_sides.png")
