@@ -1,4 +1,4 @@
-"""Gallery of the shipped cases: a picture, a number with its reference, and the run time of each.
+"""Gallery of the shipped cases: a picture, a number next to another one, and the run time of each.
 
 `python docs/gallery.py [CASE ...]` runs the cases and writes `gallery.json`, which the build of the
 site reads. A second call measures the run times without compiling and without reducing bodies.
@@ -34,11 +34,12 @@ def measured():
 
 
 def number(case):
-    """Return the number of a case and its reference, both in the unit of the table."""
+    """Return the number of a case and the one next to it, both in the unit of the table."""
     from piston_cosim.master.fmi.quantities import from_si
 
     entry = tomllib.loads(TABLE.read_text())[case]
-    reference, key, unit = entry["reference"], entry["key"], entry["unit"]
+    key, unit = entry["key"], entry["unit"]
+    reference = entry.get("reference") or entry["compared"]
     runs = measured()
 
     def shown(value):
@@ -140,17 +141,20 @@ def page():
     lines = [
         "# Gallery",
         "",
-        "Each shipped case has a picture, one number with its reference, and its run time. The run "
-        "time is processor time on one core, with compiled kernels and reduced bodies in the "
-        "cache. The machine had other work. `python docs/gallery.py` runs the cases and writes the "
-        "numbers. The page of the case shows the command that draws its picture.",
+        "Each shipped case has a picture, one number and its run time. A reference is an "
+        "independent value of the same quantity. Other numbers are compared with another run or "
+        "engine. The run time is processor time on one core, with compiled kernels and reduced "
+        "bodies in the cache. The machine had other work. `python docs/gallery.py` runs the cases "
+        "and writes the numbers. The page of the case shows the command that draws its picture.",
         "",
         '<div class="gallery">',
     ]
     for case, entry in tomllib.loads(TABLE.read_text()).items():
         value, reference = number(case)
         first = measured()[case][entry["variants"][0]]
-        unit, source = entry["unit"], entry["reference"]["source"]
+        kind = "reference" if "reference" in entry else "compared"
+        unit, source = entry["unit"], entry[kind]["source"]
+        words = {"reference": "reference", "compared": "compared with"}[kind]
         text = (ROOT / "models" / case / "case.toml").read_text()
         title = tomllib.loads(text)["title"]
         image, caption = picture(case)
@@ -159,7 +163,7 @@ def page():
             f'alt="{caption}" loading="lazy"></a><figcaption>'
             f'<a href="../cases/{case}/"><strong>{case}</strong></a><br>{title}'
             f"<ul><li>{entry['quantity']}: {value:.3g} {unit}</li>"
-            f"<li>reference: {reference:.3g} {unit}, {source}</li>"
+            f"<li>{words}: {reference:.3g} {unit}, {source}</li>"
             f"<li>run time: {first['processor_time_s']:.2g} s</li></ul>"
             f"<code>piston-cosim run {case} --only {entry['variants'][0]}</code>"
             "</figcaption></figure>"
