@@ -50,7 +50,7 @@ def standing_for(
 
     Both have the same arguments, some of which are objects in Python.
     """
-    return lambda function: ReplacedFunction(function, kernel)
+    return partial(ReplacedFunction, kernel=kernel)
 
 
 def numbered(*names: str) -> Any:
@@ -131,30 +131,28 @@ class Kernel(Generic[Given, Result]):
         return self.callee._numba_type_
 
 
-class CompilableFunction(partial[Result], Kernel[Given, Result]):
-    """Function that is compiled inside kernels only; a `partial`, which takes less time to call."""
+class CompilableFunction(Kernel[Given, Result], partial[Any]):
+    """Function that is compiled inside kernels only."""
 
-    def __init__(self, function: Callable[Given, Result]):
-        Kernel.__init__(self, function, {})
+    def __init__(  # pyright: ignore[reportInconsistentConstructor]
+        self, function: Callable[Given, Result]
+    ):
+        super().__init__(function, {})
 
-    if TYPE_CHECKING:
+    if not TYPE_CHECKING:
+        __call__ = partial.__call__  # takes a third of the time of a function that passes on
 
-        def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result: ...
 
-
-class ReplacedFunction(partial[Result], Generic[Given, Result]):
+class ReplacedFunction(Generic[Given, Result]):
     """Function that kernels replace by another one."""
 
-    def __new__(cls, function: Callable[Given, Result], kernel: Kernel[..., Any]):
-        one = super().__new__(cls, function)
-        update_wrapper(one, function)
-        one.kernel = kernel
-        return one
+    def __init__(self, function: Callable[Given, Result], kernel: Kernel[..., Any]):
+        update_wrapper(self, function)
+        self.function = function
+        self.kernel = kernel
 
-    if TYPE_CHECKING:
-        kernel: Kernel[..., Any]
-
-        def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result: ...
+    def __call__(self, *arguments: Given.args, **named: Given.kwargs) -> Result:
+        return self.function(*arguments, **named)
 
     @property
     def _numba_type_(self) -> Any:

@@ -263,7 +263,8 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """
         begin, length = self._times
         begin.value, length.value = time, step
-        self._do(begin, length, TRUE)
+        if status := self._do(begin, length, TRUE):
+            self._check("fmi2DoStep", status)
 
     def _message(self, failure):
         """Return the FMU's log of the failed call, or the call's name and status."""
@@ -272,17 +273,20 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     def save(self):
         """Return a handle of the FMU's state; `free` it after use."""
         state = ctypes.c_void_p()
-        self._get_state(ctypes.byref(state))
+        if status := self._get_state(ctypes.byref(state)):
+            self._check(f"fmi{self.version}Get{self._state}", status)
         return state
 
     def restore(self, saved):
         """Restore a saved state, where the next step begins."""
         self._begin = saved
-        self._put_state(saved)
+        if status := self._put_state(saved):
+            self._check(f"fmi{self.version}Set{self._state}", status)
 
     def free(self, saved):
         if not (self._fatal and self.folder in self._fatal):
-            self._free_state(ctypes.byref(saved))
+            if status := self._free_state(ctypes.byref(saved)):
+                self._check(f"fmi{self.version}Free{self._state}", status)
 
     def serialise(self, saved):
         """Return the saved state as bytes."""

@@ -132,7 +132,8 @@ class Fmu3Participant(FmuParticipant):
             until = self._next_event if inside else end
             length = step_within(at, until - at, self._stop)
             times = ctypes.c_double(at), ctypes.c_double(length)
-            self._do(*times, ctypes.c_bool(True), *references)
+            if status := self._do(*times, ctypes.c_bool(True), *references):
+                self._check("fmi3DoStep", status)
             event, finished, early = (flag.value for flag in flags)
             now = reached.value if early or finished else until
             is_due = self._next_event <= now + WHOLE * step

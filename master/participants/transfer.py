@@ -57,22 +57,17 @@ class FmuFields(DescribedFmu):
             self._aim(block)
 
     def _call_of(self, function, *arguments):
-        """Return a function that calls the FMU with these and further arguments.
+        """Return a function that calls the FMU with these and further arguments, for its status.
 
         All arguments are ctypes objects, so nothing is converted. FMPy's layers take longer than a
         small FMU.
         """
-        call = partial(getattr(self._functions, function), self._functions.component, *arguments)
-
-        def checked(*more):
-            if status := call(*more):
-                self._check(function, status)
-
-        return checked
+        return partial(getattr(self._functions, function), self._functions.component, *arguments)
 
     def _call(self, function, *arguments):
         """Call the FMU once, see `_call_of`."""
-        self._call_of(function, *arguments)()
+        if status := self._call_of(function, *arguments)():
+            self._check(function, status)
 
     def _block(self, fields, is_input=False):
         """Return the block of several fields (name -> Field)."""
@@ -96,17 +91,22 @@ class FmuFields(DescribedFmu):
 
     def _aim(self, block):
         """Let a block call the present instance."""
-        calls = (self._call_of(name, *block.arguments) for name in self._real_functions)
-        block.get, block.put = calls
-        if block.is_input:
-            block.put = partial(self._put_inputs, block, block.put)
+        getter, setter = self._real_functions
+        getting, setting = (self._call_of(name, *block.arguments) for name in self._real_functions)
 
-    def _put_inputs(self, block, put):
-        """Set inputs, and save their values as those that were set."""
-        put()
-        if block is not self._written:
-            self._input_values |= {name: block.values[part] for name, part in block.parts.items()}
-            self._written = block
+        def get():
+            if status := getting():
+                self._check(getter, status)
+
+        def put():
+            if status := setting():
+                self._check(setter, status)
+            if block.is_input and block is not self._written:
+                parts = block.parts.items()
+                self._input_values |= {name: block.values[part] for name, part in parts}
+                self._written = block
+
+        block.get, block.put = get, put
 
     def _vector(self, name):
         """Return the block of a field, created once."""
@@ -297,7 +297,8 @@ class FmuFields(DescribedFmu):
         call = self._call_of(kind, references, ctypes.c_size_t(count), values)
 
         def listed():
-            call()
+            if status := call():
+                self._check(kind, status)
             return list(map(bool, values) if kind == "fmi2GetBoolean" else values)
 
         return listed
