@@ -108,6 +108,8 @@ def words_of(command, folder):
         words[words.index("--time") + 1] = "0 ms"
     if words[0] in ("run", "sweep", "study") and "--help" not in words:
         stop = STOPS.get(words[1], "2 deg" if "step" not in command else "8 deg")
+        stop = "360 deg" if "modal_velocity" in command else stop  # of a revolution of noise
+        words += ["--output", "results/swapped"] if "--bodies" in words else []  # no mesh
         words += ["--set", f"time.stop={stop}"] if stop else []
     return [str(file) for word in words for file in (folder.glob(word) if "*" in word else [word])]
 
