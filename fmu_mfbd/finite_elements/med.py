@@ -6,6 +6,7 @@ around, and rejects files where some elements have no group.
 
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def read_med(path: Path) -> Deck:
     if path.is_file() and not h5py.is_hdf5(path):
         raise MeshFault("expected a MED file in HDF5, got other content")
     with h5py.File(path) as file:
-        meshes = file["ENS_MAA"]
+        meshes: Any = file["ENS_MAA"]
         if len(meshes) != 1:
             raise MeshFault(f"expected one mesh, got {', '.join(meshes)}")
         ((name, mesh),) = meshes.items()

@@ -9,7 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -150,7 +150,7 @@ def _given(card):
 def _property(card):
     """Return the number of an element's property, which is that of the element if omitted."""
     number = card.integer(1)
-    return card.integer(0) if number is None else number
+    return card.integer(0) or 0 if number is None else number
 
 
 def _add_systems(systems, card):
@@ -194,7 +194,7 @@ class _BasicSystem:
         self.systems = systems
         self.grids = grids
         self.default = default
-        self.frames = {0: ("R", np.zeros(3), np.eye(3))}
+        self.frames: dict[int, Any] = {0: ("R", np.zeros(3), np.eye(3))}
 
     def position(self, label, above):
         """Return the position of a node; `above` contains the systems that depend on it."""
