@@ -30,16 +30,10 @@ Pressure = Annotated[float, in_unit("Pa")]
 Density = Annotated[float, in_unit("kg/m^3")]
 
 
-Stiffness = Annotated[float, in_unit("N/m")]
-
-
 Mass = Annotated[float, in_unit("kg")]
 
 
 Inertia = Annotated[float, in_unit("kg*m^2")]
-
-
-Time = Annotated[float, in_unit("s")]
 
 
 Frequency = Annotated[float, in_unit("Hz")]

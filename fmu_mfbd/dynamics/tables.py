@@ -129,7 +129,7 @@ def two_columns(rows: Rows, first: Column, second: Column) -> np.ndarray:
         if len(values) != 2:
             raise TableFault(
                 f"{row_name}: expected two numbers, {first.name} and {second.name}, "
-                f"got {len(values)}"
+                f"got {len(values)}; decimal commas need ; or tabs between columns"
             )
     columns = np.array(rows.values).T
     bad = np.flatnonzero(np.diff(columns[0]) <= 0) + 1
@@ -170,7 +170,7 @@ def closed(
     if not cycle - 1.5 * widest_step <= span <= cycle * (1 + 1e-9):
         raise TableFault(
             f"{rows.name}: expected a cycle of {np.degrees(cycle):g} deg, "
-            f"got {np.degrees(span):g} deg"
+            f"got {np.degrees(span):g} deg; check angle_unit and strokes"
         )
     if span < cycle * (1 - 1e-9):
         angle = np.append(angle, angle[0] + cycle)

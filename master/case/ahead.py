@@ -177,11 +177,14 @@ def check_ports(case, participants, faults):
         if field is not None and (field.shape or field.type in NO_NUMBERS):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
             faults.append(f"{where}: expected a scalar number, got {port}, {shape}")
-        for limit in case.window.get(where.removeprefix("window."), ()) if field else ():
-            try:
-                to_si(limit, field.unit)
-            except ValueError as error:
-                faults.append(f"{where}: {error}")
+        limits = case.window.get(where.removeprefix("window."), ()) if field else ()
+        try:
+            low_to_high = [to_si(limit, field.unit) for limit in limits]
+        except ValueError as error:
+            faults.append(f"{where}: {error}")
+        else:
+            if low_to_high != sorted(low_to_high):
+                faults.append(f"{where}: expected [low, high], got {list(limits)}")
     for picture in case.pictures:
         for port in picture.fields:
             field_of(port, ("output",), participants, f"pictures.{picture.file}", faults)

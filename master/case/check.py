@@ -9,7 +9,7 @@ from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short
 from ..fmi.tree import import_part
-from .ahead import Ahead, ahead, faults_ahead
+from .ahead import Ahead, ahead, faults_ahead, run_ahead
 from .checked import check_case
 from .contract import given_by_others
 from .reading import find_case, read_tree
@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 APART = 2e-3
 """Relative tolerance of a length or volume that two parts measure. The straight edges of a mesh
 are a thousandth inside its cylinder."""
+
+
+MOST_STEPS = 1e6
+"""Number of macro steps of a run that takes hours."""
+FEWEST_STEPS = 72
+"""Macro steps in a period that resolve motion and gas: 10 deg in four strokes, our own choice."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +105,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     if not faults:
         open_finished(case, folder, declared, faults)
     warnings = [f"{owner}: {line}" for owner, one in previews.items() for line in one.warnings]
+    warnings += _warnings_on_steps(case, folder)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     remarks += [
         f"{claim}: the symmetry of {', '.join(group.unknown)} is not known; the check after a run "
@@ -108,6 +115,23 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     ]
     found = _loops(case, folder, faults) if not faults else []
     return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
+
+
+def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
+    """Return warnings on a run of very many macro steps, and on a very long macro step."""
+    clock, _ = run_ahead(case, folder)
+    if clock is None:
+        return []
+    out = []
+    steps, by_period = clock.stop / clock.step, clock.period / clock.step
+    if steps > MOST_STEPS:
+        out.append(f"time.stop = {case.time.stop}: the run has {steps:.2g} macro steps")
+    if 0.0 < by_period < FEWEST_STEPS:
+        out.append(
+            f"time.step = {case.time.step}: expected at least {FEWEST_STEPS} macro steps in a "
+            f"period of {case.period}, got {by_period:.3g}"
+        )
+    return out
 
 
 def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":

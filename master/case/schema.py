@@ -405,6 +405,14 @@ class Case(Table):
                 )
         return entries
 
+    @field_validator("pictures")
+    @classmethod
+    def different_files(cls, pictures):
+        files = [picture.file for picture in pictures]
+        for file in sorted({one for one in files if files.count(one) > 1}):
+            raise ValueError(f"expected different files, got {file!r} twice")
+        return pictures
+
     @field_validator("participants")
     @classmethod
     def names(cls, tables):

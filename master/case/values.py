@@ -35,6 +35,8 @@ def is_settable(field):
 def _array(field, rows):
     """Return an array of values, each by `value_of`."""
     array = np.array(rows, dtype=object)
+    if not field.shape:
+        raise ValueError(f"expected one value, got a list of {len(rows)}")
     if array.shape != field.shape:
         raise ValueError(f"expected shape {field.shape}, got {array.shape}")
     return np.array([value_of(field, text) for text in array.ravel()]).reshape(field.shape)

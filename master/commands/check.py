@@ -7,10 +7,10 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, OutputFile, default_folder, parse_changes, tell
+from .common import Changes, PictureFile, default_folder, parse_changes, tell
 
 
-def command(source: str, /, *, set_: Changes = [], picture: OutputFile | None = None):
+def command(source: str, /, *, set_: Changes = [], picture: PictureFile | None = None):
     """Check a case without a run.
 
     The command prints every fault, geometry, masses, clearance and the cells with a film, and draws

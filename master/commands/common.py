@@ -18,12 +18,13 @@ from ..case.reading import case_names, find_case, read_tree
 from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working
-from .usage import new_file, new_folder, positive
+from .usage import new_file, new_folder, picture_file, positive
 
 console = Console()
 
 OutputFile = Annotated[Path, Parameter(validator=new_file)]
 Workers = Annotated[int, Parameter(validator=positive)]
+PictureFile = Annotated[Path, Parameter(validator=(picture_file, new_file))]
 OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
 Format = Literal["png", "svg", "pdf"]
 """Type of pictures."""
@@ -85,6 +86,13 @@ def parse_grid(text):
             f"--grid: expected CIRCUMFERENTIALxAXIAL cells, got {text!r}; write for example 40x40"
         )
     return sizes
+
+
+def native_platforms(platform, native):
+    """Return the platforms of a native FMU from --platform; none without --native."""
+    if platform and not native:
+        raise BadInput(f"--platform: expected it with --native, got {platform!r} alone")
+    return (platform or "linux64").split(",") if native else ()
 
 
 def default_folder(path):

@@ -85,6 +85,9 @@ def command(
         variant_trees(path, changes, only, say)
         changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
     axes = for_all(lambda text: sweeps.parse_axis(text, tree, path.parent), vary)
+    varied = [key for axis in axes for key in axis.keys]
+    for key in sorted({one for one in varied if varied.count(one) > 1}):
+        raise BadInput(f"--vary: expected different keys, got {key} twice")
     points = sweeps.all_points(path, changes, axes)
     folder = Path(
         output

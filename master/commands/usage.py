@@ -72,6 +72,16 @@ def new_file(_type: Any, path: Path | None) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
 
 
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of pictures."""
+
+
+def picture_file(_type: Any, path: Path | None) -> None:
+    """Raise `ValueError` unless the suffix of `path` is that of a picture; a validator."""
+    if path is not None and path.suffix not in PICTURES:
+        raise ValueError(f"expected a file {', '.join(PICTURES)}, got {str(path)!r}")
+
+
 def positive(_type: Any, value: float | None) -> None:
     """Raise `ValueError` unless a number is above 0; a validator of options."""
     if value is not None and not value > 0:

@@ -85,7 +85,9 @@ class Size:
             pass
         try:
             value = to_si(plain, _si(self.unit))
-        except ValueError:
+        except ValueError as error:
+            if "," in plain:
+                raise ValueError(f"{option_of(name)}: {error}") from None
             value = nan
         if not self.low <= value <= self.high:
             raise ValueError(f"{option_of(name)}: expected {allowed}, got {text!r}")

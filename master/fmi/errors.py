@@ -91,6 +91,8 @@ def file_fault(path: Path | str | None, error: Exception) -> str:
     parent = Path(str(path)).parent
     if isinstance(error, FileNotFoundError) and not parent.is_dir():
         return f"{path}: expected an existing folder {str(parent)!r}, got no such folder"
+    if isinstance(error, UnicodeDecodeError) and b"\0" in error.object[:1000]:
+        return f"{path}: expected a text file, got a binary one"
     for kind, sentence in FILE_FAULTS.items():
         if isinstance(error, kind):
             return f"{path}: {sentence}"
@@ -105,8 +107,7 @@ FILE_FAULTS: dict[type[Exception], str] = {
     IsADirectoryError: "expected a file, got a folder",
     NotADirectoryError: "expected a folder, got a file",
     PermissionError: "expected permission to read or write it, got access denied",
-    UnicodeDecodeError: "expected a text file in UTF-8, got another encoding or no text; "
-    "save it as UTF-8",
+    UnicodeDecodeError: "expected a text file in UTF-8, got another encoding; save it as UTF-8",
     tomllib.TOMLDecodeError: "expected a TOML file, got invalid syntax",
 }
 """Sentences of the errors that reading and writing raise."""

@@ -148,6 +148,9 @@ def _sentence(fault: Any, where: str, kind: type[BaseModel]) -> str:
         choices = [text.strip(" '") for text in re.split(",| or ", context["expected"])]
         return f"{where}: {unknown('choice', fault['input'], choices)}"
     wanted = WANTED.get(fault["type"], "another value").format(**context)
+    if fault["type"].startswith(("greater_than", "less_than")):
+        schema = kind.model_json_schema()
+        wanted = f"{wanted} {_unit_at(schema, schema, fault['loc'])}".rstrip()
     return f"{where or 'case'}: expected {wanted}, got {_shown(fault['input'])}"
 
 
@@ -203,6 +206,19 @@ def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Sc
         child = _child(option, first)
         found += _tables(schema, option if child is None else child, rest)
     return found
+
+
+def _unit_at(schema: Schema, node: Schema, place: Sequence[str | int]) -> str:
+    """Return the unit of the value at a location; "" if there is none."""
+    for option in options(schema, node):
+        if not place:
+            unit = _unit(option)
+        else:
+            child = _child(option, place[0])
+            unit = _unit_at(schema, option if child is None else child, place[1:])
+        if unit:
+            return unit
+    return ""
 
 
 def _child(node: Schema, part: str | int) -> Schema | None:

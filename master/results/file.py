@@ -86,6 +86,7 @@ def open_results(path: str | Path) -> Results:
     try:
         results = Results(path)
         results.case  # noqa: B018  every results file has its case inside
-    except (OSError, KeyError, ValueError, AttributeError):
-        raise BadInput(f"{path}: expected the results file of a run, got another file") from None
+    except (OSError, KeyError, ValueError, AttributeError) as error:
+        got = "a truncated one" if "truncated" in str(error) else "another file"
+        raise BadInput(f"{path}: expected the results file of a run, got {got}") from None
     return results

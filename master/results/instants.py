@@ -60,7 +60,9 @@ def instant(results, text: str) -> float:
     if not is_angle(text):
         try:
             time = to_si(text, "s")
-        except ValueError:
+        except ValueError as error:
+            if "," in text:
+                raise BadInput(f"time: {error}") from None
             raise BadInput(
                 f"time: expected a time, a crank angle or min|max participant.variable, "
                 f"got {text!r}; write for example '24 deg'"

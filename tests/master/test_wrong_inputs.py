@@ -16,8 +16,10 @@ import h5py
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.master.case.check import CheckedCase, check
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.commands.app import main
+from piston_cosim.master.fmi.errors import BadInput
 
 LONGEST = 5.0
 """Processor time of one wrong input [s]."""
@@ -133,6 +135,7 @@ COMMANDS = [
 NEW = "new e --bore 86 --stroke 86 --rod 143"
 SHEET = "run data_sheet --no-plots --set"
 VARY = "sweep data_sheet --vary"
+SNAPSHOT = "results snapshot good.h5 --participant left --output k.json"
 SAID = {
     f"{SHEET} nothing": "--set: expected KEY=VALUE, got 'nothing'",
     f"{SHEET} viscosty=1": "viscosty: expected a key of the case, got",
@@ -161,7 +164,50 @@ SAID = {
     "results plot text.h5": "text.h5: expected the results file of a run, got another file",
     "results report good.h5 --measured falling.csv": "expected rising numbers in the first column",
     "results report good.h5 --measured no.csv": "no.csv: expected an existing file, got no such",
-    "results movie good.h5": "--field: expected no name, got nothing",
+    "results movie good.h5": "got nothing; the file has no fields, name them in record.fields",
+    "results plot cut.h5": "expected the results file of a run, got a truncated one",
+    "results plot empty.h5": "expected the results file of a run, got another file",
+    "results plot folder": "folder: expected a results file, got a folder",
+    "results report good.h5 --measured good.h5": "expected a text file, got a binary one",
+    "results scalars good.h5 --output text.csv/x.csv": "expected a folder, got the file",
+    f"{SNAPSHOT} --time 0.02": "expected a time, a crank angle or min|max participant.variable",
+    f"{SNAPSHOT} --time '0,02 s'": "write for example '0.02 s'",
+    f"{SNAPSHOT} --time '5 s'": "expected a time of the run, 0 s to 50 ms, got '5 s'",
+    "results snapshot good.h5 --participant lft --time 1s --output k.json": "mean 'left'?",
+    "check data_sheet --pictures x.png": "unknown option '--pictures'; did you mean '--picture'?",
+    "check data_sheet --picture x.xyz": "expected a file .png, .svg, .pdf, got 'x.xyz'",
+    "check data_sheet --picture /proc/x/y.png": "a folder that can be written, got '/proc'",
+    "check good.h5": "good.h5: expected a text file, got a binary one",
+    "check ''": "expected a file, a folder with case.toml or the name of a case, got ''",
+    "chek data_sheet": "got unknown command 'chek'; did you mean 'check'?",
+    "check data_sheet more": "expected the arguments of the command, got 'more'; see --help",
+    "run data_sheet --output /proc/x": "expected a folder that can be written, got '/proc'",
+    "run data_sheet --variant rigd": "got unknown variant 'rigd'; did you mean 'rigid'?",
+    "resume data_sheet": "expected a file *.h5.checkpoint, got",
+    "fmu build body": "got unknown participant 'body'; did you mean 'bodies'?",
+    "fmu build ehd --platform windows": "--platform: expected it with --native, got 'windows'",
+    "fmu export data_sheet --output x.zip": "expected a file *.fmu or *.ssp, got 'x.zip'",
+    "fmu info good.h5": "good.h5: expected an FMU, got another file",
+    "fmu info folder": "folder: expected a file, got a folder",
+    f"{VARY} 'viscosity=5..10:3'": "expected a quantity in Pa.s, got '5'; write for example",
+    f"{VARY} 'start_crank_angle=0..360:3'": "write for example '360 deg'",
+    f"{VARY} 'start_crank_angle=0..360 deg:3'": "give both ends in units of one kind",
+    f"{VARY} 'viscosity=5 mPa s..6 mPa s:0'": "expected 2 to 100000 values in a range, got 0",
+    f"{VARY} 'rod_length=1m;2m' --vary 'rod_length=1m;2m'": "expected different keys, got part",
+    f"{VARY} 'rod_length=1m;2m' --output text.h5": "--output: expected a folder, got the file",
+    f"{VARY} 'radial_clearance=9um;8um' --time-limit 5": "a quantity in s, got '5'; write for",
+    "study data_sheet grid": "study: expected no study, got 'grid'",
+    "reduce numerical_example --set piston.modes=-3": "from 0 to 200 or an error of 0.01 % to",
+    "reduce numerical_example --set 'piston.young=75 MPa'": "of at least 1e+08 Pa, got '75 MPa'",
+    "reduce numerical_example --set piston.density=2.7": "write for example '2.7 kg/m^3'",
+    "new 'a\"b' --bore 86 --stroke 86 --rod 143": "expected a folder name without quotes",
+    "new text.h5 --bore 86 --stroke 86 --rod 143": "NAME: expected a folder, got the file",
+    "new e --bore 86,5 --stroke 86 --rod 143": "write for example '86.5 mm'",
+    "new e --bore 0.086 --stroke 86 --rod 143": "--bore: expected 20 to 600 mm, got '0.086'",
+    f"{NEW} --speed -3000": "--speed: expected 10 to 30000 rpm, got '-3000'",
+    f"{NEW} --compresion 10": "did you mean '--compression' or '--compression-height'?",
+    f"{NEW} --piston sliper": "got unknown choice 'sliper'; did you mean 'slipper'?",
+    f"{NEW} --mass 400 --mass 500": "--mass: expected one value, got several",
     "results movie good.h5 --output m.avi": "expected a file *.gif or *.pvd, got 'm.avi'",
     "results movie good.h5 --frames 1": "--frames: expected at least 2, got 1",
     "fmu build engine": "got unknown participant 'engine'",
@@ -179,6 +225,75 @@ SAID = {
     f"{NEW} --peak-pressure '6 m'": "--peak-pressure: expected 0.1 to 500 bar, got '6 m'",
 }
 """Calls, and a part of what is said of them."""
+WRONG_CASES = {
+    ("223 mm", "0,223 m"): "with a decimal point, got '0,223 m'; write for example '0.223 m'",
+    ('"223 mm"', "223 mm"): "line 42: expected KEY = VALUE with texts in quotes, got 'rod_length",
+    ("50 um", "50 mm"): "radial_clearance: expected 1e-06 to 0.001 m, got 50 mm",
+    ("50 um", "-50 um"): "radial_clearance: expected 1e-06 to 0.001 m, got -50 um",
+    ("5.6 mPa s", "5.6 cSt"): "viscosity: expected a quantity in Pa.s, got '5.6 cSt'",
+    ("1680 rpm", "28 Hz"): "crank_speed: expected a quantity in rad/s, got '28 Hz'",
+    ("1680 rpm", "1680 1/min"): "got '1680 1/min'; write for example '3000 rpm'",
+    ("1680 rpm", "0 rpm"): "expected an angular speed above 0 with crank angles, got 0 rad/s",
+    ("-360 deg", "-360"): "start_crank_angle: expected a quantity in rad, got '-360'; write for ex",
+    ("1.39 kg", "0 kg"): "mass: expected a value above 0 kg, got '0 kg'",
+    ("26.5 mm", '26.5 mm", "0 mm'): "centre: expected a list of at most 2 entries, got",
+    ("-45.5 mm", "45.5 mm"): "skirt_lower: expected a height below skirt_upper = 0.0373 m, got",
+    ("54.95 mm", "55.173 mm"): "expected a skirt radius below the bore radius, 0.055 m, got",
+    ('bore_radius = "55', 'bore_radius = "45'): "expected 55 mm, the bore radius of bodies, got 45",
+    ("82.8 mm", "82 mm"): "skirt_length: expected 82.8 mm, the skirt length of bodies, got 82 mm",
+    ('step = "1 deg"', 'step = "0 deg"'): "time.step: expected a positive value, got '0 deg'",
+    ('step = "1 deg"', 'step = "0.7 deg"'): "the nearest are 719.6 deg and 720.3 deg",
+    ('stop = "720 deg"', "stop = 720"): 'expected a string with a unit if it has one, such as "720',
+    ("[coupling]", "[couplng]"): "got unknown key 'couplng'; did you mean 'coupling'?",
+    ('body = "bodies"', 'body = "body"'): "unknown participant 'body'; did you mean 'bodies'?",
+    ("grid = [40, 40]", "grid = [2, 40]"): "grid.0: expected a value of at least 4, got 2",
+    (
+        'file = "maps.png"',
+        'file = "motion.png"',
+    ): "different files, got 'motion.png' twice",
+    ('"mrad"', '"mm"'): "units.bodies.rocking_angle: expected a unit of rad, got 'mm'",
+    ("[record]", "[time]"): "line 69: expected each key and table once, got '[time]' a second time",
+    (
+        "ovality = ",
+        "barrel = ",
+    ): "each key and table once, got 'barrel = \"200 um\"' a sec",
+    ('label = "rigid"', 'extends = "."'): "extends: expected another case, got '.'",
+    ('label = "rigid"', 'extends = "no"'): "or the name of a case, got 'no'; `piston-cosim list`",
+    ("[summary]", '[window]\n"max ehd.maximum_pressure" = ["9 Pa", "5 Pa"]\n[summary]'): "expected "
+    "[low, high], got ['9 Pa', '5 Pa']",
+    (
+        "1 MPa",
+        "1 GPa",
+    ): "gauge pressures from -0.101325 to 100 MPa, got 6776.18 MPa; check",
+    ('angle_unit = "1 deg"', 'angle_unit = "1 rad"'): "got 41253 deg; check angle_unit and strokes",
+    ("strokes = 4", "strokes = 2"): "expected a cycle of 360 deg, got 720 deg; check angle_unit",
+    ("gas_pressure.csv", "."): "gas.file: expected a file in",
+}
+"""Replacements in the text of a shipped case, and a part of a fault."""
+DOUBTFUL_CASES = {
+    ("720 deg", "1e12 deg"): "time.stop = 1e12 deg: the run has 1e+12 macro steps",
+    (
+        'step = "1 deg"',
+        'step = "90 deg"',
+    ): "at least 72 macro steps in a period of 720 deg",
+    (
+        "[participants.ehd.build]",
+        "[participants.ehd.build]\noil = 'sae_0w_20'",
+    ): "viscosity: no ef",
+    ('barrel = "40 um"', 'barrel = "0 um"'): "a straight skirt carries on its edges",
+}
+"""Replacements in it, and a part of a warning."""
+WRONG_TABLES = {
+    "angle,p\na,b\n": "expected rows of numbers, got none",
+    "": "expected rows of numbers, got none",
+    "0,1,5\n720,1,5\n": "got 3; decimal commas need ; or tabs between columns",
+    "0,1\n720,nan\n": "line 2: expected numbers, got '720,nan'",
+    "0,1\n100,1\n200,1\n300,1\n400,1\n": "expected a cycle of 720 deg, got 400 deg; check angle_unit and strokes",
+    "0,1\n720,5\n": "expected pressure 1e+06 Pa at the end as at the start, got pressure 5e+06 Pa",
+    b"Winkel [\xb0],p\n0,1\n720,1\n": "expected a text file in UTF-8, got another encoding; save",
+    b"\x89HDF\x00\xff": "expected a text file, got a binary one",
+}
+"""Contents of a gas table, and a part of the fault."""
 FILES = ["title = ", "", "a = 1", b"\xff\xfe\x00", "title = 3", "[time]\nstop = 1", "wires = 3"]
 """Contents of a case file."""
 CALLS = [
@@ -225,6 +340,8 @@ def files(tmp_path_factory):
         file["x"] = [1.0, 2.0]
     run = pc.open_case("two_mass_oscillator", {"time.stop": "0.05 s"}).run()
     shutil.copy(run.path, folder / "good.h5")
+    (folder / "cut.h5").write_bytes(run.path.read_bytes()[:40000])
+    (folder / "empty.h5").touch()
     return folder
 
 
@@ -254,6 +371,43 @@ def test_faults_of_all_layers_at_once(monkeypatch, capsys):
     assert any("got unknown method 'nwton'; did you mean 'newton'?" in fault for fault in faults)
     unknown_key = [*words, "--set", "viscosty=1 Pa s"]
     assert len(faults_of_call(unknown_key, monkeypatch, capsys)) == 4
+
+
+def sheet_with(folder, change):
+    """Return the check of a copy of the data sheet with a text replaced."""
+    shipped = find_case(CASE)
+    text = shipped.read_text()
+    assert change[0] in text
+    shutil.copy(shipped.parent / "gas_pressure.csv", folder)
+    (folder / "case.toml").write_text(text.replace(*change, 1))
+    try:
+        return check(folder)
+    except BadInput as error:
+        return CheckedCase(folder, "", faults=error.faults)
+
+
+@pytest.mark.parametrize("change", WRONG_CASES, ids=lambda change: change[1][:20])
+def test_a_wrong_value_of_a_case_is_a_fault(change, tmp_path):
+    faults = sheet_with(tmp_path, change).faults
+    assert any(WRONG_CASES[change] in fault for fault in faults), faults
+    for fault in faults:
+        assert FORM.fullmatch(fault) and not FOREIGN.search(fault), fault
+        assert len(fault.split()) <= MOST_WORDS, fault
+
+
+@pytest.mark.parametrize("change", DOUBTFUL_CASES, ids=lambda change: change[1][:20])
+def test_a_doubtful_value_of_a_case_is_a_warning(change, tmp_path):
+    found = sheet_with(tmp_path, change)
+    assert found.faults == []
+    assert any(DOUBTFUL_CASES[change] in line for line in found.warnings), found.warnings
+
+
+@pytest.mark.parametrize("text", WRONG_TABLES)
+def test_a_wrong_gas_table_is_a_fault(text, tmp_path):
+    path = tmp_path / "gas.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    faults = check(CASE, [("participants.bodies.build.gas.file", str(path))]).faults
+    assert any(WRONG_TABLES[text] in fault for fault in faults), faults
 
 
 @pytest.mark.parametrize("text", FILES)

@@ -7,7 +7,16 @@ from cyclopts import Parameter
 from ...api.cases import open_case
 from ...api.fmus import build_fmu
 from ...fmi.errors import BadInput
-from ..common import Changes, Only, OutputFile, parse_changes, parse_grid, say, tell
+from ..common import (
+    Changes,
+    Only,
+    OutputFile,
+    native_platforms,
+    parse_changes,
+    parse_grid,
+    say,
+    tell,
+)
 
 
 def command(
@@ -21,7 +30,7 @@ def command(
     output: OutputFile | None = None,
     fmi: Literal["2.0", "3.0"] = "2.0",
     native: Annotated[bool, Parameter(negative=())] = False,
-    platform: str = "linux64",
+    platform: str | None = None,
 ):
     """Build the FMU of one participant of a case, or of a single-file model class.
 
@@ -49,7 +58,8 @@ def command(
         Write machine code that needs no Python. Reports each option that it does not support.
     platform
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
-        aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
+        aarch64-darwin. Default: linux64. Needs a C compiler, except for platforms whose library is
+        installed.
     """
     if ".py" in source:
         if set_ or only:
@@ -64,7 +74,7 @@ def command(
         output=output,
         options={"grid": parse_grid(grid)} if grid else {},
         fmi=fmi,
-        platforms=platform.split(",") if native else (),
+        platforms=native_platforms(platform, native),
         say=say,
     )
     tell(str(made))

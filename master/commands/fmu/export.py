@@ -13,7 +13,7 @@ from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
 from ...fmi.errors import BadInput
-from ..common import Changes, Only, OutputFile, parse_changes, say, tell
+from ..common import Changes, Only, OutputFile, native_platforms, parse_changes, say, tell
 
 
 def command(
@@ -25,7 +25,7 @@ def command(
     output: OutputFile,
     fmi: Literal["2.0", "3.0"] = "2.0",
     native: Annotated[bool, Parameter(negative=())] = False,
-    platform: str = "linux64",
+    platform: str | None = None,
 ):
     """Export a case as one FMU or as an SSP.
 
@@ -54,8 +54,12 @@ def command(
         support.
     platform
         Platforms of a native FMU, separated by commas: linux64, win64, aarch64-linux, darwin64,
-        aarch64-darwin. Needs a C compiler, except for platforms whose library is installed.
+        aarch64-darwin. Default: linux64. Needs a C compiler, except for platforms whose library is
+        installed.
     """
+    if output.suffix not in (".fmu", ".ssp"):
+        raise BadInput(f"--output: expected a file *.fmu or *.ssp, got {str(output)!r}")
+    platforms = native_platforms(platform, native)
     opened = open_case(case, dict(parse_changes(set_)), only)
     tree, path = opened.tree, opened.path
     checked = check_case(tree, path)
@@ -67,7 +71,6 @@ def command(
         own = [name for name, table in checked.participants.items() if table.package]
         made = [system.participants[name].path for name in own]
     else:
-        platforms = platform.split(",") if native else ()
         made = [export_fmu(checked, path.parent, say, fmi, platforms)]
         output.write_bytes(made[0].read_bytes())
     for one in () if native else made:
