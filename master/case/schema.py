@@ -459,14 +459,27 @@ class Case(Table):
         """Set the range of an axis from a length; it stays relative if the length is invalid."""
         table = self.participants.get(owner)
         text = table.parameters.get(name) if table else None
-        axis.length = None
+        begin, axis.length, axis.lower = self._length_at(axis.lower), None, None
         try:
             scale = from_si(to_si(str(text), "m"), "m", axis.unit)
         except ValueError:
             axis.label, axis.unit = f"{axis.label} / {name.replace('_', ' ')}", ""
             return
+        begin = from_si(begin, "m", axis.unit)
         low, high = axis.range
-        axis.range = (low * scale, high * scale)
+        axis.range = (begin + low * scale, begin + high * scale)
+
+    def _length_at(self, text: str | None) -> float:
+        """Return the length of an axis' key `lower` [m]; 0 if it is omitted."""
+        owner, *parts = (text or "").split(".build.")
+        node: Any = self.participants[owner].build if owner in self.participants else None
+        for part in parts[0].split(".") if parts else ():
+            node = node.get(part) if isinstance(node, dict) else None
+        try:
+            return to_si(node if parts and isinstance(node, str) else text, "m") if text else 0.0
+        except ValueError:
+            wanted = "a length, or a build option of a participant that holds one"
+            raise ValueError(f"axes.second.lower: expected {wanted}, got {text!r}") from None
 
     def _ports(self) -> list[str]:
         """Return every "participant.variable" that the file names."""

@@ -119,6 +119,10 @@ class Axis(Table):
     """Parameter that holds a length. If set, `range` is relative to this length and shown in
     `unit`.
     """
+    lower: str | None = None
+    """Position at which `length` begins: a length, or a build option that holds it, such as
+    "bodies.build.piston.skirt_lower". Default: 0.
+    """
     marks: dict[str, float] = {}
     """Labels at positions along the axis."""
 

@@ -278,7 +278,7 @@ def _slap(run):
 def _edge_height(run, impact):
     """Return the height of the edge that strikes, in the coordinate of the maps."""
     axis = run.case.axes_of(f"{run.film}.pressure").second
-    return f", height {axis.range[impact.edge == 'upper']:.3g} {axis.unit}".rstrip()
+    return f", {axis.label} {axis.range[impact.edge == 'upper']:.3g} {axis.unit}".rstrip()
 
 
 def _lateral(run):

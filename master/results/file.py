@@ -47,7 +47,7 @@ class Results(Recorded):
         """Return all recorded data with named dimensions; needs the extra `xarray`.
 
         Scalars depend on `time` [s], fields on `instant` [s] and the axes of the case (for a
-        skirt: `angle` [deg], `height` over its length [-]). A case with a crank also has the
+        skirt: `angle` [deg], `height` in the unit of the case). A case with a crank also has the
         coordinates `crank_angle` [rad] and `instant_crank_angle`. All data is read into memory.
         """
         from .labelled import to_xarray

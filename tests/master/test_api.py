@@ -175,7 +175,7 @@ def test_results_as_xarray_have_named_dimensions(skirt):
     assert data.sizes["angle"] == 16 and data.sizes["height"] == 8
     # cell floor(16/4) + 1 = 5 has its centre on the thrust side, 90 deg from the pin axis
     assert float(data["angle"][4]) == 90.0 and data["angle"].attrs["units"] == "deg"
-    assert data["height"].values == pytest.approx((np.arange(8) + 0.5) / 8 * 82.8)  # mm
+    assert data["height"].values == pytest.approx(-45.5 + (np.arange(8) + 0.5) / 8 * 82.8)  # mm
     assert data["height"].attrs["units"] == "mm"
     # 1 deg at 1680 rpm are 99.2 us; fields at every second one from -360 deg on
     assert np.degrees(data["instant_crank_angle"].values) == pytest.approx(

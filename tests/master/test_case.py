@@ -160,20 +160,24 @@ def test_a_picture_shows_the_coupling_over_time(case_file):
 
 
 @pytest.mark.parametrize(
-    "given, ends, title",
+    "given, lower, ends, title",
     [
-        ('length_of_it = "40 mm"', (0.0, 20.0), "height [mm]"),
-        ("", (0.0, 0.5), "height / length of it"),
-        ('length_of_it = "40 s"', (0.0, 0.5), "height / length of it"),
+        ('length_of_it = "40 mm"', "0 mm", (0.0, 20.0), "height [mm]"),
+        ('length_of_it = "40 mm"', "-1 cm", (-10.0, 10.0), "height [mm]"),
+        ('length_of_it = "40 mm"', "b.build.edge.low", (-7.0, 13.0), "height [mm]"),
+        ("", "0 mm", (0.0, 0.5), "height / length of it"),
+        ('length_of_it = "40 s"', "0 mm", (0.0, 0.5), "height / length of it"),
     ],
 )
-def test_an_axis_in_shares_of_a_length(case_file, given, ends, title):
+def test_an_axis_in_shares_of_a_length(case_file, given, lower, ends, title):
     """A length that is missing or none leaves shares: its fault is told where it is checked."""
     axes = (
         '[participants.b.parameters]\n{}\n[[axes]]\nparticipants = ["b"]\n'
-        'second = {{ label = "height", unit = "mm", range = [0, 0.5], length = "b.length_of_it" }}'
+        'second = {{ label = "height", unit = "mm", range = [0, 0.5], length = "b.length_of_it", '
+        'lower = "{}" }}\n[participants.b.build]\nedge = {{ low = "-7 mm" }}\n'
     )
-    path = case_file(GOOD.replace("[variants.slow]", axes.format(given) + "\n[variants.slow]"))
+    text = axes.format(given, lower)
+    path = case_file(GOOD.replace("[variants.slow]", f"{text}\n[variants.slow]"))
     second = check_case(read_tree(path), path).axes_of("b.y").second
     assert second.range == pytest.approx(ends) and second.title == title
 
