@@ -119,10 +119,9 @@ def judge_profile(
         Nominal radius of the skirt [m]. None for a bore, which has no usual sign and form.
     """
     low, high = float(shape.height[0]), float(shape.height[-1])
-    first, last = max(low, lower), min(high, upper)
-    share = max(last - first, 0.0) / (upper - lower)
+    share = covered_share(shape, lower, upper)
     span = f"{_mm(lower)} to {_mm(upper)} mm, got {_mm(low)} to {_mm(high)} mm"
-    if shape.height.size > 1 and share < COVERED:
+    if share < COVERED:
         text = f"expected heights over {span}; check height_unit and the origin of the heights"
         return [Message("fault", text)]
     largest = float(np.abs(shape.value).max())
@@ -131,15 +130,27 @@ def judge_profile(
         hint = "check value_unit, or subtract the nominal radius from radii"
         return [Message("fault", f"{text}; {hint}")]
     found = []
-    if shape.height.size > 1 and share < WHOLE:
+    if share < WHOLE:
         text = f"expected heights over {span}; the first and the last row continue to the ends"
         found.append(Message("warning", text))
     if largest > LARGE:
         text = f"expected deviations below {_um(LARGE)}, got {_um(largest)}; check value_unit"
         found.append(Message("warning", text))
     if radius is not None:
-        found += _of_form(shape, form_of(shape, first, last), 2 * radius)
+        form = form_of(shape, max(low, lower), min(high, upper))
+        found += _of_form(shape, form, 2 * radius)
     return found + _of_surface(shape)
+
+
+def covered_share(shape: MeasuredShape, lower: float, upper: float) -> float:
+    """Return the share of the length from `lower` to `upper` [m] within the heights of a table.
+
+    A single row covers all heights.
+    """
+    if shape.height.size == 1:
+        return 1.0
+    low, high = max(shape.height[0], lower), min(shape.height[-1], upper)
+    return float(max(high - low, 0.0)) / (upper - lower)
 
 
 def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]:

@@ -19,6 +19,7 @@ from .profile_judgement import (
     FEWEST_ANGLES,
     FEWEST_HEIGHTS,
     SmoothShape,
+    covered_share,
     form_of,
     judge_profile,
     place_of,
@@ -80,6 +81,11 @@ def read_profile(
     ends = float(shape.height[0]), float(shape.height[-1])
     lower = ends[0] if reading.lower is None else reading.lower
     upper = ends[1] if reading.upper is None else reading.upper
+    if lower > upper or (lower == upper and shape.height.size > 1):
+        raise BadInput(
+            f"--skirt-upper: expected more than {MM * lower:g} mm, the lower end, got "
+            f"{MM * upper:g} mm"
+        )
     smoothed = smooth_shape(shape)
     if smooth and smoothed is None:
         count = f"{shape.height.size} heights and {shape.angle.size} angles"
@@ -94,7 +100,9 @@ def read_profile(
     _draw(shape, result, smoothed, picture)
     if output:
         _write(result, output)
-    return ProfileReport(_figures(shape, smoothed), messages, changes)
+    share = covered_share(shape, lower, upper)
+    covered = Figure("table", "covered_share", share, "1", "of the skirt")
+    return ProfileReport([*_figures(shape, smoothed), covered], messages, changes)
 
 
 def _turned(shape: MeasuredShape, turn: float) -> MeasuredShape:
@@ -211,12 +219,15 @@ def _draw(
 
 def _differences(figure: Picture, panel, off: MeasuredShape, noise: float) -> None:
     """Draw the differences of a table's values from a smooth shape, one rectangle for each."""
-    degrees, height, value = np.degrees(off.angle), MM * off.height, UM * off.value
+    degrees = np.append(np.degrees(off.angle), np.degrees(off.angle[0]) + 360.0)
+    height, value = MM * off.height, UM * np.hstack([off.value, off.value[:, :1]])
+    if height.size == 1:
+        height, value = np.append(height, height + 1.0), np.vstack([value, value])
     usual = 5.0 * UM * noise  # grains are far above it
     image = panel.pcolormesh(
-        np.append(degrees, degrees[0] + 360.0) if degrees.size > 1 else [0.0, 360.0],
-        height if height.size > 1 else [height[0] - 1, height[0] + 1],
-        np.hstack([value, value[:, :1]]) if degrees.size > 1 else np.repeat(value, 2, axis=1),
+        degrees,
+        height,
+        value,
         cmap="RdBu_r",
         vmin=-usual,
         vmax=usual,

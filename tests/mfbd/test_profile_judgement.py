@@ -142,6 +142,8 @@ def test_the_reader_turns_and_smooths(tmp_path, capsys):
     picture = tmp_path / "again.svg"
     again = read_profile(tmp_path / "smooth.csv", whole, picture, False, tmp_path / "same.csv")
     assert again.messages == []
+    share = next(one.value for one in again.figures if one.name == "covered_share")
+    assert share == pytest.approx(1.0, abs=1e-6)
     rows = np.loadtxt(tmp_path / "same.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(rows[:, 1:] * 1e-6, EXACT.value, atol=3 * NOISE)
 
@@ -152,6 +154,10 @@ def test_faults_of_the_reader(tmp_path):
     few = MeasuredShape(SOUND.angle[::8], SOUND.height[:3], SOUND.value[:3, ::8])
     with pytest.raises(BadInput, match="--smooth: expected 5 heights or 12 angles, got 3 heights"):
         command(write(few, tmp_path / "few.csv"), smooth=True, picture=tmp_path / "few.png")
+    with pytest.raises(BadInput, match="--skirt-upper: expected more than 0 mm, the lower"):
+        command(tmp_path / "few.csv", skirt_lower="0 mm", skirt_upper="-5 mm")
+    row = MeasuredShape(SOUND.angle, SOUND.height[:1], SOUND.value[:1])
+    command(write(row, tmp_path / "row.csv"), picture=tmp_path / "row.png")
     short = write(replace(SOUND, height=1e-3 * SOUND.height), tmp_path / "short.csv")
     with pytest.raises(BadInput, match="short.csv: expected heights over -25 to 20 mm"):
         command(short, skirt_lower="-25 mm", skirt_upper="20 mm", picture=tmp_path / "short.pdf")
