@@ -274,6 +274,6 @@ def profile_table(
     if gaps.max() > WIDEST_GAP * np.median(gaps):
         raise TableFault(
             f"{path}: expected gaps near {np.degrees(np.median(gaps)):g} deg between angles, got "
-            f"{np.degrees(gaps.max()):g} deg"
+            f"{np.degrees(gaps.max()):g} deg; a table covers a full revolution, also of diameters"
         )
     return MeasuredShape(angle, height, np.array([values[1:] for values in body]) * value_unit)
