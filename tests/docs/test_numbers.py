@@ -48,6 +48,27 @@ def test_the_front_page_counts_the_verification_figures():
     assert parts == re.findall(r"\d+", split) and sum(map(int, parts)) == int(count)
 
 
+@pytest.mark.parametrize(
+    "case, quantity, relative, text",
+    [
+        ("Infinite inclined pad .*320 cells", r"\*|ratio", True, "closed form | {:.1g} %"),
+        ("Journal bearing L/D.*groove", "Sommerfeld", True, "Raimondi and Boyd | {:.2g} % and"),
+        ("Journal bearing L/D.*groove", "attitude", False, "% and {:.2g} deg"),
+        ("Oscillating squeeze, 80 cells, step 2e-4", "time", False, "moving fronts | {:.1g} and"),
+        ("Oscillating squeeze, 80 cells, step 2e-4", "width", False, " and {:.2g}, dimensionless"),
+        ("Rigid bodies, 42 x 42", "rms", True, "one equation system | {:#.2g} % rms"),
+    ],
+)
+def test_the_front_page_shows_the_largest_differences(case, quantity, relative, text):
+    lines = (ROOT / "docs/figures.md").read_text().split("\n")
+    rows = [[cell.strip() for cell in line.split("|")[1:]] for line in lines if "|" in line]
+    found = [r for r in rows if re.match(case, r[0]) and re.search(quantity, r[1])]
+    largest = max(
+        100.0 * float(r[4]) if relative else abs(float(r[2]) - float(r[3])) for r in found
+    )
+    assert len(found) >= 2 and text.format(largest) in README
+
+
 def shown(case, *parts):
     """Return the lowest and highest difference [%] of the rows of a case that contain `parts`."""
     lines = (ROOT / f"models/measured/{case}/README.md").read_text().split("\n")
