@@ -197,7 +197,9 @@ def test_what_the_modes_of_each_body_miss(tmp_path):
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
     said = judged(tmp_path)["film"].said
     # row 10 of 40 has its centre at 9.5/40 of the skirt
-    assert "anti-thrust side, angle from the pin axis 270 deg, height above the pin -25.8 mm" in said
+    assert (
+        "anti-thrust side, angle from the pin axis 270 deg, height above the pin -25.8 mm" in said
+    )
     assert "9.26 times the roughness" in said  # 5/0.54
 
 
@@ -256,14 +258,18 @@ def test_the_first_screen_by_hand(tmp_path):
         shown = answer(case, results)
     said = {line.name: line.said for line in shown.lines}
     assert said["friction"] == "mean 100 W, FMEP 9.18 kPa over 720 deg"
-    assert said["minimum film"] == "5 µm at 370 deg, anti-thrust side, 270 deg, height above the pin -25.8 mm"
+    assert (
+        said["minimum film"]
+        == "5 µm at 370 deg, anti-thrust side, 270 deg, height above the pin -25.8 mm"
+    )
     assert said["maximum pressure"] == "3 MPa at 360 deg"
     assert said["asperity contact"] == "4.00% of the friction work, on at most 0.10% of the skirt"
     assert said["side force"] == (
         "1 kN on the anti-thrust side at 540 deg; demand 1 kN on the anti-thrust side at 540 deg"
     )
     assert said["slap"] == (
-        "2 mJ lost at 720 deg, lower edge at 50 mm/s on the anti-thrust side, height above the pin -45.5 mm"
+        "2 mJ lost at 720 deg, lower edge at 50 mm/s on the anti-thrust side, "
+        "height above the pin -45.5 mm"
     )
     assert said["lateral motion"] == "-10 µm to 10 µm"
     assert said["rocking angle"] == "-0.1 deg to 0.1 deg"
