@@ -198,9 +198,10 @@ class Interface:
         scalars = is_small and not self.relative
         self._scalar_tolerances = self.tolerance.tolist() if scalars else None
         self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
-        is_exact = self.difference == DIFFERENCE
-        # those apart that repeat a step by themselves, which takes fewer messages
-        self.repeating = self.apart - self.discrete_inputs.keys() if is_exact else set[str]()
+        self.derived = {name for name, p in participants.items() if p.has_derivatives}
+        if self.difference == DIFFERENCE:
+            # those apart repeat a step by themselves, which takes fewer messages
+            self.derived |= self.apart - self.discrete_inputs.keys()
         self.stages = self._stages(against) if self.apart else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
@@ -352,12 +353,11 @@ class Interface:
         seen = np.zeros(self.size)
         seen[self.unknowns] = change[self.unknowns]
         result = np.zeros(self.size)
-        for name, participant in self.participants.items():
-            ends = self.ends[name]
+        for name, ends in self.ends.items():
             if not (ends.inputs and ends.outputs):
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
-            if participant.has_derivatives or name in self.repeating or self._last is None:
+            if name in self.derived or self._last is None:
                 ends.differentiate(seen, result)
             else:
                 result[ends.out] = self._difference(name, *self._last, seen[ends.into])
