@@ -120,7 +120,7 @@ def quantity(text: str) -> Any:
     if written is None:
         raise ValueError(f"expected one number with a unit, got {text!r}")
     unit = re.sub(r"^1?\s*/", "1/", written["unit"])
-    if re.search(r"[-+,_\d]", EXPONENT.sub("", unit.removeprefix("1/"))) or unit == "Grad":
+    if re.search(r"[-+,\d]", EXPONENT.sub("", unit.removeprefix("1/"))) or unit == "Grad":
         raise ValueError(f"expected one number with a unit, got {text!r}")
     try:
         made = registry().Quantity(float(written["number"]), pint_unit(unit or "1"))

@@ -112,6 +112,7 @@ def test_no_time_of_a_table_is_a_bare_number(tmp_path):
         ("3 g/cm3", "kg/m^3", 3e3),
         ("4 1/s", "s-1", 4.0),
         ("5 %", "1", 0.05),
+        ("5 delta_degC", "K", 5.0),
         ("20 \N{DEGREE SIGN}C", "K", 293.15),
     ],
 )
