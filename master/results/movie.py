@@ -64,7 +64,7 @@ def write_movie(
     ]
     if not ports:
         hint = "" if known else "; the file has no fields, name them in record.fields of the case"
-        faults.append(f"--field: expected a recorded field, {names_of(known)}, got nothing{hint}")
+        faults.append(f"--field: expected {names_of(known)}, got nothing{hint}")
     if frames < 2:
         faults.append(f"--frames: expected at least 2, got {frames}")
     if path.suffix != ".gif":
