@@ -127,10 +127,11 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     figures += _of_film(build, shapes)
     messages += messages_on_profiles(build, tables, piston, block)
     messages += messages_on_fit(build, piston, block, chosen, shapes)
-    texts: dict[str, list[str]] = {"fault": wrong, "warning": [], "remark": remarks}
+    warnings: list[str] = []
+    texts = {"fault": wrong, "warning": warnings, "remark": remarks}
     for message in messages:
         texts[message.kind].append(message.text)
-    return Preview(figures, *texts.values(), lambda path: draw_shapes(shapes, path))
+    return Preview(figures, wrong, warnings, remarks, lambda path: draw_shapes(shapes, path))
 
 
 def _tried(

@@ -122,7 +122,7 @@ def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
     clock, _ = run_ahead(case, folder)
     if clock is None:
         return []
-    out = []
+    out: list[str] = []
     steps, by_period = clock.stop / clock.step, clock.period / clock.step
     if steps > MOST_STEPS:
         out.append(f"time.stop = {case.time.stop}: the run has {steps:.2g} macro steps")

@@ -96,7 +96,7 @@ def file_fault(path: Path | str | None, error: Exception) -> str:
     for kind, sentence in FILE_FAULTS.items():
         if isinstance(error, kind):
             return f"{path}: {sentence}"
-    code = getattr(error, "errno", None)
+    code = getattr(error, "errno", None) or 0
     words = os.strerror(code).lower() if code else "unreadable content"
     return f"{path}: expected {FAULTS_OF_SYSTEM.get(code, 'access')}, got {words}"
 
