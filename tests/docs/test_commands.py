@@ -72,7 +72,7 @@ WRITTEN = {
 WRITTEN |= {"RUN.h5": "a.h5"}
 """Words of the pages in capitals, and what replaces them here."""
 STOPS = {"two_mass_oscillator": "30 ms", "elastic_tube": "", "journal_bearing": "2 ms"}
-STOPS |= {"case.toml": "10 ms", "my_engine": "4 deg"}
+STOPS |= {"case.toml": "10 ms", "my_engine": "6 deg"}
 """Stop time of cases without a crank, and of my_engine: three rows for the measurement of the page.
 That of the others is 2 steps."""
 SHEET = find_case("data_sheet")
