@@ -69,9 +69,9 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
 
 
 def rigid_integrals(rigid_mass: np.ndarray) -> dict[str, Any]:
-    """Return mass, S and I0 of Eq. (J7) from the mass matrix of the rigid motions about A, (6, 6).
+    """Return mass, S and I0 of Eq. (J7) from Eq. (J8), the mass matrix of the rigid motions about A.
 
-    Eq. (J7):  m = m_xx,   S = (m_(y, turn about z), -m_(x, turn about z)),   I0 = m_(turn about z)
+    Its last column is the inertia against a rotation about z.
     """
     first_x, first_y = rigid_mass[1, 5], -rigid_mass[0, 5]
     S = np.array([first_x, first_y])

@@ -29,6 +29,7 @@ OUTER = {
     "alone.py",
     "preview.py",
     "preview_remarks.py",
+    "profile_judgement.py",
     "profile_reader.py",
     "thrust_symmetry.py",
     "truncations.py",
