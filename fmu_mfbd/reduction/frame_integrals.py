@@ -69,7 +69,7 @@ def floating_frame_integrals(M: Sparse, position: np.ndarray, modes: np.ndarray)
 
 
 def rigid_integrals(rigid_mass: np.ndarray) -> dict[str, Any]:
-    """Return mass, S and I0 of Eq. (J7) from Eq. (J8), the mass matrix of the rigid motions about A.
+    """Return mass, S and I0 of Eq. (J7) from the mass matrix of the rigid motions about A.
 
     Its last column is the inertia against a rotation about z.
     """
