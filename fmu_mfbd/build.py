@@ -111,7 +111,7 @@ def on_grid(options: dict[str, Any], key: str, grid: tuple[int, int]) -> dict[st
     from .reduction.smooth_prior import ALONG, pattern_count  # slow to import
 
     around, along = grid
-    changed = options | {key: [around, along]}
+    changed: dict[str, Any] = options | {key: [around, along]}
     for name, kind, surface in (("piston", Piston, "skirt"), ("block", Block, "bore")):
         if options.get(name, {}).get("symmetric_film"):
             changed[name] = options[name] | {"symmetric_film": False}

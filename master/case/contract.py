@@ -556,7 +556,7 @@ def _with_grid_of(tree, name, fields, say):
             field = fields.get(before + next(iter(terms.inputs["field"])))
             table = tree["participants"][owner]
             build, on_grid = table.get("build", {}), part_function(table.get("package"), "on_grid")
-            if None in (field, key, on_grid) or len(field.shape) != 2:
+            if not (field and key and on_grid) or len(field.shape) != 2:
                 continue
             if build.get(key) != [*field.shape]:
                 changed = on_grid(build, key, field.shape)

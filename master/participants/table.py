@@ -232,7 +232,7 @@ def _numbers(path, rows, width, faults):
     table = np.zeros((len(rows), width))
     for k, (number, row) in enumerate(rows):
         try:
-            table[k] = [float(WORDS.get(cell.strip().lower(), cell)) for cell in row]
+            table[k] = [float(WORDS.get(cell.strip().lower()) or cell) for cell in row]
         except ValueError:
             faults.append(f"{path}, row {number}: expected {width} numbers, got {', '.join(row)!r}")
     if not np.isfinite(table).all():
