@@ -177,18 +177,22 @@ def check_ports(case, participants, faults):
         if field is not None and (field.shape or field.type in NO_NUMBERS):
             shape = f"an array of shape {field.shape}" if field.shape else f"a {field.type}"
             faults.append(f"{where}: expected a scalar number, got {port}, {shape}")
-        limits = case.window.get(where.removeprefix("window."), ()) if field else ()
-        try:
-            low_to_high = [to_si(limit, field.unit) for limit in limits]
-        except ValueError as error:
-            faults.append(f"{where}: {error}")
-        else:
-            if low_to_high != sorted(low_to_high):
-                faults.append(f"{where}: expected [low, high], got {list(limits)}")
+        if field is not None and where.startswith("window."):
+            _check_window(where, case.window[where.removeprefix("window.")], field.unit, faults)
     for picture in case.pictures:
         for port in picture.fields:
             field_of(port, ("output",), participants, f"pictures.{picture.file}", faults)
         _check_shown_units(picture, participants, faults)
+
+
+def _check_window(where, limits, unit, faults):
+    """Append a fault if the limits of a window are no rising quantities of the unit."""
+    try:
+        low, high = (to_si(limit, unit) for limit in limits)
+        if low > high:
+            faults.append(f"{where}: expected [low, high], got {list(limits)}")
+    except ValueError as error:
+        faults.append(f"{where}: {error}")
 
 
 def _check_shown_units(picture, participants, faults):
