@@ -27,7 +27,7 @@ NODES = {
     r"(STRI65|CPS6|CPE6|M3D6|SFM3D6)$": 6,
 }
 """Numbers of nodes of the tetrahedra and triangles that are read, by element type."""
-SOLIDS = r"([A-Z]{0,2}C3D|[A-Z]?COH3D|[A-Z]*SC|CSS|F3D|Q3D)(\d+)"
+SOLIDS = r"([A-Z]{0,2}C3D|[A-Z]?COH3D|[A-Z]*SC|CSS|F3D|Q3D)(?P<nodes>\d+)"
 """Other solid elements, with their number of nodes."""
 
 
@@ -134,7 +134,7 @@ class Part:
         """Add tetrahedra, triangles and the numbers of other solids; return the numbers added."""
         count = next((n for pattern, n in NODES.items() if re.match(pattern, kind)), 0)
         solid = None if count else re.match(SOLIDS, kind)
-        size = 1 + (int(solid[2]) if solid else count)
+        size = 1 + (int(solid["nodes"]) if solid else count)
         if size == 1:
             return []
         if len(cells) % size:

@@ -87,8 +87,10 @@ class _Archive:
                 self.elements += _elements(lines, solid, body)
                 body = ""
             elif command == "CMBLOCK":
-                nodes = words[2].upper().startswith("NODE")
-                (self.nodes if nodes else self.components)[words[1]] = _component(lines, words)
+                _, name, kind, count, *_ = words
+                nodes = kind.upper().startswith("NODE")
+                members = _component(lines, int(count))
+                (self.nodes if nodes else self.components)[name] = members
 
 
 def read_ansys(path: Path) -> Deck:
@@ -194,11 +196,11 @@ def _rows(lines: Iterator[str], width: int, most: int | None = None) -> Iterator
         yield row
 
 
-def _component(lines, words):
-    """Return the members of the component of a CMBLOCK, where a negative number ends a range."""
+def _component(lines, count):
+    """Return the members of a CMBLOCK of `count` numbers, where a negative number ends a range."""
     (width,) = _format(r"\d*i(\d+)\s*\)", next(lines))
     numbers: list[int] = []
-    while len(numbers) < int(words[3]):
+    while len(numbers) < count:
         numbers += _numbers(next(lines), width)
     nodes: list[int] = []
     for number in numbers:

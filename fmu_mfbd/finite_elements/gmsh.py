@@ -190,9 +190,7 @@ def _elements_22(body, binary):
     count, _, body = body.partition(b"\n")
     if not binary:
         rows = [[int(text) for text in line.split()] for line in body.splitlines() if line.strip()]
-        for (number, tags, group), same in groupby(
-            rows, lambda row: (row[1], row[2], row[3] if row[2] else 0)
-        ):
+        for (number, tags, group), same in groupby(rows, _row_group):
             kind, nodes = _kind(number)
             table = np.array([row[3 + tags : 3 + tags + nodes] for row in same])
             yield ElementBlock(kind, (group,) if group else (), table)
@@ -207,6 +205,12 @@ def _elements_22(body, binary):
         for same in np.split(table, np.flatnonzero(np.diff(groups)) + 1):
             group = int(same[0, 1]) if tags else 0
             yield ElementBlock(kind, (group,) if group else (), same[:, 1 + tags :].astype(int))
+
+
+def _row_group(row):
+    """Return kind, number of tags and group of an element of format 2.2."""
+    _, number, tags, *others = row
+    return number, tags, others[0] if tags else 0
 
 
 def _physical_tags(numbers):
