@@ -215,10 +215,12 @@ class _BasicSystem:
         if system == 0:
             return local
         if kind == "C":
-            r, t, z = local[0], np.radians(local[1]), local[2]
+            r, degrees, z = local
+            t = np.radians(degrees)
             local = r * np.cos(t), r * np.sin(t), z  # Eq. (M22)
         elif kind == "S":
-            r, t, f = local[0], *np.radians(local[1:])
+            r, *degrees = local
+            t, f = np.radians(degrees)
             local = r * np.sin(t) * np.cos(f), r * np.sin(t) * np.sin(f), r * np.cos(t)
         return (origin + np.array(local) @ axes).tolist()
 
