@@ -51,7 +51,7 @@ FAULTS = {
         "skirt_upper: expected within surface",
     ),
     "units": ({"mesh_unit": "1 mm"}, "msh: expected a body of 5 mm to 5 m, got"),
-    "density": ({"density": "2.7 kg/m^3"}, "density: expected a value of at least 500 kg/m^3,"),
+    "density": ({"density": "2.7 kg/m^3"}, r"density: expected a value of at least 500 kg/m\^3,"),
     "no mesh": ({"mesh": "words.msh"}, "msh: expected a mesh file, got other or"),
     "not reduced": (
         {"reduced": "words.msh"} | dict.fromkeys(("mesh", "density", "poisson", "young")),
