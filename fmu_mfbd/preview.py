@@ -91,9 +91,9 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     given = {name: value for name, value in parameters.items() if value is not None}
     chosen = Parameters(**{name: value for name, value in given.items() if name in known})
     wrong: list[str] = []
-    remarks: list[str] = []
-    piston = _tried(_piston, build, wrong, remarks)
-    block = _tried(_block, build, wrong, remarks)
+    warnings: list[str] = []
+    piston = _tried(_piston, build, wrong, warnings)
+    block = _tried(_block, build, wrong, warnings)
     if piston is None or block is None:
         return Preview(faults=wrong)
     if assumed := claims(build):
@@ -106,7 +106,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         wrong += [rejection(claim, reasons) for claim in assumed if reasons]
     prepared = options_ahead(build, tables)
     axis = _axis(prepared, given, build)
-    eye = _eye(build, wrong, remarks)
+    eye = _eye(build, wrong, warnings)
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
         rigid = ReducedBodies(piston.body, block.body)
@@ -127,7 +127,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     figures += _of_film(build, shapes)
     messages += messages_on_profiles(build, tables, piston, block)
     messages += messages_on_fit(build, piston, block, chosen, shapes)
-    warnings: list[str] = []
+    remarks: list[str] = []
     texts = {"fault": wrong, "warning": warnings, "remark": remarks}
     for message in messages:
         texts[message.kind].append(message.text)
@@ -138,11 +138,11 @@ def _tried(
     look: Callable[[Build, list[str]], BodyPreview],
     build: Build,
     wrong: list[str],
-    remarks: list[str],
+    warnings: list[str],
 ) -> BodyPreview | None:
     """Return a body, or None with its faults."""
     try:
-        return look(build, remarks)
+        return look(build, warnings)
     except MeshFault as error:
         wrong += error.faults
     except (ValueError, MemoryError) as error:
@@ -150,7 +150,7 @@ def _tried(
     return None
 
 
-def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
+def _eye(build: Build, wrong: list[str], warnings: list[str]) -> Eye | None:
     """Read the mesh of the rod's eye, if it is flexible."""
     film = eye_film(build)
     if not film:
@@ -158,7 +158,7 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
     assert build.floating_pin and build.floating_pin.small_end
     options = build.floating_pin.small_end
     try:
-        mesh = shell_mesh(options, film, SMALL_END, remarks.append)
+        mesh = shell_mesh(options, film, SMALL_END, warnings.append)
         radius = film_shell(mesh, film).radius
     except MeshFault as error:
         wrong += error.faults
@@ -174,7 +174,7 @@ def _eye(build: Build, wrong: list[str], remarks: list[str]) -> Eye | None:
     )
 
 
-def _piston(build: Build, remarks: list[str]) -> BodyPreview:
+def _piston(build: Build, warnings: list[str]) -> BodyPreview:
     """Return the piston, rigid."""
     options = build.piston
     if options.rigid:
@@ -185,9 +185,9 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
         try:
             skirt = load(MeshProperties, Path(options.reduced)).skirt
         except ValueError:  # a file without them
-            remarks.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
+            warnings.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return BodyPreview(body, skirt)
-    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), remarks.append)
+    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), warnings.append)
     mass = None
     if options.density:
         mass = mass_properties(rigid_mass(mesh.points, mesh.tets, options.density))
@@ -215,14 +215,14 @@ def _piston(build: Build, remarks: list[str]) -> BodyPreview:
     return BodyPreview(rigid_piston(rigid, build.grid), there, mesh)
 
 
-def _block(build: Build, remarks: list[str]) -> BodyPreview:
+def _block(build: Build, warnings: list[str]) -> BodyPreview:
     """Return the block, rigid."""
     options = build.block
     if options.rigid:
         return BodyPreview(rigid_block(options, build.grid))
     if options.reduced:
         return BodyPreview(load(ReducedBlock, Path(options.reduced)))
-    mesh = read_surfaces(options, ("bore", "bolts"), remarks.append)
+    mesh = read_surfaces(options, ("bore", "bolts"), warnings.append)
     refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)

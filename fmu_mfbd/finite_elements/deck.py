@@ -9,8 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .element import EDGES
-
 CORNERS, NODES = 4, 10
 """Numbers of nodes of a tetrahedron."""
 OMITTED = {0: -1}
@@ -189,6 +187,8 @@ def with_middles(points: np.ndarray, tets: np.ndarray) -> tuple[np.ndarray, np.n
     An element gets the middle node of a neighbour on the same edge, else a new one at the middle of
     the straight edge.
     """
+    from .element import EDGES  # slow to import
+
     ends = np.sort(tets[:, EDGES], axis=2).reshape(-1, 2)
     edges, number = np.unique(ends, axis=0, return_inverse=True)
     number = number.reshape(-1)

@@ -35,7 +35,7 @@ def test_all_faults_of_the_table_at_once(coarse):
     text = "\n".join(caught.value.faults)
     for piece in (
         "grid.1: expected a value of at least 4, got 2",
-        "piston.density: expected a value of at least 500, got '-2700 kg/m^3'",
+        "piston.density: expected a value of at least 500 kg/m^3, got '-2700 kg/m^3'",
         "got unknown key 'yung'; did you mean 'young'?",
         "block.young: expected a quantity in Pa, got '75 mm'",
         "block.basis: expected one of",

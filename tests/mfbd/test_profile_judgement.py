@@ -173,4 +173,4 @@ def test_the_check_of_a_case_judges_its_profiles(tmp_path):
         "build.piston.profiles, metres.csv: expected heights over -25 to 20 mm, got -0.025 to "
         "0.02 mm; check height_unit and the origin of the heights"
     ]
-    assert any("dust.csv: expected a smooth surface" in line for line in seen.remarks)
+    assert any("dust.csv: expected a smooth surface" in line for line in seen.warnings)

@@ -140,7 +140,7 @@ def test_a_data_sheet_is_a_body_without_modes(tmp_path, monkeypatch):
         (dict(skirt_upper=None), "skirt_upper: expected a value for a rigid"),
         (dict(modes=20), "modes: expected 0 for a rigid body, got 20"),
         (dict(mesh="piston.msh"), "piston: expected one of mesh, reduced and"),
-        (dict(rigid=SHEET | {"mass": "0 kg"}), "mass: expected a value above 0, got '0 kg'"),
+        (dict(rigid=SHEET | {"mass": "0 kg"}), "mass: expected a value above 0 kg, got '0 kg'"),
     ],
 )
 def test_a_data_sheet_that_is_not_whole_is_refused(piston, words, tmp_path, monkeypatch):
