@@ -188,8 +188,8 @@ def _read(plain, path, part):
 GEOMETRY = (".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".x_b", ".sat", ".stl", ".sldprt")
 """Suffixes of files of geometry."""
 FORMATS = (
-    "suffixes that are read: .msh (gmsh), .inp (Abaqus, CalculiX), .bdf, .nas, .fem, .dat "
-    "(Nastran), .cdb, .dat (Ansys), .med (Salome), .vtu, .vtk"
+    "readable suffixes: .msh (gmsh), .inp (Abaqus), .bdf/.nas/.fem/.dat (Nastran), .cdb/.dat "
+    "(Ansys), .med/.vtu/.vtk"
 )
 """Hint about the files that are read."""
 UNREADABLE = "expected a mesh file, got other or incomplete content"

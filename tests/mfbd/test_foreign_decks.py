@@ -274,11 +274,11 @@ DECKS = {
         None,
         "a mesh of tetrahedra, got geometry; mesh it",
     ),
-    "ls_dyna.k": ("*KEYWORD\n" + ABAQUS, None, "suffixes that are read: .msh"),
-    "ideas.unv": ("    -1\n  2411\n", None, "suffixes that are read: .msh"),
+    "ls_dyna.k": ("*KEYWORD\n" + ABAQUS, None, "readable suffixes: .msh"),
+    "ideas.unv": ("    -1\n  2411\n", None, "readable suffixes: .msh"),
     "cut_off.inp.xz": ("no archive", None, "expected a compressed mesh, got"),
     "text.med": ("no HDF5", None, "expected a MED file in HDF5"),
-    "empty.inp": ("", None, "suffixes that are read: .msh"),
+    "empty.inp": ("", None, "readable suffixes: .msh"),
 }
 """Text, members of sets and surfaces (None if rejected), and a pattern in error or remarks."""
 
